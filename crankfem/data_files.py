@@ -1,0 +1,38 @@
+"""Where the shipped engines and tables lie, in the wheel and in a checkout."""
+
+from pathlib import Path
+
+from geometry.errors import InputError
+
+
+def data_folder() -> Path:
+    """Return the folder of shipped data."""
+    here = Path(__file__).resolve().parent
+    inside = here / "data"
+    return inside if inside.is_dir() else here.parent / "data"
+
+
+def shipped_engines() -> tuple[str, ...]:
+    """Return the names of the shipped engine files."""
+    return tuple(sorted(path.stem for path in (data_folder() / "engines").glob("*.toml")))
+
+
+def engine_path(given: str | Path) -> Path:
+    """Find an engine file by path, or a shipped one by name.
+
+    Raises
+    ------
+    InputError
+        If there is neither.
+    """
+    path = Path(given)
+    if path.is_file():
+        return path
+    shipped = data_folder() / "engines" / f"{path.name.removesuffix('.toml')}.toml"
+    if path.parent == Path() and shipped.is_file():
+        return shipped
+    kind = "is a folder, not a file" if path.is_dir() else "does not exist"
+    raise InputError(
+        f"{given}: {kind}; give the path of an engine file, or the name of a shipped one "
+        f"({', '.join(shipped_engines())})."
+    )

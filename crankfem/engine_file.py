@@ -1,0 +1,380 @@
+"""Engine files: every section, field, unit and range, and the checks between them."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+from pydantic import Field, model_validator
+
+from crankfem.data_files import data_folder, engine_path
+from crankfem.toml_file import InputRecord, TomlFile, read_toml
+from fem.material import STEEL, Material
+from geometry.errors import InputError
+from geometry.model import InputModel, quantity_field
+from geometry.quantity import parse_quantity, show_quantity
+from geometry.throw import CrankThrow
+from regression.study import StudyPlan
+
+
+class Engine(InputModel):
+    """Cylinders, speeds and crank arrangement. Fields are declared once, below."""
+
+    section: ClassVar[str] = "engine"
+
+    name: str = Field(description="what to call the engine")
+    cylinders: int = Field(ge=1, le=24, description="number of cylinders in line, 1 to 24")
+    strokes: int = Field(description="4 or 2 strokes per cycle")
+    bore: float = quantity_field("cylinder bore", "m", minimum=0.01, maximum=2.0)
+    stroke: float = quantity_field("piston stroke", "m", minimum=0.01, maximum=5.0)
+    rated_speed: float = quantity_field("rated speed", "rad/s", minimum=0.5, maximum=3000.0)
+    lowest_speed: float = quantity_field(
+        "lowest running speed", "rad/s", minimum=0.1, maximum=3000.0
+    )
+    highest_speed: float = quantity_field(
+        "highest running speed", "rad/s", minimum=0.5, maximum=3000.0
+    )
+    crank_angles: tuple[float, ...] = quantity_field(
+        "angle of each crank from the first, in the order in which they reach the top", "rad"
+    )
+    firing_order: tuple[int, ...] = Field(description="cylinder numbers in firing order")
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if self.strokes not in (2, 4):
+            raise InputError(f"engine.strokes: given {self.strokes}; allowed are 2 and 4.")
+        if not self.lowest_speed < self.highest_speed:
+            raise InputError(
+                f"engine.lowest_speed: given {show_quantity(self.lowest_speed, 'rad/s')}; allowed is less "
+                f"than highest_speed, {show_quantity(self.highest_speed, 'rad/s')}."
+            )
+        if len(self.crank_angles) != self.cylinders:
+            raise InputError(
+                f"engine.crank_angles: given {len(self.crank_angles)} angles; allowed is one for each of "
+                f"the {self.cylinders} cylinders."
+            )
+        if sorted(self.firing_order) != list(range(1, self.cylinders + 1)):
+            raise InputError(
+                f"engine.firing_order: given {list(self.firing_order)}; allowed is each cylinder number "
+                f"from 1 to {self.cylinders} once."
+            )
+        self._check_firing()
+        return self
+
+    def _check_firing(self) -> None:
+        """Each crank must be at the top when its cylinder fires."""
+        for sense in (1.0, -1.0):
+            offsets = [
+                math.remainder(firing - sense * crank, 2.0 * math.pi)
+                for firing, crank in zip(self.firing_angles, self.crank_angles, strict=True)
+            ]
+            if max(abs(offset - offsets[0]) for offset in offsets) < 1e-6:
+                return
+        raise InputError(
+            f"engine.firing_order: given {list(self.firing_order)}, which does not fit the crank angles "
+            f"{[round(math.degrees(angle), 3) for angle in self.crank_angles]} deg at even firing "
+            "intervals; allowed is an order in which each crank is at the top when its cylinder fires."
+        )
+
+    @property
+    def firing_angles(self) -> tuple[float, ...]:
+        """Crank angle at which each cylinder fires, at even intervals [rad]."""
+        cycle = math.pi * self.strokes
+        return tuple(
+            self.firing_order.index(cylinder) * cycle / self.cylinders
+            for cylinder in range(1, self.cylinders + 1)
+        )
+
+
+class Rod(InputModel):
+    """Connecting rod."""
+
+    section: ClassVar[str] = "rod"
+
+    length: float = quantity_field("connecting-rod length", "m", minimum=0.02, maximum=10.0)
+    mass: float = quantity_field("connecting-rod mass", "kg", minimum=1e-3, maximum=2e4)
+    rotating_mass: float = quantity_field(
+        "share of the rod's mass that turns with the crankpin", "kg", minimum=0.0, maximum=2e4
+    )
+
+    @model_validator(mode="after")
+    def _share_below_whole(self) -> Self:
+        if self.rotating_mass >= self.mass:
+            raise InputError(
+                f"rod.rotating_mass: given {self.rotating_mass:g} kg; allowed is less than the rod's mass "
+                f"of {self.mass:g} kg."
+            )
+        return self
+
+
+class Piston(InputModel):
+    """Piston with rings and gudgeon pin; crosshead and piston rod where the engine has them."""
+
+    section: ClassVar[str] = "piston"
+
+    mass: float = quantity_field("mass of the piston set", "kg", minimum=1e-3, maximum=2e4)
+
+
+class Flywheel(InputModel):
+    """Flywheel, rigid on the last main journal."""
+
+    section: ClassVar[str] = "flywheel"
+
+    inertia: float = quantity_field("flywheel inertia", "kg m^2", minimum=1e-5, maximum=1e7)
+    mass: float = quantity_field("flywheel mass", "kg", minimum=1e-2, maximum=1e6)
+
+
+class FreeEnd(InputModel):
+    """What the free end carries."""
+
+    section: ClassVar[str] = "free_end"
+
+    inertia: float = quantity_field(
+        "inertia at the free end", "kg m^2", minimum=1e-7, maximum=1e6
+    )
+
+
+class ThrustBearing(InputModel):
+    """Thrust bearing with its housing."""
+
+    section: ClassVar[str] = "thrust_bearing"
+
+    stiffness: float = quantity_field("axial stiffness", "N/m", minimum=1e4, maximum=1e13)
+    bearing: int = Field(ge=0, le=24, description="main bearing it sits at, 0 at the free end")
+
+
+class Gas(InputModel):
+    """Gas pressure in the cylinder."""
+
+    section: ClassVar[str] = "gas"
+
+    peak_pressure: float = quantity_field(
+        "largest gas pressure above ambient", "Pa", minimum=1e4, maximum=1e8
+    )
+
+
+class VibrationSettings(InputModel):
+    """Choices for the vibration calculation."""
+
+    section: ClassVar[str] = "vibration"
+
+    axial_source: str = Field("fe", description="source of axial compliances: fe, regression or a formula")
+    torsional_source: str = Field(
+        "fe", description="source of torsional compliances: fe, regression or a formula"
+    )
+    highest_order: float = quantity_field(
+        "highest harmonic order considered", "", minimum=0.5, maximum=48.0, default=12.0
+    )
+
+
+class TorqueTable(InputModel):
+    """Torque of one throw over a cycle, as a table."""
+
+    section: ClassVar[str] = "torque"
+
+    table: str = Field(description="CSV file beside the engine file, or a shipped table")
+
+
+class TwoMassInput(InputModel):
+    """An engine reduced to two masses on an equivalent shaft."""
+
+    section: ClassVar[str] = "two_mass_check"
+
+    shaft_diameter: float = quantity_field("equivalent shaft diameter", "m", minimum=1e-3, maximum=2.0)
+    shaft_length: float = quantity_field("equivalent shaft length", "m", minimum=1e-3, maximum=100.0)
+    shear_modulus: float = quantity_field("shear modulus", "Pa", minimum=1e9, maximum=5e11)
+    engine_inertia: float = quantity_field("engine inertia", "kg m^2", minimum=1e-6, maximum=1e7)
+    flywheel_inertia: float = quantity_field("flywheel inertia", "kg m^2", minimum=1e-6, maximum=1e7)
+    order: float = quantity_field("harmonic order examined", "", minimum=0.5, maximum=48.0)
+
+
+@dataclass(frozen=True)
+class EngineFile:
+    """An engine file, read and checked.
+
+    Attributes
+    ----------
+    path : Path
+    engine, throw, material, rod, piston, flywheel, thrust_bearing, vibration
+        Its sections.
+    free_end, gas, torque_table, two_mass, study
+        Optional sections; None where the file lacks them.
+    records : tuple of InputRecord
+        Every value with its source.
+    sources : dict
+        Short name to full citation.
+    """
+
+    path: Path
+    engine: Engine
+    throw: CrankThrow
+    material: Material
+    rod: Rod
+    piston: Piston
+    flywheel: Flywheel
+    thrust_bearing: ThrustBearing
+    vibration: VibrationSettings
+    free_end: FreeEnd | None
+    gas: Gas | None
+    torque_table: Path | None
+    two_mass: TwoMassInput | None
+    study: StudyPlan | None
+    records: tuple[InputRecord, ...]
+    sources: dict[str, str]
+
+    @property
+    def assumed(self) -> tuple[InputRecord, ...]:
+        """The values that nobody gave."""
+        return tuple(record for record in self.records if record.assumed)
+
+
+REQUIRED = {
+    "engine": True,
+    "throw": True,
+    "material": False,
+    "rod": True,
+    "piston": True,
+    "flywheel": True,
+    "free_end": False,
+    "thrust_bearing": True,
+    "gas": False,
+    "vibration": False,
+    "torque": False,
+    "two_mass_check": False,
+    "study": False,
+}
+
+
+def load_engine(path: str | Path) -> EngineFile:
+    """Read and check an engine file.
+
+    Parameters
+    ----------
+    path : path
+        The file, or the name of a shipped engine.
+
+    Raises
+    ------
+    InputError
+        With one sentence that names the field, what was given and what is allowed.
+    """
+    content = read_toml(engine_path(path))
+    content.check_sections(REQUIRED)
+    engine = _required(content.model("engine", Engine))
+    throw = _required(content.model("throw", CrankThrow))
+    material = content.model("material", Material) or STEEL
+    if not math.isclose(2.0 * throw.crank_radius, engine.stroke, rel_tol=1e-3):
+        raise InputError(
+            f"throw.crank_radius: given {show_quantity(throw.crank_radius, 'm')}; allowed is half of "
+            f"engine.stroke, {show_quantity(engine.stroke / 2.0, 'm')}."
+        )
+    rod = _required(content.model("rod", Rod))
+    if rod.length <= 1.5 * throw.crank_radius:
+        raise InputError(
+            f"rod.length: given {show_quantity(rod.length, 'm')}; allowed is more than 1.5 crank radii, "
+            f"{show_quantity(1.5 * throw.crank_radius, 'm')}, or the mechanism cannot turn."
+        )
+    thrust = _required(content.model("thrust_bearing", ThrustBearing))
+    if thrust.bearing > engine.cylinders:
+        raise InputError(
+            f"thrust_bearing.bearing: given {thrust.bearing}; allowed is 0 (free end) to "
+            f"{engine.cylinders} (flywheel)."
+        )
+    torque = content.model("torque", TorqueTable)
+    return EngineFile(
+        path=content.path,
+        engine=engine,
+        throw=throw,
+        material=material,
+        rod=rod,
+        piston=_required(content.model("piston", Piston)),
+        flywheel=_required(content.model("flywheel", Flywheel)),
+        thrust_bearing=thrust,
+        vibration=content.model("vibration", VibrationSettings) or VibrationSettings(),
+        free_end=content.model("free_end", FreeEnd),
+        gas=content.model("gas", Gas),
+        torque_table=None if torque is None else _find_table(content.path, torque.table),
+        two_mass=content.model("two_mass_check", TwoMassInput),
+        study=_study_plan(content, throw, material),
+        records=tuple(content.records),
+        sources=content.sources,
+    )
+
+
+def load_throw(path: str | Path) -> tuple[CrankThrow, Material]:
+    """Read only the throw and its material from an engine or study file.
+
+    Raises
+    ------
+    InputError
+    """
+    content = read_toml(engine_path(path))
+    content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
+    throw = _required(content.model("throw", CrankThrow))
+    return throw, content.model("material", Material) or STEEL
+
+
+def load_study(path: str | Path) -> StudyPlan:
+    """Read the plan of a study from a file with the sections [throw] and [study].
+
+    Raises
+    ------
+    InputError
+    """
+    content = read_toml(engine_path(path))
+    content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True, "study": True})
+    throw = _required(content.model("throw", CrankThrow))
+    return _required(_study_plan(content, throw, content.model("material", Material) or STEEL))
+
+
+def _required(section: Any) -> Any:
+    """Return a section that `check_sections` has made sure of."""
+    assert section is not None
+    return section
+
+
+def _find_table(engine_file: Path, name: str) -> Path:
+    for path in (engine_file.parent / name, data_folder() / "tables" / name):
+        if path.is_file():
+            return path
+    raise InputError(
+        f"torque.table: given {name!r}, which is neither beside the engine file nor a shipped table."
+    )
+
+
+def _study_plan(content: TomlFile, throw: CrankThrow, material: Material) -> StudyPlan | None:
+    values = content.sections.get("study")
+    if values is None:
+        return None
+    allowed = ("factors", "held_out", "seed", "accuracy")
+    for name in values:
+        if name not in allowed:
+            raise InputError(f"study.{name}: unknown field; allowed are {', '.join(allowed)}.")
+    factors = values.get("factors", {})
+    if not isinstance(factors, dict):
+        raise InputError(
+            f"study.factors: given {factors!r}; allowed is a section [study.factors] with levels, like "
+            'web_width = ["270 mm", "300 mm", "330 mm"].'
+        )
+    levels = {}
+    for name, texts in factors.items():
+        if not isinstance(texts, list):
+            raise InputError(
+                f"study.factors.{name}: given {texts!r}; allowed is a list of levels, like "
+                '["270 mm", "300 mm", "330 mm"].'
+            )
+        levels[name] = tuple(
+            parse_quantity(text, "m", f"study.factors.{name}[{place}]") for place, text in enumerate(texts)
+        )
+    numbers = {}
+    for name, kind, low, high, default in (
+        ("held_out", int, 1, 1000, 8),
+        ("seed", int, 0, 2**31 - 1, 1),
+        ("accuracy", float, 0.001, 0.1, 0.01),
+    ):
+        given = values.get(name, default)
+        fits = isinstance(given, int | float) and not isinstance(given, bool) and low <= given <= high
+        if not fits or kind(given) != given:
+            raise InputError(f"study.{name}: given {given!r}; allowed is {low} to {high}.")
+        numbers[name] = kind(given)
+    return StudyPlan(throw=throw, levels=levels, material=material, **numbers)

@@ -1,0 +1,1 @@
+"""Harmonics, lumped chains, critical speeds. Internal: import `crankfem`."""

@@ -1,0 +1,206 @@
+"""Checks of numbers and arrays that come from outside, each failing with one clear sentence."""
+
+import math
+import operator
+from collections.abc import Mapping
+from typing import SupportsIndex
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from geometry.errors import InputError
+
+FloatArray = NDArray[np.float64]
+
+
+def finite_array(field: str, values: ArrayLike) -> FloatArray:
+    """Return values as a new array of finite floats of any shape.
+
+    Raises
+    ------
+    InputError
+        If a value is not a real number, not finite, or the rows are of unequal length.
+    """
+    try:
+        raw = np.asarray(values)
+    except ValueError:
+        raise InputError(
+            f"{field}: given rows of unequal length; allowed is one regular array of numbers, "
+            "because every value is used at its place."
+        ) from None
+    if raw.dtype.kind not in "iuf":
+        raise InputError(
+            f"{field}: given values of type {raw.dtype.name}; allowed are real numbers only, "
+            "because text and other types carry no value in SI units."
+        )
+    array = np.array(raw, dtype=np.float64)
+    if not np.all(np.isfinite(array)):
+        place = np.argwhere(~np.isfinite(array))[0]
+        index = "".join(f"[{number}]" for number in place)
+        raise InputError(
+            f"{field}{index}: given {array[tuple(place)]}; allowed are finite numbers, "
+            "because a missing or infinite value would spread to every result."
+        )
+    return array
+
+
+def finite_vector(field: str, values: ArrayLike) -> FloatArray:
+    """Return values as a new one-dimensional array of finite floats.
+
+    Raises
+    ------
+    InputError
+        As `finite_array`, and if the array has not exactly one dimension.
+    """
+    array = finite_array(field, values)
+    if array.ndim != 1:
+        raise InputError(
+            f"{field}: given an array of {array.ndim} dimensions; allowed is one dimension, "
+            "because the values stand in a row."
+        )
+    return array
+
+
+def positive_vector(field: str, values: ArrayLike, unit: str, reason: str) -> FloatArray:
+    """Return values as a one-dimensional array, all above zero.
+
+    Raises
+    ------
+    InputError
+        As `finite_vector`, and if a value is zero or negative.
+    """
+    return _bounded_vector(field, values, unit, reason, zero_allowed=False)
+
+
+def nonnegative_vector(field: str, values: ArrayLike, unit: str, reason: str) -> FloatArray:
+    """Return values as a one-dimensional array, none below zero.
+
+    Raises
+    ------
+    InputError
+        As `finite_vector`, and if a value is negative.
+    """
+    return _bounded_vector(field, values, unit, reason, zero_allowed=True)
+
+
+def positive_number(field: str, value: float, unit: str, reason: str) -> float:
+    """Return one finite float above zero.
+
+    Raises
+    ------
+    InputError
+        If the value is not a finite real number above zero.
+    """
+    return _bounded_number(field, value, unit, reason, zero_allowed=False)
+
+
+def nonnegative_number(field: str, value: float, unit: str, reason: str) -> float:
+    """Return one finite float that is zero or above.
+
+    Raises
+    ------
+    InputError
+        If the value is not a finite real number of zero or more.
+    """
+    return _bounded_number(field, value, unit, reason, zero_allowed=True)
+
+
+def node_index(field: str, node: SupportsIndex, count: int) -> int:
+    """Return the number of a node of a chain of `count` nodes, 0 the first.
+
+    Raises
+    ------
+    InputError
+        If the node is not a whole number from 0 to count - 1.
+    """
+    allowed = f"allowed are the whole numbers 0 to {count - 1}, because the chain has {count} nodes"
+    try:
+        index = operator.index(node)
+    except TypeError:
+        raise InputError(f"{field}: given {node!r}; {allowed}.") from None
+    if not 0 <= index < count:
+        raise InputError(f"{field}: given {index}; {allowed}.")
+    return index
+
+
+def values_at_nodes(
+    field: str,
+    values: ArrayLike | Mapping[int, float] | None,
+    count: int,
+    unit: str,
+    reason: str,
+) -> FloatArray:
+    """Return one value per node, none below zero, from an array or a mapping node -> value.
+
+    Parameters
+    ----------
+    field, unit, reason : str
+        What to call the values in messages, their unit, and why none may be negative.
+    values : array_like of shape (count,), mapping or None
+        Nodes that a mapping leaves out, and all nodes for None, get zero.
+    count : int
+        Number of nodes.
+
+    Raises
+    ------
+    InputError
+        If the length or a node number does not fit, or a value is negative or not finite.
+    """
+    if values is None:
+        return np.zeros(count)
+    if isinstance(values, Mapping):
+        array = np.zeros(count)
+        for node, value in values.items():
+            name = f"{field}[{node!r}]"
+            array[node_index(name, node, count)] = nonnegative_number(name, value, unit, reason)
+        return array
+    array = nonnegative_vector(field, values, unit, reason)
+    if array.size != count:
+        raise InputError(
+            f"{field}: given {array.size} values; allowed are exactly {count}, "
+            "because there is one for each node."
+        )
+    return array
+
+
+def read_only(array: FloatArray) -> FloatArray:
+    """Return the same array, closed to writing."""
+    array.setflags(write=False)
+    return array
+
+
+def _with_unit(value: float, unit: str) -> str:
+    return f"{value:g} {unit}".rstrip()
+
+
+def _allowed(unit: str, reason: str, *, zero_allowed: bool) -> str:
+    least = "zero or more" if zero_allowed else "more than zero"
+    where = f" in {unit}" if unit else ""
+    return f"allowed are finite numbers of {least}{where}, because {reason}"
+
+
+def _bounded_vector(
+    field: str, values: ArrayLike, unit: str, reason: str, *, zero_allowed: bool
+) -> FloatArray:
+    array = finite_vector(field, values)
+    refused = np.flatnonzero(array < 0.0 if zero_allowed else array <= 0.0)
+    if refused.size:
+        first = int(refused[0])
+        raise InputError(
+            f"{field}[{first}]: given {_with_unit(array[first], unit)}; "
+            f"{_allowed(unit, reason, zero_allowed=zero_allowed)}."
+        )
+    return array
+
+
+def _bounded_number(
+    field: str, value: float, unit: str, reason: str, *, zero_allowed: bool
+) -> float:
+    allowed = _allowed(unit, reason, zero_allowed=zero_allowed)
+    raw = np.asarray(value)
+    if raw.ndim != 0 or raw.dtype.kind not in "iuf":
+        raise InputError(f"{field}: given {value!r}; {allowed}.")
+    number = float(raw)
+    if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero_allowed):
+        raise InputError(f"{field}: given {_with_unit(number, unit)}; {allowed}.")
+    return number

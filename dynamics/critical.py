@@ -1,0 +1,239 @@
+"""Critical speeds: where an engine order meets a natural frequency, and which orders are major."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import (
+    FloatArray,
+    finite_vector,
+    nonnegative_vector,
+    positive_number,
+    positive_vector,
+)
+from dynamics.cycle import cycle_degrees, order_step
+from geometry.errors import InputError
+
+# A vector sum counts as full within this share of its largest possible value.
+FULL_SUM_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class CriticalSpeed:
+    """A speed at which one order of the excitation meets one natural frequency.
+
+    Parameters
+    ----------
+    mode : int
+        Place of the frequency among those given, from 0. In a free chain, where 0 is the
+        rigid-body mode, it is the number of the mode's nodes.
+    frequency : float
+        Natural frequency [Hz].
+    order : float
+        Order of the excitation, in cycles per crankshaft revolution.
+    speed : float
+        Speed of the crankshaft [rad/s].
+    """
+
+    mode: int
+    frequency: float
+    order: float
+    speed: float
+
+    @property
+    def speed_rpm(self) -> float:
+        """Speed of the crankshaft [1/min]."""
+        return self.speed * 30.0 / math.pi
+
+
+def engine_orders(strokes: int, highest: float) -> FloatArray:
+    """Return the orders of an engine up to a highest one.
+
+    Parameters
+    ----------
+    strokes : int
+        Strokes per cycle: 4 gives 0.5, 1, 1.5 ..., 2 gives 1, 2, 3 ...
+    highest : float
+        Highest order wanted, in cycles per crankshaft revolution.
+
+    Returns
+    -------
+    ndarray of shape (K,)
+        Orders, ascending.
+
+    Raises
+    ------
+    InputError
+        If strokes is neither 2 nor 4, or `highest` lies below the lowest order.
+    """
+    step = order_step(strokes)
+    limit = positive_number("highest", highest, "", "orders count cycles per revolution")
+    count = math.floor(limit / step * (1.0 + 1e-12))
+    if count == 0:
+        raise InputError(
+            f"highest: given {limit:g}; allowed is {step:g} or more, because that is the lowest "
+            f"order of an engine with {strokes} strokes per cycle."
+        )
+    return step * np.arange(1, count + 1, dtype=np.float64)
+
+
+def critical_speeds(
+    frequencies: ArrayLike, orders: ArrayLike, speed_range: tuple[float, float]
+) -> tuple[CriticalSpeed, ...]:
+    """Find the speeds within a range at which an order meets a natural frequency.
+
+    Parameters
+    ----------
+    frequencies : array_like of shape (n,)
+        Natural frequencies [Hz]; 0, a rigid-body mode, has no critical speed.
+    orders : array_like of shape (K,)
+        Orders of the excitation, in cycles per crankshaft revolution.
+    speed_range : tuple of two floats
+        Lowest and highest crankshaft speed [rad/s], both included.
+
+    Returns
+    -------
+    tuple of CriticalSpeed
+        In ascending speed.
+
+    Raises
+    ------
+    InputError
+        If a frequency is negative, an order is not above zero, or the range is not above zero and
+        ascending.
+
+    Notes
+    -----
+    order * speed = 2 pi f, (13) in Makushev, Polyakova 2024,
+    doi 10.25206/1813-8225-2024-191-39-47.
+    """
+    natural = nonnegative_vector("frequencies", frequencies, "Hz", "they count vibrations in time")
+    excited = positive_vector("orders", orders, "", "they count cycles per revolution")
+    low, high = _checked_range(speed_range)
+    found: list[CriticalSpeed] = []
+    for mode, frequency in enumerate(natural.tolist()):
+        for order in excited.tolist():
+            speed = 2.0 * math.pi * frequency / order
+            if low <= speed <= high:
+                found.append(CriticalSpeed(mode, frequency, order, speed))
+    return tuple(sorted(found, key=lambda item: (item.speed, item.mode, item.order)))
+
+
+def even_firing_angles(firing_order: Sequence[int], strokes: int = 4) -> FloatArray:
+    """Return the crank angle at which each cylinder fires, at even intervals over the cycle.
+
+    Parameters
+    ----------
+    firing_order : sequence of int
+        Cylinder numbers from 1 in the order of firing, such as (1, 3, 4, 2).
+    strokes : int
+        Strokes per cycle, 2 or 4.
+
+    Returns
+    -------
+    ndarray of shape (cylinders,)
+        Firing angle by cylinder [rad of crank angle], 0 for the first to fire.
+
+    Raises
+    ------
+    InputError
+        If the firing order does not name each cylinder once.
+
+    Examples
+    --------
+    >>> np.degrees(even_firing_angles((1, 3, 4, 2))).round(9).tolist()
+    [0.0, 540.0, 180.0, 360.0]
+    """
+    count = len(firing_order)
+    if count == 0 or sorted(firing_order) != list(range(1, count + 1)):
+        raise InputError(
+            f"firing_order: given {tuple(firing_order)}; allowed is each cylinder number from 1 to "
+            f"{max(count, 1)} once, because each cylinder fires once a cycle."
+        )
+    angles = np.empty(count)
+    interval = math.radians(cycle_degrees(strokes)) / count
+    angles[np.asarray(firing_order, dtype=np.intp) - 1] = interval * np.arange(count)
+    return angles
+
+
+def vector_sums(
+    orders: ArrayLike, firing_angles: ArrayLike, weights: ArrayLike | None = None
+) -> FloatArray:
+    """Sum the unit phasors of all cylinders for each order.
+
+    Parameters
+    ----------
+    orders : array_like of shape (K,)
+        Orders, in cycles per crankshaft revolution.
+    firing_angles : array_like of shape (J,)
+        Crank angle in the cycle at which each cylinder fires [rad].
+    weights : array_like of shape (J,), optional
+        Displacement of the mode shape at each cylinder; 1 by default.
+
+    Returns
+    -------
+    ndarray of shape (K,)
+        | sum over j of w_j exp(i order angle_j) |; the number of cylinders at a major order when
+        all weights are 1.
+
+    Raises
+    ------
+    InputError
+        If an order is not above zero, a value is not finite, or the lengths differ.
+    """
+    excited = positive_vector("orders", orders, "", "they count cycles per revolution")
+    angles = finite_vector("firing_angles", firing_angles)
+    if angles.size == 0:
+        raise InputError(
+            "firing_angles: given no values; allowed are one or more, because each cylinder fires."
+        )
+    shares = np.ones(angles.size) if weights is None else finite_vector("weights", weights)
+    if shares.size != angles.size:
+        raise InputError(
+            f"weights: given {shares.size} values for {angles.size} firing angles; allowed are "
+            f"exactly {angles.size}, because there is one for each cylinder."
+        )
+    phasors = np.exp(1j * np.outer(excited, angles))
+    return np.asarray(np.abs(phasors @ shares), dtype=np.float64)
+
+
+def major_orders(orders: ArrayLike, firing_angles: ArrayLike) -> FloatArray:
+    """Return those orders at which all cylinders act in phase.
+
+    Parameters
+    ----------
+    orders : array_like of shape (K,)
+        Orders to look among, in cycles per crankshaft revolution.
+    firing_angles : array_like of shape (J,)
+        Crank angle in the cycle at which each cylinder fires [rad].
+
+    Returns
+    -------
+    ndarray of shape (L,)
+        The major orders, in the sequence given; for even firing, the multiples of the number of
+        ignitions per revolution.
+
+    Raises
+    ------
+    InputError
+        As `vector_sums`.
+    """
+    sums = vector_sums(orders, firing_angles)
+    cylinders = np.size(firing_angles)
+    return finite_vector("orders", orders)[sums >= (1.0 - FULL_SUM_TOLERANCE) * cylinders]
+
+
+def _checked_range(speed_range: tuple[float, float]) -> tuple[float, float]:
+    limits = positive_vector(
+        "speed_range", speed_range, "rad/s", "a critical speed is that of a turning shaft"
+    )
+    if limits.size != 2 or not limits[0] < limits[1]:
+        given = ", ".join(f"{limit:g}" for limit in limits)
+        raise InputError(
+            f"speed_range: given ({given}) rad/s; allowed is the lowest speed and then a higher "
+            "one, because critical speeds are looked for between them."
+        )
+    return float(limits[0]), float(limits[1])

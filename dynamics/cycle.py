@@ -1,0 +1,69 @@
+"""The working cycle: its length in crank angle, its order step, and even angles over it."""
+
+import numpy as np
+
+from dynamics.checks import FloatArray
+from geometry.errors import InputError
+
+# A sample may lie off its even place by this share of the step: room for angles printed rounded.
+PLACE_TOLERANCE = 0.02
+
+
+def checked_strokes(strokes: int) -> int:
+    """Return the number of strokes per cycle, 2 or 4.
+
+    Raises
+    ------
+    InputError
+        For any other value.
+    """
+    if isinstance(strokes, bool) or strokes not in (2, 4):
+        raise InputError(
+            f"strokes: given {strokes!r}; allowed are 2 and 4, because the cycle takes one or two "
+            "crankshaft revolutions."
+        )
+    return int(strokes)
+
+
+def cycle_degrees(strokes: int) -> float:
+    """Return the length of one cycle in degrees of crank angle: 720 or 360."""
+    return 180.0 * checked_strokes(strokes)
+
+
+def order_step(strokes: int) -> float:
+    """Return the lowest harmonic order, in cycles per crankshaft revolution: 0.5 or 1."""
+    return 2.0 / checked_strokes(strokes)
+
+
+def mean_step(angles_deg: FloatArray) -> float:
+    """Return the mean distance between neighbors of n >= 2 increasing angles, shape (n,)."""
+    return float((angles_deg[-1] - angles_deg[0]) / (angles_deg.size - 1))
+
+
+def first_not_increasing(angles_deg: FloatArray) -> int | None:
+    """Return the index of the first angle that is not above the one before it, or None."""
+    found = np.flatnonzero(np.diff(angles_deg) <= 0.0)
+    return int(found[0]) + 1 if found.size else None
+
+
+def first_uneven(angles_deg: FloatArray) -> int | None:
+    """Return the index of the angle after the most unusual gap, or None for even angles."""
+    step = mean_step(angles_deg)
+    even = angles_deg[0] + step * np.arange(angles_deg.size)
+    if np.all(np.abs(angles_deg - even) <= PLACE_TOLERANCE * step):
+        return None
+    gaps = np.diff(angles_deg)
+    return int(np.argmax(np.abs(gaps - np.median(gaps)))) + 1
+
+
+def has_closing_sample(angles_deg: FloatArray, cycle_deg: float) -> bool:
+    """Tell whether the last of the evenly spaced angles lies one cycle after the first."""
+    span = float(angles_deg[-1] - angles_deg[0])
+    return abs(span - cycle_deg) <= 2 * PLACE_TOLERANCE * mean_step(angles_deg)
+
+
+def covers_cycle(angles_deg: FloatArray, cycle_deg: float) -> bool:
+    """Tell whether the next evenly spaced angle would be the first one of the next cycle."""
+    step = mean_step(angles_deg)
+    span = float(angles_deg[-1] - angles_deg[0])
+    return abs(span + step - cycle_deg) <= 2 * PLACE_TOLERANCE * step

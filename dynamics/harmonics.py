@@ -1,0 +1,284 @@
+"""Harmonic analysis of a torque or force that repeats every working cycle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_array, finite_vector, read_only
+from dynamics.cycle import (
+    checked_strokes,
+    covers_cycle,
+    cycle_degrees,
+    first_not_increasing,
+    first_uneven,
+    has_closing_sample,
+    mean_step,
+    order_step,
+)
+from geometry.errors import InputError
+
+# A harmonic below this share of the largest sample is round-off and has no phase.
+ROUND_OFF_SHARE = 1e-13
+
+
+@dataclass(frozen=True, eq=False)
+class Harmonics:
+    """The harmonics of samples over one cycle: y = mean + sum of M_k sin(order x + a_k).
+
+    x is the crank angle and the order counts cycles per crankshaft revolution, so that the k-th
+    harmonic of the cycle has the order k/2 in a four-stroke and k in a two-stroke engine.
+
+    Parameters
+    ----------
+    orders : ndarray of shape (K,)
+        Orders, ascending; K is half the number of samples, rounded down.
+    amplitude : ndarray of shape (K,)
+        M_k, in the unit of the samples.
+    phase : ndarray of shape (K,)
+        a_k [rad], from 0 to below 2 pi; 0 for a harmonic that is round-off only.
+    cosine, sine : ndarray of shape (K,)
+        A_k and B_k of A_k cos(order x) + B_k sin(order x), in the unit of the samples.
+    mean : float
+        M_0, in the unit of the samples.
+    strokes : int
+        Strokes per cycle, 2 or 4.
+    samples : int
+        Number of samples that the harmonics were found from, without a closing sample.
+
+    Notes
+    -----
+    With an even number of samples the last order is the half sampling rate. There the samples
+    show one number only, alternating in sign: the amplitude is what the sample points show and
+    the phase is chosen so that the series meets them, but a component of this order whose zeros
+    fall on the sample points stays unseen.
+    """
+
+    orders: FloatArray
+    amplitude: FloatArray
+    phase: FloatArray
+    cosine: FloatArray
+    sine: FloatArray
+    mean: float
+    strokes: int
+    samples: int
+
+    @property
+    def highest_order(self) -> float:
+        """The highest order that the samples resolve, in cycles per crankshaft revolution."""
+        return float(self.orders[-1])
+
+    def resolves(self, order: float) -> bool:
+        """Tell whether the order is one of `orders`."""
+        return bool(np.any(np.isclose(self.orders, order, rtol=1e-9, atol=0.0)))
+
+    def index_of(self, order: float) -> int:
+        """Return where the order stands in `orders`.
+
+        Raises
+        ------
+        InputError
+            If the samples do not resolve the order.
+        """
+        if not self.resolves(order):
+            step = order_step(self.strokes)
+            raise InputError(
+                f"order: given {order:g}; allowed are {step:g} to {self.highest_order:g} in steps "
+                f"of {step:g}, because {self.samples} samples over one cycle resolve no others."
+            )
+        return int(np.argmin(np.abs(self.orders - order)))
+
+    def at(self, crank_angle: ArrayLike) -> FloatArray:
+        """Sum the series at crank angles; at the sample points it gives the samples.
+
+        Parameters
+        ----------
+        crank_angle : array_like of any shape
+            Crank angle x [rad].
+
+        Returns
+        -------
+        ndarray of the same shape
+            Values in the unit of the samples.
+
+        Raises
+        ------
+        InputError
+            If an angle is not a finite number.
+        """
+        arguments = finite_array("crank_angle", crank_angle)[..., np.newaxis] * self.orders
+        total = np.cos(arguments) @ self.cosine + np.sin(arguments) @ self.sine
+        return np.asarray(total + self.mean, dtype=np.float64)
+
+
+def harmonics(
+    samples: ArrayLike, strokes: int = 4, *, angles_deg: ArrayLike | None = None
+) -> Harmonics:
+    """Find the harmonics of samples taken evenly over one working cycle, by fast Fourier transform.
+
+    Parameters
+    ----------
+    samples : array_like of shape (m,)
+        At least 3 values over one cycle: 720 deg of crank angle for a four-stroke engine, 360 deg
+        for a two-stroke one. The closing sample, which repeats the first, is left out.
+    strokes : int
+        Strokes per cycle, 2 or 4.
+    angles_deg : array_like of shape (m,), optional
+        Crank angles of the samples [deg], to have them checked. They may start anywhere: phases
+        count from crank angle zero. Without them the first sample stands at zero.
+
+    Returns
+    -------
+    Harmonics
+        Orders up to half the number of samples per revolution.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than 3 samples, if one is not a finite number, or if the angles are not
+        even over one cycle without the closing sample.
+
+    Notes
+    -----
+    The coefficients are those of the finite sums (3) to (5) in Makushev, Polyakova, Omsk
+    Scientific Bulletin 2024 no. 3 (191), doi 10.25206/1813-8225-2024-191-39-47, and the phase is
+    that of its (1): M_k = sqrt(A_k^2 + B_k^2), tan a_k = A_k / B_k in the quadrant that the signs
+    give. For an even m the last term takes 1/m in place of 2/m, because there the squared cosine
+    sums to m and not to m/2; with it the series meets every sample.
+
+    Examples
+    --------
+    >>> angle = np.radians(np.arange(0, 720, 10))
+    >>> found = harmonics(50 + 8 * np.sin(1.5 * angle + 0.3))
+    >>> found.orders[:3].tolist(), round(found.mean, 9)
+    ([0.5, 1.0, 1.5], 50.0)
+    >>> round(float(found.amplitude[2]), 9), round(float(found.phase[2]), 9)
+    (8.0, 0.3)
+    """
+    values = _checked_samples(samples)
+    checked_strokes(strokes)
+    start = 0.0 if angles_deg is None else _checked_start(angles_deg, values.size, strokes)
+    transform = np.fft.rfft(values)
+    weights = _term_weights(values.size)
+    # A_k - i B_k for angles that count from the first sample, then from crank angle zero.
+    coefficients = weights * transform[1:]
+    coefficients *= np.exp(-1j * _orders(values.size, strokes) * np.radians(start))
+    mean = float(transform[0].real) / values.size
+    return _assembled(values, mean, coefficients.real, -coefficients.imag, strokes)
+
+
+def harmonics_by_sums(samples: ArrayLike, strokes: int = 4) -> Harmonics:
+    """Find the harmonics as `harmonics` does, by the finite sums as they stand in the paper.
+
+    Parameters
+    ----------
+    samples : array_like of shape (m,)
+        At least 3 values, evenly over one cycle from crank angle zero, closing sample left out.
+    strokes : int
+        Strokes per cycle, 2 or 4.
+
+    Returns
+    -------
+    Harmonics
+        Equal to that of `harmonics` up to round-off.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than 3 samples or one is not a finite number.
+
+    Notes
+    -----
+    Makushev, Polyakova 2024, doi 10.25206/1813-8225-2024-191-39-47, with x_j = 2 pi j / m:
+    A_k = 2/m sum y_j cos(k x_j) (3), B_k = 2/m sum y_j sin(k x_j) (4), M_0 = 1/m sum y_j (5).
+    The paper counts j from 1 to m; as y_m repeats y_0, that is the sum from 0 to m - 1.
+    """
+    values = _checked_samples(samples)
+    checked_strokes(strokes)
+    count = values.size
+    numbers = np.arange(1, count // 2 + 1)
+    # k j modulo m keeps the arguments below 2 pi, where cosine and sine are accurate.
+    arguments = 2.0 * np.pi / count * (np.outer(numbers, np.arange(count)) % count)
+    weights = _term_weights(count)
+    cosine = weights * (np.cos(arguments) @ values)
+    sine = weights * (np.sin(arguments) @ values)
+    return _assembled(values, float(values.sum()) / count, cosine, sine, strokes)
+
+
+def _checked_samples(samples: ArrayLike) -> FloatArray:
+    values = finite_vector("samples", samples)
+    if values.size < 3:
+        raise InputError(
+            f"samples: given {values.size} values; allowed are 3 or more, because fewer do not "
+            "show amplitude and phase of the lowest harmonic."
+        )
+    return values
+
+
+def _checked_start(angles_deg: ArrayLike, count: int, strokes: int) -> float:
+    """Return the first angle [deg] of angles that are even over one cycle."""
+    angles = finite_vector("angles_deg", angles_deg)
+    cycle = cycle_degrees(strokes)
+    if angles.size != count:
+        raise InputError(
+            f"angles_deg: given {angles.size} angles; allowed are exactly {count}, because there "
+            "is one for each sample."
+        )
+    index = first_not_increasing(angles)
+    if index is not None:
+        raise InputError(
+            f"angles_deg[{index}]: given {angles[index]:g} deg after {angles[index - 1]:g} deg; "
+            "allowed are strictly increasing angles, because the samples follow the crank."
+        )
+    index = first_uneven(angles)
+    if index is not None:
+        raise InputError(
+            f"angles_deg[{index}]: given {angles[index]:g} deg after {angles[index - 1]:g} deg; "
+            f"allowed are even steps (here {np.median(np.diff(angles)):g} deg), because the sums "
+            "weigh all samples alike."
+        )
+    if has_closing_sample(angles, cycle):
+        raise InputError(
+            f"angles_deg: given {angles[0]:g} to {angles[-1]:g} deg, which includes the closing "
+            f"sample; leave it out, because it repeats the first sample one cycle of {cycle:g} deg "
+            "later."
+        )
+    if not covers_cycle(angles, cycle):
+        raise InputError(
+            f"angles_deg: given {count} angles from {angles[0]:g} to {angles[-1]:g} deg, which "
+            f"cover {count * mean_step(angles):g} deg with their step; allowed is one cycle of "
+            f"{cycle:g} deg, because strokes is {strokes}."
+        )
+    return float(angles[0])
+
+
+def _orders(count: int, strokes: int) -> FloatArray:
+    return order_step(strokes) * np.arange(1, count // 2 + 1, dtype=np.float64)
+
+
+def _term_weights(count: int) -> FloatArray:
+    """Return 2/m for each harmonic, and 1/m for the one at half the sampling rate."""
+    weights = np.full(count // 2, 2.0 / count)
+    if count % 2 == 0:
+        weights[-1] = 1.0 / count
+    return weights
+
+
+def _assembled(
+    values: FloatArray, mean: float, cosine: FloatArray, sine: FloatArray, strokes: int
+) -> Harmonics:
+    amplitude = np.hypot(cosine, sine)
+    phase = np.arctan2(cosine, sine) % (2.0 * np.pi)
+    round_off = amplitude <= ROUND_OFF_SHARE * np.max(np.abs(values))
+    # A tiny negative angle becomes 2 pi itself by rounding in the modulo.
+    phase[round_off | (phase >= 2.0 * np.pi)] = 0.0
+    return Harmonics(
+        orders=read_only(_orders(values.size, strokes)),
+        amplitude=read_only(amplitude),
+        phase=read_only(phase),
+        cosine=read_only(cosine + 0.0),  # the sum turns a negative zero into zero
+        sine=read_only(sine + 0.0),
+        mean=mean,
+        strokes=int(strokes),
+        samples=int(values.size),
+    )

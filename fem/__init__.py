@@ -1,0 +1,1 @@
+"""Mesh to stiffness to superelement to compliance and reactions. Internal: import `crankfem`."""

@@ -1,0 +1,265 @@
+"""Analyze a throw: one call from dimensions to superelement, masses and an error estimate."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fem.assembly import assemble_stiffness
+from fem.condensation import CondensedClass, condense
+from fem.loads import uniform_pin_load
+from fem.material import STEEL, Material
+from fem.superelement import Superelement, combine_classes
+from fem.supports import Reactions, Support, SupportedThrow, reactions, support_throw
+from fem.symmetry import ALL_CLASSES, AXIAL, TORSIONAL, SymmetryClass
+from geometry.errors import InputError
+from geometry.mass import MassProperties, mass_properties
+from geometry.mesh import ThrowMesh, mesh_throw
+from geometry.throw import CrankThrow
+
+# The error of the compliance falls with the element size to this power: quadratic elements on smooth
+# fillets reach 2 before rounding at their root is resolved, and a sharp re-entrant corner allows 1.1.
+ORDER_FILLETED = 2.0
+ORDER_SHARP = 1.1
+COARSENING = 1.4
+MOST_REFINEMENTS = 3
+MOST_UNKNOWNS = 450_000
+SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
+
+
+@dataclass(frozen=True)
+class ThrowAnalysis:
+    """A throw's elastic and mass properties, from one mesh and one superelement.
+
+    Attributes
+    ----------
+    throw : CrankThrow
+    material : Material
+    superelement : Superelement
+    mesh : ThrowMesh
+        Mesh of the quarter that was solved.
+    classes : tuple of CondensedClass
+        The solved symmetry classes with their displacement fields.
+    masses : MassProperties
+    error_estimate : float
+        Estimated relative discretization error of the axial compliance (pinned), from two meshes
+        and the known order of convergence; the compliance is that much too small.
+    accuracy : float
+        The accuracy that was asked for.
+    """
+
+    throw: CrankThrow
+    material: Material
+    superelement: Superelement
+    mesh: ThrowMesh
+    classes: tuple[CondensedClass, ...] = field(repr=False)
+    masses: MassProperties
+    error_estimate: float
+    accuracy: float
+
+    @property
+    def stiffness(self) -> NDArray[np.float64]:
+        """Stiffness (12, 12): ux uy uz rx ry rz of the left, then the right end section [SI]."""
+        return self.superelement.stiffness
+
+    @property
+    def accuracy_met(self) -> bool:
+        """Whether the error estimate is within the accuracy asked for."""
+        return self.error_estimate <= self.accuracy
+
+    @property
+    def solver(self) -> str:
+        """The equation solver that was used."""
+        return self.classes[0].solver
+
+    @property
+    def mass(self) -> float:
+        """Mass of the throw [kg]."""
+        return self.masses.mass
+
+    @property
+    def center_of_mass(self) -> NDArray[np.float64]:
+        """Center of mass (3,) in the throw frame [m]."""
+        return self.masses.center
+
+    @property
+    def inertia(self) -> NDArray[np.float64]:
+        """Inertia tensor (3, 3) about the center of mass [kg m^2]."""
+        return self.masses.inertia
+
+    def supported(self, support: Support = "pinned") -> SupportedThrow:
+        """All compliances under one support."""
+        return support_throw(self.superelement, support)
+
+    def axial_compliance(self, support: Support = "pinned") -> float:
+        """Axial compliance e_n: lengthening per unit axial force [m/N].
+
+        Parameters
+        ----------
+        support : "pinned", "guided" or Neighbors
+            ``pinned``: end sections stay on the axis and tilt freely; ``guided``: they do not tilt;
+            ``Neighbors(left_deg, right_deg)``: between identical throws.
+
+        Raises
+        ------
+        InputError
+            If the support is none of these.
+        """
+        return self.supported(support).axial
+
+    def torsional_compliance(self, support: Support = "pinned") -> float:
+        """Twist per unit torque [rad/(N m)]; parameters as for `axial_compliance`."""
+        return self.supported(support).torsional
+
+    def influence_coefficient(self, support: Support = "pinned") -> float:
+        """Influence coefficient c of P = c Z / e_n: lengthening per unit radial force Z [m/N].
+
+        Z acts on the pin towards the shaft axis, spread uniformly over the pin's surface, and opens
+        the throw, so c > 0. Yamanin and Zhukov 2021, doi 10.24143/2073-1574-2021-4-75-83.
+        """
+        return self.supported(support).influence
+
+    def reactions(self, pin_force: ArrayLike, support: Support = "pinned") -> Reactions:
+        """Reactions of the supports on the throw under a force on the pin, axial motion blocked.
+
+        Parameters
+        ----------
+        pin_force : (3,) array_like
+            Force on the pin in the throw frame [N]; the radial force Z is ``(0, -Z, 0)``.
+        support : "pinned", "guided" or Neighbors
+            The left end takes the torque.
+
+        Returns
+        -------
+        Reactions
+            ``.left`` and ``.right``, each with ``.force`` [N] and ``.moment`` [N m] of shape (3,).
+
+        Raises
+        ------
+        InputError
+            If the force is not three finite numbers, or the support is unknown.
+        """
+        force = np.asarray(pin_force, dtype=float)
+        if force.shape != (3,) or not np.all(np.isfinite(force)):
+            raise InputError(f"pin_force: given {pin_force!r}; allowed are three finite numbers [N].")
+        return reactions(self.superelement, support, force)
+
+
+def analyze_throw(
+    throw: CrankThrow,
+    material: Material = STEEL,
+    accuracy: float = 0.01,
+    *,
+    classes: Sequence[SymmetryClass] = ALL_CLASSES,
+    solver: str = "auto",
+) -> ThrowAnalysis:
+    """Compute a throw's superelement, compliances, reactions and masses by finite elements.
+
+    The quarter of the throw is meshed twice; the difference and the known order of convergence give
+    the error estimate. The mesh is refined until the estimate meets `accuracy`.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+        The dimensions.
+    material : Material
+        Elastic constants and density.
+    accuracy : float
+        Wished relative accuracy of the axial compliance, 0.001 to 0.1.
+    classes : sequence of SymmetryClass
+        Which parts of the superelement to compute; all by default.
+    solver : {"auto", "pardiso", "superlu"}
+        Equation solver.
+
+    Returns
+    -------
+    ThrowAnalysis
+
+    Raises
+    ------
+    InputError
+        If `accuracy` is out of range.
+    MeshError, SolveError
+        If the throw cannot be meshed or solved.
+
+    Examples
+    --------
+    >>> import crankfem as cf
+    >>> throw = cf.CrankThrow(
+    ...     crank_radius=0.170, main_journal_diameter=0.220, pin_diameter=0.180,
+    ...     main_journal_length=0.120, pin_length=0.139, web_width=0.300, web_thickness=0.068,
+    ...     fillet_radius=0.012,
+    ... )
+    >>> analysis = cf.analyze_throw(throw, accuracy=0.02)
+    >>> print(f"{analysis.axial_compliance():.2e} m/N")
+    1.27e-09 m/N
+    """
+    if not 0.001 <= accuracy <= 0.1:
+        raise InputError(
+            f"accuracy: given {accuracy!r}; allowed is 0.001 to 0.1, the relative error of e_n."
+        )
+    order = ORDER_FILLETED if throw.fillet_radius > 0.0 else ORDER_SHARP
+    factor = _first_guess(accuracy, throw)
+    coarse = _Level.solve(throw, material, COARSENING * factor, solver)
+    for _ in range(MOST_REFINEMENTS):
+        level = _Level.solve(throw, material, factor, solver)
+        ratio = coarse.mesh.size_factor / factor
+        estimate = abs(level.axial - coarse.axial) / (ratio**order - 1.0) / level.axial
+        if estimate <= accuracy:
+            break
+        wanted = factor * max(0.4, (0.7 * accuracy / estimate) ** (1.0 / order))
+        if level.mesh.unknowns * (factor / wanted) ** 2.5 > MOST_UNKNOWNS:
+            break
+        coarse, factor = level, wanted
+    return ThrowAnalysis(
+        throw=throw,
+        material=material,
+        superelement=combine_classes(all_parts := level.condense(classes, solver)),
+        mesh=level.mesh,
+        classes=all_parts,
+        masses=mass_properties(throw, level.mesh, material.density),
+        error_estimate=float(estimate),
+        accuracy=accuracy,
+    )
+
+
+def _first_guess(accuracy: float, throw: CrankThrow) -> float:
+    """Size factor that usually meets the accuracy at once."""
+    if throw.fillet_radius > 0.0:
+        return 0.65 * float(np.sqrt(accuracy / 0.01))
+    return 0.5 * (accuracy / 0.01) ** (1.0 / ORDER_SHARP) if accuracy >= 0.005 else 0.25
+
+
+@dataclass(frozen=True)
+class _Level:
+    """One mesh with its axial class solved, which the error estimate needs first."""
+
+    mesh: ThrowMesh
+    stiffness: object
+    pin_shapes: NDArray[np.float64]
+    axial_class: CondensedClass
+
+    @classmethod
+    def solve(cls, throw: CrankThrow, material: Material, factor: float, solver: str) -> "_Level":
+        mesh = mesh_throw(throw, factor)
+        stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
+        shapes = uniform_pin_load(mesh)
+        return cls(mesh, stiffness, shapes, condense(mesh, stiffness, shapes, AXIAL, solver))
+
+    @property
+    def axial(self) -> float:
+        """Axial compliance, pinned [m/N]."""
+        part = self.axial_class.stiffness
+        return float(1.0 / (part[1, 1] - part[1, 2] ** 2 / part[2, 2]))
+
+    def condense(self, classes: Sequence[SymmetryClass], solver: str) -> tuple[CondensedClass, ...]:
+        return tuple(
+            self.axial_class
+            if symmetry == AXIAL
+            else condense(self.mesh, self.stiffness, self.pin_shapes, symmetry, solver)
+            for symmetry in classes
+        )
+
+
+__all__ = ["AXIAL", "SUPPORTS", "TORSIONAL", "ThrowAnalysis", "analyze_throw"]

@@ -1,0 +1,47 @@
+"""Loads on the pin: a force spread uniformly over its cylindrical surface."""
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import ElementTriP2, MeshTri1
+from skfem.quadrature import get_quadrature
+
+from geometry.mesh import EDGES, ThrowMesh
+from geometry.solid import PIN
+
+
+def uniform_pin_load(mesh: ThrowMesh) -> NDArray[np.float64]:
+    """Share of each node in a unit force spread uniformly over the quarter's pin surface.
+
+    Parameters
+    ----------
+    mesh : ThrowMesh
+        The quarter.
+
+    Returns
+    -------
+    (n,) array
+        Integrals of the shape functions over the surface, divided by its area; they sum to 1.
+    """
+    triangles = _six_node_triangles(mesh, mesh.surfaces[PIN])
+    where, weights = get_quadrature(MeshTri1.elem.refdom, 5)
+    element = ElementTriP2()
+    values = np.array([element.lbasis(where, i)[0] + np.zeros(where.shape[1]) for i in range(6)])
+    slopes = np.array([element.lbasis(where, i)[1] + np.zeros_like(where) for i in range(6)])
+    tangents = np.einsum("aiq,taj->tqij", slopes, mesh.points[triangles])
+    areas = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=2) * weights
+    shares = np.zeros(len(mesh.points))
+    np.add.at(shares, triangles, areas @ values.T)
+    return np.asarray(shares / shares.sum())
+
+
+def _six_node_triangles(mesh: ThrowMesh, corners: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Find the edge nodes of surface triangles, in scikit-fem's order (01, 12, 02)."""
+    size = len(mesh.points)
+    ends = np.concatenate([mesh.elements[:, [a, b]] for a, b in EDGES])
+    middles = np.concatenate([mesh.elements[:, node] for node in range(4, 10)])
+    keys = ends.min(axis=1) * size + ends.max(axis=1)
+    keys, first = np.unique(keys, return_index=True)
+    middles = middles[first]
+    edges = [corners[:, [a, b]] for a, b in ((0, 1), (1, 2), (0, 2))]
+    wanted = [edge.min(axis=1) * size + edge.max(axis=1) for edge in edges]
+    return np.column_stack([corners, *(middles[np.searchsorted(keys, w)] for w in wanted)])

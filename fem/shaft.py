@@ -1,0 +1,89 @@
+"""Superelements in a row: a crankshaft, or a throw between its neighbors."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.superelement import RZ, UX, UY, UZ, Superelement
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ShaftCompliances:
+    """What each throw contributes at its place in a shaft.
+
+    The sections at the main bearings are held laterally and tilt freely; the first one also axially
+    and against rotation; forces act along the whole shaft.
+
+    Attributes
+    ----------
+    axial : (n,) array
+        Lengthening of each throw per unit axial force through the shaft, e_n [m/N].
+    torsional : (n,) array
+        Twist of each throw per unit torque through the shaft [rad/(N m)].
+    influence : (n, n) array
+        Lengthening of throw i per unit radial force Z on the pin of throw j, the shaft axially free
+        [m/N]; its diagonal is each throw's own c.
+    """
+
+    axial: Array
+    torsional: Array
+    influence: Array
+
+
+def assemble_shaft(throws: Sequence[Superelement]) -> Array:
+    """Stiffness (6 (n + 1), 6 (n + 1)) of throws in a row, each already turned to its crank angle."""
+    stiffness = np.zeros((6 * (len(throws) + 1),) * 2)
+    for place, throw in enumerate(throws):
+        part = slice(6 * place, 6 * place + 12)
+        stiffness[part, part] += throw.stiffness
+    return stiffness
+
+
+def free_unknowns(sections: int) -> NDArray[np.int64]:
+    """Unknowns left free by main bearings that hold every section laterally, the first one fully."""
+    blocked = np.zeros((sections, 6), dtype=bool)
+    blocked[:, [UX, UY]] = True
+    blocked[0, [UZ, RZ]] = True
+    return np.flatnonzero(~blocked.ravel())
+
+
+def solve_shaft(throws: Sequence[Superelement], loads: Array) -> Array:
+    """Section motions (6 (n + 1), k) of a laterally held shaft under loads of that shape."""
+    stiffness = assemble_shaft(throws)
+    free = free_unknowns(len(throws) + 1)
+    motions = np.zeros_like(loads)
+    motions[free] = np.linalg.solve(stiffness[np.ix_(free, free)], loads[free])
+    return motions
+
+
+def shaft_compliances(
+    throws: Sequence[Superelement], crank_angles: Sequence[float]
+) -> ShaftCompliances:
+    """Compliances of each throw of a crankshaft at its place.
+
+    Parameters
+    ----------
+    throws : sequence of n Superelement
+        From the free end, each in its own throw frame.
+    crank_angles : sequence of n float
+        Angle of each crank about +z [rad].
+
+    Returns
+    -------
+    ShaftCompliances
+    """
+    count = len(throws)
+    turned = [throw.turned(angle) for throw, angle in zip(throws, crank_angles, strict=True)]
+    loads = np.zeros((6 * (count + 1), 2 + count))
+    loads[6 * count + UZ, 0] = 1.0
+    loads[6 * count + RZ, 1] = 1.0
+    for place, throw in enumerate(turned):
+        loads[6 * place : 6 * place + 12, 2 + place] = -throw.pin_load[:, 1]
+    motions = solve_shaft(turned, loads)
+    stretch = np.diff(motions[UZ::6], axis=0)
+    twist = np.diff(motions[RZ::6], axis=0)
+    return ShaftCompliances(stretch[:, 0], twist[:, 1], stretch[:, 2:])

@@ -1,0 +1,186 @@
+"""What a throw does under each named support: compliances, influence coefficient, reactions."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.shaft import solve_shaft
+from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement
+from geometry.errors import InputError
+
+Array = NDArray[np.float64]
+RADIAL = np.array([0.0, -1.0, 0.0])
+LONGEST_CHAIN = 256
+
+
+@dataclass(frozen=True)
+class Neighbors:
+    """Support by identical throws on both sides.
+
+    The right neighbor's crank is turned by `right_deg` about +z, the left one's by ``-left_deg``;
+    each side goes on with its own step until the compliance no longer changes. All main journals are
+    held laterally and tilt freely.
+
+    Parameters
+    ----------
+    left_deg, right_deg : float
+        Crank angle steps [deg]; equal values make a helix.
+    """
+
+    left_deg: float
+    right_deg: float
+
+    def __post_init__(self) -> None:
+        for name in ("left_deg", "right_deg"):
+            value = getattr(self, name)
+            if not isinstance(value, int | float) or not math.isfinite(value):
+                raise InputError(f"Neighbors.{name}: given {value!r}; allowed is a finite angle in degrees.")
+
+
+Support = Literal["pinned", "guided"] | Neighbors
+
+
+@dataclass(frozen=True)
+class EndReaction:
+    """Force [N] and moment [N m] on one end section, each (3,), in the throw frame."""
+
+    force: Array
+    moment: Array
+
+
+@dataclass(frozen=True)
+class Reactions:
+    """What supports (and under `Neighbors` the adjoining throws) exert on a throw's end sections."""
+
+    left: EndReaction
+    right: EndReaction
+
+
+@dataclass(frozen=True)
+class SupportedThrow:
+    """Answers of a throw under one support.
+
+    Attributes
+    ----------
+    axial : float
+        e_n [m/N].
+    torsional : float
+        [rad/(N m)]
+    stretch_per_force : (3,) array
+        Lengthening of the axially free throw per unit pin force along x, y, z [m/N]; under
+        `Neighbors` all throws carry that force, each in its own frame.
+    """
+
+    axial: float
+    torsional: float
+    stretch_per_force: Array
+
+    @property
+    def influence(self) -> float:
+        """Influence coefficient c: lengthening per unit radial force Z towards the shaft [m/N]."""
+        return float(self.stretch_per_force @ RADIAL)
+
+
+def support_throw(throw: Superelement, support: Support) -> SupportedThrow:
+    """Compliances of a throw under a support.
+
+    Parameters
+    ----------
+    throw : Superelement
+    support : "pinned", "guided" or Neighbors
+
+    Raises
+    ------
+    InputError
+        If the support is none of these.
+    """
+    motions = _motions(throw, support)
+    stretch = motions[6 + UZ] - motions[UZ]
+    twist = motions[6 + RZ] - motions[RZ]
+    return SupportedThrow(float(stretch[0]), float(twist[1]), stretch[2:])
+
+
+def reactions(throw: Superelement, support: Support, pin_force: Array) -> Reactions:
+    """End forces on a throw whose pin is loaded and whose length is kept.
+
+    Parameters
+    ----------
+    throw : Superelement
+    support : "pinned", "guided" or Neighbors
+        The left end takes the torque. Under `Neighbors` every throw carries the same pin force and
+        the axial force keeps the length of the middle one.
+    pin_force : (3,) array
+        Force on the pin in the throw frame [N], spread uniformly over its surface.
+
+    Returns
+    -------
+    Reactions
+    """
+    motions = _motions(throw, support)
+    stretch = motions[6 + UZ] - motions[UZ]
+    axial_force = -(stretch[2:] @ pin_force) / stretch[0]
+    combined = motions[:, 2:] @ pin_force + axial_force * motions[:, 0]
+    forces = throw.stiffness @ combined - throw.pin_load @ pin_force
+    return Reactions(
+        EndReaction(forces[0:3].copy(), forces[3:6].copy()),
+        EndReaction(forces[6:9].copy(), forces[9:12].copy()),
+    )
+
+
+def _motions(throw: Superelement, support: Support) -> Array:
+    """End motions (12, 5) under unit axial force, unit torque, and unit pin forces along x, y, z.
+
+    A motion along the shaft is left free at the right end, so these load cases carry any other.
+    """
+    if isinstance(support, Neighbors):
+        return _between_neighbors(throw, support)
+    if support == "pinned":
+        blocked = [UX, UY, UZ, RZ, 6 + UX, 6 + UY]
+    elif support == "guided":
+        blocked = [UX, UY, UZ, RX, RY, RZ, 6 + UX, 6 + UY, 6 + RX, 6 + RY]
+    else:
+        raise InputError(
+            f'support: given {support!r}; allowed are "pinned", "guided" or '
+            "Neighbors(left_deg, right_deg), because the compliance depends on it severalfold."
+        )
+    free = np.setdiff1d(np.arange(12), blocked)
+    loads = np.zeros((12, 5))
+    loads[6 + UZ, 0] = 1.0
+    loads[6 + RZ, 1] = 1.0
+    loads[:, 2:] = throw.pin_load
+    motions = np.zeros((12, 5))
+    motions[free] = np.linalg.solve(throw.stiffness[np.ix_(free, free)], loads[free])
+    return motions
+
+
+def _between_neighbors(throw: Superelement, support: Neighbors) -> Array:
+    """The middle throw's motions in a chain long enough that its compliance no longer changes."""
+    reach, before, change = 4, math.inf, math.inf
+    while reach <= LONGEST_CHAIN:
+        motions = _chain_motions(throw, support, reach)
+        axial = float(motions[6 + UZ, 0] - motions[UZ, 0])
+        change = abs(axial - before)
+        if change <= 1e-10 * abs(axial):
+            break
+        before, reach = axial, 2 * reach
+    return motions
+
+
+def _chain_motions(throw: Superelement, support: Neighbors, reach: int) -> Array:
+    steps = np.arange(-reach, reach + 1)
+    angles = np.deg2rad(np.where(steps < 0, support.left_deg, support.right_deg) * steps)
+    turned = [throw.turned(float(angle)) for angle in angles]
+    loads = np.zeros((6 * (len(turned) + 1), 5))
+    loads[-6 + UZ, 0] = 1.0
+    loads[-6 + RZ, 1] = 1.0
+    for place, part in enumerate(turned):
+        loads[6 * place : 6 * place + 12, 2:] += part.pin_load
+    motions = solve_shaft(turned, loads)
+    middle = motions[6 * reach : 6 * reach + 12].copy()
+    # Shift the axial motion and the rotation to start at the middle throw's left end.
+    for unknown in (UZ, RZ):
+        middle[[6 + unknown, unknown]] -= middle[unknown].copy()
+    return middle

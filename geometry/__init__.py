@@ -1,0 +1,1 @@
+"""Crank-throw parameters to solid to mesh; mass properties. Internal: import `crankfem`."""

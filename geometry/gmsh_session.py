@@ -1,0 +1,85 @@
+"""A gmsh session that always gives the same mesh and leaves nothing behind."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from geometry.errors import MissingLibraryError
+
+# The Debian and Ubuntu packages of the system libraries that gmsh's wheel loads.
+DEBIAN_PACKAGES = {
+    "libGLU.so.1": "libglu1-mesa",
+    "libGL.so.1": "libgl1",
+    "libOpenGL.so.0": "libopengl0",
+    "libX11.so.6": "libx11-6",
+    "libXcursor.so.1": "libxcursor1",
+    "libXext.so.6": "libxext6",
+    "libXfixes.so.3": "libxfixes3",
+    "libXft.so.2": "libxft2",
+    "libXinerama.so.1": "libxinerama1",
+    "libXrender.so.1": "libxrender1",
+    "libfontconfig.so.1": "libfontconfig1",
+    "libfreetype.so.6": "libfreetype6",
+    "libgomp.so.1": "libgomp1",
+}
+
+
+def load_gmsh() -> Any:
+    """Import gmsh.
+
+    Raises
+    ------
+    MissingLibraryError
+        If gmsh or a system library it needs is missing; the message names what to install.
+    """
+    try:
+        import gmsh
+    except ModuleNotFoundError:
+        raise MissingLibraryError(
+            "The Python package gmsh is missing; install it with: pip install gmsh"
+        ) from None
+    except OSError as error:
+        raise MissingLibraryError(missing_library_advice("gmsh", str(error))) from None
+    return gmsh
+
+
+def missing_library_advice(package: str, loader_message: str) -> str:
+    """Turn the loader's complaint about a shared library into what to install."""
+    found = re.search(r"lib[\w+-]+\.so[.\d]*", loader_message)
+    library = found.group(0) if found else "a system library"
+    debian = DEBIAN_PACKAGES.get(library)
+    if debian is None:
+        return f"{package} cannot load {library} ({loader_message}); install the package that has it."
+    return (
+        f"{package} needs the system library {library}; on Debian or Ubuntu install it with: "
+        f"apt-get install {debian}"
+    )
+
+
+@contextmanager
+def gmsh_session(name: str) -> Iterator[Any]:
+    """Open gmsh with one thread and a model of its own; close what was opened.
+
+    gmsh is global to the process. With one thread it gives the same mesh bit for bit; with more it
+    does not. ``interruptible=False`` lets it run outside the main thread.
+    """
+    gmsh = load_gmsh()
+    mine = not gmsh.isInitialized()
+    if mine:
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
+    before = {
+        option: gmsh.option.getNumber(option) for option in ("General.Terminal", "General.NumThreads")
+    }
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("General.NumThreads", 1)
+        gmsh.model.add(name)
+        yield gmsh
+        gmsh.model.remove()
+    finally:
+        if mine:
+            gmsh.finalize()
+        else:
+            for option, value in before.items():
+                gmsh.option.setNumber(option, value)

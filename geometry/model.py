@@ -1,0 +1,165 @@
+"""The base of all validated input: pydantic models whose errors are one clear sentence each."""
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic.fields import FieldInfo
+
+from geometry.errors import InputError
+from geometry.quantity import parse_quantity, show_quantity
+
+
+def quantity_field(
+    meaning: str,
+    unit: str,
+    *,
+    symbol: str = "",
+    minimum: float | None = None,
+    maximum: float | None = None,
+    default: Any = ...,
+) -> Any:
+    """Declare a field of a physical quantity: SI unit, allowed range, meaning, the papers' symbol.
+
+    File format, error texts, help and docs all read this one declaration.
+    """
+    return Field(
+        default,
+        ge=minimum,
+        le=maximum,
+        description=meaning,
+        json_schema_extra={
+            "unit": unit,
+            "symbol": symbol,
+            "minimum_si": minimum,
+            "maximum_si": maximum,
+        },
+    )
+
+
+class InputModel(BaseModel):
+    """A frozen record of input in SI units that refuses unknown, missing and impossible values.
+
+    Raises
+    ------
+    InputError
+        On construction, with one sentence that names the field, the value and what is allowed.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    section: ClassVar[str] = ""
+
+    def __init__(self, **values: Any) -> None:
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise InputError(_sentence(type(self), error)) from None
+
+    @classmethod
+    def from_text(cls, values: Mapping[str, object], section: str | None = None) -> Self:
+        """Build the record from text with units, as it stands in a file.
+
+        Parameters
+        ----------
+        values : mapping
+            Field name to text, such as ``{"crank_radius": "170 mm"}``.
+        section : str, optional
+            What to call the record in messages; the class's own section otherwise.
+
+        Raises
+        ------
+        InputError
+            If a field is unknown, missing, without unit or outside its range.
+        """
+        name = cls.section if section is None else section
+        prefix = f"{name}." if name else ""
+        converted: dict[str, Any] = {}
+        for key, text in values.items():
+            if key not in cls.model_fields:
+                raise InputError(f"{prefix}{key}: unknown field; {_allowed_names(cls, key)}.")
+            info = cls.model_fields[key]
+            unit = field_extra(info, "unit")
+            if unit is None:
+                converted[key] = text
+            elif isinstance(text, list):
+                converted[key] = tuple(
+                    parse_quantity(item, unit, f"{prefix}{key}[{number}]")
+                    for number, item in enumerate(text)
+                )
+            else:
+                converted[key] = parse_quantity(text, unit, f"{prefix}{key}")
+        try:
+            return cls(**converted)
+        except InputError as error:
+            message = str(error)
+            own = f"{cls.section}." if cls.section else ""
+            raise InputError(prefix + message.removeprefix(own)) from None
+
+
+def field_extra(info: FieldInfo, key: str) -> Any:
+    """Return one entry of a field's declaration (unit, symbol, range), or None."""
+    extra = info.json_schema_extra
+    return extra.get(key) if isinstance(extra, dict) else None
+
+
+def _allowed_names(model: type[BaseModel], given: str) -> str:
+    import difflib
+
+    names = list(model.model_fields)
+    close = difflib.get_close_matches(given, names, n=1)
+    hint = f"did you mean {close[0]}? " if close else ""
+    return f"{hint}allowed are {', '.join(names)}"
+
+
+def _sentence(model: type[InputModel], error: ValidationError) -> str:
+    """Turn pydantic's first finding into one sentence for people."""
+    first = error.errors()[0]
+    location = [str(part) for part in first["loc"]]
+    prefix = f"{model.section}." if model.section else ""
+    given = first.get("input")
+    if first["type"] == "value_error":
+        text = str(first["ctx"]["error"])
+        if not location:
+            return text if text.startswith(prefix) else prefix + text
+        return prefix + ".".join(location) + ": " + text
+    name = location[0] if location else ""
+    field = prefix + ".".join(location)
+    if first["type"] == "missing":
+        info = model.model_fields[name]
+        return f"{field}: missing; {_describe(info)} is needed, allowed {_range(info)}."
+    if first["type"] == "extra_forbidden":
+        return f"{field}: unknown field; {_allowed_names(model, name)}."
+    known = model.model_fields.get(name)
+    if known is None:
+        return f"{field}: given {given!r}; {first['msg']}."
+    unit = field_extra(known, "unit")
+    if unit is not None and isinstance(given, int | float) and not isinstance(given, bool):
+        shown = show_quantity(float(given), unit)
+    else:
+        shown = repr(given)
+    reason = "" if _has_range(known) else f" ({first['msg']})"
+    return f"{field}: given {shown}; allowed is {_range(known)}{reason} for {_describe(known)}."
+
+
+def _describe(info: FieldInfo) -> str:
+    symbol = field_extra(info, "symbol")
+    meaning = info.description or "this value"
+    return f"{meaning} ({symbol})" if symbol else meaning
+
+
+def _has_range(info: FieldInfo) -> bool:
+    return field_extra(info, "minimum_si") is not None or field_extra(info, "maximum_si") is not None
+
+
+def _range(info: FieldInfo) -> str:
+    unit = field_extra(info, "unit")
+    low, high = field_extra(info, "minimum_si"), field_extra(info, "maximum_si")
+    if unit is None:
+        return "a value of the stated kind"
+    if low is not None and high is not None:
+        return f"{show_quantity(low, unit)} to {show_quantity(high, unit)}"
+    if low is not None:
+        return f"{show_quantity(low, unit)} or more"
+    if high is not None:
+        return f"{show_quantity(high, unit)} or less"
+    return f"any number in {unit}" if unit else "any number"

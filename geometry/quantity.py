@@ -1,0 +1,133 @@
+"""Text with a unit to SI numbers and back: "170 mm" -> 0.170, and 0.170 -> "170 mm"."""
+
+import math
+from functools import cache
+from typing import Any
+
+from geometry.errors import InputError
+
+# The unit in which a quantity of each SI unit is shown to people, and its size in SI.
+DISPLAY_UNITS: dict[str, tuple[str, float]] = {
+    "m": ("mm", 1e-3),
+    "Pa": ("MPa", 1e6),
+    "rad": ("deg", math.pi / 180.0),
+    "rad/s": ("1/min", 2.0 * math.pi / 60.0),
+    "m/N": ("1e-9 m/N", 1e-9),
+    "rad/(N m)": ("1e-9 rad/(N m)", 1e-9),
+}
+
+
+@cache
+def _registry() -> Any:
+    """Return the one pint registry; built on first use because it takes 0.2 s."""
+    import pint
+
+    return pint.UnitRegistry()
+
+
+def parse_quantity(text: object, unit: str, field: str) -> float:
+    """Convert a quantity with its unit to an SI number.
+
+    Parameters
+    ----------
+    text : object
+        What stands in the file or on the command line, for example ``"170 mm"``.
+    unit : str
+        The SI unit to convert to; ``""`` for a pure number, which then takes no unit.
+        ``"rad/s"`` takes ``"500 1/min"`` as revolutions.
+    field : str
+        Name of the field, for the message.
+
+    Returns
+    -------
+    float
+        The value in `unit`.
+
+    Raises
+    ------
+    InputError
+        If the unit is missing, unknown or of another kind, or the number is not finite.
+    """
+    if unit == "":
+        return _pure_number(text, field)
+    shown = DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
+    if isinstance(text, bool) or not isinstance(text, str | int | float):
+        raise InputError(f'{field}: given {text!r}; write a number with its unit, like "1 {shown}".')
+    if isinstance(text, int | float):
+        raise InputError(
+            f"{field}: given the bare number {text}, which could be any unit; "
+            f'write it with its unit, like "{text} {shown}".'
+        )
+    value = _evaluate(text, unit, shown, field)
+    if not math.isfinite(value):
+        raise InputError(f"{field}: given {text!r}; allowed is a finite number with its unit.")
+    return value
+
+
+def _evaluate(text: str, unit: str, shown: str, field: str) -> float:
+    registry = _registry()
+    try:
+        quantity = registry.Quantity(text)
+    except Exception:  # pint raises a dozen kinds for text that is no quantity
+        raise InputError(
+            f"{field}: given {text!r}, which is not a number with a unit; "
+            f'write for example "1 {shown}".'
+        ) from None
+    if quantity.unitless:
+        raise InputError(
+            f"{field}: given {text!r}, which has no unit and could be any; "
+            f'write it with its unit, like "{text.strip()} {shown}".'
+        )
+    if unit == "rad/s" and quantity.check("1/[time]") and not _names_an_angle(quantity):
+        # "500 1/min" and "8.3 Hz" mean revolutions in this field.
+        return float(quantity.to("1/s").magnitude) * 2.0 * math.pi
+    try:
+        return float(quantity.to(unit).magnitude)
+    except Exception:  # pint's DimensionalityError, and offset units such as degC
+        raise InputError(
+            f"{field}: given {text!r}, which is no {_kind(unit)}; write it in {shown} or a like unit."
+        ) from None
+
+
+def _names_an_angle(quantity: Any) -> bool:
+    angles = ("radian", "degree", "revolution", "turn")
+    return any(angle in str(quantity.units) for angle in angles)
+
+
+def _pure_number(text: object, field: str) -> float:
+    if isinstance(text, bool) or not isinstance(text, int | float):
+        raise InputError(f"{field}: given {text!r}; allowed is a plain number without a unit.")
+    if not math.isfinite(text):
+        raise InputError(f"{field}: given {text!r}; allowed is a finite number.")
+    return float(text)
+
+
+def _kind(unit: str) -> str:
+    kinds = {
+        "m": "length",
+        "kg": "mass",
+        "Pa": "pressure or modulus",
+        "rad": "angle",
+        "rad/s": "speed of rotation",
+        "kg m^2": "moment of inertia",
+        "N/m": "stiffness",
+        "N m/rad": "torsional stiffness",
+        "N": "force",
+    }
+    return kinds.get(unit, f"quantity in {unit}")
+
+
+def show_quantity(value: float, unit: str, digits: int = 6) -> str:
+    """Write an SI number with the unit in which engineers read it.
+
+    Examples
+    --------
+    >>> show_quantity(0.170, "m")
+    '170 mm'
+    >>> show_quantity(1.281e-9, "m/N")
+    '1.281e-9 m/N'
+    """
+    shown, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
+    if shown.startswith("1e-9 "):
+        return f"{value / size:.{digits}g}e-9 {unit}"
+    return f"{value / size:.{digits}g} {shown}".strip()

@@ -1,0 +1,1 @@
+"""Designs of experiments, batch runs, fits, published formulas, lookup. Internal: import `crankfem`."""

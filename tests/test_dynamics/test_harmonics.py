@@ -1,0 +1,190 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dynamics.harmonics import harmonics, harmonics_by_sums
+from geometry.errors import InputError
+
+VALUES = st.lists(
+    st.floats(-1e4, 1e4, allow_nan=False, allow_subnormal=False), min_size=3, max_size=80
+)
+STROKES = st.sampled_from((2, 4))
+
+
+def sample_angles(count, strokes, start=0.0):
+    return start + np.arange(count) * strokes * np.pi / count
+
+
+def test_one_sine_is_found_alone():
+    angle = sample_angles(40, 4)
+    found = harmonics(5.0 + 3.0 * np.sin(1.5 * angle + 0.7))
+    assert found.mean == pytest.approx(5.0)
+    assert found.orders.tolist() == [0.5 * k for k in range(1, 21)]
+    expected = np.zeros(20)
+    expected[2] = 3.0
+    assert found.amplitude == pytest.approx(expected, abs=1e-13)
+    expected[2] = 0.7
+    assert found.phase == pytest.approx(expected, abs=1e-13)
+    assert found.cosine[2] == pytest.approx(3.0 * np.sin(0.7))
+    assert found.sine[2] == pytest.approx(3.0 * np.cos(0.7))
+
+
+@pytest.mark.parametrize("phase_deg", [10.0, 100.0, 190.0, 280.0])
+def test_phase_lies_in_the_quadrant_of_its_signs(phase_deg):
+    angle = sample_angles(12, 2)
+    found = harmonics(np.sin(angle + np.radians(phase_deg)), 2)
+    assert np.degrees(found.phase[0]) == pytest.approx(phase_deg)
+
+
+def test_two_stroke_orders_are_whole_numbers():
+    found = harmonics(np.arange(9.0), 2)
+    assert found.orders.tolist() == [1.0, 2.0, 3.0, 4.0]
+    assert found.highest_order == 4.0
+
+
+def test_phase_never_reaches_a_full_turn():
+    angle = sample_angles(8, 2)
+    found = harmonics(np.sin(angle - 1e-18) - 1e-17 * np.cos(angle), 2)
+    assert np.all((found.phase >= 0.0) & (found.phase < 2.0 * np.pi))
+
+
+def test_constant_samples_have_no_amplitude_and_no_phase():
+    found = harmonics([7.0] * 10)
+    assert found.mean == 7.0
+    assert found.amplitude == pytest.approx(np.zeros(5), abs=1e-13)
+    assert found.phase.tolist() == [0.0] * 5
+    assert harmonics([0.0] * 5).phase.tolist() == [0.0] * 2
+
+
+def test_highest_term_of_an_even_number_of_samples_takes_half_weight():
+    found = harmonics([1.0, -1.0, 1.0, -1.0], 2)
+    assert found.amplitude == pytest.approx([0.0, 1.0], abs=1e-15)
+    assert found.phase[1] == pytest.approx(np.pi / 2.0)
+
+
+def test_angles_may_start_before_crank_angle_zero():
+    angles_deg = np.arange(-350.0, 370.0, 10.0)
+    found = harmonics(2.0 * np.sin(np.radians(0.5 * angles_deg) + 1.1), angles_deg=angles_deg)
+    assert found.amplitude[0] == pytest.approx(2.0)
+    assert found.phase[0] == pytest.approx(1.1)
+
+
+@given(VALUES, STROKES, st.floats(-800.0, 800.0))
+def test_series_meets_the_samples_wherever_they_start(values, strokes, start_deg):
+    angles = sample_angles(len(values), strokes, np.radians(start_deg))
+    found = harmonics(values, strokes, angles_deg=np.degrees(angles))
+    assert found.at(angles) == pytest.approx(values, abs=1e-10 * max(1.0, *map(abs, values)))
+
+
+@given(VALUES, STROKES)
+def test_fourier_transform_equals_the_finite_sums(values, strokes):
+    fast, plain = harmonics(values, strokes), harmonics_by_sums(values, strokes)
+    small = 1e-13 * max(map(abs, values)) + 1e-300
+    assert fast.mean == pytest.approx(plain.mean, abs=small)
+    assert fast.cosine == pytest.approx(plain.cosine, abs=small)
+    assert fast.sine == pytest.approx(plain.sine, abs=small)
+    assert fast.orders.tolist() == plain.orders.tolist()
+
+
+@given(VALUES, STROKES)
+def test_power_of_the_samples_is_that_of_the_harmonics(values, strokes):
+    found = harmonics(values, strokes)
+    shares = np.full(found.orders.size, 0.5)
+    if len(values) % 2 == 0:
+        shares[-1] = 1.0
+    power = found.mean**2 + shares @ found.amplitude**2
+    assert power == pytest.approx(np.mean(np.square(values)), rel=1e-12, abs=1e-300)
+
+
+@given(VALUES, STROKES)
+def test_amplitude_and_phase_say_the_same_as_cosine_and_sine(values, strokes):
+    found = harmonics(values, strokes)
+    small = 1e-12 * max(map(abs, values)) + 1e-300
+    assert found.amplitude * np.sin(found.phase) == pytest.approx(found.cosine, abs=small)
+    assert found.amplitude * np.cos(found.phase) == pytest.approx(found.sine, abs=small)
+    assert np.all((found.phase >= 0.0) & (found.phase < 2.0 * np.pi))
+
+
+def test_series_takes_any_shape_of_angles():
+    found = harmonics([1.0, 2.0, 4.0], 2)
+    assert found.at(0.0).shape == ()
+    assert found.at(np.zeros((2, 3))).shape == (2, 3)
+    assert float(found.at(0.0)) == pytest.approx(1.0)
+
+
+def test_resolved_orders():
+    found = harmonics(np.arange(36.0))
+    assert found.highest_order == 9.0
+    assert found.resolves(9.0)
+    assert found.resolves(0.5)
+    assert not found.resolves(14.0)
+    assert not found.resolves(0.75)
+    assert not found.resolves(0.0)
+    assert found.index_of(1.5) == 2
+    with pytest.raises(InputError, match=r"order: given 14; allowed are 0\.5 to 9 in steps"):
+        found.index_of(14.0)
+
+
+def test_result_cannot_be_written_to():
+    found = harmonics([1.0, 2.0, 4.0])
+    with pytest.raises(ValueError, match="read-only"):
+        found.amplitude[0] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("samples", "message"),
+    [
+        ([1.0, 2.0], "samples: given 2 values; allowed are 3 or more"),
+        ([[1.0, 2.0, 3.0]], "samples: given an array of 2 dimensions"),
+        ([1.0, float("nan"), 3.0], r"samples\[1\]: given nan"),
+        ([1.0, float("inf"), 3.0], r"samples\[1\]: given inf"),
+        (["1", "2", "3"], "samples: given values of type"),
+        ([1j, 2.0, 3.0], "samples: given values of type complex"),
+        ([[1.0], [2.0, 3.0]], "samples: given rows of unequal length"),
+    ],
+)
+@pytest.mark.parametrize("function", [harmonics, harmonics_by_sums])
+def test_unusable_samples_are_refused(function, samples, message):
+    with pytest.raises(InputError, match=message):
+        function(samples)
+
+
+@pytest.mark.parametrize("strokes", [0, 1, 3, 8, "4", True])
+def test_other_strokes_are_refused(strokes):
+    with pytest.raises(InputError, match=r"strokes: given .*allowed are 2 and 4"):
+        harmonics([1.0, 2.0, 3.0], strokes)
+
+
+@pytest.mark.parametrize(
+    ("angles_deg", "strokes", "message"),
+    [
+        (np.arange(0.0, 730.0, 20.0), 4, "given 0 to 720 deg.*closing sample; leave it out"),
+        (np.arange(0.0, 361.0, 10.0), 2, "given 0 to 360 deg.*closing sample; leave it out"),
+        (np.arange(0.0, 360.0, 10.0), 4, "cover 360 deg with their step; allowed is one cycle of"),
+        (np.arange(0.0, 720.0, 20.0), 2, "cover 720 deg with their step; allowed is one cycle of"),
+        ([0.0, 180.0, 180.0, 540.0], 4, r"angles_deg\[2\]: given 180 deg after 180 deg.*strictly"),
+        ([540.0, 360.0, 180.0, 0.0], 4, r"angles_deg\[1\].*strictly increasing"),
+        ([0.0, 180.0, 350.0, 540.0], 4, r"angles_deg\[\d\].*even steps"),
+        ([0.0, float("nan"), 350.0, 540.0], 4, r"angles_deg\[1\]: given nan"),
+    ],
+)
+def test_unusable_angles_are_refused(angles_deg, strokes, message):
+    with pytest.raises(InputError, match=message):
+        harmonics(np.arange(len(angles_deg)), strokes, angles_deg=angles_deg)
+
+
+def test_number_of_angles_must_be_that_of_the_samples():
+    with pytest.raises(InputError, match="angles_deg: given 4 angles; allowed are exactly 3"):
+        harmonics([1.0, 2.0, 3.0], angles_deg=[0.0, 180.0, 360.0, 540.0])
+
+
+def test_a_missing_sample_is_named():
+    angles_deg = np.delete(np.arange(0.0, 720.0, 10.0), 30)
+    with pytest.raises(InputError, match=r"angles_deg\[30\]: given 310 deg after 290 deg"):
+        harmonics(np.zeros(71), angles_deg=angles_deg)
+
+
+def test_angles_printed_rounded_are_accepted():
+    angles_deg = np.round(np.arange(216) * 720.0 / 216, 1)
+    assert harmonics(np.ones(216), angles_deg=angles_deg).samples == 216

@@ -1,0 +1,86 @@
+"""Torque harmonics and two-mass resonance of the YaMZ-5340 diesel.
+
+Source: Yu. P. Makushev, T. A. Polyakova, Harmonic analysis of the torque of the YaMZ-5340 engine,
+Omsk Scientific Bulletin 2024 no. 3 (191), pp. 39-47, doi 10.25206/1813-8225-2024-191-39-47:
+table 2 (torque of one throw), sections 2.1 and 2.2 (harmonics), section 3 (resonance).
+
+Tolerances: half a unit of the last printed digit. Where exact arithmetic on the paper's own input
+differs from the print, the figure is the exact one and the comment gives the printed one.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dynamics.critical import critical_speeds, engine_orders
+from dynamics.harmonics import harmonics_by_sums
+from dynamics.torque_table import read_torque_table
+from dynamics.two_mass import two_mass_check
+
+TABLE = Path(__file__).parents[2] / "data" / "tables" / "yamz5340_torque_one_throw.csv"
+
+
+@pytest.fixture(scope="module")
+def table():
+    return read_torque_table(TABLE)
+
+
+@pytest.fixture(scope="module")
+def check(table):
+    return two_mass_check(
+        diameter=0.07,
+        length=0.2,
+        shear_modulus=8e10,
+        inertia_1=0.78,
+        inertia_2=0.1,
+        order=14,
+        harmonics=table.harmonics(),
+    )
+
+
+def test_table_keeps_its_source_and_loses_its_closing_sample(table):
+    assert "table 2" in table.source
+    assert table.strokes == 4
+    assert table.torque.size == 36
+    assert table.crank_angle_deg.tolist() == list(range(0, 720, 20))
+    assert table.torque.sum() == 4441.0
+
+
+@pytest.mark.parametrize("route", ["transform", "sums"])
+def test_first_two_harmonics(table, route):
+    found = table.harmonics() if route == "transform" else harmonics_by_sums(table.torque)
+    assert found.mean == pytest.approx(123.36, abs=0.005)
+    assert found.orders[:2].tolist() == [0.5, 1.0]
+    assert found.cosine[:2] == pytest.approx([-214.76, 138.05], abs=0.005)
+    assert found.sine[:2] == pytest.approx([-179.16, 371.63], abs=0.005)
+    # M_2 stands as 396.64 at its calculation and as 396.44 in the final equation, which is right.
+    assert found.amplitude[:2] == pytest.approx([279.68, 396.44], abs=0.005)
+    # Printed 20.37 deg, from a tangent rounded to 0.37.
+    assert np.degrees(found.phase[:2]) == pytest.approx([230.16, 20.38], abs=0.005)
+
+
+def test_two_mass_resonance(check):
+    # Printed 942,000; 3,260 and 31,146, from a pi of 3.14 and from rounded figures.
+    assert check.stiffness == pytest.approx(942.9e3, abs=0.05e3)
+    assert check.angular_frequency == pytest.approx(3261.5, abs=0.05)
+    assert check.vibrations_per_minute == pytest.approx(31145.0, abs=0.5)
+    assert check.resonant_speed_rpm == pytest.approx(2224.7, abs=0.05)
+    # Printed 232.8 rad/s, from a pi of 3.14.
+    assert check.resonant_speed == pytest.approx(232.97, abs=0.005)
+
+
+def test_order_14_meets_the_mode_below_the_rated_speed(check):
+    low, high = 600.0 * np.pi / 30.0, 2300.0 * np.pi / 30.0
+    found = critical_speeds([check.frequency], engine_orders(4, 14.0), (low, high))
+    # 31,145 / 13.5 is 2307 1/min, just above the rated speed: 14 is the lowest order below it.
+    assert [item.order for item in found] == [14.0]
+    assert found[0].speed_rpm == pytest.approx(2224.7, abs=0.05)
+
+
+def test_table_cannot_excite_the_resonant_order(table, check):
+    assert table.harmonics().highest_order == 9.0
+    assert check.resolved is False
+    assert check.statement == (
+        "36 samples over two revolutions resolve orders up to 9: this table cannot excite order 14."
+    )
