@@ -22,7 +22,7 @@ def uniform_pin_load(mesh: ThrowMesh) -> NDArray[np.float64]:
     (n,) array
         Integrals of the shape functions over the surface, divided by its area; they sum to 1.
     """
-    triangles = _six_node_triangles(mesh, mesh.surfaces[PIN])
+    triangles = six_node_triangles(mesh, mesh.surfaces[PIN])
     where, weights = get_quadrature(MeshTri1.elem.refdom, 5)
     element = ElementTriP2()
     values = np.array([element.lbasis(where, i)[0] + np.zeros(where.shape[1]) for i in range(6)])
@@ -34,7 +34,7 @@ def uniform_pin_load(mesh: ThrowMesh) -> NDArray[np.float64]:
     return np.asarray(shares / shares.sum())
 
 
-def _six_node_triangles(mesh: ThrowMesh, corners: NDArray[np.int64]) -> NDArray[np.int64]:
+def six_node_triangles(mesh: ThrowMesh, corners: NDArray[np.int64]) -> NDArray[np.int64]:
     """Find the edge nodes of surface triangles, in scikit-fem's order (01, 12, 02)."""
     size = len(mesh.points)
     ends = np.concatenate([mesh.elements[:, [a, b]] for a, b in EDGES])

@@ -198,8 +198,8 @@ def _plain_web_remark(case: _Case) -> list[_Remark]:
     return [
         _Remark(
             f"Main journal and crankpin overlap by {show_quantity(overlap, 'm')}: a formula with "
-            "the plain web section overestimates the compliance, up to threefold beside finite "
-            "elements."
+            "the plain web section overestimates the compliance, up to about threefold beside "
+            "finite elements."
         )
     ]
 
@@ -415,7 +415,7 @@ def axial_formulas(
     ...     main_journal_length=0.120, pin_length=0.139, web_width=0.285, web_thickness=0.068,
     ... )
     >>> round(axial_formulas(throw)["Draminsky (1)"].value * 1e9, 4)
-    2.4597
+    2.4598
     """
     case = _case(throw, gamma_deg, youngs_modulus, poisson_ratio, constants)
     _check_variant(variant)

@@ -159,7 +159,7 @@ def torsional_formulas(
     ...     main_journal_length=0.120, pin_length=0.139, web_width=0.285, web_thickness=0.068,
     ... )
     >>> round(torsional_formulas(throw)["Carter"].value * 1e8, 3)
-    4.076
+    4.234
     """
     modulus = shear_modulus(youngs_modulus, poisson_ratio)
     return {

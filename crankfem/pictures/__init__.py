@@ -1,0 +1,1 @@
+"""Pictures of a run: rendered solids (pyvista) and diagrams (matplotlib)."""

@@ -1,0 +1,44 @@
+"""One look for all diagrams, without touching anybody's plot settings."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+STYLE = {
+    "font.size": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e3e7ec",
+    "grid.linewidth": 0.8,
+    "axes.axisbelow": True,
+    "legend.frameon": False,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "crankfem",
+    "axes.titlesize": 11,
+    "axes.titlelocation": "left",
+}
+BLUE, ORANGE, GREEN, RED, GRAY = "#1f5f99", "#d9822b", "#3a8f5c", "#b63b3b", "#7b8794"
+COLORS = (BLUE, ORANGE, GREEN, RED, "#7a5ba6", GRAY)
+
+
+@contextmanager
+def figure(path: Path, columns: int = 1, width: float = 7.2, height: float = 4.2) -> Iterator[Any]:
+    """Yield the axes of a figure and write it as SVG to `path`."""
+    import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(STYLE):
+        made = Figure(figsize=(width, height), layout="constrained")
+        FigureCanvasSVG(made)
+        axes = made.subplots(1, columns)
+        yield axes
+        made.savefig(path, metadata={"Date": None})
+
+
+def math_symbol(symbol: str) -> str:
+    """Write a symbol such as L_shm for matplotlib's mathematics."""
+    return re.sub(r"^([A-Za-z]+)_(\w+)$", r"$\1_{\\mathrm{\2}}$", symbol) if "_" in symbol else f"${symbol}$"

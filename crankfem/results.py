@@ -1,0 +1,260 @@
+"""The numbers of a run as plain JSON content: what the report shows and ``--json`` prints."""
+
+import datetime
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from crankfem.engine_file import EngineFile
+from crankfem.fitting import ResponseFits, crankfem_version
+from crankfem.vibration import SourceResult, Vibration
+from dynamics.harmonics import Harmonics
+from dynamics.two_mass import TwoMassCheck
+from fem.analysis import ThrowAnalysis
+from fem.material import Material
+from fem.shaft import ShaftCompliances
+from fem.supports import Support
+from geometry.throw import CrankThrow
+from regression.axial_formulas import axial_formulas
+from regression.formula_value import FormulaValue
+from regression.study import StudyTable
+from regression.torsional_formulas import torsional_formulas
+
+Record = dict[str, Any]
+SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
+
+
+def about_record() -> Record:
+    """Which program made the numbers, and when."""
+    return {
+        "program": "crankfem",
+        "version": crankfem_version(),
+        "created": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
+        "units": "SI: m, N, Pa, kg, s, rad; Hz for frequencies, 1/min where a name ends in _rpm",
+    }
+
+
+def input_records(engine_file: EngineFile) -> list[Record]:
+    """Every input with its source."""
+    return [
+        {
+            "field": record.field,
+            "given": record.given,
+            "meaning": record.meaning,
+            "symbol": record.symbol,
+            "source": record.source,
+            "assumed": record.assumed,
+        }
+        for record in engine_file.records
+    ]
+
+
+def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
+    """Compliances, reactions and masses of a throw.
+
+    Parameters
+    ----------
+    analysis : ThrowAnalysis
+    radial_force : float
+        Z for which reactions are given [N].
+    """
+    supports = {}
+    for support in SUPPORTS:
+        answer = analysis.supported(support)
+        found = analysis.reactions((0.0, -radial_force, 0.0), support)
+        supports[str(support)] = {
+            "axial_compliance": answer.axial,
+            "torsional_compliance": answer.torsional,
+            "influence_coefficient": answer.influence,
+            "axial_force_per_radial": answer.influence / answer.axial,
+            "reactions": {
+                side: {"force": reaction.force.tolist(), "moment": reaction.moment.tolist()}
+                for side, reaction in (("left", found.left), ("right", found.right))
+            },
+        }
+    return {
+        "dimensions": analysis.throw.model_dump(),
+        "material": analysis.material.model_dump(),
+        "supports": supports,
+        "radial_force": radial_force,
+        "mass": analysis.mass,
+        "center_of_mass": analysis.center_of_mass.tolist(),
+        "inertia": analysis.inertia.tolist(),
+        "inertia_about_shaft": analysis.masses.inertia_about_shaft,
+        "stiffness": analysis.stiffness.tolist(),
+        "error_estimate": analysis.error_estimate,
+        "accuracy": analysis.accuracy,
+        "accuracy_met": analysis.accuracy_met,
+        "unknowns": analysis.mesh.unknowns,
+        "model": "quarter, second-order tetrahedra, end sections rigid",
+        "mended_elements": analysis.mesh.mended_elements,
+        "solver": analysis.solver,
+    }
+
+
+def formula_records(
+    throw: CrankThrow, material: Material, gamma_deg: float = 180.0, variant: str = "corrected"
+) -> dict[str, list[Record]]:
+    """Values of all published formulas for a throw."""
+    moduli = {"youngs_modulus": material.youngs_modulus, "poisson_ratio": material.poisson_ratio}
+    return {
+        "axial": [
+            _formula(name, value)
+            for name, value in axial_formulas(throw, gamma_deg, variant=variant, **moduli).items()
+        ],
+        "torsional": [
+            _formula(name, value) for name, value in torsional_formulas(throw, **moduli).items()
+        ],
+    }
+
+
+def _formula(name: str, value: FormulaValue) -> Record:
+    return {
+        "name": name,
+        "value": value.value,
+        "unit": value.unit,
+        "valid": value.valid,
+        "variant": value.variant,
+        "remarks": list(value.remarks),
+        "source": value.source,
+    }
+
+
+def study_record(table: StudyTable, fits: Mapping[str, ResponseFits]) -> Record:
+    """A study's designs, failures, and every fitted equation with its errors."""
+    return {
+        "key": table.plan.key,
+        "factors": {name: list(levels) for name, levels in table.plan.levels.items()},
+        "runs": int(np.sum(~table.held_out)),
+        "held_out": int(np.sum(table.held_out)),
+        "computed_now": table.computed,
+        "failures": [
+            {"role": role, "values": list(values), "reason": reason}
+            for role, values, reason in table.failures
+        ],
+        "largest_fe_error_estimate": float(table.responses["error_estimate"].max()),
+        "table": {
+            "values": table.values.tolist(),
+            "held_out": table.held_out.tolist(),
+            "responses": {name: column.tolist() for name, column in table.responses.items()},
+        },
+        "fits": {name: fits_record(found) for name, found in fits.items()},
+    }
+
+
+def fits_record(found: ResponseFits) -> Record:
+    """All forms fitted to one response."""
+    return {
+        "symbol": found.symbol,
+        "unit": found.unit,
+        "support": "pinned",
+        "chosen": found.chosen.form,
+        "skipped": list(found.skipped),
+        "forms": [
+            {
+                "form": fit.form,
+                "equation": found.equation(fit),
+                "r_squared": fit.r_squared,
+                "q_squared": fit.q_squared,
+                "largest_error_at_runs": fit.largest_error,
+                "largest_error_held_out": fit.largest_heldout_error,
+                "mean_error_held_out": fit.mean_heldout_error,
+                "coefficients": fit.coefficients,
+            }
+            for fit in found.fits
+        ],
+    }
+
+
+def shaft_record(shaft: ShaftCompliances, analysis: ThrowAnalysis) -> Record:
+    """Compliances of each throw at its place in the shaft."""
+    return {
+        "axial": shaft.axial.tolist(),
+        "axial_beside_pinned": (shaft.axial / analysis.axial_compliance("pinned")).tolist(),
+        "torsional": shaft.torsional.tolist(),
+        "torsional_beside_pinned": (
+            shaft.torsional / analysis.torsional_compliance("pinned")
+        ).tolist(),
+        "influence": shaft.influence.tolist(),
+    }
+
+
+def vibration_record(vibration: Vibration) -> Record:
+    """Modes and critical speeds with the chosen compliances, first frequencies with all."""
+    chosen = vibration.chosen
+    return {
+        "kind": vibration.kind,
+        "source": chosen.source,
+        "nodes": list(chosen.chain.nodes),
+        "inertia": chosen.chain.chain.inertia.tolist(),
+        "stiffness": chosen.chain.chain.stiffness.tolist(),
+        "ground": chosen.chain.chain.ground.tolist(),
+        "modes": _mode_records(chosen),
+        "criticals": [
+            {
+                "speed_rpm": found.critical.speed_rpm,
+                "order": found.critical.order,
+                "frequency": found.critical.frequency,
+                "mode": found.critical.mode + 1,
+                "phase_sum": found.phase_sum,
+            }
+            for found in vibration.criticals
+        ],
+        "sources": [
+            {
+                "source": result.source,
+                "first_frequencies": result.elastic_frequencies[:3].tolist(),
+                "beside_chosen": float(
+                    result.elastic_frequencies[0] / chosen.elastic_frequencies[0]
+                ),
+                "mean_compliance": float(result.compliances.mean()),
+                "remark": result.remark,
+            }
+            for result in vibration.others
+        ],
+        "unusable": list(vibration.unusable),
+    }
+
+
+def _mode_records(result: SourceResult) -> list[Record]:
+    modes = result.modes
+    return [
+        {
+            "number": mode + 1 - modes.rigid,
+            "frequency": float(modes.frequencies[mode]),
+            "rigid": mode < modes.rigid,
+            "node_positions": list(modes.node_positions[mode]),
+            "shape": modes.shapes[:, mode].tolist(),
+        }
+        for mode in range(len(modes.frequencies))
+    ]
+
+
+def harmonics_record(found: Harmonics) -> Record:
+    """Mean and harmonics M_k sin(k w t + a_k)."""
+    return {
+        "strokes": found.strokes,
+        "samples": found.samples,
+        "mean": found.mean,
+        "highest_order": found.highest_order,
+        "orders": found.orders.tolist(),
+        "cosine": found.cosine.tolist(),
+        "sine": found.sine.tolist(),
+        "amplitude": found.amplitude.tolist(),
+        "phase_deg": np.rad2deg(found.phase).tolist(),
+    }
+
+
+def two_mass_record(check: TwoMassCheck) -> Record:
+    """The two-mass check."""
+    return {
+        "stiffness": check.stiffness,
+        "angular_frequency": check.angular_frequency,
+        "frequency": check.angular_frequency / (2.0 * math.pi),
+        "vibrations_per_minute": check.vibrations_per_minute,
+        "order": check.order,
+        "resonant_speed_rpm": check.resonant_speed_rpm,
+        "statement": check.statement,
+    }

@@ -1,0 +1,252 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from geometry.errors import InputError
+from geometry.throw import CrankThrow
+from regression.axial_formulas import (
+    AXIAL_FORMULA_NAMES,
+    DEFAULT_CONSTANTS,
+    axial_formula,
+    axial_formulas,
+    fold_angle_deg,
+)
+
+
+def throw_of_mm(R, D_km, D_shm, L_km, L_shm, B, h):
+    return CrankThrow(
+        crank_radius=R / 1e3,
+        main_journal_diameter=D_km / 1e3,
+        pin_diameter=D_shm / 1e3,
+        main_journal_length=L_km / 1e3,
+        pin_length=L_shm / 1e3,
+        web_width=B / 1e3,
+        web_thickness=h / 1e3,
+    )
+
+
+MEDIUM_SPEED = throw_of_mm(170, 220, 180, 120, 139, 300, 68)
+LOW_SPEED = throw_of_mm(775, 550, 550, 450, 400, 1050, 320)
+
+# Compliance of plain throws without fillets at gamma = 180 deg by second-order tetrahedral finite
+# elements [1e-9 m/N], and formula / finite elements for Anderson, Gorbunov with
+# 0.5 (1 - cos gamma), Skorchev, Draminsky (1) and (2).
+FINITE_ELEMENTS = [
+    ((170, 220, 180, 120, 139, 300, 50), 2.007, (1.62, 1.76, 1.86, 2.67, 2.85)),
+    ((170, 220, 180, 120, 139, 300, 68), 1.339, (1.16, 1.45, 1.28, 1.76, 1.99)),
+    ((170, 220, 180, 120, 139, 300, 90), 0.997, (0.91, 1.17, 0.95, 1.23, 1.51)),
+    ((130, 220, 190, 100, 130, 300, 60), 0.511, (1.33, 0.84, 1.85, 2.85, 3.31)),
+    ((130, 220, 190, 100, 130, 300, 90), 0.411, (0.76, 0.80, 0.96, 1.33, 1.79)),
+    ((70, 110, 88, 45, 80, 140, 27.5), 1.921, (1.46, 1.06, 1.82, 2.67, 2.98)),
+    ((90, 95, 85, 55, 70, 140, 25), 6.531, (1.42, 2.13, 1.53, 2.11, 2.24)),
+    ((775, 550, 550, 450, 400, 1050, 320), 0.761, (0.91, 1.11, 0.88, 1.01, 1.20)),
+]
+
+
+@pytest.mark.parametrize(("dimensions", "compliance", "ratios"), FINITE_ELEMENTS)
+def test_ratio_to_finite_elements(dimensions, compliance, ratios):
+    values = axial_formulas(throw_of_mm(*dimensions), constants={"k_gorbunov": 0.5})
+    names = ("Anderson", "Gorbunov", "Skorchev", "Draminsky (1)", "Draminsky (2)")
+    found = [values[name].value / (compliance * 1e-9) for name in names]
+    assert found == pytest.approx(ratios, abs=0.011)
+
+
+def test_low_speed_throw_without_overlap_agrees_within_a_quarter():
+    values = axial_formulas(LOW_SPEED, constants={"k_gorbunov": 0.5})
+    for name, value in values.items():
+        assert value.value == pytest.approx(0.761e-9, rel=0.25), name
+        assert value.valid
+        assert value.unit == "m/N"
+
+
+def test_values_by_hand():
+    # R 170, D 220/180, L 120/139, B 300, h 68 mm, E 2.1e11 Pa, gamma 120 deg, term by term.
+    E, G = 2.1e11, 2.1e11 / 2.6
+    pin = 0.17**2 * 0.139 / (E * math.pi * 0.18**4 / 64)
+    web = 12 * 0.17**3 / (E * 0.3 * 0.068**3)
+    area_pin, area_journal, area_web = math.pi * 0.18**2 / 4, math.pi * 0.22**2 / 4, 0.3 * 0.068
+    tension = (0.12 / area_journal + 0.139 / area_pin) / E
+    found = {name: v.value for name, v in axial_formulas(MEDIUM_SPEED, 120.0).items()}
+    k_1 = 1 - 0.125 * 0.4 / 0.17
+    k_2 = math.sqrt(0.03**2 + 0.068**2)
+    longer_pin = pin * (0.139 + 0.2 * 0.068) / 0.139
+    expected = {
+        "Draminsky (1)": pin + 2 / 3 * web,
+        "Draminsky (2)": pin * (0.139 + 0.33 * 0.068) / 0.139 * (1 - 0.5 / 12)
+        + web * (2 / 3 - 0.25)
+        + tension
+        + 0.34 / (G * area_web),
+        "Dorey": pin * (0.5 + 1 / 3) + web * (0.167 + 1 / 3),
+        "Skorchev": (0.175 * 17 / 18 + 0.285) * web + pin,
+        "Anderson": 1.1 * pin * 0.875
+        + k_1**2 * (0.875 - k_1 / 3) * web
+        + tension
+        - 0.06 / (G * area_web),
+        "Gorbunov": 8 * 0.17**3 / (E * 0.3 * k_2**3) * 1.2
+        + longer_pin
+        + ((0.139 + 0.0136) / area_pin + (0.12 + 0.0136) / area_journal) / E
+        - 0.06 / (G * area_web),
+    }
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
+def test_names_are_complete():
+    assert tuple(axial_formulas(MEDIUM_SPEED)) == AXIAL_FORMULA_NAMES
+    assert set(AXIAL_FORMULA_NAMES) == {
+        "Draminsky (1)",
+        "Draminsky (2)",
+        "Dorey",
+        "Skorchev",
+        "Anderson",
+        "Gorbunov",
+    }
+
+
+def test_fillets_do_not_enter():
+    filleted = MEDIUM_SPEED.model_copy(update={"fillet_radius": 0.012})
+    assert axial_formulas(filleted) == axial_formulas(MEDIUM_SPEED)
+
+
+@given(gamma=st.floats(0.0, 180.0))
+def test_angle_is_folded(gamma):
+    straight = axial_formulas(MEDIUM_SPEED, gamma)
+    for same in (-gamma, 360.0 - gamma, gamma + 360.0):
+        folded = axial_formulas(MEDIUM_SPEED, same)
+        for name, value in straight.items():
+            assert folded[name].value == pytest.approx(value.value, rel=1e-9, abs=1e-22), name
+
+
+def test_fold_of_240_is_120():
+    assert fold_angle_deg(240.0) == 120.0
+    assert fold_angle_deg(-240.0) == 120.0
+    assert fold_angle_deg(720.0) == 0.0
+    assert axial_formulas(MEDIUM_SPEED, 240.0) == axial_formulas(MEDIUM_SPEED, 120.0)
+
+
+def test_draminsky_2_is_refused_at_small_angles():
+    below = axial_formula("Draminsky (2)", LOW_SPEED, 60.0)
+    assert not below.valid
+    assert math.isfinite(below.value)
+    assert any("75 deg" in remark for remark in below.remarks)
+    assert axial_formula("Draminsky (2)", LOW_SPEED, 75.0).valid
+    # A thin web makes the whole value negative at gamma = 0: still finite, and refused.
+    thin = throw_of_mm(170, 220, 180, 120, 139, 300, 20)
+    negative = axial_formula("Draminsky (2)", thin, 0.0)
+    assert negative.value < 0.0
+    assert not negative.valid
+    assert any("not positive" in remark for remark in negative.remarks)
+
+
+def test_draminsky_2_with_k_4_is_usable_at_all_angles():
+    value = axial_formula("Draminsky (2)", LOW_SPEED, 0.0, variant="k/4")
+    assert value.valid
+    assert value.value > 0.0
+    assert list(axial_formulas(LOW_SPEED, variant="k/4")) == ["Draminsky (2)"]
+
+
+def test_overlap_is_remarked():
+    overlapped, plain = axial_formulas(MEDIUM_SPEED), axial_formulas(LOW_SPEED)
+    for name in AXIAL_FORMULA_NAMES:
+        assert any("30 mm" in remark for remark in overlapped[name].remarks), name
+        assert not any("overlap" in remark for remark in plain[name].remarks), name
+
+
+def test_formulas_without_an_angle_say_so():
+    values = axial_formulas(LOW_SPEED, 120.0)
+    assert not values["Draminsky (1)"].valid
+    assert not values["Skorchev"].valid
+    assert values["Anderson"].valid
+    assert values["Dorey"].valid
+    with_factor = axial_formula("Skorchev", LOW_SPEED, 120.0, constants={"k_or": 0.875})
+    assert with_factor.valid
+    assert with_factor.value == pytest.approx(0.875 * values["Skorchev"].value)
+
+
+def test_anderson_without_a_web_left_is_refused():
+    short = throw_of_mm(40, 200, 180, 100, 100, 250, 40)
+    value = axial_formula("Anderson", short)
+    assert not value.valid
+    assert any("k_1" in remark for remark in value.remarks)
+
+
+def test_gorbunov_at_gamma_0_is_refused():
+    assert not axial_formula("Gorbunov", LOW_SPEED, 0.0).valid
+    assert axial_formula("Gorbunov", LOW_SPEED, 90.0).valid
+
+
+def test_constants_act_on_their_formula_alone():
+    plain = axial_formulas(MEDIUM_SPEED)
+    for constant, owner in (("k_3", "Dorey"), ("k_or", "Skorchev"), ("k_gorbunov", "Gorbunov")):
+        larger = {constant: 2.0 * DEFAULT_CONSTANTS[constant]}
+        changed = axial_formulas(MEDIUM_SPEED, constants=larger)
+        for name in AXIAL_FORMULA_NAMES:
+            assert (changed[name].value > plain[name].value * 1.01) == (name == owner)
+
+
+def test_defaults_given_explicitly_change_no_value():
+    plain = axial_formulas(MEDIUM_SPEED)
+    explicit = axial_formulas(MEDIUM_SPEED, constants=DEFAULT_CONSTANTS)
+    assert {n: v.value for n, v in plain.items()} == {n: v.value for n, v in explicit.items()}
+
+
+def test_printed_leaves_out_what_cannot_be_evaluated():
+    printed = axial_formulas(MEDIUM_SPEED, variant="printed")
+    assert set(printed) == {"Draminsky (1)", "Dorey", "Skorchev"}
+    assert all(value.variant == "printed" for value in printed.values())
+    corrected = axial_formulas(MEDIUM_SPEED)
+    assert printed["Dorey"].value == corrected["Dorey"].value
+    # The print bends the main journal, 120 mm of 220 mm, in place of the pin.
+    journal = 0.17**2 * 0.12 / (2.1e11 * math.pi * 0.22**4 / 64)
+    pin = 0.17**2 * 0.139 / (2.1e11 * math.pi * 0.18**4 / 64)
+    difference = corrected["Draminsky (1)"].value - printed["Draminsky (1)"].value
+    assert difference == pytest.approx(pin - journal, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "fault"),
+    [
+        ("Draminsky (2)", r"2 R / \(G I_w\) is in 1/\(N m\)"),
+        ("Anderson", r"is in 1/\(N m\)"),
+        ("Gorbunov", r"is in m, its pin term 2 R L_1 / D\^4 in 1/m\^2"),
+    ],
+)
+def test_unsound_print_raises_with_the_dimensional_fault(name, fault):
+    with pytest.raises(InputError, match=fault):
+        axial_formula(name, MEDIUM_SPEED, variant="printed")
+
+
+def test_sources_name_author_and_survey():
+    for name, value in axial_formulas(MEDIUM_SPEED).items():
+        assert name.split(" (")[0] in value.source
+        assert "10.24143/2073-1574-2021-4-75-83" in value.source
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        ({"gamma_deg": math.nan}, "gamma_deg: given nan"),
+        ({"gamma_deg": math.inf}, "gamma_deg: given inf"),
+        ({"youngs_modulus": 0.0}, "youngs_modulus: given 0.0"),
+        ({"youngs_modulus": math.nan}, "youngs_modulus: given nan"),
+        ({"poisson_ratio": 0.6}, "poisson_ratio: given 0.6"),
+        ({"poisson_ratio": math.nan}, "poisson_ratio: given nan"),
+        ({"variant": "repaired"}, "variant: given 'repaired'; allowed are corrected"),
+        ({"constants": {"k_4": 1.0}}, "constants: given 'k_4'; allowed are k_3"),
+        ({"constants": {"k_3": -1.0}}, r"constants\['k_3'\]: given -1.0"),
+        ({"constants": {"k_3": math.nan}}, r"constants\['k_3'\]: given nan"),
+    ],
+)
+def test_unusable_input_is_one_sentence(change, match):
+    with pytest.raises(InputError, match=match):
+        axial_formulas(MEDIUM_SPEED, **change)
+    with pytest.raises(InputError, match=match):
+        axial_formula("Anderson", MEDIUM_SPEED, **change)
+
+
+def test_unknown_names():
+    with pytest.raises(InputError, match="formula: given 'Andersen'; allowed are Draminsky"):
+        axial_formula("Andersen", MEDIUM_SPEED)
+    with pytest.raises(InputError, match="Dorey has no other reading"):
+        axial_formula("Dorey", MEDIUM_SPEED, variant="k/4")

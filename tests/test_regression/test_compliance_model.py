@@ -1,0 +1,309 @@
+import json
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from geometry.errors import InputError
+from regression.compliance_model import (
+    ComplianceModel,
+    Lookup,
+    OutsideRangeWarning,
+    ResponseModel,
+)
+from regression.designs import full_factorial, latin_hypercube
+from regression.fits import fit_form
+
+ROOT = Path(__file__).resolve().parents[2]
+FACTORS = ("web_width", "web_thickness", "pin_length")
+BOX = {
+    "web_width": (0.270, 0.330),
+    "web_thickness": (0.038, 0.098),
+    "pin_length": (0.120, 0.158),
+}
+RUNS = full_factorial({name: np.linspace(*box, 3).tolist() for name, box in BOX.items()}).runs
+HELDOUT = latin_hypercube(BOX, 10, 5).runs
+MIDDLE = {"web_width": 0.300, "web_thickness": 0.068, "pin_length": 0.139}
+FIXED = {
+    "crank_radius": 0.170,
+    "main_journal_diameter": 0.220,
+    "pin_diameter": 0.180,
+    "main_journal_length": 0.120,
+    "fillet_radius": 0.0,
+}
+
+
+def axial(x):
+    return 1.4e-9 * (x[:, 0] / 0.3) ** -0.8 * (x[:, 1] / 0.07) ** -1.2 * (x[:, 2] / 0.14) ** 0.4
+
+
+def torsional(x):
+    return 4e-8 * (1 + 2 * (x[:, 2] - 0.14)) * (x[:, 0] / 0.3) ** -0.2 * (x[:, 1] / 0.07) ** -0.1
+
+
+def response(form, function, symbol, unit):
+    fit = fit_form(form, FACTORS, RUNS, function(RUNS), HELDOUT, function(HELDOUT))
+    return ResponseModel.from_fit(fit, symbol=symbol, unit=unit)
+
+
+def make_model(axial_form="log-quadratic"):
+    return ComplianceModel(
+        responses={
+            "axial_compliance": response(axial_form, axial, "e_n", "m/N"),
+            "torsional_compliance": response("quadratic", torsional, "e_t", "rad/(N m)"),
+        },
+        fixed=FIXED,
+        material={"youngs_modulus": 2.1e11, "poisson_ratio": 0.3},
+        provenance={"study": "abc123", "crankfem": "0.1.0", "date": "2025-01-31", "designs": 27},
+    )
+
+
+MODEL = make_model()
+
+
+def test_numbers_for_numbers_and_arrays_for_arrays():
+    value = MODEL.axial_compliance(**MIDDLE)
+    assert isinstance(value, float)
+    assert value == pytest.approx(1.4e-9 * (68 / 70) ** -1.2 * (139 / 140) ** 0.4, rel=1e-9)
+    assert isinstance(MODEL.torsional_compliance(**MIDDLE), float)
+    widths, lengths = np.array([0.28, 0.30, 0.32]), np.array([[0.13], [0.15]])
+    table = MODEL.axial_compliance(web_width=widths, web_thickness=0.068, pin_length=lengths)
+    assert table.shape == (2, 3)
+    assert table[1, 2] == pytest.approx(
+        MODEL.axial_compliance(web_width=0.32, web_thickness=0.068, pin_length=0.15), rel=1e-14
+    )
+    assert MODEL.axial_compliance(**(MIDDLE | {"web_width": [0.3]})).shape == (1,)
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    B=st.floats(0.270, 0.330),
+    h=st.floats(0.038, 0.098),
+    L=st.floats(0.120, 0.158),
+    form=st.sampled_from(["linear", "quadratic", "log-quadratic"]),
+)
+def test_reload_gives_identical_numbers(tmp_path_factory, B, h, L, form):
+    path = tmp_path_factory.mktemp("model") / "model.json"
+    model = make_model(form)
+    model.save(path)
+    again = ComplianceModel.load(path)
+    point = {"web_width": B, "web_thickness": h, "pin_length": L}
+    assert again.axial_compliance(**point) == model.axial_compliance(**point)
+    assert again.torsional_compliance(**point) == model.torsional_compliance(**point)
+    assert again == model
+
+
+def test_file_is_readable_by_people(tmp_path):
+    path = tmp_path / "model.json"
+    MODEL.save(path)
+    record = json.loads(path.read_text())
+    assert record["format"] == "crankfem compliance model"
+    assert record["version"] == 1
+    assert record["provenance"]["study"] == "abc123"
+    assert record["fixed"]["crank_radius"] == 0.170
+    axial_record = record["responses"]["axial_compliance"]
+    assert axial_record["support"] == "pinned"
+    assert axial_record["unit"] == "m/N"
+    assert axial_record["equation"].startswith("ln(e_n / (1e-9 m/N)) = ")
+    assert len(path.read_text().splitlines()) > 60
+    assert [p.name for p in tmp_path.iterdir()] == ["model.json"]
+
+
+def test_saving_replaces_in_one_step(tmp_path):
+    path = tmp_path / "model.json"
+    make_model("linear").save(path)
+    MODEL.save(str(path))
+    assert ComplianceModel.load(str(path)) == MODEL
+
+
+def test_lookup_tells_all():
+    found = MODEL.lookup("axial_compliance", **MIDDLE)
+    assert isinstance(found, Lookup)
+    assert found.value == MODEL.axial_compliance(**MIDDLE)
+    assert (found.unit, found.support, found.inside, found.remarks) == ("m/N", "pinned", True, ())
+    assert found.error == MODEL.responses["axial_compliance"].largest_heldout_error
+    assert found.equation == MODEL.responses["axial_compliance"].equation
+    assert MODEL.lookup("torsional_compliance", **MIDDLE).unit == "rad/(N m)"
+
+
+def test_lookup_outside_remarks_each_dimension_and_does_not_warn():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = MODEL.lookup(
+            "axial_compliance", web_width=0.4, web_thickness=0.068, pin_length=0.05
+        )
+    assert not found.inside
+    assert len(found.remarks) == 2
+    assert found.remarks[0].startswith(
+        "web_width: given 400 mm; the range of the fit is 270 mm to 330 mm"
+    )
+    assert found.remarks[1].startswith("pin_length: given 50 mm")
+
+
+def test_outside_the_range_warns_and_never_clips():
+    with pytest.warns(OutsideRangeWarning, match="web_thickness: given 20 mm; .* 38 mm to 98 mm"):
+        value = MODEL.axial_compliance(**(MIDDLE | {"web_thickness": 0.020}))
+    assert value == pytest.approx(1.4e-9 * (20 / 70) ** -1.2 * (139 / 140) ** 0.4, rel=1e-6)
+    with pytest.warns(OutsideRangeWarning) as caught:
+        MODEL.axial_compliance(
+            web_width=[0.25, 0.30, 0.34, 0.35], web_thickness=0.068, pin_length=0.139
+        )
+    assert len(caught) == 1
+    # The farthest of the three; 20 mm below or 20 mm above the range are equally far.
+    assert "mm (and 2 more); the range" in str(caught[0].message)
+    assert caught[0].filename == __file__
+
+
+def test_edges_of_the_range_do_not_warn():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for low_or_high in (0, 1):
+            edge = {name: box[low_or_high] for name, box in BOX.items()}
+            MODEL.axial_compliance(**edge)
+            MODEL.torsional_compliance(**edge)
+            MODEL.axial_compliance(**{name: value * (1 + 1e-12) for name, value in edge.items()})
+
+
+def test_fixed_dimension_may_be_repeated_but_not_changed():
+    plain = MODEL.axial_compliance(**MIDDLE)
+    assert MODEL.axial_compliance(**MIDDLE, crank_radius=0.17, fillet_radius=0) == plain
+    with pytest.raises(InputError, match=r"crank_radius: given 175 mm; .* 170 mm, .* fixed"):
+        MODEL.axial_compliance(**MIDDLE, crank_radius=0.175)
+    with pytest.raises(InputError, match="crank_radius: given 180 mm"):
+        MODEL.axial_compliance(**MIDDLE, crank_radius=[0.17, 0.18])
+    with pytest.raises(InputError, match="fillet_radius: given 12 mm; allowed is 0 mm"):
+        MODEL.axial_compliance(**MIDDLE, fillet_radius=0.012)
+
+
+@pytest.mark.parametrize(
+    ("dimensions", "match"),
+    [
+        ({"web_width": 0.3, "web_thickness": 0.068}, "pin_length: missing; .* web_width, web_thic"),
+        (MIDDLE | {"web_length": 0.1}, "web_length: unknown dimension; allowed are web_width, "),
+        (MIDDLE | {"web_width": 0.0}, "web_width: given 0; allowed are positive"),
+        (MIDDLE | {"web_width": -0.3}, "web_width: given -0.3"),
+        (MIDDLE | {"web_width": float("nan")}, "web_width: given nan"),
+        (MIDDLE | {"web_width": [0.3, float("inf")]}, "web_width: given inf"),
+        (
+            MIDDLE | {"web_width": "300 mm"},
+            "web_width: given '300 mm'; allowed are positive finite",
+        ),
+        (MIDDLE | {"web_width": None}, "web_width: given None"),
+        (MIDDLE | {"web_width": True}, "web_width: given True"),
+        (MIDDLE | {"web_width": []}, "web_width: given an empty array"),
+        (
+            MIDDLE | {"web_width": [0.3, 0.31], "pin_length": [0.13, 0.14, 0.15]},
+            r"shapes web_width \(2,\), .* broadcast",
+        ),
+    ],
+)
+def test_unusable_dimensions(dimensions, match):
+    with pytest.raises(InputError, match=match):
+        MODEL.axial_compliance(**dimensions)
+
+
+def test_lookup_takes_single_numbers_of_known_responses():
+    with pytest.raises(InputError, match="response: given 'mass'; allowed are axial_compliance"):
+        MODEL.lookup("mass", **MIDDLE)
+    with pytest.raises(InputError, match=r"web_width: given an array of shape \(2,\)"):
+        MODEL.lookup("axial_compliance", **(MIDDLE | {"web_width": [0.3, 0.31]}))
+
+
+def test_missing_response():
+    alone = ComplianceModel(responses={"axial_compliance": MODEL.responses["axial_compliance"]})
+    with pytest.raises(InputError, match="'torsional_compliance'; allowed are axial_compliance"):
+        alone.torsional_compliance(**MIDDLE)
+
+
+def test_a_factor_may_start_at_zero():
+    x = np.array([[r, h] for r in (0.0, 0.006, 0.012) for h in (0.05, 0.07, 0.09)])
+    fit = fit_form("quadratic", ("fillet_radius", "web_thickness"), x, 1e-9 - 1e-8 * x[:, 0])
+    model = ComplianceModel(
+        responses={"axial_compliance": ResponseModel.from_fit(fit, symbol="e_n", unit="m/N")}
+    )
+    assert model.axial_compliance(fillet_radius=0.0, web_thickness=0.07) == pytest.approx(1e-9)
+    with pytest.raises(InputError, match=r"fillet_radius: given -0.001; .* \(or 0\)"):
+        model.axial_compliance(fillet_radius=-0.001, web_thickness=0.07)
+
+
+def damaged(text, kind):
+    record = json.loads(text)
+    match kind:
+        case "cut":
+            return text[: len(text) // 2]
+        case "number changed":
+            return text.replace('"crank_radius": 0.17', '"crank_radius": 0.18')
+        case "other kind":
+            return json.dumps({"mesh": []})
+        case "list":
+            return "[1, 2]"
+        case "empty":
+            return ""
+        case "newer":
+            return json.dumps(record | {"version": 2})
+        case "no responses":
+            del record["responses"]
+            return json.dumps(record)
+    raise AssertionError(kind)
+
+
+@pytest.mark.parametrize(
+    ("kind", "match"),
+    [
+        ("cut", "not complete JSON"),
+        ("number changed", "checksum does not fit"),
+        ("other kind", "given a file of another kind; allowed is a compliance model file"),
+        ("list", "given a file of another kind"),
+        ("empty", "not complete JSON"),
+        ("newer", "given format version 2; allowed is 1"),
+        ("no responses", "checksum does not fit"),
+    ],
+)
+def test_wrong_or_damaged_files(tmp_path, kind, match):
+    path = tmp_path / "model.json"
+    MODEL.save(path)
+    path.write_text(damaged(path.read_text(), kind))
+    with pytest.raises(InputError, match=match) as caught:
+        ComplianceModel.load(path)
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_unreadable_files(tmp_path):
+    with pytest.raises(InputError, match="cannot be read"):
+        ComplianceModel.load(tmp_path / "absent.json")
+    binary = tmp_path / "binary.json"
+    binary.write_bytes(b"\xff\xfe\x00\x80")
+    with pytest.raises(InputError, match="not text"):
+        ComplianceModel.load(binary)
+
+
+def test_contradictory_content_is_refused():
+    good = MODEL.responses["axial_compliance"].model_dump()
+    for change, match in (
+        ({"coefficients": (1.0, 2.0)}, "coefficients: given 2 numbers; allowed are 10"),
+        ({"lowest": (0.27,)}, "lowest: given 1 numbers"),
+        ({"lowest": (0.27, 0.2, 0.12)}, "lowest, highest: given 0.2 and 0.098 for web_thickness"),
+        ({"half_range": (0.0, 1.0, 1.0)}, "half_range: given"),
+        ({"form": "cubic"}, "form: given 'cubic'"),
+        ({"color": "red"}, "color: unknown field"),
+        ({"r_squared": float("nan")}, "r_squared"),
+    ):
+        with pytest.raises(InputError, match=match):
+            ResponseModel(**(good | change))
+    with pytest.raises(InputError, match="fixed: given web_width, which is a factor"):
+        ComplianceModel(responses=MODEL.responses, fixed={"web_width": 0.3})
+
+
+def test_import_is_light():
+    code = (
+        "import sys, regression.compliance_model; "
+        "heavy = {'scipy', 'pint', 'matplotlib', 'gmsh', 'skfem'} & set(sys.modules); "
+        "assert not heavy, heavy"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
