@@ -129,9 +129,7 @@ class FreeEnd(InputModel):
 
     section: ClassVar[str] = "free_end"
 
-    inertia: float = quantity_field(
-        "inertia at the free end", "kg m^2", minimum=1e-7, maximum=1e6
-    )
+    inertia: float = quantity_field("inertia at the free end", "kg m^2", minimum=1e-7, maximum=1e6)
 
 
 class ThrustBearing(InputModel):
@@ -158,7 +156,9 @@ class VibrationSettings(InputModel):
 
     section: ClassVar[str] = "vibration"
 
-    axial_source: str = Field("fe", description="source of axial compliances: fe, regression or a formula")
+    axial_source: str = Field(
+        "fe", description="source of axial compliances: fe, regression or a formula"
+    )
     torsional_source: str = Field(
         "fe", description="source of torsional compliances: fe, regression or a formula"
     )
@@ -180,11 +180,17 @@ class TwoMassInput(InputModel):
 
     section: ClassVar[str] = "two_mass_check"
 
-    shaft_diameter: float = quantity_field("equivalent shaft diameter", "m", minimum=1e-3, maximum=2.0)
-    shaft_length: float = quantity_field("equivalent shaft length", "m", minimum=1e-3, maximum=100.0)
+    shaft_diameter: float = quantity_field(
+        "equivalent shaft diameter", "m", minimum=1e-3, maximum=2.0
+    )
+    shaft_length: float = quantity_field(
+        "equivalent shaft length", "m", minimum=1e-3, maximum=100.0
+    )
     shear_modulus: float = quantity_field("shear modulus", "Pa", minimum=1e9, maximum=5e11)
     engine_inertia: float = quantity_field("engine inertia", "kg m^2", minimum=1e-6, maximum=1e7)
-    flywheel_inertia: float = quantity_field("flywheel inertia", "kg m^2", minimum=1e-6, maximum=1e7)
+    flywheel_inertia: float = quantity_field(
+        "flywheel inertia", "kg m^2", minimum=1e-6, maximum=1e7
+    )
     order: float = quantity_field("harmonic order examined", "", minimum=0.5, maximum=48.0)
 
 
@@ -364,7 +370,8 @@ def _study_plan(content: TomlFile, throw: CrankThrow, material: Material) -> Stu
                 '["270 mm", "300 mm", "330 mm"].'
             )
         levels[name] = tuple(
-            parse_quantity(text, "m", f"study.factors.{name}[{place}]") for place, text in enumerate(texts)
+            parse_quantity(text, "m", f"study.factors.{name}[{place}]")
+            for place, text in enumerate(texts)
         )
     numbers = {}
     for name, kind, low, high, default in (
@@ -373,7 +380,9 @@ def _study_plan(content: TomlFile, throw: CrankThrow, material: Material) -> Stu
         ("accuracy", float, 0.001, 0.1, 0.01),
     ):
         given = values.get(name, default)
-        fits = isinstance(given, int | float) and not isinstance(given, bool) and low <= given <= high
+        fits = (
+            isinstance(given, int | float) and not isinstance(given, bool) and low <= given <= high
+        )
         if not fits or kind(given) != given:
             raise InputError(f"study.{name}: given {given!r}; allowed is {low} to {high}.")
         numbers[name] = kind(given)

@@ -122,12 +122,16 @@ def read_toml(path: Path) -> TomlFile:
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as text ({error}); allowed is a TOML file.") from None
+        raise InputError(
+            f"{path}: cannot be read as text ({error}); allowed is a TOML file."
+        ) from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: is not TOML ({error}); allowed is a TOML file.") from None
     sources = content.pop("sources", {})
     if not isinstance(sources, dict):
-        raise InputError(f"{path.name}: sources: given {sources!r}; allowed is a section [sources].")
+        raise InputError(
+            f"{path.name}: sources: given {sources!r}; allowed is a section [sources]."
+        )
     sections: dict[str, dict[str, Any]] = {}
     provenance: dict[str, tuple[str, bool]] = {}
     for section, values in content.items():

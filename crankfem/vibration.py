@@ -139,7 +139,7 @@ def axial_vibration(
     for name, values in _axial_formula_compliances(engine_file).items():
         sources[name] = (
             values,
-            "mean of the formula at the angles to both neighboring cranks; an end of the shaft counts as 180 deg",
+            "mean of the formula at the angles to both neighbors; 180 deg at the shaft's ends",
         )
     thrust = engine_file.thrust_bearing
     count = engine_file.engine.cylinders
@@ -255,7 +255,9 @@ def _vibration(
     results, unusable = [], []
     for source, (compliances, remark) in sources.items():
         if not np.all(np.isfinite(compliances)) or np.min(compliances) <= 0.0:
-            unusable.append(f"{source}: gives a compliance of {np.min(compliances):.3g}, not above zero")
+            unusable.append(
+                f"{source}: gives a compliance of {np.min(compliances):.3g}, not above zero"
+            )
             continue
         chain = make_chain(compliances)
         results.append(SourceResult(source, compliances, chain, chain.chain.modes(), remark))
@@ -281,14 +283,17 @@ def _criticals(
     )
     sums = [
         _phase_sum(
-            cylinder_weights(kind, result.chain.nodes, result.modes.shapes[:, result.modes.rigid + c.mode]),
+            cylinder_weights(
+                kind, result.chain.nodes, result.modes.shapes[:, result.modes.rigid + c.mode]
+            ),
             c.order,
             engine.firing_angles,
         )
         for c in found
     ]
     return tuple(
-        WeightedCritical(critical, phase_sum) for critical, phase_sum in zip(found, sums, strict=True)
+        WeightedCritical(critical, phase_sum)
+        for critical, phase_sum in zip(found, sums, strict=True)
     )
 
 

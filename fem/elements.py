@@ -80,7 +80,9 @@ def element_stiffnesses(
     stiffness : (b, 30, 30) array
         Unknown 3 a + i is the displacement of node a along axis i [N/m].
     """
-    lame = material.shear_modulus * 2.0 * material.poisson_ratio / (1.0 - 2.0 * material.poisson_ratio)
+    lame = (
+        material.shear_modulus * 2.0 * material.poisson_ratio / (1.0 - 2.0 * material.poisson_ratio)
+    )
     shear = material.shear_modulus
     _, gradients, weights = reference_shapes()
     for start in range(0, len(elements), CHUNK):

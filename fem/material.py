@@ -31,7 +31,9 @@ class Material(InputModel):
     poisson_ratio: float = quantity_field(
         "Poisson's ratio", "", symbol="nu", minimum=0.0, maximum=0.49
     )
-    density: float = quantity_field("density", "kg/m^3", symbol="rho", minimum=500.0, maximum=25000.0)
+    density: float = quantity_field(
+        "density", "kg/m^3", symbol="rho", minimum=500.0, maximum=25000.0
+    )
 
     @property
     def shear_modulus(self) -> float:

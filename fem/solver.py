@@ -69,7 +69,9 @@ def _choose(solver: str) -> str:
     if solver not in ("pardiso", "superlu"):
         raise ValueError(f"solver: given {solver!r}; allowed are auto, pardiso, superlu.")
     if solver == "pardiso" and _pardiso() is None:
-        raise SolveError("The solver pardiso is not installed; install it with: pip install pypardiso")
+        raise SolveError(
+            "The solver pardiso is not installed; install it with: pip install pypardiso"
+        )
     return solver
 
 

@@ -49,10 +49,7 @@ def section_rotation(angle: float) -> Array:
 
 
 def combine_classes(classes: Sequence[CondensedClass]) -> Superelement:
-    """Build the superelement of a whole throw from symmetry classes of its quarter.
-
-    With all four classes the result is complete. With fewer, motions of the missing classes are
-    blocked: their rows and columns are missing from the rank, not wrong.
+    """Build the superelement of a whole throw from the four symmetry classes of its quarter.
 
     Parameters
     ----------

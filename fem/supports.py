@@ -37,7 +37,9 @@ class Neighbors:
         for name in ("left_deg", "right_deg"):
             value = getattr(self, name)
             if not isinstance(value, int | float) or not math.isfinite(value):
-                raise InputError(f"Neighbors.{name}: given {value!r}; allowed is a finite angle in degrees.")
+                raise InputError(
+                    f"Neighbors.{name}: given {value!r}; allowed is a finite angle in degrees."
+                )
 
 
 Support = Literal["pinned", "guided"] | Neighbors
@@ -163,7 +165,7 @@ def _between_neighbors(throw: Superelement, support: Neighbors) -> Array:
         motions = _chain_motions(throw, support, reach)
         axial = float(motions[6 + UZ, 0] - motions[UZ, 0])
         change = abs(axial - before)
-        if change <= 1e-10 * abs(axial):
+        if change <= 1e-9 * abs(axial):
             break
         before, reach = axial, 2 * reach
     return motions

@@ -50,7 +50,9 @@ def missing_library_advice(package: str, loader_message: str) -> str:
     library = found.group(0) if found else "a system library"
     debian = DEBIAN_PACKAGES.get(library)
     if debian is None:
-        return f"{package} cannot load {library} ({loader_message}); install the package that has it."
+        return (
+            f"{package} cannot load {library} ({loader_message}); install the package that has it."
+        )
     return (
         f"{package} needs the system library {library}; on Debian or Ubuntu install it with: "
         f"apt-get install {debian}"
@@ -69,7 +71,8 @@ def gmsh_session(name: str) -> Iterator[Any]:
     if mine:
         gmsh.initialize(readConfigFiles=False, interruptible=False)
     before = {
-        option: gmsh.option.getNumber(option) for option in ("General.Terminal", "General.NumThreads")
+        option: gmsh.option.getNumber(option)
+        for option in ("General.Terminal", "General.NumThreads")
     }
     try:
         gmsh.option.setNumber("General.Terminal", 0)

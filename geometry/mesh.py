@@ -91,11 +91,9 @@ def mesh_throw(throw: CrankThrow, size_factor: float = 1.0) -> ThrowMesh:
     return mesh
 
 
-def _set_sizes(
-    gmsh: Any, throw: CrankThrow, surfaces: dict[str, list[int]], factor: float
-) -> None:
+def _set_sizes(gmsh: Any, throw: CrankThrow, surfaces: dict[str, list[int]], factor: float) -> None:
     """Small elements at the fillets (or sharp journal corners), growing into the bulk."""
-    bulk = factor * min(0.75 * throw.web_thickness, 0.5 * throw.pin_diameter)
+    bulk = factor * min(throw.web_thickness, 0.5 * throw.pin_diameter)
     if throw.fillet_radius > 0.0:
         root = min(bulk, factor * ROOT_PER_FILLET * throw.fillet_radius)
         where = {"SurfacesList": surfaces[FILLET]}
@@ -150,14 +148,20 @@ def _read_mesh(
     facets = {}
     for name, surface_tags in surfaces.items():
         parts = [
-            number[gmsh.model.mesh.getElementsByType(9, tag)[1].astype(np.int64)].reshape(-1, 6)[:, :3]
+            number[gmsh.model.mesh.getElementsByType(9, tag)[1].astype(np.int64)].reshape(-1, 6)[
+                :, :3
+            ]
             for tag in surface_tags
         ]
         facets[name] = np.concatenate(parts) if parts else np.empty((0, 3), dtype=np.int64)
     used, renumbered = np.unique(elements, return_inverse=True)
     order = np.full(len(points), -1, dtype=np.int64)
     order[used] = np.arange(len(used))
-    return points[used], renumbered.reshape(elements.shape), {k: order[v] for k, v in facets.items()}
+    return (
+        points[used],
+        renumbered.reshape(elements.shape),
+        {k: order[v] for k, v in facets.items()},
+    )
 
 
 def _jacobian_gradients() -> NDArray[np.float64]:
@@ -215,7 +219,9 @@ def element_volumes(
     points: NDArray[np.float64], elements: NDArray[np.int64]
 ) -> NDArray[np.float64]:
     """Volumes (m,) of straight or curved 10-node tetrahedra [m^3]."""
-    return np.asarray(element_quadrature(points, elements)[1].reshape(len(elements), -1).sum(axis=1))
+    return np.asarray(
+        element_quadrature(points, elements)[1].reshape(len(elements), -1).sum(axis=1)
+    )
 
 
 def element_quadrature(

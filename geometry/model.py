@@ -148,7 +148,9 @@ def _describe(info: FieldInfo) -> str:
 
 
 def _has_range(info: FieldInfo) -> bool:
-    return field_extra(info, "minimum_si") is not None or field_extra(info, "maximum_si") is not None
+    return (
+        field_extra(info, "minimum_si") is not None or field_extra(info, "maximum_si") is not None
+    )
 
 
 def _range(info: FieldInfo) -> str:

@@ -52,7 +52,9 @@ def parse_quantity(text: object, unit: str, field: str) -> float:
         return _pure_number(text, field)
     shown = DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
     if isinstance(text, bool) or not isinstance(text, str | int | float):
-        raise InputError(f'{field}: given {text!r}; write a number with its unit, like "1 {shown}".')
+        raise InputError(
+            f'{field}: given {text!r}; write a number with its unit, like "1 {shown}".'
+        )
     if isinstance(text, int | float):
         raise InputError(
             f"{field}: given the bare number {text}, which could be any unit; "

@@ -111,8 +111,7 @@ def _name_surfaces(gmsh: Any, throw: CrankThrow) -> dict[str, list[int]]:
     half_journal = throw.main_journal_length / 2.0
     web_end = half_journal + throw.web_thickness
     names: dict[str, list[int]] = {
-        name: []
-        for name in (LEFT_END, CRANK_PLANE, MIDDLE_PLANE, PIN, MAIN_JOURNAL, FILLET, WEB)
+        name: [] for name in (LEFT_END, CRANK_PLANE, MIDDLE_PLANE, PIN, MAIN_JOURNAL, FILLET, WEB)
     }
     for _, tag in gmsh.model.getEntities(2):
         _, _, z_low, x_high, _, z_high = gmsh.model.getBoundingBox(2, tag)

@@ -74,7 +74,12 @@ class CrankThrow(InputModel):
         "web thickness along the shaft", "m", symbol="h", minimum=0.002, maximum=1.5
     )
     fillet_radius: float = quantity_field(
-        "fillet radius at main journals and pin", "m", symbol="r", minimum=0.0, maximum=0.3, default=0.0
+        "fillet radius at main journals and pin",
+        "m",
+        symbol="r",
+        minimum=0.0,
+        maximum=0.3,
+        default=0.0,
     )
 
     @model_validator(mode="after")

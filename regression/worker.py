@@ -10,7 +10,7 @@ import sys
 import time
 from typing import Any, TextIO
 
-from fem.analysis import AXIAL, TORSIONAL, analyze_throw
+from fem.analysis import throw_responses
 from fem.material import Material
 from geometry.throw import CrankThrow
 
@@ -26,25 +26,10 @@ def evaluate_design(inputs: dict[str, Any]) -> dict[str, float]:
     Returns
     -------
     dict
-        Compliances for both supports [m/N, rad/(N m)], influence coefficients [m/N], mass [kg],
-        error estimate, unknowns.
+        As `fem.analysis.throw_responses` gives them.
     """
-    analysis = analyze_throw(
-        CrankThrow(**inputs["throw"]),
-        Material(**inputs["material"]),
-        inputs["accuracy"],
-        classes=(AXIAL, TORSIONAL),
-    )
-    responses: dict[str, float] = {}
-    for support in ("pinned", "guided"):
-        answer = analysis.supported(support)
-        responses[f"axial_compliance_{support}"] = answer.axial
-        responses[f"torsional_compliance_{support}"] = answer.torsional
-        responses[f"influence_coefficient_{support}"] = answer.influence
-    responses["mass"] = analysis.mass
-    responses["error_estimate"] = analysis.error_estimate
-    responses["unknowns"] = float(analysis.mesh.unknowns)
-    return responses
+    throw, material = CrankThrow(**inputs["throw"]), Material(**inputs["material"])
+    return throw_responses(throw, material, inputs["accuracy"])
 
 
 def serve(requests: TextIO, answers: TextIO) -> None:

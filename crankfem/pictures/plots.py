@@ -72,8 +72,13 @@ def plot_parity(path: Path, table: StudyTable, fits: ResponseFits) -> None:
             ):
                 chosen = table.held_out == held
                 panel.plot(
-                    column[chosen] * 1e9, predicted[chosen] * 1e9, marker, color=color, label=label,
-                    markersize=5, alpha=0.85,
+                    column[chosen] * 1e9,
+                    predicted[chosen] * 1e9,
+                    marker,
+                    color=color,
+                    label=label,
+                    markersize=5,
+                    alpha=0.85,
                 )
             worst = 100.0 * (fit.largest_heldout_error or 0.0)
             panel.set_title(f"{fit.form}: held out within {worst:.2g} %", fontsize=9)
@@ -174,20 +179,30 @@ def plot_campbell(
         for order in orders:
             end = order * right / 60.0
             axes.plot(
-                [left, right], [order * left / 60.0, end], color=GRAY,
+                [left, right],
+                [order * left / 60.0, end],
+                color=GRAY,
                 linewidth=0.9 if float(order).is_integer() else 0.4,
             )
             if float(order).is_integer():
                 axes.annotate(
-                    f"{order:g}", (right, end), xytext=(3, -3), textcoords="offset points", fontsize=7
+                    f"{order:g}",
+                    (right, end),
+                    xytext=(3, -3),
+                    textcoords="offset points",
+                    fontsize=7,
                 )
         for shown, frequency in enumerate(vibration.chosen.elastic_frequencies):
             if frequency > top:
                 continue
             axes.axhline(frequency, color=COLORS[shown % len(COLORS)], linewidth=1.8)
             axes.annotate(
-                f"{frequency:.1f} Hz", (left, frequency), xytext=(3, 3),
-                textcoords="offset points", fontsize=8, color=COLORS[shown % len(COLORS)],
+                f"{frequency:.1f} Hz",
+                (left, frequency),
+                xytext=(3, 3),
+                textcoords="offset points",
+                fontsize=8,
+                color=COLORS[shown % len(COLORS)],
             )
         for critical in vibration.criticals:
             axes.plot(
@@ -216,7 +231,9 @@ def plot_torque(path: Path, samples: Array, found: Harmonics) -> None:
     sample_angles = np.arange(len(samples)) * cycle / len(samples)
     with figure(path, 2, width=8.6, height=3.4) as (left, right):
         left.plot(np.rad2deg(angles), found.at(angles), color=BLUE, label="sum of harmonics")
-        left.plot(np.rad2deg(sample_angles), samples, "o", color=ORANGE, markersize=3.5, label="table")
+        left.plot(
+            np.rad2deg(sample_angles), samples, "o", color=ORANGE, markersize=3.5, label="table"
+        )
         left.axhline(found.mean, color=GREEN, linestyle="--", linewidth=1.0, label="mean")
         left.set_xlabel("crank angle [deg]")
         left.set_ylabel("torque of one throw [N m]")

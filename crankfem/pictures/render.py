@@ -90,7 +90,7 @@ def render(surface: Surface, folder: Path) -> None:
 
     def look(made: Any) -> None:
         made.view_vector((1.0, 0.35, -0.55), viewup=(0, 1, 0))
-        made.camera.zoom(1.15)
+        made.camera.zoom(1.4)
 
     picture = plotter()
     picture.add_mesh(mesh_of(surface.points), color=STEEL_COLOR, **SHADING)

@@ -41,4 +41,8 @@ def figure(path: Path, columns: int = 1, width: float = 7.2, height: float = 4.2
 
 def math_symbol(symbol: str) -> str:
     """Write a symbol such as L_shm for matplotlib's mathematics."""
-    return re.sub(r"^([A-Za-z]+)_(\w+)$", r"$\1_{\\mathrm{\2}}$", symbol) if "_" in symbol else f"${symbol}$"
+    return (
+        re.sub(r"^([A-Za-z]+)_(\w+)$", r"$\1_{\\mathrm{\2}}$", symbol)
+        if "_" in symbol
+        else f"${symbol}$"
+    )

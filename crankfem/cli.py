@@ -1,0 +1,489 @@
+"""The command line: one short function for each command."""
+
+import shutil
+import warnings
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from crankfem import console
+from crankfem.console import number, print_json, print_table, rows_of
+from crankfem.data_files import engine_path, shipped_engines
+from geometry.errors import InputError
+from geometry.model import field_extra
+from geometry.quantity import DISPLAY_UNITS, parse_quantity
+
+app = typer.Typer(
+    help="Axial and torsional vibration of crankshafts, from crank-throw dimensions to a verdict.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+    rich_markup_mode="rich",
+)
+
+EngineArgument = Annotated[
+    str, typer.Argument(metavar="ENGINE.toml", help="Engine file, or the name of a shipped engine.")
+]
+JsonOption = Annotated[
+    bool, typer.Option("--json", help="Print machine-readable results on standard output.")
+]
+WorkersOption = Annotated[int, typer.Option(help="Worker processes of the study.")]
+
+
+@app.command(epilog="Example: crankfem run data/engines/6chn25-34.toml")
+def run(
+    engine: EngineArgument,
+    output: Annotated[
+        str | None, typer.Option(help="Folder for the results; NAME-results by default.")
+    ] = None,
+    workers: WorkersOption = 2,
+    json: JsonOption = False,
+) -> None:
+    """Do everything: throw, formulas, study, vibration, and a report, into one folder."""
+    from crankfem.pipeline import REPORT, run_engine
+
+    with console.RunProgress() as progress:
+        made = run_engine(engine, output, workers=workers, progress=progress)
+        progress.finish()
+    if json:
+        print_json(made.results)
+        return
+    _print_throw(made.results["throw"])
+    _print_formulas(made.results["formulas"], made.results["throw"])
+    if made.results["study"] is not None:
+        _print_fits(made.results["study"]["fits"])
+    for vibration in made.results["vibration"].values():
+        _print_vibration(vibration)
+    console.output.print(f"Report: {made.folder / REPORT}", soft_wrap=True)
+
+
+@app.command(epilog="Example: crankfem new mine.toml --from 6chn25-34")
+def new(
+    file: Annotated[Path, typer.Argument(metavar="MY.toml", help="The file to write.")],
+    source: Annotated[str, typer.Option("--from", help="Shipped engine to copy.")] = "6chn25-34",
+) -> None:
+    """Copy a shipped engine file as the start of one's own."""
+    if file.exists():
+        raise InputError(f"{file}: exists already; give a new file name.")
+    name = source.removesuffix(".toml")
+    if name not in shipped_engines():
+        raise InputError(f"--from: given {source!r}; allowed are {', '.join(shipped_engines())}.")
+    shutil.copyfile(engine_path(name), file)
+    console.output.print(
+        f"{file} written. Replace its values with yours (those marked assumed first), then: "
+        f"crankfem run {file}",
+        soft_wrap=True,
+    )
+
+
+@app.command(epilog="Example: crankfem check mine.toml")
+def check(engine: EngineArgument, json: JsonOption = False) -> None:
+    """Check an engine file and list what is assumed in it."""
+    from crankfem.engine_file import load_engine
+    from crankfem.results import input_records
+
+    read = load_engine(engine)
+    records = input_records(read)
+    if json:
+        print_json({"engine": read.engine.name, "valid": True, "inputs": records})
+        return
+    console.output.print(
+        f"{read.path}: valid; {len(read.assumed)} of {len(records)} values are assumed."
+    )
+    print_table(
+        "Inputs",
+        ["field", "value:", "assumed:", "source:"],
+        rows_of(
+            records,
+            lambda r: r["field"],
+            lambda r: r["given"],
+            lambda r: "yes" if r["assumed"] else "",
+            lambda r: r["source"].replace("[", "").replace("]", ""),
+        ),
+    )
+
+
+@app.command(epilog="Example: crankfem throw 6chn25-34 --accuracy 0.005")
+def throw(
+    engine: EngineArgument,
+    accuracy: Annotated[float, typer.Option(help="Relative accuracy of e_n, 0.001 to 0.1.")] = 0.01,
+    json: JsonOption = False,
+) -> None:
+    """Analyze one throw by finite elements: compliances, reactions, masses."""
+    from crankfem.engine_file import load_throw
+    from crankfem.pipeline import UNIT_RADIAL_FORCE
+    from crankfem.results import throw_record
+    from fem.analysis import analyze_throw
+
+    dimensions, material = load_throw(engine)
+    record = throw_record(analyze_throw(dimensions, material, accuracy), UNIT_RADIAL_FORCE)
+    if json:
+        print_json(record)
+    else:
+        _print_throw(record)
+
+
+@app.command(epilog="Example: crankfem formulas 6chn25-34 --gamma 120")
+def formulas(
+    engine: EngineArgument,
+    gamma: Annotated[float, typer.Option(help="Angle between neighboring cranks [deg].")] = 180.0,
+    variant: Annotated[str, typer.Option(help="corrected or printed.")] = "corrected",
+    fe: Annotated[bool, typer.Option(help="Also compute the finite element value.")] = True,
+    json: JsonOption = False,
+) -> None:
+    """Show the published formulas for a throw beside finite elements."""
+    from crankfem.engine_file import load_throw
+    from crankfem.results import formula_records
+    from fem.analysis import analyze_throw
+    from fem.supports import Neighbors
+
+    dimensions, material = load_throw(engine)
+    records: dict[str, Any] = dict(formula_records(dimensions, material, gamma, variant))
+    records["gamma_deg"] = gamma
+    if fe:
+        analysis = analyze_throw(dimensions, material)
+        records["fe"] = {
+            "axial": analysis.axial_compliance(Neighbors(gamma, gamma)),
+            "torsional": analysis.torsional_compliance("pinned"),
+            "error_estimate": analysis.error_estimate,
+        }
+    if json:
+        print_json(records)
+        return
+    for kind in ("axial", "torsional"):
+        _print_formula_table(
+            f"{kind.capitalize()} compliance"
+            + (f", gamma = {gamma:g} deg" if kind == "axial" else ""),
+            records[kind],
+            records["fe"][kind] if fe else None,
+        )
+
+
+@app.command(epilog="Example: crankfem doe 6chn25-34 --store runs.sqlite --workers 2")
+def doe(
+    study: Annotated[
+        str, typer.Argument(metavar="STUDY.toml", help="File with the sections throw and study.")
+    ],
+    store: Annotated[Path, typer.Option(help="SQLite file of results.")] = Path("runs.sqlite"),
+    workers: WorkersOption = 2,
+    json: JsonOption = False,
+) -> None:
+    """Run a design of experiments, or continue it where it stopped."""
+    from crankfem.engine_file import load_study
+    from crankfem.results import study_record
+    from crankfem.studies import fitted
+    from regression.study import run_plan
+
+    plan = load_study(study)
+    with console.RunProgress() as progress:
+        progress.step("Running the study")
+        table = run_plan(plan, store, workers, progress.design)
+        progress.finish()
+    found = fitted(table)
+    record = study_record(found.table, found.fits)
+    if json:
+        print_json(record)
+        return
+    console.output.print(
+        f"{record['runs']} runs and {record['held_out']} held-out designs in {store}; "
+        f"{record['computed_now']} computed now, {len(record['failures'])} failed.",
+        soft_wrap=True,
+    )
+    _print_fits(record["fits"])
+
+
+@app.command(epilog="Example: crankfem fit runs.sqlite --model model.json")
+def fit(
+    store: Annotated[Path, typer.Argument(metavar="RUNS.sqlite", help="Store of a study.")],
+    model: Annotated[Path, typer.Option(help="Model file to write.")] = Path("model.json"),
+    study: Annotated[
+        str | None, typer.Option(help="First characters of the study's key, if there are several.")
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Fit equations to a study's results and save the best as a model."""
+    from crankfem.results import study_record
+    from crankfem.studies import fitted
+    from regression.study import read_study
+
+    found = fitted(read_study(store, study))
+    found.model.save(model)
+    record = study_record(found.table, found.fits)
+    if json:
+        print_json(record)
+        return
+    _print_fits(record["fits"])
+    console.output.print(f"Model: {model}", soft_wrap=True)
+
+
+@app.command(
+    epilog="Example: crankfem lookup model.json web_width=300mm web_thickness=68mm pin_length=139mm"
+)
+def lookup(
+    model: Annotated[Path, typer.Argument(metavar="MODEL.json", help="Model file.")],
+    dimensions: Annotated[
+        list[str], typer.Argument(metavar="NAME=VALUE...", help="Dimensions with units.")
+    ],
+    json: JsonOption = False,
+) -> None:
+    """Look compliances up in a model, with range check and error."""
+    from geometry.throw import CrankThrow
+    from regression.compliance_model import ComplianceModel
+
+    loaded = ComplianceModel.load(model)
+
+    def convert(name: str, text: str) -> float:
+        info = CrankThrow.model_fields.get(name)
+        unit = "m" if info is None else field_extra(info, "unit")
+        return parse_quantity(text, unit, name)
+
+    given = console.parse_pairs(dimensions, convert)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the answer itself says what lies outside the range
+        answers = {name: loaded.lookup(name, **given) for name in loaded.responses}
+    if json:
+        print_json(
+            {
+                name: {
+                    "value": answer.value,
+                    "unit": answer.unit,
+                    "support": answer.support,
+                    "inside": answer.inside,
+                    "remarks": list(answer.remarks),
+                    "largest_held_out_error": answer.error,
+                    "equation": answer.equation,
+                }
+                for name, answer in answers.items()
+            }
+        )
+        return
+    for name, answer in answers.items():
+        shown, size = DISPLAY_UNITS.get(answer.unit, (answer.unit, 1.0))
+        digits = number(answer.value / size)
+        value = f"{digits}e-9 {answer.unit}" if shown.startswith("1e-9") else f"{digits} {shown}"
+        error = "unknown" if answer.error is None else f"{100.0 * answer.error:.2g} %"
+        place = "inside the range" if answer.inside else "OUTSIDE the range"
+        console.output.print(
+            f"{name.replace('_', ' ')}: {value} ({answer.support}), error up to {error} at held-out "
+            f"designs, {place}",
+            soft_wrap=True,
+            highlight=False,
+        )
+        for remark in answer.remarks:
+            console.output.print(f"  {remark}", soft_wrap=True, highlight=False)
+
+
+@app.command(epilog="Example: crankfem harmonics yamz5340_torque_one_throw.csv --orders 4")
+def harmonics(
+    table: Annotated[str, typer.Argument(metavar="TORQUE.csv", help="Torque over one cycle.")],
+    strokes: Annotated[int, typer.Option(help="Strokes per cycle, 2 or 4.")] = 4,
+    orders: Annotated[float, typer.Option(help="Highest order printed.")] = 9.0,
+    json: JsonOption = False,
+) -> None:
+    """Split a torque table into harmonics M_k sin(k w t + a_k)."""
+    from crankfem.data_files import data_folder
+    from crankfem.results import harmonics_record
+    from dynamics.torque_table import read_torque_table
+
+    path = Path(table)
+    if not path.is_file() and (data_folder() / "tables" / path.name).is_file():
+        path = data_folder() / "tables" / path.name
+    record = harmonics_record(read_torque_table(path, strokes=strokes).harmonics())
+    if json:
+        print_json(record)
+        return
+    console.output.print(
+        f"Mean {record['mean']:.2f} N m; {record['samples']} samples resolve orders up to "
+        f"{record['highest_order']:g}."
+    )
+    columns = ("orders", "cosine", "sine", "amplitude", "phase_deg")
+    rows = zip(*(record[name] for name in columns), strict=True)
+    print_table(
+        "Harmonics",
+        ["order", "A_k [N m]", "B_k [N m]", "M_k [N m]", "a_k [deg]"],
+        [[f"{row[0]:g}", *(f"{v:.2f}" for v in row[1:])] for row in rows if row[0] <= orders],
+    )
+
+
+@app.command(epilog="Example: crankfem vibration 6chn25-34")
+def vibration(engine: EngineArgument, json: JsonOption = False) -> None:
+    """Natural frequencies and critical speeds, without the study."""
+    from crankfem.engine_file import load_engine
+    from crankfem.results import vibration_record
+    from crankfem.vibration import axial_vibration, compliances_in_shaft, torsional_vibration
+    from fem.analysis import analyze_throw
+
+    read = load_engine(engine)
+    analysis = analyze_throw(read.throw, read.material)
+    shaft = compliances_in_shaft(read, analysis)
+    found = [
+        vibration_record(calculate(read, analysis, shaft, None))
+        for calculate in (axial_vibration, torsional_vibration)
+    ]
+    if json:
+        print_json({record["kind"]: record for record in found})
+        return
+    for record in found:
+        _print_vibration(record)
+
+
+@app.command(epilog="Example: crankfem report 6chn25-34-results")
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of a finished run.")],
+) -> None:
+    """Write the report of a finished run again, from its results and pictures."""
+    import json as json_module
+
+    from crankfem.pipeline import REPORT, RESULTS
+    from crankfem.report import write_report
+
+    path = folder / RESULTS
+    if not path.is_file():
+        raise InputError(
+            f"{folder}: has no {RESULTS}; give the folder that crankfem run has written."
+        )
+    try:
+        results = json_module.loads(path.read_text(encoding="utf-8"))
+        made = write_report(results, folder / "pictures", folder / REPORT)
+    except (ValueError, KeyError) as error:
+        raise InputError(
+            f"{path}: is not what crankfem run writes ({error}); run it again."
+        ) from None
+    console.output.print(f"Report: {made}", soft_wrap=True)
+
+
+def _print_throw(record: dict[str, Any]) -> None:
+    supports = record["supports"]
+    print_table(
+        f"Throw by finite elements (error of e_n about {100.0 * record['error_estimate']:.2g} %)",
+        ["support", "e_n [1e-9 m/N]", "torsional [1e-9 rad/(N m)]", "c [1e-9 m/N]", "P/Z"],
+        [
+            [
+                name,
+                number(s["axial_compliance"] * 1e9),
+                number(s["torsional_compliance"] * 1e9),
+                number(s["influence_coefficient"] * 1e9),
+                number(s["axial_force_per_radial"]),
+            ]
+            for name, s in supports.items()
+        ],
+    )
+    print_table(
+        f"Reactions to a radial force of {record['radial_force'] / 1e3:.4g} kN on the pin, length kept",
+        ["support", "end:", "force x y z [kN]", "moment x y z [kN m]"],
+        [
+            [name, side, _vector(reaction["force"]), _vector(reaction["moment"])]
+            for name, s in supports.items()
+            for side, reaction in s["reactions"].items()
+        ],
+    )
+    console.output.print(
+        f"Mass {record['mass']:.4g} kg, center of mass {record['center_of_mass'][1] * 1e3:.4g} mm from the "
+        f"shaft axis, inertia about the shaft {record['inertia_about_shaft']:.4g} kg m^2.",
+        soft_wrap=True,
+        highlight=False,
+    )
+
+
+def _vector(values: list[float]) -> str:
+    return "  ".join(f"{round(value / 1e3, 3) + 0.0:.3f}" for value in values)
+
+
+def _print_formulas(formula_records: dict[str, Any], throw_record: dict[str, Any]) -> None:
+    for kind in ("axial", "torsional"):
+        _print_formula_table(
+            f"{kind.capitalize()} compliance: published formulas",
+            formula_records[kind],
+            throw_record["supports"]["pinned"][f"{kind}_compliance"],
+        )
+
+
+def _print_formula_table(title: str, records: list[dict[str, Any]], fe: float | None) -> None:
+    def beside(value: float) -> list[str]:
+        return [] if fe is None else [f"{value / fe:.2f}"]
+
+    rows = [
+        [
+            record["name"],
+            number(record["value"] * 1e9),
+            *beside(record["value"]),
+            "yes" if record["valid"] else "no",
+        ]
+        for record in records
+    ]
+    if fe is not None:
+        rows.insert(0, ["finite elements", number(fe * 1e9), "1", ""])
+    unit = records[0]["unit"] if records else "m/N"
+    ratio = [] if fe is None else ["beside FE"]
+    print_table(title, ["formula", f"value [1e-9 {unit}]", *ratio, "applies:"], rows)
+
+
+def _print_fits(fits: dict[str, Any]) -> None:
+    for response, record in fits.items():
+        print_table(
+            f"{response.replace('_', ' ').capitalize()} as an equation (chosen: {record['chosen']})",
+            ["form", "R2", "Q2", "error at runs", "error held out"],
+            [
+                [
+                    f["form"],
+                    f"{f['r_squared']:.5f}",
+                    "none" if f["q_squared"] is None else f"{f['q_squared']:.5f}",
+                    f"{100.0 * f['largest_error_at_runs']:.3g} %",
+                    f"{100.0 * f['largest_error_held_out']:.3g} %",
+                ]
+                for f in record["forms"]
+            ],
+        )
+        for f in record["forms"]:
+            console.output.print(
+                f"  {f['equation']}", soft_wrap=True, highlight=False, markup=False
+            )
+
+
+def _print_vibration(record: dict[str, Any]) -> None:
+    print_table(
+        f"{record['kind'].capitalize()} modes (compliances: {record['source']})",
+        ["mode", "frequency [Hz]", "[1/min]", "nodes at:"],
+        [
+            [
+                "rigid body" if m["rigid"] else str(m["number"]),
+                f"{m['frequency']:.2f}",
+                f"{60.0 * m['frequency']:.0f}",
+                ", ".join(f"{place:.2f}" for place in m["node_positions"]),
+            ]
+            for m in record["modes"]
+        ],
+    )
+    print_table(
+        f"{record['kind'].capitalize()} critical speeds in the running range",
+        ["speed [1/min]", "order", "mode", "frequency [Hz]", "phase sum"],
+        [
+            [
+                f"{c['speed_rpm']:.1f}",
+                f"{c['order']:g}",
+                str(c["mode"]),
+                f"{c['frequency']:.2f}",
+                f"{c['phase_sum']:.3f}",
+            ]
+            for c in record["criticals"]
+        ],
+    )
+    print_table(
+        f"First {record['kind']} frequencies by source of the compliances",
+        ["source", "frequencies [Hz]", "first beside chosen"],
+        [
+            [
+                s["source"],
+                ", ".join(f"{f:.1f}" for f in s["first_frequencies"]),
+                f"{s['beside_chosen']:.3f}",
+            ]
+            for s in record["sources"]
+        ],
+    )
+
+
+def main() -> None:
+    """Run the command line; errors are one sentence and an exit code."""
+    with console.clear_errors():
+        app()

@@ -1,0 +1,156 @@
+"""How the command line talks: tables on standard output, progress and errors on standard error."""
+
+import json
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn
+from rich.progress import TimeElapsedColumn as Elapsed
+from rich.table import Table
+
+from geometry.errors import InputError, MeshError, MissingLibraryError
+from regression.store import Outcome
+
+EXIT_INPUT, EXIT_FAILED, EXIT_INTERRUPTED = 2, 1, 130
+
+errors = Console(stderr=True)
+output = Console()
+
+
+def print_json(content: object) -> None:
+    """Print JSON content, and nothing else, on standard output."""
+    sys.stdout.write(json.dumps(content, indent=1, allow_nan=False) + "\n")
+
+
+def print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
+    """Print a table; columns after the first are set right unless they end in a colon."""
+    table = Table(title=title, title_justify="left", title_style="bold", header_style="bold")
+    for place, column in enumerate(columns):
+        left = place == 0 or column.endswith(":")
+        table.add_column(
+            column.removesuffix(":"), justify="left" if left else "right", overflow="fold"
+        )
+    for row in rows:
+        table.add_row(*row)
+    output.print(table)
+
+
+@contextmanager
+def clear_errors() -> Iterator[None]:
+    """End with one sentence and an exit code instead of a traceback.
+
+    Exit codes: 2 for input that cannot be used, 1 for work that failed, 130 for an interrupt.
+    """
+    from fem.solver import SolveError
+
+    try:
+        yield
+    except InputError as error:
+        _stop(str(error), EXIT_INPUT)
+    except (MissingLibraryError, MeshError, SolveError, ImportError) as error:
+        _stop(str(error), EXIT_FAILED)
+    except OSError as error:
+        _stop(f"{error.filename or 'file'}: {error.strerror or error}.", EXIT_FAILED)
+    except KeyboardInterrupt:
+        _stop(
+            "Stopped. Finished designs are kept; the same command continues where it stopped.",
+            EXIT_INTERRUPTED,
+        )
+
+
+def _stop(message: str, code: int) -> None:
+    errors.print(
+        f"[bold red]Error:[/] {_escape(message)}" if code != EXIT_INTERRUPTED else message,
+        soft_wrap=True,
+    )
+    raise SystemExit(code)
+
+
+def _escape(text: str) -> str:
+    from rich.markup import escape
+
+    return escape(text)
+
+
+class RunProgress:
+    """Steps of a run and a bar for its study, on standard error."""
+
+    def __init__(self, quiet: bool = False) -> None:
+        self._bar = Progress(
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            Elapsed(),
+            console=errors,
+            disable=quiet,
+        )
+        self._quiet = quiet
+        self._task: TaskID | None = None
+
+    def __enter__(self) -> "RunProgress":
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def step(self, text: str) -> None:
+        """Name the step that begins, and take the last one for done."""
+        if self._task is not None:
+            task = self._bar.tasks[-1]
+            self._bar.update(self._task, completed=task.total, refresh=True)
+        self._task = self._bar.add_task(text, total=1)
+
+    def design(self, finished: int, total: int, newest: Outcome | None) -> None:
+        """Move the bar; tell of a design that failed."""
+        if self._task is not None:
+            self._bar.update(self._task, completed=finished, total=total, refresh=True)
+        if newest is not None and newest.reason is not None:
+            self.note(f"a design failed: {newest.reason}")
+
+    def note(self, text: str) -> None:
+        """Print a remark above the bar."""
+        if not self._quiet:
+            self._bar.console.print(f"[yellow]Note:[/] {_escape(text)}")
+
+    def finish(self) -> None:
+        """Take the last step for done."""
+        if self._task is not None:
+            self._bar.update(self._task, completed=self._bar.tasks[-1].total, refresh=True)
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Write a number with so many significant digits."""
+    return f"{value:.{digits}g}"
+
+
+def parse_pairs(pairs: list[str], convert: Callable[[str, str], float]) -> Mapping[str, float]:
+    """Read name=value pairs from the command line.
+
+    Raises
+    ------
+    InputError
+        If a pair has no equals sign or a name stands twice.
+    """
+    found: dict[str, float] = {}
+    for pair in pairs:
+        name, equals, text = pair.partition("=")
+        if not equals or not name.strip():
+            raise InputError(
+                f"{pair}: given without a value; write name=value, like web_width=300mm."
+            )
+        if name.strip() in found:
+            raise InputError(f"{name.strip()}: given twice; give it once.")
+        found[name.strip()] = convert(name.strip(), text)
+    return found
+
+
+def rows_of(
+    records: list[dict[str, Any]], *columns: Callable[[dict[str, Any]], str]
+) -> list[list[str]]:
+    """Make table rows from records by one function for each column."""
+    return [[column(record) for column in columns] for record in records]

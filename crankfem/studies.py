@@ -1,0 +1,61 @@
+"""Run a study from a file: designs, fits and the compliance model in one call."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from crankfem.engine_file import load_study
+from crankfem.fitting import ResponseFits, compliance_model, fit_study
+from regression.compliance_model import ComplianceModel
+from regression.study import Progress, StudyTable, run_plan
+
+
+@dataclass(frozen=True)
+class StudyResult:
+    """A study's table, its fits by response, and the model made of the chosen ones."""
+
+    table: StudyTable
+    fits: dict[str, ResponseFits]
+    model: ComplianceModel
+
+
+def run_study(
+    study: str | Path,
+    store: str | Path = "runs.sqlite",
+    workers: int = 2,
+    progress: Progress | None = None,
+) -> StudyResult:
+    """Run, or continue, the study of a file and fit its equations.
+
+    Parameters
+    ----------
+    study : path
+        TOML file with the sections [throw] and [study]; an engine file serves as well.
+    store : path
+        SQLite file of results. Designs found finished there are not computed again.
+    workers : int
+        Worker processes.
+    progress : callable, optional
+        Called with (finished, total, newest outcome or None).
+
+    Returns
+    -------
+    StudyResult
+
+    Raises
+    ------
+    InputError
+        If the file, the store or the number of workers cannot be used, or too few designs succeed.
+    """
+    return fitted(run_plan(load_study(study), store, workers, progress))
+
+
+def fitted(table: StudyTable) -> StudyResult:
+    """Fit all forms to a study's table and make the model.
+
+    Raises
+    ------
+    InputError
+        If too few designs have results.
+    """
+    fits = fit_study(table)
+    return StudyResult(table, fits, compliance_model(table, fits))
