@@ -1,6 +1,7 @@
 """Engine files: every section, field, unit and range, and the checks between them."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -330,7 +331,10 @@ def load_study(path: str | Path) -> StudyPlan:
     content = read_toml(engine_path(path))
     content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True, "study": True})
     throw = _required(content.model("throw", CrankThrow))
-    return _required(_study_plan(content, throw, content.model("material", Material) or STEEL))
+    plan: StudyPlan = _required(
+        _study_plan(content, throw, content.model("material", Material) or STEEL)
+    )
+    return plan
 
 
 def _required(section: Any) -> Any:
@@ -373,17 +377,23 @@ def _study_plan(content: TomlFile, throw: CrankThrow, material: Material) -> Stu
             parse_quantity(text, "m", f"study.factors.{name}[{place}]")
             for place, text in enumerate(texts)
         )
-    numbers = {}
-    for name, kind, low, high, default in (
-        ("held_out", int, 1, 1000, 8),
-        ("seed", int, 0, 2**31 - 1, 1),
-        ("accuracy", float, 0.001, 0.1, 0.01),
-    ):
-        given = values.get(name, default)
-        fits = (
-            isinstance(given, int | float) and not isinstance(given, bool) and low <= given <= high
-        )
-        if not fits or kind(given) != given:
-            raise InputError(f"study.{name}: given {given!r}; allowed is {low} to {high}.")
-        numbers[name] = kind(given)
-    return StudyPlan(throw=throw, levels=levels, material=material, **numbers)
+    return StudyPlan(
+        throw=throw,
+        levels=levels,
+        material=material,
+        held_out=int(_study_number(values, "held_out", 1, 1000, 8)),
+        seed=int(_study_number(values, "seed", 0, 2**31 - 1, 1)),
+        accuracy=float(_study_number(values, "accuracy", 0.001, 0.1, 0.01)),
+    )
+
+
+def _study_number(
+    values: Mapping[str, Any], name: str, low: float, high: float, default: float
+) -> float:
+    """Read a number of the study within its limits; whole if its default is."""
+    given = values.get(name, default)
+    fits = isinstance(given, int | float) and not isinstance(given, bool) and low <= given <= high
+    if not fits or (isinstance(default, int) and not isinstance(given, int)):
+        kind = "a whole number from" if isinstance(default, int) else "a number from"
+        raise InputError(f"study.{name}: given {given!r}; allowed is {kind} {low} to {high}.")
+    return float(given)

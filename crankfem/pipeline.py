@@ -196,8 +196,7 @@ def _make_folder(output: str | Path | None, engine_file: EngineFile) -> Path:
 def _read_torque(engine_file: EngineFile) -> TorqueTable | None:
     if engine_file.torque_table is None:
         return None
-    table = read_torque_table(engine_file.torque_table, strokes=engine_file.engine.strokes)
-    return table
+    return read_torque_table(engine_file.torque_table, strokes=engine_file.engine.strokes)
 
 
 def _radial_force(engine_file: EngineFile) -> float:

@@ -98,15 +98,19 @@ def formula_records(
     throw: CrankThrow, material: Material, gamma_deg: float = 180.0, variant: str = "corrected"
 ) -> dict[str, list[Record]]:
     """Values of all published formulas for a throw."""
-    moduli = {"youngs_modulus": material.youngs_modulus, "poisson_ratio": material.poisson_ratio}
+    axial = axial_formulas(
+        throw,
+        gamma_deg,
+        youngs_modulus=material.youngs_modulus,
+        poisson_ratio=material.poisson_ratio,
+        variant=variant,
+    )
+    torsional = torsional_formulas(
+        throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
+    )
     return {
-        "axial": [
-            _formula(name, value)
-            for name, value in axial_formulas(throw, gamma_deg, variant=variant, **moduli).items()
-        ],
-        "torsional": [
-            _formula(name, value) for name, value in torsional_formulas(throw, **moduli).items()
-        ],
+        "axial": [_formula(name, value) for name, value in axial.items()],
+        "torsional": [_formula(name, value) for name, value in torsional.items()],
     }
 
 

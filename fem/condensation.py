@@ -71,7 +71,7 @@ def condense(
     ends = nodes_on(mesh, LEFT_END)
     blocked = np.zeros((len(mesh.points), 3), dtype=bool)
     for name, axes in zip((CRANK_PLANE, MIDDLE_PLANE), symmetry.blocked_axes(), strict=True):
-        blocked[np.ix_(nodes_on(mesh, name), axes)] = True
+        blocked[np.ix_(nodes_on(mesh, name), np.array(axes))] = True
     blocked[ends] = True
     free = np.flatnonzero(~blocked.ravel())
 

@@ -1,5 +1,6 @@
 """Supervise worker processes: a crash or a hang costs one design, not the study."""
 
+import contextlib
 import json
 import os
 import selectors
@@ -70,11 +71,10 @@ def run_designs(
         tries[worker.key] += 1
         request = json.dumps({"key": worker.key, "inputs": inputs[worker.key]}) + "\n"
         assert worker.process.stdin is not None
-        try:
+        # If it died, its closed output is read next and settles the design.
+        with contextlib.suppress(BrokenPipeError):
             worker.process.stdin.write(request.encode())
             worker.process.stdin.flush()
-        except BrokenPipeError:
-            pass  # it died; its closed output is read next and settles the design
 
     def lose(worker: _Worker, reason: str) -> None:
         selector.unregister(worker.process.stdout)  # type: ignore[arg-type]
@@ -137,7 +137,5 @@ def _end(process: subprocess.Popen[bytes]) -> None:
     process.wait()
     for pipe in (process.stdin, process.stdout):
         if pipe is not None:
-            try:
+            with contextlib.suppress(BrokenPipeError):
                 pipe.close()
-            except BrokenPipeError:
-                pass

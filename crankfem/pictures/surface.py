@@ -69,7 +69,10 @@ def stretched_surface(analysis: ThrowAnalysis) -> Surface:
     edges = np.concatenate([sides[:, list(path)] for path in EDGE_PATHS])
 
     middle = np.array([0.0, 0.0, analysis.throw.length / 2.0])
-    points, moved, all_triangles, all_edges = [], [], [], []
+    points: list[Array] = []
+    moved: list[Array] = []
+    all_triangles: list[NDArray[np.int64]] = []
+    all_edges: list[NDArray[np.int64]] = []
     for mirror_x in (False, True):
         for mirror_z in (False, True):
             signs = np.ones(3)
