@@ -95,7 +95,9 @@ class RunProgress:
         self._bar.start()
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is not None and self._task is not None:
+            self._bar.update(self._task, visible=False)
         self._bar.stop()
 
     def step(self, text: str) -> None:

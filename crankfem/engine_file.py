@@ -15,7 +15,9 @@ from geometry.errors import InputError
 from geometry.model import InputModel, quantity_field
 from geometry.quantity import parse_quantity, show_quantity
 from geometry.throw import CrankThrow
-from regression.study import StudyPlan
+from regression.axial_formulas import AXIAL_FORMULA_NAMES
+from regression.study import StudyPlan, plan_designs
+from regression.torsional_formulas import TORSIONAL_FORMULA_NAMES
 
 
 class Engine(InputModel):
@@ -24,8 +26,8 @@ class Engine(InputModel):
     section: ClassVar[str] = "engine"
 
     name: str = Field(description="what to call the engine")
-    cylinders: int = Field(ge=1, le=24, description="number of cylinders in line, 1 to 24")
-    strokes: int = Field(description="4 or 2 strokes per cycle")
+    cylinders: int = quantity_field("number of cylinders in line", "", minimum=1, maximum=24)
+    strokes: int = quantity_field("strokes per cycle, 2 or 4", "", minimum=2, maximum=4)
     bore: float = quantity_field("cylinder bore", "m", minimum=0.01, maximum=2.0)
     stroke: float = quantity_field("piston stroke", "m", minimum=0.01, maximum=5.0)
     rated_speed: float = quantity_field("rated speed", "rad/s", minimum=0.5, maximum=3000.0)
@@ -139,7 +141,9 @@ class ThrustBearing(InputModel):
     section: ClassVar[str] = "thrust_bearing"
 
     stiffness: float = quantity_field("axial stiffness", "N/m", minimum=1e4, maximum=1e13)
-    bearing: int = Field(ge=0, le=24, description="main bearing it sits at, 0 at the free end")
+    bearing: int = quantity_field(
+        "main bearing it sits at, 0 at the free end", "", minimum=0, maximum=24
+    )
 
 
 class Gas(InputModel):
@@ -288,6 +292,9 @@ def load_engine(path: str | Path) -> EngineFile:
             f"{engine.cylinders} (flywheel)."
         )
     torque = content.model("torque", TorqueTable)
+    study = _study_plan(content, throw, material)
+    vibration = content.model("vibration", VibrationSettings) or VibrationSettings()
+    _check_sources(vibration, study)
     return EngineFile(
         path=content.path,
         engine=engine,
@@ -297,12 +304,12 @@ def load_engine(path: str | Path) -> EngineFile:
         piston=_required(content.model("piston", Piston)),
         flywheel=_required(content.model("flywheel", Flywheel)),
         thrust_bearing=thrust,
-        vibration=content.model("vibration", VibrationSettings) or VibrationSettings(),
+        vibration=vibration,
         free_end=content.model("free_end", FreeEnd),
         gas=content.model("gas", Gas),
         torque_table=None if torque is None else _find_table(content.path, torque.table),
         two_mass=content.model("two_mass_check", TwoMassInput),
-        study=_study_plan(content, throw, material),
+        study=study,
         records=tuple(content.records),
         sources=content.sources,
     )
@@ -335,6 +342,24 @@ def load_study(path: str | Path) -> StudyPlan:
         _study_plan(content, throw, content.model("material", Material) or STEEL)
     )
     return plan
+
+
+def _check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None:
+    """Refuse an unknown source of compliances before anything is computed."""
+    for kind, given, formulas in (
+        ("axial", vibration.axial_source, AXIAL_FORMULA_NAMES),
+        ("torsional", vibration.torsional_source, TORSIONAL_FORMULA_NAMES),
+    ):
+        allowed = ["fe", "fe pinned", *(["regression"] if study is not None else []), *formulas]
+        if given.casefold() not in [name.casefold() for name in allowed]:
+            reason = (
+                ", because the file has no section [study] to fit"
+                if given.casefold() == "regression"
+                else ""
+            )
+            raise InputError(
+                f"vibration.{kind}_source: given {given!r}; allowed are {', '.join(allowed)}{reason}."
+            )
 
 
 def _required(section: Any) -> Any:
@@ -377,7 +402,7 @@ def _study_plan(content: TomlFile, throw: CrankThrow, material: Material) -> Stu
             parse_quantity(text, "m", f"study.factors.{name}[{place}]")
             for place, text in enumerate(texts)
         )
-    return StudyPlan(
+    plan = StudyPlan(
         throw=throw,
         levels=levels,
         material=material,
@@ -385,6 +410,8 @@ def _study_plan(content: TomlFile, throw: CrankThrow, material: Material) -> Stu
         seed=int(_study_number(values, "seed", 0, 2**31 - 1, 1)),
         accuracy=float(_study_number(values, "accuracy", 0.001, 0.1, 0.01)),
     )
+    plan_designs(plan)  # refuses combinations that cannot be built, before anything is computed
+    return plan
 
 
 def _study_number(

@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
 from geometry.errors import InputError
-from geometry.quantity import parse_quantity, show_quantity
+from geometry.quantity import DISPLAY_UNITS, parse_quantity, show_quantity
 
 
 def quantity_field(
@@ -83,11 +83,11 @@ class InputModel(BaseModel):
                 converted[key] = text
             elif isinstance(text, list):
                 converted[key] = tuple(
-                    parse_quantity(item, unit, f"{prefix}{key}[{number}]")
+                    parse_quantity(item, unit, f"{prefix}{key}[{number}]", _range(info))
                     for number, item in enumerate(text)
                 )
             else:
-                converted[key] = parse_quantity(text, unit, f"{prefix}{key}")
+                converted[key] = parse_quantity(text, unit, f"{prefix}{key}", _range(info))
         try:
             return cls(**converted)
         except InputError as error:
@@ -126,7 +126,7 @@ def _sentence(model: type[InputModel], error: ValidationError) -> str:
     field = prefix + ".".join(location)
     if first["type"] == "missing":
         info = model.model_fields[name]
-        return f"{field}: missing; {_describe(info)} is needed, allowed {_range(info)}."
+        return f"{field}: missing; {_describe(info)} must be given{_allowed_range(info)}."
     if first["type"] == "extra_forbidden":
         return f"{field}: unknown field; {_allowed_names(model, name)}."
     known = model.model_fields.get(name)
@@ -137,8 +137,20 @@ def _sentence(model: type[InputModel], error: ValidationError) -> str:
         shown = show_quantity(float(given), unit)
     else:
         shown = repr(given)
-    reason = "" if _has_range(known) else f" ({first['msg']})"
-    return f"{field}: given {shown}; allowed is {_range(known)}{reason} for {_describe(known)}."
+    allowed = _range(known) if unit is not None else ""
+    if first["type"] in _KINDS:
+        allowed = f"{_KINDS[first['type']]}, {allowed}".removesuffix(", ")
+    return f"{field}: given {shown}; allowed is {allowed} for {_describe(known)}."
+
+
+# What pydantic's findings about fields without a unit mean to people.
+_KINDS = {
+    "int_from_float": "a whole number",
+    "int_parsing": "a whole number",
+    "int_type": "a whole number",
+    "string_type": "text",
+    "tuple_type": "a list",
+}
 
 
 def _describe(info: FieldInfo) -> str:
@@ -147,21 +159,17 @@ def _describe(info: FieldInfo) -> str:
     return f"{meaning} ({symbol})" if symbol else meaning
 
 
-def _has_range(info: FieldInfo) -> bool:
-    return (
-        field_extra(info, "minimum_si") is not None or field_extra(info, "maximum_si") is not None
-    )
+def _allowed_range(info: FieldInfo) -> str:
+    return f", allowed is {_range(info)}" if field_extra(info, "unit") is not None else ""
 
 
 def _range(info: FieldInfo) -> str:
     unit = field_extra(info, "unit")
     low, high = field_extra(info, "minimum_si"), field_extra(info, "maximum_si")
-    if unit is None:
-        return "a value of the stated kind"
     if low is not None and high is not None:
         return f"{show_quantity(low, unit)} to {show_quantity(high, unit)}"
     if low is not None:
         return f"{show_quantity(low, unit)} or more"
     if high is not None:
         return f"{show_quantity(high, unit)} or less"
-    return f"any number in {unit}" if unit else "any number"
+    return f"any number in {DISPLAY_UNITS.get(unit, (unit,))[0]}" if unit else "any number"

@@ -25,7 +25,7 @@ def _registry() -> Any:
     return pint.UnitRegistry()
 
 
-def parse_quantity(text: object, unit: str, field: str) -> float:
+def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> float:
     """Convert a quantity with its unit to an SI number.
 
     Parameters
@@ -37,6 +37,8 @@ def parse_quantity(text: object, unit: str, field: str) -> float:
         ``"rad/s"`` takes ``"500 1/min"`` as revolutions.
     field : str
         Name of the field, for the message.
+    allowed : str
+        The field's range, for the message.
 
     Returns
     -------
@@ -48,37 +50,41 @@ def parse_quantity(text: object, unit: str, field: str) -> float:
     InputError
         If the unit is missing, unknown or of another kind, or the number is not finite.
     """
+    given = f"{field}: given {_shown(text)}"
+    limits = f"; allowed is {allowed}" if allowed else ""
     if unit == "":
-        return _pure_number(text, field)
+        return _pure_number(text, given, limits)
     shown = DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
     if isinstance(text, bool) or not isinstance(text, str | int | float):
-        raise InputError(
-            f'{field}: given {text!r}; write a number with its unit, like "1 {shown}".'
-        )
+        raise InputError(f'{given}; write a number with its unit, like "1 {shown}"{limits}.')
     if isinstance(text, int | float):
         raise InputError(
-            f"{field}: given the bare number {text}, which could be any unit; "
-            f'write it with its unit, like "{text} {shown}".'
+            f"{given}, a bare number that could be in any unit; "
+            f'write it with its unit, like "{text} {shown}"{limits}.'
         )
-    value = _evaluate(text, unit, shown, field)
+    value = _evaluate(text, unit, shown, given, limits)
     if not math.isfinite(value):
-        raise InputError(f"{field}: given {text!r}; allowed is a finite number with its unit.")
+        raise InputError(f"{given}, which is not finite{limits}.")
     return value
 
 
-def _evaluate(text: str, unit: str, shown: str, field: str) -> float:
+def _shown(text: object) -> str:
+    return repr(text) if isinstance(text, str) else str(text)
+
+
+def _evaluate(text: str, unit: str, shown: str, given: str, limits: str) -> float:
     registry = _registry()
     try:
         quantity = registry.Quantity(text)
+        unitless = bool(quantity.unitless)
     except Exception:  # pint raises a dozen kinds for text that is no quantity
         raise InputError(
-            f"{field}: given {text!r}, which is not a number with a unit; "
-            f'write for example "1 {shown}".'
+            f'{given}, which is not a number with a unit; write for example "1 {shown}"{limits}.'
         ) from None
-    if quantity.unitless:
+    if unitless:
         raise InputError(
-            f"{field}: given {text!r}, which has no unit and could be any; "
-            f'write it with its unit, like "{text.strip()} {shown}".'
+            f"{given}, a bare number that could be in any unit; "
+            f'write it with its unit, like "{text.strip()} {shown}"{limits}.'
         )
     if unit == "rad/s" and quantity.check("1/[time]") and not _names_an_angle(quantity):
         # "500 1/min" and "8.3 Hz" mean revolutions in this field.
@@ -87,7 +93,7 @@ def _evaluate(text: str, unit: str, shown: str, field: str) -> float:
         return float(quantity.to(unit).magnitude)
     except Exception:  # pint's DimensionalityError, and offset units such as degC
         raise InputError(
-            f"{field}: given {text!r}, which is no {_kind(unit)}; write it in {shown} or a like unit."
+            f"{given}, which is no {_kind(unit)}; write it in {shown} or a like unit{limits}."
         ) from None
 
 
@@ -96,11 +102,11 @@ def _names_an_angle(quantity: Any) -> bool:
     return any(angle in str(quantity.units) for angle in angles)
 
 
-def _pure_number(text: object, field: str) -> float:
+def _pure_number(text: object, given: str, limits: str) -> float:
     if isinstance(text, bool) or not isinstance(text, int | float):
-        raise InputError(f"{field}: given {text!r}; allowed is a plain number without a unit.")
+        raise InputError(f"{given}; write a plain number without a unit{limits}.")
     if not math.isfinite(text):
-        raise InputError(f"{field}: given {text!r}; allowed is a finite number.")
+        raise InputError(f"{given}, which is not finite{limits}.")
     return float(text)
 
 
