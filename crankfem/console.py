@@ -4,9 +4,10 @@ import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NoReturn
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn
 from rich.progress import TimeElapsedColumn as Elapsed
 from rich.table import Table
@@ -15,6 +16,7 @@ from geometry.errors import InputError, MeshError, MissingLibraryError
 from regression.store import Outcome
 
 EXIT_INPUT, EXIT_FAILED, EXIT_INTERRUPTED = 2, 1, 130
+INTERRUPTED = "Stopped. Finished designs are kept; the same command continues where it stopped."
 
 errors = Console(stderr=True)
 output = Console()
@@ -55,24 +57,13 @@ def clear_errors() -> Iterator[None]:
     except OSError as error:
         _stop(f"{error.filename or 'file'}: {error.strerror or error}.", EXIT_FAILED)
     except KeyboardInterrupt:
-        _stop(
-            "Stopped. Finished designs are kept; the same command continues where it stopped.",
-            EXIT_INTERRUPTED,
-        )
+        errors.print(INTERRUPTED, soft_wrap=True)
+        raise SystemExit(EXIT_INTERRUPTED) from None
 
 
-def _stop(message: str, code: int) -> None:
-    errors.print(
-        f"[bold red]Error:[/] {_escape(message)}" if code != EXIT_INTERRUPTED else message,
-        soft_wrap=True,
-    )
+def _stop(message: str, code: int) -> NoReturn:
+    errors.print(f"[bold red]Error:[/] {escape(message)}", soft_wrap=True)
     raise SystemExit(code)
-
-
-def _escape(text: str) -> str:
-    from rich.markup import escape
-
-    return escape(text)
 
 
 class RunProgress:
@@ -99,6 +90,9 @@ class RunProgress:
         if kind is not None and self._task is not None:
             self._bar.update(self._task, visible=False)
         self._bar.stop()
+        if kind is KeyboardInterrupt:
+            # Typer ends the process with code 130, without a word.
+            errors.print(INTERRUPTED, soft_wrap=True)
 
     def step(self, text: str) -> None:
         """Name the step that begins, and take the last one for done."""
@@ -117,7 +111,7 @@ class RunProgress:
     def note(self, text: str) -> None:
         """Print a remark above the bar."""
         if not self._quiet:
-            self._bar.console.print(f"[yellow]Note:[/] {_escape(text)}")
+            self._bar.console.print(f"[yellow]Note:[/] {escape(text)}")
 
     def finish(self) -> None:
         """Take the last step for done."""

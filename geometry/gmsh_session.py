@@ -24,6 +24,16 @@ DEBIAN_PACKAGES = {
     "libgomp.so.1": "libgomp1",
 }
 
+# Silent, reproducible (one thread), and element sizes from our own size field alone.
+OPTIONS = {
+    "General.Terminal": 0,
+    "General.NumThreads": 1,
+    "Mesh.MeshSizeExtendFromBoundary": 0,
+    "Mesh.MeshSizeFromPoints": 0,
+    "Mesh.MeshSizeFromCurvature": 0,
+    "Mesh.MeshSizeFactor": 1,
+}
+
 
 def load_gmsh() -> Any:
     """Import gmsh.
@@ -70,19 +80,18 @@ def gmsh_session(name: str) -> Iterator[Any]:
     mine = not gmsh.isInitialized()
     if mine:
         gmsh.initialize(readConfigFiles=False, interruptible=False)
-    before = {
-        option: gmsh.option.getNumber(option)
-        for option in ("General.Terminal", "General.NumThreads")
-    }
+    before = {option: gmsh.option.getNumber(option) for option in OPTIONS}
+    current = None if mine else gmsh.model.getCurrent()
+    gmsh.model.add(name)
     try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.option.setNumber("General.NumThreads", 1)
-        gmsh.model.add(name)
+        for option, value in OPTIONS.items():
+            gmsh.option.setNumber(option, value)
         yield gmsh
-        gmsh.model.remove()
     finally:
+        gmsh.model.remove()
         if mine:
             gmsh.finalize()
         else:
             for option, value in before.items():
                 gmsh.option.setNumber(option, value)
+            gmsh.model.setCurrent(current)

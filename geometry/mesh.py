@@ -112,8 +112,6 @@ def _set_sizes(gmsh: Any, throw: CrankThrow, surfaces: dict[str, list[int]], fac
     field.setNumber(size, "DistMin", 0.0)
     field.setNumber(size, "DistMax", (bulk - root) / GROWTH + 1e-6 * bulk)
     field.setAsBackgroundMesh(size)
-    for option in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
-        gmsh.option.setNumber(f"Mesh.{option}", 0)
 
 
 def _corner_curves(gmsh: Any, throw: CrankThrow) -> list[int]:

@@ -31,6 +31,7 @@ SHADING: dict[str, Any] = {
 }
 # The largest displacement is drawn as this share of the throw's length.
 DRAWN_DISPLACEMENT = 0.06
+MARGIN = 12  # pixels
 
 
 class Rendering:
@@ -90,14 +91,13 @@ def render(surface: Surface, folder: Path) -> None:
 
     def look(made: Any) -> None:
         made.view_vector((1.0, 0.35, -0.55), viewup=(0, 1, 0))
-        made.camera.zoom(1.4)
+        made.camera.zoom(1.1)
 
     picture = plotter()
     picture.add_mesh(mesh_of(surface.points), color=STEEL_COLOR, **SHADING)
     picture.add_mesh(edges_of(surface.points), color=EDGE_COLOR, line_width=1.5, lighting=False)
     look(picture)
-    picture.screenshot(folder / MESH)
-    picture.close()
+    _save(picture, folder / MESH)
 
     length = float(np.ptp(surface.points[:, 2]))
     size = np.linalg.norm(surface.displacement, axis=1)
@@ -131,8 +131,19 @@ def render(surface: Surface, folder: Path) -> None:
     )
     picture.add_mesh(outline, color="black", line_width=1)
     look(picture)
-    picture.screenshot(folder / DEFORMED)
+    _save(picture, folder / DEFORMED)
+
+
+def _save(picture: Any, path: Path) -> None:
+    """Write a picture without its white margins."""
+    from matplotlib.image import imsave
+
+    pixels = picture.screenshot(return_img=True)
     picture.close()
+    inked = np.any(pixels[:, :, :3] < 250, axis=2)
+    rows, columns = np.flatnonzero(inked.any(axis=1)), np.flatnonzero(inked.any(axis=0))
+    top, left = max(0, rows[0] - MARGIN), max(0, columns[0] - MARGIN)
+    imsave(path, pixels[top : rows[-1] + MARGIN, left : columns[-1] + MARGIN].copy(order="C"))
 
 
 def main() -> None:
