@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from geometry.errors import MeshError
 from geometry.gmsh_session import gmsh_session
-from geometry.solid import FILLET, build_quarter
+from geometry.solid import FILLET, build_quarter, place_tolerance
 from geometry.throw import CrankThrow
 
 # gmsh numbers the edges of a 10-node tetrahedron in another order than scikit-fem.
@@ -82,6 +82,8 @@ def mesh_throw(throw: CrankThrow, size_factor: float = 1.0) -> ThrowMesh:
             _set_sizes(gmsh, throw, surfaces, size_factor)
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
+        except MeshError:
+            raise
         except Exception as error:  # gmsh raises bare Exception
             raise MeshError(f"gmsh could not mesh the throw: {error}") from error
         points, elements, facets = _read_mesh(gmsh, surfaces)
@@ -116,7 +118,7 @@ def _set_sizes(gmsh: Any, throw: CrankThrow, surfaces: dict[str, list[int]], fac
 
 def _corner_curves(gmsh: Any, throw: CrankThrow) -> list[int]:
     """Return the circles where unfilleted journals meet their web."""
-    tolerance = 1e-6 * throw.length
+    tolerance = place_tolerance(throw)
     half_journal = throw.main_journal_length / 2.0
     corners = {
         half_journal: throw.main_journal_diameter / 2.0,

@@ -7,6 +7,7 @@ A throw with equal webs is symmetric about the crank plane (x = 0) and about the
 import math
 from typing import Any
 
+from geometry.errors import MeshError
 from geometry.throw import CrankThrow
 
 # Names of the quarter's surfaces, used for supports, loads and symmetry conditions.
@@ -105,9 +106,14 @@ def _only_volume(entities: list[tuple[int, int]]) -> tuple[int, int]:
     return next(entity for entity in entities if entity[0] == 3)
 
 
+def place_tolerance(throw: CrankThrow) -> float:
+    """Tolerance for telling places apart [m]: far below any part, far above gmsh's own 1e-7 m."""
+    return 1e-3 * min(throw.main_journal_length, throw.pin_length, throw.web_thickness)
+
+
 def _name_surfaces(gmsh: Any, throw: CrankThrow) -> dict[str, list[int]]:
     """Tell the surfaces apart by their kind and place."""
-    tolerance = 1e-6 * throw.length
+    tolerance = place_tolerance(throw)
     half_journal = throw.main_journal_length / 2.0
     web_end = half_journal + throw.web_thickness
     names: dict[str, list[int]] = {
@@ -131,4 +137,7 @@ def _name_surfaces(gmsh: Any, throw: CrankThrow) -> dict[str, list[int]]:
         else:
             name = WEB
         names[name].append(tag)
+    for name, tags in names.items():
+        if not tags and not (name == FILLET and throw.fillet_radius == 0.0):
+            raise MeshError(f"the solid of the throw has no surface that is its {name}.")
     return names

@@ -15,6 +15,8 @@ FILLET_SHARE_OF_LENGTH = 0.45
 # Below this share of the journal diameter a fillet acts as a sharp corner, and meshing it only
 # costs unknowns.
 SMALLEST_FILLET_SHARE = 0.01
+# The web must be wider than an unfilleted journal by this share of its diameter.
+SMALLEST_LEDGE = 1e-3
 
 
 class CrankThrow(InputModel):
@@ -130,10 +132,13 @@ def _check_web_width(throw: CrankThrow) -> None:
         ("main_journal_diameter", "main journal", throw.main_journal_diameter),
         ("pin_diameter", "crankpin", throw.pin_diameter),
     ):
-        if diameter > throw.web_width:
+        # A journal whose surface is also that of the web cannot be meshed; a fillet keeps them apart.
+        limit = throw.web_width / (1.0 if throw.fillet_radius > 0.0 else 1.0 + SMALLEST_LEDGE)
+        if diameter > limit:
             raise InputError(
-                f"throw.{name}: given {show_quantity(diameter, 'm')}; allowed is at most the web width "
-                f"{show_quantity(throw.web_width, 'm')}, or the {label} would stand outside the web."
+                f"throw.{name}: given {show_quantity(diameter, 'm')}; allowed is at most "
+                f"{show_quantity(limit, 'm')} with a web width of {show_quantity(throw.web_width, 'm')}, "
+                f"or the {label} would stand outside the web."
             )
 
 
