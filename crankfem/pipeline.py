@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from crankfem import results as records
 from crankfem.engine_file import EngineFile, load_engine
+from crankfem.export import write_vtu
 from crankfem.fitting import ResponseFits
 from crankfem.pictures import plots
 from crankfem.pictures.render import DEFORMED, MESH, Rendering
@@ -34,6 +35,7 @@ from regression.store import Outcome
 from regression.study import StudyTable, run_plan
 
 RESULTS, REPORT, MODEL, STORE = "results.json", "report.html", "model.json", "study.sqlite"
+MESH_FILE = "throw.vtu"
 # Without a gas pressure in the engine file, reactions are given for this radial force.
 UNIT_RADIAL_FORCE = 1e5
 ANGLES_SHOWN_DEG = np.arange(0.0, 181.0, 15.0)
@@ -176,6 +178,7 @@ def run_engine(
         rendering.stop()
 
     told.step("Writing the report")
+    write_vtu(analysis, folder / MESH_FILE)
     text = json.dumps(found, indent=1, allow_nan=False)
     (folder / RESULTS).write_text(text + "\n", encoding="utf-8")
     return RunResult(folder, write_report(found, pictures, folder / REPORT), found)

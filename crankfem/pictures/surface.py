@@ -39,6 +39,15 @@ class Surface:
     displacement: Array
 
 
+def stretched_quarter(analysis: ThrowAnalysis) -> Array:
+    """Displacement (n, 3) of the quarter's nodes under an axial pull of 1 N, ends pinned [m]."""
+    part = next(found for found in analysis.classes if found.symmetry == AXIAL)
+    # Unknowns of the class: uy blocked, uz moves by half the lengthening, rx follows freely.
+    half = 0.5 * analysis.axial_compliance("pinned")
+    tilt = part.stiffness[2, 1] / part.stiffness[2, 2] * half
+    return part.fields @ np.array([0.0, -half, tilt])
+
+
 def stretched_surface(analysis: ThrowAnalysis) -> Surface:
     """Surface of the whole throw under an axial force, ends pinned.
 
@@ -53,12 +62,7 @@ def stretched_surface(analysis: ThrowAnalysis) -> Surface:
         Displacements are those of 1 N, both ends moving apart.
     """
     mesh = analysis.mesh
-    part = next(found for found in analysis.classes if found.symmetry == AXIAL)
-    # Unknowns of the class: uy blocked, uz moves by half the lengthening, rx follows freely.
-    half = 0.5 * analysis.axial_compliance("pinned")
-    tilt = part.stiffness[2, 1] / part.stiffness[2, 2] * half
-    displacement = part.fields @ np.array([0.0, -half, tilt])
-
+    displacement = stretched_quarter(analysis)
     outside = [
         corners
         for name, corners in mesh.surfaces.items()
