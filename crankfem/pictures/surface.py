@@ -45,7 +45,7 @@ def stretched_quarter(analysis: ThrowAnalysis) -> Array:
     # Unknowns of the class: uy blocked, uz moves by half the lengthening, rx follows freely.
     half = 0.5 * analysis.axial_compliance("pinned")
     tilt = part.stiffness[2, 1] / part.stiffness[2, 2] * half
-    return part.fields @ np.array([0.0, -half, tilt])
+    return np.asarray(part.fields @ np.array([0.0, -half, tilt]))
 
 
 def stretched_surface(analysis: ThrowAnalysis) -> Surface:
