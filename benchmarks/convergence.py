@@ -20,7 +20,9 @@ ACCURACIES = (0.04, 0.02, 0.01, 0.005)
 
 
 def main() -> None:
-    print("| fillet [mm] | accuracy asked | unknowns | e_n pinned | e_n guided | estimate | seconds |")
+    print(
+        "| fillet [mm] | accuracy asked | unknowns | e_n pinned | e_n guided | estimate | seconds |"
+    )
     print("|---|---|---|---|---|---|---|")
     for fillet in (0.012, 0.0):
         throw = cf.CrankThrow(**DIMENSIONS, fillet_radius=fillet)

@@ -62,6 +62,7 @@ def run(
 def new(
     file: Annotated[Path, typer.Argument(metavar="MY.toml", help="The file to write.")],
     source: Annotated[str, typer.Option("--from", help="Shipped engine to copy.")] = "6chn25-34",
+    json: JsonOption = False,
 ) -> None:
     """Copy a shipped engine file as the start of one's own."""
     if file.exists():
@@ -70,6 +71,9 @@ def new(
     if name not in shipped_engines():
         raise InputError(f"--from: given {source!r}; allowed are {', '.join(shipped_engines())}.")
     shutil.copyfile(engine_path(name), file)
+    if json:
+        print_json({"file": str(file), "from": name})
+        return
     console.output.print(
         f"{file} written. Replace its values with yours (those marked assumed first), then: "
         f"crankfem run {file}",
@@ -286,6 +290,8 @@ def harmonics(
     from crankfem.results import harmonics_record
     from dynamics.torque_table import read_torque_table
 
+    if not orders > 0.0:
+        raise InputError(f"--orders: given {orders:g}; allowed is an order above 0.")
     path = Path(table)
     if not path.is_file() and (data_folder() / "tables" / path.name).is_file():
         path = data_folder() / "tables" / path.name
@@ -331,9 +337,12 @@ def vibration(engine: EngineArgument, json: JsonOption = False) -> None:
 @app.command(epilog="Example: crankfem report 6chn25-34-results")
 def report(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of a finished run.")],
+    json: JsonOption = False,
 ) -> None:
     """Write the report of a finished run again, from its results and pictures."""
     import json as json_module
+
+    from jinja2 import TemplateError
 
     from crankfem.pipeline import REPORT, RESULTS
     from crankfem.report import write_report
@@ -346,11 +355,14 @@ def report(
     try:
         results = json_module.loads(path.read_text(encoding="utf-8"))
         made = write_report(results, folder / "pictures", folder / REPORT)
-    except (ValueError, KeyError) as error:
+    except (ValueError, KeyError, TypeError, TemplateError) as error:
         raise InputError(
             f"{path}: is not what crankfem run writes ({error}); run it again."
         ) from None
-    console.output.print(f"Report: {made}", soft_wrap=True)
+    if json:
+        print_json({"report": str(made)})
+    else:
+        console.output.print(f"Report: {made}", soft_wrap=True)
 
 
 def _print_throw(record: dict[str, Any]) -> None:

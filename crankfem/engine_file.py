@@ -295,6 +295,12 @@ def load_engine(path: str | Path) -> EngineFile:
     study = _study_plan(content, throw, material)
     vibration = content.model("vibration", VibrationSettings) or VibrationSettings()
     _check_sources(vibration, study)
+    lowest_order = 2.0 / engine.strokes
+    if vibration.highest_order < lowest_order:
+        raise InputError(
+            f"vibration.highest_order: given {vibration.highest_order:g}; allowed is "
+            f"{lowest_order:g} or more, the lowest order of a {engine.strokes}-stroke engine."
+        )
     return EngineFile(
         path=content.path,
         engine=engine,

@@ -61,7 +61,8 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
         If too few designs have results for even the smallest form, or no held-out design has one.
     """
     if not table.held_out.any():
-        raise InputError("study: no held-out design has a result yet; run the study to its end.")
+        reasons = "; ".join(sorted({reason for _, _, reason in table.failures})[:3])
+        raise InputError(f"study: no held-out design has a result ({reasons}).")
     found = {}
     for response, (column, symbol, unit) in RESPONSES.items():
         values = table.responses[column]

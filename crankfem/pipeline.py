@@ -32,7 +32,7 @@ from fem.supports import Neighbors
 from geometry.errors import InputError, MissingLibraryError
 from regression.axial_formulas import axial_formulas
 from regression.store import Outcome
-from regression.study import StudyTable, run_plan
+from regression.study import StudyTable, check_workers, run_plan
 
 RESULTS, REPORT, MODEL, STORE = "results.json", "report.html", "model.json", "study.sqlite"
 MESH_FILE = "throw.vtu"
@@ -120,6 +120,7 @@ def run_engine(
     """
     told = progress or Silent()
     told.step("Reading the engine file")
+    check_workers(workers)
     engine_file = load_engine(engine)
     torque = _read_torque(engine_file)
     folder = _make_folder(output, engine_file)

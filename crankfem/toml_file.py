@@ -1,5 +1,6 @@
 """Read a TOML file of quantities: values with units, each with its source or marked assumed."""
 
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -120,12 +121,12 @@ def read_toml(path: Path) -> TomlFile:
         If it cannot be read, is not TOML, or has values outside sections.
     """
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
             f"{path}: cannot be read as text ({error}); allowed is a TOML file."
         ) from None
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"{path}: is not TOML ({error}); allowed is a TOML file.") from None
     sources = content.pop("sources", {})
     if not isinstance(sources, dict):
@@ -168,7 +169,7 @@ def _split(
 def _cite(text: str, sources: Mapping[str, str]) -> str:
     """Replace the short names of sources by brackets that the report explains."""
     for name in sources:
-        text = text.replace(name, f"[{name}]")
+        text = re.sub(rf"\b{re.escape(name)}\b", f"[{name}]", text)
     return text
 
 

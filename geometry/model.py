@@ -50,6 +50,15 @@ class InputModel(BaseModel):
     section: ClassVar[str] = ""
 
     def __init__(self, **values: Any) -> None:
+        for name, value in values.items():
+            info = type(self).model_fields.get(name)
+            unit = None if info is None else field_extra(info, "unit")
+            if unit is not None and isinstance(value, str | bool):
+                prefix = f"{self.section}." if self.section else ""
+                raise InputError(
+                    f"{prefix}{name}: given {value!r}; allowed is a number in {unit or 'no unit'}, "
+                    "for in Python quantities are SI numbers."
+                )
         try:
             super().__init__(**values)
         except ValidationError as error:

@@ -1,6 +1,7 @@
 """Text with a unit to SI numbers and back: "170 mm" -> 0.170, and 0.170 -> "170 mm"."""
 
 import math
+import re
 from functools import cache
 from typing import Any
 
@@ -15,6 +16,10 @@ DISPLAY_UNITS: dict[str, tuple[str, float]] = {
     "m/N": ("1e-9 m/N", 1e-9),
     "rad/(N m)": ("1e-9 rad/(N m)", 1e-9),
 }
+
+# A decimal number, then a unit. pint itself would calculate ("17 0 mm" is a product to it), drop
+# commas ("1,2 mm" would be 12 mm) and take a unit alone for one of it.
+NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.ASCII)
 
 
 @cache
@@ -73,28 +78,42 @@ def _shown(text: object) -> str:
 
 
 def _evaluate(text: str, unit: str, shown: str, given: str, limits: str) -> float:
-    registry = _registry()
-    try:
-        quantity = registry.Quantity(text)
-        unitless = bool(quantity.unitless)
-    except Exception:  # pint raises a dozen kinds for text that is no quantity
+    if "," in text:
         raise InputError(
-            f'{given}, which is not a number with a unit; write for example "1 {shown}"{limits}.'
+            f"{given}, in which the comma could mean two things; write a decimal point and no "
+            f'separators, like "1.5 {shown}"{limits}.'
+        )
+    found = NUMBER_AND_UNIT.fullmatch(text)
+    try:
+        if found is None:
+            raise ValueError("no number in front")
+        number, rest = float(found[1]), found[2]
+        one = _registry().Quantity(1.0, _registry().parse_units(rest))
+    except Exception:  # pint raises a dozen kinds for text that is no unit
+        raise InputError(
+            f"{given}, which is not one number with one unit; "
+            f'write for example "1.5 {shown}"{limits}.'
         ) from None
-    if unitless:
+    if one.unitless:
         raise InputError(
             f"{given}, a bare number that could be in any unit; "
             f'write it with its unit, like "{text.strip()} {shown}"{limits}.'
         )
-    if unit == "rad/s" and quantity.check("1/[time]") and not _names_an_angle(quantity):
+    if unit == "rad/s" and one.check("1/[time]") and not _names_an_angle(one):
         # "500 1/min" and "8.3 Hz" mean revolutions in this field.
-        return float(quantity.to("1/s").magnitude) * 2.0 * math.pi
+        return _scaled(number, float(one.to("1/s").magnitude)) * 2.0 * math.pi
     try:
-        return float(quantity.to(unit).magnitude)
+        return _scaled(number, float(one.to(unit).magnitude))
     except Exception:  # pint's DimensionalityError, and offset units such as degC
         raise InputError(
             f"{given}, which is no {_kind(unit)}; write it in {shown} or a like unit{limits}."
         ) from None
+
+
+def _scaled(number: float, factor: float) -> float:
+    """Multiply so that "51 mm" is exactly what Python writes as 0.051."""
+    inverse = round(1.0 / factor) if factor < 1.0 else 0
+    return number / inverse if inverse and 1.0 / inverse == factor else number * factor
 
 
 def _names_an_angle(quantity: Any) -> bool:

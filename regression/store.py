@@ -14,11 +14,13 @@ from pathlib import Path
 
 from geometry.errors import InputError
 
+# Marks our files in SQLite's header: "crfm".
+APPLICATION_ID = 0x6372666D
 SCHEMA = """
 CREATE TABLE IF NOT EXISTS designs (
     key TEXT PRIMARY KEY,          -- hash of inputs: throw, material, accuracy, model version
     inputs TEXT NOT NULL,          -- JSON, SI units
-    status TEXT NOT NULL,          -- 'done' or 'failed'
+    status TEXT NOT NULL,          -- 'done', 'failed', or 'lost' with its worker: tried again
     responses TEXT,                -- JSON, SI units; null when failed
     reason TEXT,                   -- why it failed
     seconds REAL NOT NULL,
@@ -45,19 +47,37 @@ CREATE VIEW IF NOT EXISTS results AS
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one design: its responses, or the reason why it has none."""
+    """What became of one design: its responses, or the reason why it has none.
+
+    `lost` marks designs whose worker died or was ended, which says nothing about the design.
+    """
 
     key: str
     inputs: Mapping[str, object]
     responses: Mapping[str, float] | None
     reason: str | None
     seconds: float
+    lost: bool = False
 
 
 def content_key(content: object) -> str:
     """Hash any JSON content, independent of the order of its keys."""
-    text = json.dumps(content, sort_keys=True, separators=(",", ":"))
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+
+def _refuse_foreign(path: Path) -> None:
+    """Refuse a database of another program before anything is written to it."""
+    if not path.exists() or path.stat().st_size == 0:
+        return
+    connection = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
+    try:
+        (found,) = connection.execute("PRAGMA application_id").fetchone()
+        (tables,) = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
+    finally:
+        connection.close()
+    if found != APPLICATION_ID and tables:
+        raise sqlite3.DatabaseError("it is the database of another program")
 
 
 class ResultStore:
@@ -78,10 +98,12 @@ class ResultStore:
         self.path = Path(path)
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
+            _refuse_foreign(self.path)
             self._connection = sqlite3.connect(self.path, timeout=30.0, isolation_level=None)
             self._connection.execute("PRAGMA journal_mode=WAL")
+            self._connection.execute(f"PRAGMA application_id={APPLICATION_ID}")
             self._connection.executescript(SCHEMA)
-        except (sqlite3.DatabaseError, OSError) as error:
+        except (sqlite3.Error, OSError) as error:
             raise InputError(
                 f"store: given {str(self.path)!r}, which is no result store and cannot become one "
                 f"({error}); give a new file name."
@@ -123,7 +145,10 @@ class ResultStore:
 
     def record(self, outcome: Outcome) -> None:
         """Keep the outcome of one design; it is on disk when this returns."""
-        responses = None if outcome.responses is None else json.dumps(dict(outcome.responses))
+        responses = None
+        if outcome.responses is not None:
+            responses = json.dumps(dict(outcome.responses), allow_nan=False)
+        status = "lost" if outcome.lost else "failed" if responses is None else "done"
         with self._transaction() as connection:
             connection.execute(
                 "INSERT OR REPLACE INTO designs (key, inputs, status, responses, reason, seconds) "
@@ -131,7 +156,7 @@ class ResultStore:
                 (
                     outcome.key,
                     json.dumps(outcome.inputs, sort_keys=True),
-                    "failed" if responses is None else "done",
+                    status,
                     responses,
                     outcome.reason,
                     outcome.seconds,
@@ -143,11 +168,14 @@ class ResultStore:
         found = {}
         for key in keys:
             row = self._connection.execute(
-                "SELECT inputs, responses, reason, seconds FROM designs WHERE key = ?", (key,)
+                "SELECT inputs, responses, reason, seconds, status FROM designs WHERE key = ?",
+                (key,),
             ).fetchone()
             if row is not None:
                 responses = None if row[1] is None else json.loads(row[1])
-                found[key] = Outcome(key, json.loads(row[0]), responses, row[2], row[3])
+                found[key] = Outcome(
+                    key, json.loads(row[0]), responses, row[2], row[3], row[4] == "lost"
+                )
         return found
 
     def studies(self) -> dict[str, dict[str, object]]:

@@ -77,7 +77,8 @@ class StudyPlan:
         return {
             "throw": self.throw.model_dump(),
             "material": self.material.model_dump(),
-            "levels": {name: list(levels) for name, levels in self.levels.items()},
+            # A list, because the order of the factors decides which designs are held out.
+            "levels": [[name, list(levels)] for name, levels in self.levels.items()],
             "held_out": self.held_out,
             "seed": self.seed,
             "accuracy": self.accuracy,
@@ -89,7 +90,7 @@ class StudyPlan:
         """Rebuild a plan from `as_record`."""
         return cls(
             throw=CrankThrow(**record["throw"]),
-            levels={name: tuple(levels) for name, levels in record["levels"].items()},
+            levels={name: tuple(levels) for name, levels in record["levels"]},
             held_out=record["held_out"],
             seed=record["seed"],
             material=Material(**record["material"]),
@@ -179,6 +180,17 @@ class StudyTable:
 Progress = Callable[[int, int, Outcome | None], None]
 
 
+def check_workers(workers: int) -> None:
+    """Refuse an impossible number of worker processes.
+
+    Raises
+    ------
+    InputError
+    """
+    if not 1 <= workers <= 256:
+        raise InputError(f"workers: given {workers}; allowed is 1 to 256 processes.")
+
+
 def run_plan(
     plan: StudyPlan,
     store: str | Path,
@@ -203,13 +215,12 @@ def run_plan(
     InputError
         If the plan, the store or the number of workers is unusable.
     """
-    if not 1 <= workers <= 256:
-        raise InputError(f"workers: given {workers}; allowed is 1 to 256 processes.")
+    check_workers(workers)
     designs = plan_designs(plan)
     unique = {design.key: design.inputs for design in designs}
     with ResultStore(store) as results:
         results.register_study(plan.key, plan.as_record(), [(d.role, d.key) for d in designs])
-        known = results.outcomes(unique)
+        known = {k: found for k, found in results.outcomes(unique).items() if not found.lost}
         finished = len(known)
         if progress:
             progress(finished, len(unique), None)

@@ -4,6 +4,7 @@ Started by `regression.workers`; it ends when its input ends, so no worker outli
 """
 
 import json
+import math
 import os
 import signal
 import sys
@@ -32,6 +33,13 @@ def evaluate_design(inputs: dict[str, Any]) -> dict[str, float]:
     return throw_responses(throw, material, inputs["accuracy"])
 
 
+def _numbers_only(responses: dict[str, float]) -> dict[str, float]:
+    for name, value in responses.items():
+        if not math.isfinite(value):
+            raise ArithmeticError(f"{name} came out as {value}")
+    return responses
+
+
 def serve(requests: TextIO, answers: TextIO) -> None:
     """Answer requests until there are no more."""
     for line in requests:
@@ -39,7 +47,7 @@ def serve(requests: TextIO, answers: TextIO) -> None:
         start = time.perf_counter()
         answer: dict[str, Any] = {"key": request["key"]}
         try:
-            answer["responses"] = evaluate_design(request["inputs"])
+            answer["responses"] = _numbers_only(evaluate_design(request["inputs"]))
         except Exception as error:  # the design fails, with its reason; the worker goes on
             answer["reason"] = f"{type(error).__name__}: {error}"
         answer["seconds"] = time.perf_counter() - start

@@ -10,6 +10,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from regression.store import Outcome
@@ -48,7 +49,8 @@ def run_designs(
     Notes
     -----
     A design whose worker dies or hangs is tried once more in a fresh process, then recorded as
-    failed. On an exception here (Ctrl-C included) all workers are ended; what arrived is kept.
+    lost, for a later run to try again. On an exception here (Ctrl-C included) all workers are ended;
+    what arrived is kept.
     """
     inputs = dict(designs)
     waiting = deque(inputs)
@@ -85,7 +87,9 @@ def run_designs(
                 waiting.append(worker.key)
             else:
                 seconds = time.monotonic() - worker.started
-                on_outcome(Outcome(worker.key, inputs[worker.key], None, reason, seconds))
+                on_outcome(
+                    Outcome(worker.key, inputs[worker.key], None, reason, seconds, lost=True)
+                )
         if waiting:
             start()
 
@@ -120,8 +124,15 @@ def run_designs(
         selector.close()
 
 
+def package_environment() -> dict[str, str]:
+    """Environment in which a new Python finds our packages, however this one did."""
+    home = str(Path(__file__).resolve().parent.parent)
+    paths = [home, *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
+    return os.environ | {"PYTHONPATH": os.pathsep.join(paths)}
+
+
 def _spawn() -> subprocess.Popen[bytes]:
-    environment = os.environ | {"MKL_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    environment = package_environment() | {"MKL_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     # -P keeps a folder named like our packages in the working directory out of the way.
     return subprocess.Popen(
         [sys.executable, "-P", "-m", "regression.worker"],

@@ -15,6 +15,7 @@ import numpy as np
 
 from crankfem.pictures.surface import Surface
 from geometry.errors import MissingLibraryError
+from regression.workers import package_environment
 
 MESH, DEFORMED = "throw_mesh.png", "throw_deformed.png"
 ADVICE = (
@@ -45,6 +46,7 @@ class Rendering:
             [sys.executable, "-P", "-m", "crankfem.pictures.render", str(data), str(folder)],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
+            env=package_environment(),
         )
 
     def wait(self) -> None:

@@ -1,0 +1,338 @@
+import json
+import re
+import sqlite3
+
+import numpy as np
+import pytest
+import typer.main
+
+from crankfem import cli
+from crankfem.data_files import engine_path
+from regression.compliance_model import ComplianceModel
+
+COMMANDS = sorted(typer.main.get_command(cli.app).commands)
+
+
+def test_the_commands():
+    wanted = {"run", "new", "check", "throw", "formulas", "doe", "fit", "lookup", "harmonics"}
+    assert wanted | {"vibration", "report"} <= set(COMMANDS)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_has_an_example(call, command):
+    answer = call(command, "--help")
+    assert answer.code == 0
+    assert f"Example: crankfem {command} " in " ".join(answer.out.split())
+
+
+@pytest.mark.parametrize("command", sorted(set(COMMANDS) - {"new", "report"}))
+def test_commands_that_answer_have_json(command):
+    options = [o for p in typer.main.get_command(cli.app).commands[command].params for o in p.opts]
+    assert "--json" in options
+
+
+@pytest.mark.parametrize("arguments", [(), ("nonsense",), ("check",), ("check", "--nonsense")])
+def test_wrong_use_is_told(call, arguments):
+    answer = call(*arguments)
+    assert answer.code == 2
+    assert "Traceback" not in answer.err
+
+
+# ------------------------------------------------------------------------------------- new, check
+
+
+@pytest.mark.parametrize("name", ["6chn25-34", "yamz-5340", "yamz-5340.toml"])
+def test_new_copies_a_shipped_engine(call, tmp_path, name):
+    answer = call("new", "mine.toml", "--from", name)
+    assert answer.code == 0
+    assert "crankfem run mine.toml" in answer.out
+    copied = (tmp_path / "mine.toml").read_bytes()
+    assert copied == engine_path(name).read_bytes()
+    assert call("check", "mine.toml").code == 0
+
+
+def test_new_takes_the_six_cylinders_by_default(call, tmp_path):
+    assert call("new", "mine.toml").code == 0
+    assert (tmp_path / "mine.toml").read_bytes() == engine_path("6chn25-34").read_bytes()
+
+
+def test_new_overwrites_nothing(call, tmp_path):
+    (tmp_path / "mine.toml").write_text("precious", encoding="utf-8")
+    answer = call("new", "mine.toml")
+    assert answer.code == 2
+    assert answer.err == "Error: mine.toml: exists already; give a new file name.\n"
+    assert (tmp_path / "mine.toml").read_text(encoding="utf-8") == "precious"
+
+
+def test_new_refuses_an_unknown_engine(call, tmp_path):
+    answer = call("new", "mine.toml", "--from", "../secret")
+    assert answer.code == 2
+    assert "--from: given '../secret'; allowed are 6chn25-34, yamz-5340." in answer.err
+    assert not (tmp_path / "mine.toml").exists()
+
+
+def test_new_into_a_folder_that_is_not_there(call):
+    answer = call("new", "nowhere/mine.toml")
+    assert answer.code in (1, 2)
+    assert answer.err.startswith("Error: ")
+    assert "nowhere" in answer.err
+
+
+def test_check_lists_the_inputs(call):
+    answer = call("check", "6chn25-34")
+    assert answer.code == 0
+    assert answer.err == ""
+    assert re.search(r"valid; \d+ of \d+ values are assumed", " ".join(answer.out.split()))
+
+
+@pytest.mark.parametrize("name", ["6chn25-34", "yamz-5340"])
+def test_check_as_json(call, name):
+    answer = call("check", name, "--json")
+    assert (answer.code, answer.err) == (0, "")
+    content = answer.json()
+    assert content["valid"] is True
+    inputs = {record["field"]: record for record in content["inputs"]}
+    assert {"given", "meaning", "symbol", "source", "assumed"} <= set(inputs["throw.pin_length"])
+    assert inputs["throw.crank_radius"]["assumed"] is False
+    assert inputs["throw.fillet_radius"]["assumed"] is True
+
+
+def test_check_as_json_in_a_process_of_its_own(spawn):
+    answer = spawn("check", "6chn25-34", "--json")
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.json()["engine"] == "6ChN 25/34"
+
+
+# -------------------------------------------------------------------------------------- harmonics
+
+
+def test_harmonics_of_the_shipped_table(call):
+    record = call("harmonics", "yamz5340_torque_one_throw.csv", "--json").json()
+    assert (record["strokes"], record["orders"][:3]) == (4, [0.5, 1.0, 1.5])
+    assert record["amplitude"][0] == pytest.approx(279.68, abs=0.006)
+    assert record["phase_deg"][0] % 360.0 == pytest.approx(230.16, abs=0.006)
+    columns = (np.array(record[name]) for name in ("cosine", "sine", "amplitude", "phase_deg"))
+    cosine, sine, amplitude, phase = columns
+    assert np.hypot(cosine, sine) == pytest.approx(amplitude)
+    assert amplitude * np.sin(np.deg2rad(phase)) == pytest.approx(cosine, abs=1e-9)
+    assert amplitude * np.cos(np.deg2rad(phase)) == pytest.approx(sine, abs=1e-9)
+
+
+def test_harmonics_as_a_table(call):
+    answer = call("harmonics", "yamz5340_torque_one_throw.csv", "--orders", "1")
+    assert answer.code == 0
+    assert "279.68" in answer.out
+    rows = [line for line in answer.out.splitlines() if line.startswith("│")]
+    assert len(rows) == 2
+
+
+def test_a_table_of_ones_own_comes_before_the_shipped_one(call, tmp_path):
+    lines = ["cycle_angle_deg,torque_Nm"]
+    lines += [f"{10 * k},{100.0 + 30.0 * np.sin(2.0 * np.pi * k / 36.0)}" for k in range(36)]
+    own = tmp_path / "yamz5340_torque_one_throw.csv"
+    own.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    record = call("harmonics", own.name, "--json").json()
+    assert record["mean"] == pytest.approx(100.0)
+    assert record["amplitude"][0] == pytest.approx(30.0)
+    assert record["amplitude"][1:] == pytest.approx([0.0] * (len(record["orders"]) - 1), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fragment"),
+    [
+        (("nowhere.csv",), "nowhere.csv: the torque table cannot be read"),
+        (
+            ("yamz5340_torque_one_throw.csv", "--strokes", "3"),
+            "strokes: given 3; allowed are 2 and",
+        ),
+        (("wrong.csv",), 'wrong.csv, line 1: given the header "a;b"'),
+    ],
+)
+def test_harmonics_refuses(call, tmp_path, arguments, fragment):
+    (tmp_path / "wrong.csv").write_text("a;b\n1;2\n", encoding="utf-8")
+    answer = call("harmonics", *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert fragment in answer.err
+
+
+# ----------------------------------------------------------------------------------------- lookup
+
+
+def test_lookup(call, model_file):
+    answer = call("lookup", model_file, "web_width=300mm", "web_thickness=68 mm")
+    assert answer.code == 0
+    assert "axial compliance: 1e-9 m/N (pinned)" in answer.out
+    assert "torsional compliance: 40e-9 rad/(N m) (pinned)" in answer.out
+    assert answer.out.count("inside the range") == 2
+
+
+def test_lookup_as_json(call, model_file):
+    content = call("lookup", model_file, "web_width=0.28m", "web_thickness=50mm", "--json").json()
+    loaded = ComplianceModel.load(model_file)
+    for name, unit in (("axial_compliance", "m/N"), ("torsional_compliance", "rad/(N m)")):
+        expected = getattr(loaded, name)(web_width=0.280, web_thickness=0.050)
+        assert content[name]["value"] == pytest.approx(expected, rel=1e-14)
+        assert (content[name]["unit"], content[name]["support"]) == (unit, "pinned")
+        assert content[name]["inside"] is True
+        assert content[name]["remarks"] == []
+        assert content[name]["largest_held_out_error"] < 1e-9
+
+
+def test_lookup_outside_the_range_is_said(call, model_file):
+    pairs = ("web_width=340mm", "web_thickness=68mm")
+    answer = call("lookup", model_file, *pairs)
+    assert answer.code == 0
+    assert answer.out.count("OUTSIDE the range") == 2
+    assert "web_width: given 340 mm; the range of the fit is 270 mm to 330 mm" in answer.out
+    content = call("lookup", model_file, *pairs, "--json").json()["axial_compliance"]
+    assert content["inside"] is False
+    assert len(content["remarks"]) == 1
+    assert content["value"] == pytest.approx(0.6e-9)
+
+
+@pytest.mark.parametrize(
+    ("pairs", "fragment"),
+    [
+        (("web_width=300", "web_thickness=68mm"), "web_width: given '300', a bare number"),
+        (("web_width=300kg", "web_thickness=68mm"), "web_width: given '300kg', which is no length"),
+        (("web_width=299,5mm", "web_thickness=68mm"), "web_width: given '299,5mm'"),
+        (("web_width=300mm",), "web_thickness: missing; the model needs its factors"),
+        (("web_width=300mm", "web_thickness"), "web_thickness: given without a value"),
+        (("web_width=300mm", "=68mm"), "=68mm: given without a value"),
+        (("web_width=300mm", "web_width=300mm"), "web_width: given twice"),
+        (("web_width=-300mm", "web_thickness=68mm"), "web_width: given -0.3; allowed are positive"),
+        (("web_width=300mm", "web_thickness=68mm", "color=3mm"), "color: unknown dimension"),
+        (
+            ("web_width=300mm", "web_thickness=68mm", "pin_length=140mm"),
+            "pin_length: given 140 mm; allowed is 139 mm, because it is fixed",
+        ),
+    ],
+)
+def test_lookup_refuses(call, model_file, pairs, fragment):
+    answer = call("lookup", model_file, *pairs)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith(f"Error: {fragment}")
+    assert answer.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("content", [None, "", "[]", "{}", "no json", '{"format": "other"}'])
+def test_lookup_refuses_other_files(call, tmp_path, content):
+    if content is not None:
+        (tmp_path / "other.json").write_text(content, encoding="utf-8")
+    answer = call("lookup", "other.json", "web_width=300mm")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("Error: other.json: ")
+
+
+# ------------------------------------------------------------------------------- throw, formulas
+
+
+def test_throw_as_json(call):
+    content = call("throw", "6chn25-34", "--accuracy", "0.1", "--json").json()
+    pinned, guided = content["supports"]["pinned"], content["supports"]["guided"]
+    assert 0.0 < guided["axial_compliance"] < pinned["axial_compliance"]
+    assert pinned["axial_compliance"] == pytest.approx(1.27e-9, rel=0.05)
+    assert content["error_estimate"] < 0.1
+    assert np.shape(content["stiffness"]) == (12, 12)
+    for support in (pinned, guided):
+        left, right = support["reactions"]["left"], support["reactions"]["right"]
+        total = np.array(left["force"]) + np.array(right["force"])
+        assert total == pytest.approx([0.0, content["radial_force"], 0.0], abs=1.0)
+
+
+def test_throw_as_tables(call):
+    answer = call("throw", "yamz-5340", "--accuracy", "0.1")
+    assert answer.code == 0
+    assert "pinned" in answer.out
+    assert "kg m^2" in answer.out
+
+
+@pytest.mark.parametrize("accuracy", ["0", "0.0005", "0.2", "nan"])
+def test_throw_refuses_an_accuracy(call, accuracy):
+    answer = call("throw", "6chn25-34", "--accuracy", accuracy)
+    assert (answer.code, answer.out) == (2, "")
+    assert "accuracy: given" in answer.err
+    assert "0.001 to 0.1" in answer.err
+
+
+def test_formulas_without_finite_elements(call):
+    content = call("formulas", "6chn25-34", "--gamma", "120", "--no-fe", "--json").json()
+    assert content["gamma_deg"] == 120.0
+    assert {record["name"] for record in content["axial"]} >= {"Anderson", "Dorey", "Skorchev"}
+    assert all(record["value"] > 0.0 for record in content["torsional"])
+    assert "fe" not in content
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fragment"),
+    [
+        (("--variant", "guessed"), "variant: given 'guessed'; allowed are corrected, printed"),
+        (("--gamma", "nan"), "gamma_deg: given nan"),
+    ],
+)
+def test_formulas_refuses(call, arguments, fragment):
+    answer = call("formulas", "6chn25-34", "--no-fe", *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert fragment in answer.err
+
+
+# -------------------------------------------------------------------------------- fit, doe, report
+
+
+def test_fit_refuses_what_is_no_store(call, tmp_path):
+    (tmp_path / "text.sqlite").write_text("no database " * 100, encoding="utf-8")
+    for given, fragment in (("nowhere.sqlite", "there is no such file"), ("text.sqlite", "store")):
+        answer = call("fit", given)
+        assert (answer.code, answer.out) == (2, "")
+        assert answer.err.startswith(f"Error: store: given '{given}'")
+        assert fragment in answer.err
+        assert not (tmp_path / "model.json").exists()
+
+
+def test_fit_leaves_the_database_of_another_program_alone(call, tmp_path):
+    with sqlite3.connect(tmp_path / "notes.sqlite") as connection:
+        connection.execute("CREATE TABLE notes (text TEXT)")
+    connection.close()
+    before = (tmp_path / "notes.sqlite").read_bytes()
+    answer = call("fit", "notes.sqlite")
+    assert (answer.code, answer.out) == (2, "")
+    assert (tmp_path / "notes.sqlite").read_bytes() == before
+
+
+@pytest.mark.parametrize("workers", ["0", "-1", "1000"])
+def test_doe_refuses_numbers_of_workers(call, tmp_path, workers):
+    answer = call("doe", "6chn25-34", "--workers", workers)
+    assert answer.code == 2
+    assert f"workers: given {workers}; allowed is 1 to 256" in answer.err
+
+
+@pytest.mark.parametrize("content", [None, "", "[]", "null", "{}", '{"pictures": {}}', '{"a": 1}'])
+def test_report_refuses_what_is_no_run(call, tmp_path, content):
+    (tmp_path / "results").mkdir()
+    if content is not None:
+        (tmp_path / "results" / "results.json").write_text(content, encoding="utf-8")
+    answer = call("report", "results")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("Error: results")
+    assert not (tmp_path / "results" / "report.html").exists()
+
+
+def test_an_interrupt_ends_with_a_word_and_130(call, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("regression.study.run_plan", interrupted)
+    answer = call("doe", "6chn25-34")
+    assert answer.code == 130
+    assert answer.out == ""
+    assert "continues where it stopped" in answer.err
+    assert "Traceback" not in answer.err
+
+
+def test_results_without_numbers_never_become_json(capsys):
+    from crankfem.console import print_json
+
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        print_json({"value": float("nan")})
+    print_json({"value": 1.5})
+    assert json.loads(capsys.readouterr().out) == {"value": 1.5}

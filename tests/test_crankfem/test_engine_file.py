@@ -1,0 +1,376 @@
+import math
+
+import pytest
+
+import crankfem as cf
+from crankfem.data_files import shipped_engines
+from crankfem.engine_file import load_engine, load_study, load_throw
+from geometry.errors import InputError
+
+SIX_LEVELS = '["60 mm", "68 mm", "76 mm"]'
+
+
+@pytest.mark.parametrize("name", ["6chn25-34", "yamz-5340"])
+def test_shipped_engines_are_valid(name):
+    assert name in shipped_engines()
+    engine = load_engine(name)
+    assert len(engine.engine.crank_angles) == engine.engine.cylinders
+    assert 0 < len(engine.assumed) < len(engine.records)
+    assert all(record.source for record in engine.records)
+    assert engine.study is not None
+    assert math.prod(len(levels) for levels in engine.study.levels.values()) == 27
+    assert engine.study.held_out == 8
+
+
+def test_all_shipped_files_are_among_those_tested():
+    assert shipped_engines() == ("6chn25-34", "yamz-5340")
+
+
+def test_values_are_read_in_si_units():
+    engine = load_engine("6chn25-34")
+    assert engine.throw.crank_radius == pytest.approx(0.170)
+    assert engine.engine.stroke == pytest.approx(0.340)
+    assert engine.engine.rated_speed == pytest.approx(500.0 * math.pi / 30.0)
+    assert engine.material.youngs_modulus == pytest.approx(2.1e11)
+    assert math.degrees(engine.engine.crank_angles[1]) == pytest.approx(120.0)
+    firing = [round(math.degrees(angle)) for angle in engine.engine.firing_angles]
+    assert firing == [0, 480, 240, 600, 120, 360]
+
+
+def test_sources_and_assumptions_are_kept_with_the_values():
+    engine = load_engine("6chn25-34")
+    records = {record.field: record for record in engine.records}
+    radius, fillet = records["throw.crank_radius"], records["throw.fillet_radius"]
+    assert (radius.given, radius.assumed) == ("170 mm", False)
+    assert radius.source == "[yamanin2021], figure 3; half the stroke"
+    assert (fillet.given, fillet.assumed) == ("12 mm", True)
+    assert "yamanin2021" in engine.sources
+
+
+def test_names_of_sources_are_found_as_words_only(tmp_path, six_cylinders, edit):
+    text = edit(six_cylinders, {"sources.a": '"one letter"', "piston.mass": '"30 kg"'})
+    text = edit(text, {"rod.mass": '{ value = "56 kg", source = "a, table of data" }'})
+    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    records = {record.field: record for record in load_engine(tmp_path / "a.toml").records}
+    assert records["rod.mass"].source == "[a], table of data"
+    assert records["throw.crank_radius"].source == "[yamanin2021], figure 3; half the stroke"
+
+
+def test_what_the_file_leaves_out_takes_defaults(tmp_path, six_cylinders, edit):
+    gone = ["material", "free_end", "gas", "vibration", "study]", "study.factors"]
+    text = edit(six_cylinders, {f"[{name}".replace("]", "") + "]": None for name in gone})
+    (tmp_path / "bare.toml").write_text(text, encoding="utf-8")
+    engine = load_engine(tmp_path / "bare.toml")
+    assert engine.material == cf.STEEL
+    assert engine.free_end is None
+    assert engine.gas is None
+    assert engine.study is None
+    assert engine.vibration.axial_source == "fe"
+
+
+@pytest.mark.parametrize("spelling", ["170 mm", "170mm", " 170 mm ", "0.17 m", "17 cm", "1.7e2 mm"])
+def test_spellings_of_one_length(tmp_path, six_cylinders, edit, spelling):
+    text = edit(six_cylinders, {"throw.crank_radius": f'"{spelling}"'})
+    (tmp_path / "spelled.toml").write_text(text, encoding="utf-8")
+    assert load_engine(tmp_path / "spelled.toml").throw.crank_radius == pytest.approx(0.170)
+
+
+@pytest.mark.parametrize("spelling", ["500 1/min", "500 rpm", "8.333333333333334 Hz", "3000 deg/s"])
+def test_spellings_of_one_speed(tmp_path, six_cylinders, edit, spelling):
+    text = edit(six_cylinders, {"engine.rated_speed": f'"{spelling}"'})
+    (tmp_path / "spelled.toml").write_text(text, encoding="utf-8")
+    read = load_engine(tmp_path / "spelled.toml").engine.rated_speed
+    assert read == pytest.approx(500.0 * math.pi / 30.0)
+
+
+def test_a_file_with_a_byte_order_mark_is_read(tmp_path, six_cylinders):
+    (tmp_path / "mark.toml").write_bytes(b"\xef\xbb\xbf" + six_cylinders.encode())
+    assert load_engine(tmp_path / "mark.toml").engine.cylinders == 6
+
+
+def test_a_throw_and_a_study_can_stand_alone(tmp_path, six_cylinders, edit):
+    gone = ("engine", "material", "rod", "piston", "flywheel", "free_end", "thrust_bearing")
+    text = edit(six_cylinders, {f"[{name}]": None for name in (*gone, "gas", "vibration")})
+    path = tmp_path / "study.toml"
+    path.write_text(text, encoding="utf-8")
+    throw, material = load_throw(path)
+    assert throw == load_engine("6chn25-34").throw
+    assert material == cf.STEEL
+    assert load_study(path).levels["web_width"] == pytest.approx((0.270, 0.300, 0.330))
+    with pytest.raises(InputError, match=r"the section \[engine\] is missing"):
+        load_engine(path)
+
+
+# What is changed in the shipped file, and what the refusal must say.
+REFUSED = {
+    "bare number": (
+        {"throw.pin_length": "139"},
+        ["throw.pin_length", "given 139", "bare number", '"139 mm"', "2 mm to 2000 mm"],
+    ),
+    "text without unit": (
+        {"throw.pin_length": '"139"'},
+        ["throw.pin_length", "'139'", '"139 mm"', "2 mm to 2000 mm"],
+    ),
+    "bare number in a table": (
+        {"rod.mass": '{ value = 56, assumed = "usual" }'},
+        ["rod.mass", "given 56", "bare number", '"56 kg"', "0.001 kg to 20000 kg"],
+    ),
+    "bare number in a list": (
+        {"engine.crank_angles": '[0, "120 deg", "240 deg", "240 deg", "120 deg", "0 deg"]'},
+        ["engine.crank_angles[0]", "given 0", "bare number", '"0 deg"'],
+    ),
+    "unit of another kind": (
+        {"throw.pin_length": '"139 kg"'},
+        ["throw.pin_length", "'139 kg'", "no length", "2 mm to 2000 mm"],
+    ),
+    "unknown unit": ({"throw.pin_length": '"139 foo"'}, ["throw.pin_length", "'139 foo'", "mm"]),
+    "decimal comma": (
+        {"throw.fillet_radius": '"1,2 mm"'},
+        ["throw.fillet_radius", "'1,2 mm'", "mm"],
+    ),
+    "a gap in the number": (
+        {"throw.pin_length": '"1 39 mm"'},
+        ["throw.pin_length", "'1 39 mm'", "mm"],
+    ),
+    "unit alone": ({"throw.fillet_radius": '"cm"'}, ["throw.fillet_radius", "'cm'", "mm"]),
+    "not a number": ({"throw.pin_length": '"nan mm"'}, ["throw.pin_length", "'nan mm'"]),
+    "infinite": ({"throw.pin_length": '"1e999 mm"'}, ["throw.pin_length", "'1e999 mm'"]),
+    "yes or no": ({"throw.pin_length": "true"}, ["throw.pin_length", "True", "unit"]),
+    "fillet beside a short main journal": (
+        {"throw.main_journal_length": '"60 mm"', "throw.fillet_radius": '"30 mm"'},
+        ["throw.fillet_radius", "30 mm", "2.2 mm to 27 mm", "main journal of 60 mm is too short"],
+    ),
+    "fillet beside a short pin": (
+        {"throw.pin_length": '"50 mm"', "throw.fillet_radius": '"25 mm"'},
+        ["throw.fillet_radius", "25 mm", "2.2 mm to 22.5 mm", "crankpin of 50 mm is too short"],
+    ),
+    "fillet on a narrow web": (
+        {"throw.fillet_radius": '"33 mm"'},
+        ["throw.fillet_radius", "33 mm", "32.5 mm", "web of 285 mm is too narrow"],
+    ),
+    "fillet too small to matter": (
+        {"throw.fillet_radius": '"0.5 mm"'},
+        ["throw.fillet_radius", "0.5 mm", "2.2 mm to 32.5 mm", "sharp corner"],
+    ),
+    "pin outside the web": (
+        {"throw.pin_diameter": '"300 mm"'},
+        ["throw.pin_diameter", "300 mm", "285 mm", "outside the web"],
+    ),
+    "main journal outside the web": (
+        {"throw.main_journal_diameter": '"290 mm"'},
+        ["throw.main_journal_diameter", "290 mm", "285 mm", "outside the web"],
+    ),
+    "negative size": (
+        {"throw.web_thickness": '"-68 mm"'},
+        ["throw.web_thickness", "-68 mm", "2 mm to 1500 mm", "web thickness"],
+    ),
+    "zero size": ({"throw.web_thickness": '"0 mm"'}, ["throw.web_thickness", "0 mm", "2 mm"]),
+    "huge size": ({"throw.web_width": '"285 m"'}, ["throw.web_width", "285000 mm", "4000 mm"]),
+    "web as thin as a sheet": (
+        {"throw.web_thickness": '"3 mm"'},
+        ["throw.web_thickness", "3 mm", "8.8 mm"],
+    ),
+    "missing field": (
+        {"throw.pin_length": None},
+        ["throw.pin_length", "missing", "crankpin length", "2 mm to 2000 mm"],
+    ),
+    "unknown field": (
+        {"throw.pin_lenght": '"139 mm"'},
+        ["throw.pin_lenght", "unknown field", "did you mean pin_length?"],
+    ),
+    "missing section": ({"[rod]": None}, ["[rod]", "missing"]),
+    "poisson's ratio": (
+        {"material.poisson_ratio": "0.6"},
+        ["material.poisson_ratio", "0.6", "0 to 0.49"],
+    ),
+    "number as text": (
+        {"material.poisson_ratio": '"0.3"'},
+        ["material.poisson_ratio", "'0.3'", "plain number"],
+    ),
+    "no cylinder": ({"engine.cylinders": "0"}, ["engine.cylinders", "given 0", "1 to 24"]),
+    "three strokes": ({"engine.strokes": "3"}, ["engine.strokes", "given 3", "2 and 4"]),
+    "a cylinder twice in the firing order": (
+        {"engine.firing_order": "[1, 5, 3, 6, 2, 2]"},
+        ["engine.firing_order", "[1, 5, 3, 6, 2, 2]", "from 1 to 6 once"],
+    ),
+    "firing order against the cranks": (
+        {"engine.firing_order": "[1, 2, 3, 4, 5, 6]"},
+        ["engine.firing_order", "[1, 2, 3, 4, 5, 6]", "crank is at the top"],
+    ),
+    "cranks for another engine": (
+        {"engine.crank_angles": '["0 deg", "120 deg", "240 deg"]'},
+        ["engine.crank_angles", "given 3 angles", "6 cylinders"],
+    ),
+    "speed range upside down": (
+        {"engine.lowest_speed": '"600 1/min"'},
+        ["engine.lowest_speed", "600 1/min", "515 1/min"],
+    ),
+    "stroke not twice the crank radius": (
+        {"throw.crank_radius": '"160 mm"'},
+        ["throw.crank_radius", "160 mm", "170 mm", "stroke"],
+    ),
+    "rod too short": (
+        {"rod.length": '"200 mm"'},
+        ["rod.length", "200 mm", "255 mm", "crank radii"],
+    ),
+    "rod that turns as a whole": (
+        {"rod.rotating_mass": '"56 kg"'},
+        ["rod.rotating_mass", "56 kg", "less than"],
+    ),
+    "thrust bearing beyond the shaft": (
+        {"thrust_bearing.bearing": "7"},
+        ["thrust_bearing.bearing", "given 7", "0 (free end) to 6 (flywheel)"],
+    ),
+    "source and assumed": (
+        {"rod.mass": '{ value = "56 kg", source = "drawing", assumed = "usual" }'},
+        ["rod.mass", "either source or assumed"],
+    ),
+    "something else beside a value": (
+        {"rod.mass": '{ value = "56 kg", note = "heavy" }'},
+        ["rod.mass", "either source or assumed"],
+    ),
+    "torque table that is nowhere": (
+        {"torque.table": '"nowhere.csv"'},
+        ["torque.table", "'nowhere.csv'", "beside the engine file"],
+    ),
+    "unknown source of compliances": (
+        {"vibration.axial_source": '"guess"'},
+        ["vibration.axial_source", "'guess'", "fe, ", "regression", "Anderson"],
+    ),
+    "unknown source of torsional compliances": (
+        {"vibration.torsional_source": '"Anderson"'},
+        ["vibration.torsional_source", "'Anderson'", "fe, ", "regression", "Carter"],
+    ),
+    "regression without a study": (
+        {"[study]": None, "[study.factors]": None, "vibration.axial_source": '"regression"'},
+        ["vibration.axial_source", "'regression'", "study"],
+    ),
+    "highest order below the lowest": (
+        {
+            "engine.strokes": "2",
+            "engine.firing_order": "[1, 2, 3, 6, 5, 4]",
+            "engine.crank_angles": '["0 deg", "60 deg", "120 deg", "300 deg", "240 deg", "180 deg"]',
+            "vibration.highest_order": "0.5",
+        },
+        ["vibration.highest_order", "0.5", "allowed is 1"],
+    ),
+    "one level": (
+        {"study.factors.web_width": '["270 mm"]'},
+        ["study.factors.web_width", "1 level", "two or more"],
+    ),
+    "a level twice": (
+        {"study.factors.web_width": '["270 mm", "270 mm", "300 mm"]'},
+        ["web_width", "once"],
+    ),
+    "bare number as level": (
+        {"study.factors.web_width": '[270, "300 mm"]'},
+        ["study.factors.web_width[0]", "given 270", "bare number", '"270 mm"'],
+    ),
+    "levels that are no list": (
+        {"study.factors.web_width": '"270 mm"'},
+        ["study.factors.web_width", "'270 mm'", "list of levels"],
+    ),
+    "unknown factor": (
+        {"study.factors.web_with": '["270 mm", "300 mm"]'},
+        ["study.factors.web_with", "unknown", "web_width"],
+    ),
+    "no factor": ({"[study.factors]": None}, ["study.factors", "at least one"]),
+    "combination that cannot be built": (
+        {"study.factors.web_width": '["225 mm", "300 mm"]'},
+        ["study.factors", "throw.fillet_radius", "12 mm", "2.5 mm", "225 mm is too narrow"],
+    ),
+    "nothing held out": ({"study.held_out": "0"}, ["study.held_out", "given 0", "1 to 1000"]),
+    "half a design held out": ({"study.held_out": "1.5"}, ["study.held_out", "given 1.5"]),
+    "negative seed": ({"study.seed": "-1"}, ["study.seed", "given -1", "0 to"]),
+    "accuracy too loose": ({"study.accuracy": "0.5"}, ["study.accuracy", "0.5", "0.001 to 0.1"]),
+    "accuracy not a number": ({"study.accuracy": "nan"}, ["study.accuracy", "nan"]),
+    "unknown field of the study": ({"study.runs": "5"}, ["study.runs", "unknown field"]),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refusals_are_one_clear_sentence(case, tmp_path, six_cylinders, edit, call):
+    changes, fragments = REFUSED[case]
+    if any(key.startswith("torque.") for key in changes):
+        six_cylinders += "\n[torque]\n"
+    path = tmp_path / "wrong.toml"
+    path.write_text(edit(six_cylinders, changes), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load_engine(path)
+    message = str(caught.value)
+    for fragment in fragments:
+        assert fragment in message
+    assert "\n" not in message
+    assert message.endswith(".")
+
+    answer = call("check", path)
+    assert answer.code == 2
+    assert answer.out == ""
+    assert answer.err == f"Error: {message}\n"
+
+
+def test_unknown_section(tmp_path, six_cylinders):
+    (tmp_path / "more.toml").write_text(six_cylinders + "\n[turbo]\nsize = 3\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"more\.toml: \[turbo\] is an unknown section; allowed"):
+        load_engine(tmp_path / "more.toml")
+
+
+def test_value_outside_any_section(tmp_path, six_cylinders):
+    (tmp_path / "loose.toml").write_text("stroke = 3\n" + six_cylinders, encoding="utf-8")
+    with pytest.raises(InputError, match=r"loose\.toml: stroke: given 3 outside any section"):
+        load_engine(tmp_path / "loose.toml")
+
+
+@pytest.mark.parametrize(
+    ("content", "fragment"),
+    [
+        (b"", "the section [engine] is missing"),
+        (b"this is no toml\n", "is not TOML"),
+        (b"[engine\n", "is not TOML"),
+        (bytes(range(256)) * 8, "cannot be read as text"),
+        ("[engine]\n".encode("utf-16"), "cannot be read as text"),
+        (b"a = " + b"[" * 50_000, "is not TOML"),
+    ],
+    ids=["empty", "prose", "torn", "binary", "utf-16", "nested without end"],
+)
+def test_files_of_another_kind(tmp_path, call, content, fragment):
+    path = tmp_path / "other.toml"
+    path.write_bytes(content)
+    answer = call("check", path)
+    assert answer.code == 2
+    assert answer.out == ""
+    assert answer.err.startswith("Error: ")
+    assert answer.err.count("\n") == 1
+    assert "other.toml" in answer.err
+    assert fragment in answer.err
+
+
+@pytest.mark.parametrize(
+    ("given", "fragment"), [("nowhere.toml", "does not exist"), (".", "is a folder")]
+)
+def test_a_file_that_is_none(call, given, fragment):
+    answer = call("check", given)
+    assert answer.code == 2
+    assert answer.err.startswith(f"Error: {given}: {fragment}")
+    assert "6chn25-34, yamz-5340" in answer.err
+
+
+@pytest.mark.parametrize("command", ["run", "throw", "formulas", "doe", "vibration", "check"])
+def test_every_command_refuses_a_bare_number(command, tmp_path, six_cylinders, edit, call):
+    path = tmp_path / "wrong.toml"
+    path.write_text(edit(six_cylinders, {"throw.pin_length": "139"}), encoding="utf-8")
+    answer = call(command, path)
+    assert answer.code == 2
+    assert "Error: throw.pin_length: given 139, " in answer.err
+    assert "Traceback" not in answer.err
+    assert sorted(tmp_path.iterdir()) == [path]
+
+
+def test_a_refusal_in_a_process_of_its_own(tmp_path, six_cylinders, edit, spawn):
+    path = tmp_path / "wrong.toml"
+    path.write_text(edit(six_cylinders, {"throw.pin_length": "139"}), encoding="utf-8")
+    answer = spawn("run", path)
+    assert answer.code == 2
+    assert answer.out == ""
+    assert "Traceback" not in answer.err
+    assert answer.err.rstrip().splitlines()[-1].startswith("Error: throw.pin_length: given 139, ")

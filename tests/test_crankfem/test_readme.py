@@ -1,0 +1,73 @@
+import doctest
+import importlib
+import pkgutil
+import re
+import runpy
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
+# Their doctests mesh and solve.
+SLOW = {"fem.analysis", "fem.shaft"}
+
+
+def examples():
+    for page in PAGES:
+        if page.is_file():
+            for number, found in enumerate(BLOCK.finditer(page.read_text(encoding="utf-8")), 1):
+                yield pytest.param(found.group(1), id=f"{page.name}-{number}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("code", list(examples()))
+def test_examples_in_the_documentation_run(spawn, code):
+    answer = spawn("-c", code, command=[sys.executable, "-W", "error::RuntimeWarning"])
+    assert answer.code == 0, answer.err
+
+
+def modules():
+    for name in ("crankfem", "geometry", "fem", "regression", "dynamics"):
+        package = importlib.import_module(name)
+        yield name
+        for found in pkgutil.walk_packages(package.__path__, f"{name}."):
+            yield found.name
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name
+        for name in sorted(modules())
+    ],
+)
+def test_examples_in_docstrings(name):
+    result = doctest.testmod(importlib.import_module(name))
+    assert result.failed == 0
+
+
+def test_the_page_of_engine_files_is_made_from_the_declarations():
+    builder = ROOT / "docs" / "build_engine_files.py"
+    if not builder.is_file():
+        pytest.skip("the documentation's sources are not here")
+    made = runpy.run_path(str(builder))
+    assert made["page"]() == (ROOT / "docs" / "engine-files.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.skipif(not (ROOT / "README.md").is_file(), reason="no README here")
+def test_commands_and_names_in_the_readme_exist():
+    import typer.main
+
+    from crankfem import cli
+
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    commands = set(typer.main.get_command(cli.app).commands)
+    named = set(re.findall(r"crankfem (?=[a-z])(\w+)(?= +[\w.\-/]+\.(?:toml|json|sqlite))", text))
+    assert named
+    assert named <= commands
+    assert f"[{'docs/method.md'}]" in text
+    for target in re.findall(r"\]\(((?!http)[^)#]+)\)", text):
+        assert (ROOT / target).exists() or target.endswith(".png"), target

@@ -1,0 +1,324 @@
+import base64
+import html
+import json
+import re
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from regression.compliance_model import ComplianceModel
+
+pytestmark = pytest.mark.slow
+
+# What makes a browser load something, by tag.
+LOADING = {"img": "src", "script": "src", "link": "href", "iframe": "src", "object": "data"}
+
+
+class Page(HTMLParser):
+    """The parts of a report that a test looks at."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.loaded, self.anchors, self.ids, self.alternatives = [], [], [], []
+        self.tags, self.words = set(), []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        found = dict(attributes)
+        self.tags.add(tag)
+        if tag in LOADING:
+            self.loaded.append(found.get(LOADING[tag]) or "")
+        if tag == "img":
+            self.alternatives.append(found.get("alt"))
+        if tag == "a":
+            self.anchors.append(found["href"])
+        if "id" in found:
+            self.ids.append(found["id"])
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def report_of(folder):
+    return (folder / "report.html").read_text(encoding="utf-8")
+
+
+def test_json_on_standard_output_is_the_content_of_results(finished_run):
+    assert finished_run.answer.json() == finished_run.results
+    assert "Traceback" not in finished_run.answer.err
+
+
+def test_the_folder_holds_everything(finished_run):
+    names = {path.name for path in finished_run.folder.iterdir()}
+    assert {"report.html", "results.json", "model.json", "study.sqlite", "pictures"} <= names
+    pictures = finished_run.results["pictures"]
+    assert {"response", "parity", "formulas", "axial_modes", "torsional_campbell"} <= set(pictures)
+    for name in pictures.values():
+        assert (finished_run.folder / "pictures" / name).stat().st_size > 1000
+    drawn = {"mesh", "deformed"} <= set(pictures)
+    assert drawn == (finished_run.results["picture_note"] is None)
+
+
+def test_the_throw(finished_run):
+    throw = finished_run.results["throw"]
+    pinned, guided = throw["supports"]["pinned"], throw["supports"]["guided"]
+    assert pinned["axial_compliance"] == pytest.approx(1.27e-9, rel=0.03)
+    assert guided["axial_compliance"] < 0.5 * pinned["axial_compliance"]
+    assert throw["error_estimate"] <= throw["accuracy"] == 0.01
+    force = throw["radial_force"]
+    assert force == pytest.approx(8.5e6 * np.pi / 4.0 * 0.25**2)
+    for support in (pinned, guided):
+        axial = support["reactions"]["left"]["force"][2]
+        assert abs(axial) == pytest.approx(force * support["axial_force_per_radial"])
+
+
+def test_throws_in_the_shaft_are_stiffer_than_pinned(finished_run):
+    shares = finished_run.results["shaft"]["axial_beside_pinned"]
+    assert len(shares) == 6
+    assert all(0.2 < share < 1.0 for share in shares)
+    assert shares == pytest.approx(shares[::-1], rel=1e-6)
+    assert min(shares) == pytest.approx(shares[2])
+
+
+def test_the_study(finished_run):
+    study = finished_run.results["study"]
+    assert (study["runs"], study["held_out"], study["computed_now"]) == (3, 2, 5)
+    assert study["failures"] == []
+    assert study["factors"] == {"web_thickness": pytest.approx([0.060, 0.068, 0.076])}
+    for fits in study["fits"].values():
+        assert {form["form"] for form in fits["forms"]} == {"linear", "quadratic", "log-quadratic"}
+        best = min(fits["forms"], key=lambda form: form["largest_error_held_out"])
+        assert fits["chosen"] == best["form"]
+        assert best["largest_error_held_out"] < 0.01
+
+
+def test_the_model_gives_the_numbers_of_the_results(finished_run):
+    model = ComplianceModel.load(finished_run.folder / "model.json")
+    study = finished_run.results["study"]
+    values, held = np.array(study["table"]["values"])[:, 0], np.array(study["table"]["held_out"])
+    for name in ("axial_compliance", "torsional_compliance"):
+        truth = np.array(study["table"]["responses"][f"{name}_pinned"])
+        errors = np.abs(getattr(model, name)(web_thickness=values) / truth - 1.0)
+        fits = study["fits"][name]
+        chosen = next(form for form in fits["forms"] if form["form"] == fits["chosen"])
+        assert errors[held].max() == pytest.approx(chosen["largest_error_held_out"], rel=1e-6)
+        assert model.responses[name].equation == chosen["equation"]
+        form = chosen["coefficients"]
+        if fits["chosen"] == "quadratic":
+            own = form["1"] + form["web_thickness"] * values
+            own = own + form["web_thickness^2"] * values**2
+            assert getattr(model, name)(web_thickness=values) == pytest.approx(own, rel=1e-9)
+    assert model.provenance["study"] == study["key"]
+
+
+def test_vibration(finished_run):
+    for kind, rigid in (("axial", 0), ("torsional", 1)):
+        record = finished_run.results["vibration"][kind]
+        assert record["source"] == "fe"
+        frequencies = [mode["frequency"] for mode in record["modes"]]
+        assert frequencies == sorted(frequencies)
+        assert sum(mode["rigid"] for mode in record["modes"]) == rigid
+        sources = {source["source"]: source for source in record["sources"]}
+        assert {"fe", "fe pinned", "regression"} <= set(sources)
+        assert sources["fe"]["beside_chosen"] == pytest.approx(1.0)
+        assert sources["fe pinned"]["beside_chosen"] < 1.0
+        assert sources["regression"]["beside_chosen"] == pytest.approx(1.0, abs=0.02)
+        for critical in record["criticals"]:
+            assert 200.0 <= critical["speed_rpm"] <= 515.0
+            speed = 60.0 * critical["frequency"] / critical["order"]
+            assert critical["speed_rpm"] == pytest.approx(speed)
+            assert 0.0 <= critical["phase_sum"] <= 1.0 + 1e-9
+
+
+def test_the_report_is_one_file_that_loads_nothing(finished_run):
+    text = report_of(finished_run.folder)
+    page = Page(text)
+    assert not page.tags & {"script", "link", "iframe", "object", "embed", "base"}
+    assert len(page.loaded) == len(finished_run.results["pictures"])
+    assert all(source.startswith("data:image/") for source in page.loaded)
+    assert all(page.alternatives)
+    assert all(anchor.startswith("#") and anchor[1:] in page.ids for anchor in page.anchors)
+    assert "url(" not in text
+    assert "@import" not in text
+    assert "http://" not in text
+    assert "https://" not in text
+
+
+def test_pictures_in_the_report_load_nothing_either(finished_run):
+    for source in Page(report_of(finished_run.folder)).loaded:
+        kind, _, content = source.partition(";base64,")
+        data = base64.b64decode(content, validate=True)
+        if kind == "data:image/svg+xml":
+            drawing = data.decode()
+            assert re.findall(r'href="(?!#|data:)', drawing) == []
+            assert "<script" not in drawing
+        else:
+            assert data.startswith(b"\x89PNG")
+
+
+def test_the_report_lists_every_input_and_marks_the_assumed(finished_run):
+    rows = re.findall(r"<tr>(.*?)</tr>", report_of(finished_run.folder), re.DOTALL)
+    inputs = finished_run.results["inputs"]
+    assert any(record["assumed"] for record in inputs)
+    for record in inputs:
+        start = f'<th scope="row">{html.escape(record["field"])}</th>'
+        (row,) = [row for row in rows if row.startswith(start)]
+        cells = html.unescape(row)
+        assert record["given"] in cells
+        assert record["source"] in cells
+        assert ("assumed:" in cells) == record["assumed"]
+
+
+def test_numbers_in_the_report_have_units(finished_run):
+    words = " ".join(Page(report_of(finished_run.folder)).words)
+    pinned = finished_run.results["throw"]["supports"]["pinned"]["axial_compliance"]
+    assert f"{pinned * 1e9:.4g}e-9 m/N" in words
+    first = finished_run.results["vibration"]["axial"]["modes"][0]["frequency"]
+    assert f"{first:.1f} Hz" in words
+    assert "nan" not in words.casefold().split()
+    assert "None" not in words
+
+
+def test_lookup_and_fit_continue_from_a_run(finished_run, call, tmp_path):
+    answer = call("lookup", finished_run.folder / "model.json", "web_thickness=70mm", "--json")
+    model = ComplianceModel.load(finished_run.folder / "model.json")
+    value = answer.json()["axial_compliance"]["value"]
+    assert value == pytest.approx(model.axial_compliance(web_thickness=0.070), rel=1e-14)
+    answer = call("fit", finished_run.folder / "study.sqlite", "--model", "again.json", "--json")
+    assert answer.code == 0, answer.err
+    assert answer.json()["computed_now"] == 0
+    again = ComplianceModel.load(tmp_path / "again.json")
+    assert again.responses == model.responses
+
+
+def test_the_results_view_of_the_store(finished_run):
+    with sqlite3.connect(finished_run.folder / "study.sqlite") as connection:
+        rows = connection.execute(
+            "SELECT role, status, axial_compliance_pinned FROM results ORDER BY place"
+        ).fetchall()
+    connection.close()
+    assert [row[:2] for row in rows] == [("run", "done")] * 3 + [("held out", "done")] * 2
+    table = finished_run.results["study"]["table"]["responses"]["axial_compliance_pinned"]
+    assert [row[2] for row in rows] == table
+
+
+def test_report_writes_the_report_again(finished_run, call, tmp_path):
+    copy = tmp_path / "copy"
+    shutil.copytree(finished_run.folder, copy)
+    (copy / "report.html").unlink()
+    answer = call("report", copy)
+    assert answer.code == 0, answer.err
+    assert report_of(copy) == report_of(finished_run.folder)
+    shutil.rmtree(copy / "pictures")
+    answer = call("report", copy)
+    assert answer.code in (1, 2)
+    assert answer.err.startswith("Error: ")
+
+
+def test_another_choice_of_sources_repeats_no_design(
+    finished_run, quick_six, edit, spawn, tmp_path
+):
+    choices = {"vibration.axial_source": '"anderson"', "vibration.torsional_source": '"regression"'}
+    (tmp_path / "other.toml").write_text(edit(quick_six, choices), encoding="utf-8")
+    shutil.copytree(finished_run.folder, tmp_path / "other-results")
+    answer = spawn("run", "other.toml")
+    assert answer.code == 0, answer.err
+    assert "Report: other-results/report.html" in answer.out
+    results = json.loads((tmp_path / "other-results" / "results.json").read_text(encoding="utf-8"))
+    assert results["study"]["computed_now"] == 0
+    before = finished_run.results
+    assert results["study"]["table"] == before["study"]["table"]
+    assert results["vibration"]["axial"]["source"] == "Anderson"
+    assert results["vibration"]["torsional"]["source"] == "regression"
+    for kind, name in (("axial", "Anderson"), ("torsional", "regression")):
+        sources = before["vibration"][kind]["sources"]
+        (expected,) = [source for source in sources if source["source"] == name]
+        modes = [m["frequency"] for m in results["vibration"][kind]["modes"] if not m["rigid"]]
+        assert modes[:3] == pytest.approx(expected["first_frequencies"], rel=1e-6)
+
+
+def test_an_engine_with_torque_table_and_two_mass_check(quick_four, spawn, tmp_path, strict):
+    (tmp_path / "four.toml").write_text(quick_four, encoding="utf-8")
+    answer = spawn("run", "four.toml", "--output", "a/b", "--workers", "1", "--json")
+    assert answer.code == 0, answer.err
+    results = answer.json()
+    assert strict((tmp_path / "a" / "b" / "results.json").read_text(encoding="utf-8")) == results
+    harmonics, check = results["harmonics"], results["two_mass"]
+    assert harmonics["amplitude"][0] == pytest.approx(279.68, abs=0.006)
+    assert harmonics["phase_deg"][0] % 360.0 == pytest.approx(230.16, abs=0.006)
+    assert check["stiffness"] == pytest.approx(942.9e3, rel=1e-4)
+    assert check["vibrations_per_minute"] == pytest.approx(31_145.0, abs=0.6)
+    assert check["resonant_speed_rpm"] == pytest.approx(2224.7, abs=0.06)
+    assert check["order"] == 14.0
+    words = " ".join(" ".join(Page(report_of(tmp_path / "a" / "b")).words).split())
+    for shown in ("279.68", "942.9 kN m/rad", "31145 1/min", "2224.7 1/min"):
+        assert shown in words
+
+
+def test_an_engine_of_one_cylinder_with_the_least_of_inputs(six_cylinders, edit, call, tmp_path):
+    gone = ("material", "free_end", "gas", "vibration", "study", "study.factors")
+    changes = {f"[{name}]": None for name in gone} | {
+        "engine.name": '"<b>one</b> & [bold]only[/] é"',
+        "engine.cylinders": "1",
+        "engine.crank_angles": '["0 deg"]',
+        "engine.firing_order": "[1]",
+        "thrust_bearing.bearing": "1",
+    }
+    (tmp_path / "one.toml").write_text(edit(six_cylinders, changes), encoding="utf-8")
+    answer = call("run", "one.toml", "--json")
+    assert answer.code == 0, answer.err
+    results = answer.json()
+    assert results["study"] is None
+    assert results["throw"]["radial_force"] == 1e5
+    assert len(results["shaft"]["axial"]) == 1
+    assert not (tmp_path / "one-results" / "model.json").exists()
+    text = report_of(tmp_path / "one-results")
+    assert "<b>one</b>" not in text
+    assert "&lt;b&gt;one&lt;/b&gt; &amp; [bold]only[/] é" in text
+
+
+def test_vibration_without_the_study(call):
+    answer = call("vibration", "yamz-5340", "--json")
+    assert answer.code == 0, answer.err
+    content = answer.json()
+    assert set(content) == {"axial", "torsional"}
+    assert content["torsional"]["modes"][0]["rigid"] is True
+    assert content["torsional"]["modes"][0]["frequency"] == pytest.approx(0.0, abs=1e-2)
+
+
+def test_run_refuses_a_folder_that_cannot_be(call, quick_six, tmp_path):
+    (tmp_path / "quick.toml").write_text(quick_six, encoding="utf-8")
+    answer = call("run", "quick.toml", "--output", "quick.toml")
+    assert answer.code == 2
+    assert "output: given 'quick.toml', which cannot be made" in answer.err
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signal")
+def test_an_interrupted_study_says_how_to_go_on(spawn_environment, tmp_path):
+    command = [sys.executable, "-c", "from crankfem.cli import main; main()", "doe", "6chn25-34"]
+    process = subprocess.Popen(
+        command,
+        cwd=tmp_path,
+        env=spawn_environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    deadline = time.monotonic() + 60.0
+    while not (tmp_path / "runs.sqlite-wal").exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30.0)
+    assert process.returncode == 130
+    assert out == ""
+    assert err.rstrip().endswith("the same command continues where it stopped.")
+    assert "Traceback" not in err

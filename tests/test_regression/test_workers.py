@@ -1,0 +1,255 @@
+import io
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+import uuid
+from pathlib import Path
+
+import pytest
+
+from fem.analysis import throw_responses
+from fem.material import STEEL
+from geometry.throw import CrankThrow
+from regression import worker, workers
+from regression.workers import run_designs
+
+ROOT = Path(__file__).resolve().parents[2]
+THROW = {
+    "crank_radius": 0.170,
+    "main_journal_diameter": 0.220,
+    "pin_diameter": 0.180,
+    "main_journal_length": 0.120,
+    "pin_length": 0.139,
+    "web_width": 0.285,
+    "web_thickness": 0.068,
+    "fillet_radius": 0.0,
+}
+needs_proc = pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc")
+
+# Answers at once; what else it does is told by the key.
+PUPPET = """
+import json, os, sys, time
+for line in sys.stdin:
+    key = json.loads(line)["key"]
+    if key.startswith("die"):
+        os._exit(7)
+    if key.startswith("hang"):
+        time.sleep(600)
+    if key.startswith("slow"):
+        time.sleep(0.3)
+    print(json.dumps({"key": key, "responses": {"x": 1.0}, "seconds": 0.0}), flush=True)
+"""
+
+
+def design(**changes):
+    return {"throw": THROW | changes, "material": STEEL.model_dump(), "accuracy": 0.1}
+
+
+@pytest.fixture
+def mark(monkeypatch):
+    """Mark the processes that a test starts, so that they are told from anyone else's."""
+    value = f"CRANKFEM_TEST={uuid.uuid4()}"
+    monkeypatch.setenv(*value.split("="))
+    return value.encode()
+
+
+def marked(mark):
+    """Return the living processes with a mark, this one left out."""
+    found = []
+    for folder in Path("/proc").iterdir():
+        if not folder.name.isdigit() or int(folder.name) == os.getpid():
+            continue
+        try:
+            environment = (folder / "environ").read_bytes().split(b"\0")
+            state = (folder / "stat").read_text().rsplit(")", 1)[1].split()[0]
+        except OSError:
+            continue
+        if mark in environment and state not in "ZX":
+            found.append(int(folder.name))
+    return found
+
+
+@pytest.fixture
+def puppets(monkeypatch):
+    started = []
+
+    def spawn():
+        process = subprocess.Popen(
+            [sys.executable, "-S", "-c", PUPPET], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+        started.append(process)
+        return process
+
+    monkeypatch.setattr(workers, "_spawn", spawn)
+    return started
+
+
+def collect(keys, count=2, **options):
+    found = {}
+
+    def keep(outcome):
+        assert outcome.key not in found, "a design has one outcome"
+        found[outcome.key] = outcome
+
+    run_designs([(key, {"number": key}) for key in keys], keep, count, **options)
+    return found
+
+
+# ------------------------------------------------------------------------ supervision, by puppets
+
+
+def test_no_designs_start_no_worker(puppets):
+    assert collect([]) == {}
+    assert puppets == []
+
+
+def test_every_design_has_one_outcome_with_its_inputs(puppets):
+    found = collect([f"k{number}" for number in range(40)], 3)
+    assert len(found) == 40
+    assert all(found[key].inputs == {"number": key} for key in found)
+    assert all(outcome.responses == {"x": 1.0} for outcome in found.values())
+    assert len(puppets) == 3
+    assert all(process.poll() is not None for process in puppets)
+
+
+def test_no_more_workers_than_designs(puppets):
+    assert len(collect(["a", "b"], 8)) == 2
+    assert len(puppets) == 2
+
+
+def test_a_design_that_kills_its_worker_costs_itself_alone(puppets):
+    found = collect(["a", "die", "b", "c", "d"])
+    assert {key for key, outcome in found.items() if outcome.responses} == {"a", "b", "c", "d"}
+    assert found["die"].reason == "the worker process died (exit code 7)"
+    # Two to begin with, and one more after each of the two tries.
+    assert len(puppets) <= 4
+
+
+def test_only_deadly_designs(puppets):
+    found = collect(["die 1", "die 2", "die 3"])
+    assert len(found) == 3
+    assert all(outcome.responses is None for outcome in found.values())
+
+
+def test_a_design_that_hangs_is_given_up(puppets):
+    began = time.monotonic()
+    found = collect(["a", "hang", "b"], time_limit=0.7)
+    assert time.monotonic() - began < 10.0
+    assert {key for key, outcome in found.items() if outcome.responses} == {"a", "b"}
+    assert found["hang"].reason == "took longer than the limit of 0.7 s"
+    assert found["hang"].seconds >= 0.7
+    assert all(process.poll() is not None for process in puppets)
+
+
+@needs_proc
+@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
+def test_an_error_of_the_coordinator_ends_all_workers(puppets, mark, error):
+    def fail(_):
+        assert len(marked(mark)) == 3
+        raise error
+
+    with pytest.raises(error):
+        run_designs([(k, {}) for k in ("a", "hang 1", "hang 2", "hang 3")], fail, 3)
+    assert marked(mark) == []
+
+
+# --------------------------------------------------------------------------- the worker's own work
+
+
+def serve(*requests):
+    answers = io.StringIO()
+    worker.serve(io.StringIO("".join(json.dumps(r) + "\n" for r in requests)), answers)
+    return [json.loads(line) for line in answers.getvalue().splitlines()]
+
+
+def test_a_worker_computes_and_tells_what_it_cannot():
+    requests = [
+        {"key": "bad", "inputs": design(web_width=0.100)},
+        {"key": "worse", "inputs": {}},
+        {"key": "good", "inputs": design()},
+    ]
+    bad, worse, good = serve(*requests)
+    assert bad["key"] == "bad"
+    assert bad["reason"].startswith("InputError: throw.main_journal_diameter: given 220 mm")
+    assert "responses" not in bad
+    assert "reason" in worse
+    assert good["responses"] == throw_responses(CrankThrow(**THROW), STEEL, 0.1)
+    assert good["seconds"] > 0.0
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_a_result_that_is_no_number_is_a_failure(monkeypatch, value):
+    monkeypatch.setattr(
+        worker, "throw_responses", lambda *_: {"axial_compliance_pinned": value, "mass": 1.0}
+    )
+    (answer,) = serve({"key": "k", "inputs": design()})
+    assert "responses" not in answer
+    assert "axial_compliance_pinned" in answer["reason"]
+
+
+# ------------------------------------------------------------------------------------ real workers
+
+
+@needs_proc
+def test_workers_killed_in_the_middle_cost_a_retry(mark):
+    widths = [0.270, 0.280, 0.290, 0.300, 0.310]
+    designs = [(f"k{width}", design(web_width=width)) for width in widths]
+    designs.append(("impossible", design(web_width=0.100)))
+    found, killed = {}, []
+
+    def keep(outcome):
+        found[outcome.key] = outcome
+        if outcome.responses and not killed:
+            killed.extend(marked(mark))
+            for process in killed:
+                os.kill(process, signal.SIGKILL)
+
+    run_designs(designs, keep, 2)
+    assert len(killed) == 2
+    assert marked(mark) == []
+    assert len(found) == len(designs)
+    assert found["impossible"].responses is None
+    assert "throw.main_journal_diameter: given 220 mm" in found["impossible"].reason
+    compliances = [found[f"k{w}"].responses["axial_compliance_pinned"] for w in widths]
+    assert compliances == sorted(compliances, reverse=True)
+
+
+@needs_proc
+def test_workers_find_the_packages_of_their_coordinator(tmp_path, mark):
+    # However the coordinator found the packages, and whatever lies in the working directory.
+    (tmp_path / "fem.py").write_text("raise SystemExit('a foreign module')\n", encoding="utf-8")
+    code = f"""
+import json, sys
+sys.path.insert(0, {str(ROOT)!r})
+sys.path[:] = [place for place in sys.path if place not in ("", {str(tmp_path)!r})]
+from regression.workers import run_designs
+run_designs(
+    [("k", {design()!r})], lambda o: print(json.dumps([o.responses is not None, o.reason])), 1
+)
+"""
+    environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == [True, None]
+    assert marked(mark) == []
+
+
+def test_a_worker_ends_when_its_coordinator_is_gone():
+    process = workers._spawn()
+    assert process.poll() is None
+    process.stdin.close()
+    assert process.wait(timeout=30.0) == 0
+    assert process.stdout.read() == b""
+    process.stdout.close()
