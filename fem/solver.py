@@ -14,6 +14,9 @@ from fem.assembly import symmetric_product
 
 # A backward stable solve leaves a residual near round-off; anything above this is a wrong solve.
 LARGEST_RESIDUAL = 1e-9
+# Supported structures keep their pivots within eight decades of each other; a rigid-body motion left
+# free leaves one at round-off.
+SMALLEST_PIVOT = 1e-13
 
 Array = NDArray[np.float64]
 
@@ -109,4 +112,7 @@ def _solve_superlu(upper: sparse.csr_array, right_sides: Array) -> Array:
         )
     except RuntimeError as error:
         raise SolveError(f"SuperLU could not solve the system: {error}") from error
+    pivots = np.abs(factors.U.diagonal())
+    if pivots.min() <= SMALLEST_PIVOT * pivots.max():
+        raise SolveError("SuperLU met a vanishing pivot: the structure is insufficiently supported.")
     return np.asarray(factors.solve(right_sides))
