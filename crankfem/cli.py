@@ -131,8 +131,8 @@ def throw(
 @app.command(epilog="Example: crankfem formulas 6chn25-34 --gamma 120")
 def formulas(
     engine: EngineArgument,
-    gamma: Annotated[float, typer.Option(help="Angle between neighboring cranks [deg].")] = 180.0,
-    variant: Annotated[str, typer.Option(help="corrected or printed.")] = "corrected",
+    gamma: Annotated[float, typer.Option(help="Angle between neighboring cranks in deg.")] = 180.0,
+    variant: Annotated[str, typer.Option(help="corrected, printed or k/4.")] = "corrected",
     fe: Annotated[bool, typer.Option(help="Also compute the finite element value.")] = True,
     json: JsonOption = False,
 ) -> None:
@@ -161,6 +161,7 @@ def formulas(
             + (f", gamma = {gamma:g} deg" if kind == "axial" else ""),
             records[kind],
             records["fe"][kind] if fe else None,
+            f"neighbors at {gamma:g} deg" if kind == "axial" else "pinned",
         )
 
 
@@ -243,6 +244,7 @@ def lookup(
         return parse_quantity(text, unit, name)
 
     given = console.parse_pairs(dimensions, convert)
+    fe_error = loaded.provenance.get("largest_fe_error_estimate")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the answer itself says what lies outside the range
         answers = {name: loaded.lookup(name, **given) for name in loaded.responses}
@@ -256,6 +258,7 @@ def lookup(
                     "inside": answer.inside,
                     "remarks": list(answer.remarks),
                     "largest_held_out_error": answer.error,
+                    "largest_fe_error_estimate": fe_error,
                     "equation": answer.equation,
                 }
                 for name, answer in answers.items()
@@ -269,13 +272,20 @@ def lookup(
         error = "unknown" if answer.error is None else f"{100.0 * answer.error:.2g} %"
         place = "inside the range" if answer.inside else "OUTSIDE the range"
         console.output.print(
-            f"{name.replace('_', ' ')}: {value} ({answer.support}), error up to {error} at held-out "
-            f"designs, {place}",
+            f"{name.replace('_', ' ')}: {value} ({answer.support}), {place}; up to {error} from finite "
+            "elements at held-out designs",
             soft_wrap=True,
             highlight=False,
         )
         for remark in answer.remarks:
             console.output.print(f"  {remark}", soft_wrap=True, highlight=False)
+    if isinstance(fe_error, float):
+        console.output.print(
+            f"The finite elements themselves: axial compliance too small by up to about "
+            f"{100.0 * fe_error:.2g} %.",
+            soft_wrap=True,
+            highlight=False,
+        )
 
 
 @app.command(epilog="Example: crankfem harmonics yamz5340_torque_one_throw.csv --orders 4")
@@ -355,7 +365,7 @@ def report(
     try:
         results = json_module.loads(path.read_text(encoding="utf-8"))
         made = write_report(results, folder / "pictures", folder / REPORT)
-    except (ValueError, KeyError, TypeError, TemplateError) as error:
+    except (OSError, ValueError, KeyError, TypeError, TemplateError) as error:
         raise InputError(
             f"{path}: is not what crankfem run writes ({error}); run it again."
         ) from None
@@ -408,10 +418,13 @@ def _print_formulas(formula_records: dict[str, Any], throw_record: dict[str, Any
             f"{kind.capitalize()} compliance: published formulas",
             formula_records[kind],
             throw_record["supports"]["pinned"][f"{kind}_compliance"],
+            "pinned",
         )
 
 
-def _print_formula_table(title: str, records: list[dict[str, Any]], fe: float | None) -> None:
+def _print_formula_table(
+    title: str, records: list[dict[str, Any]], fe: float | None, support: str
+) -> None:
     def beside(value: float) -> list[str]:
         return [] if fe is None else [f"{value / fe:.2f}"]
 
@@ -425,7 +438,7 @@ def _print_formula_table(title: str, records: list[dict[str, Any]], fe: float | 
         for record in records
     ]
     if fe is not None:
-        rows.insert(0, ["finite elements", number(fe * 1e9), "1", ""])
+        rows.insert(0, [f"finite elements, {support}", number(fe * 1e9), "1", ""])
     unit = records[0]["unit"] if records else "m/N"
     ratio = [] if fe is None else ["beside FE"]
     print_table(title, ["formula", f"value [1e-9 {unit}]", *ratio, "applies:"], rows)
@@ -449,7 +462,7 @@ def _print_fits(fits: dict[str, Any]) -> None:
         )
         for f in record["forms"]:
             console.output.print(
-                f"  {f['equation']}", soft_wrap=True, highlight=False, markup=False
+                f"  {f['form']}: {f['equation']}", soft_wrap=True, highlight=False, markup=False
             )
 
 
@@ -466,6 +479,12 @@ def _print_vibration(record: dict[str, Any]) -> None:
             ]
             for m in record["modes"]
         ],
+    )
+    nodes = record["nodes"]
+    console.output.print(
+        f"Nodes count the chain's points: 0 is {nodes[0]}, {len(nodes) - 1} is {nodes[-1]}.",
+        soft_wrap=True,
+        highlight=False,
     )
     print_table(
         f"{record['kind'].capitalize()} critical speeds in the running range",

@@ -38,9 +38,12 @@ class Engine(InputModel):
         "highest running speed", "rad/s", minimum=0.5, maximum=3000.0
     )
     crank_angles: tuple[float, ...] = quantity_field(
-        "angle of each crank from the first, in the order in which they reach the top", "rad"
+        "angle of each crank from the first, cylinder by cylinder, all in one sense of rotation",
+        "rad",
     )
-    firing_order: tuple[int, ...] = Field(description="cylinder numbers in firing order")
+    firing_order: tuple[int, ...] = Field(
+        description="cylinder numbers in firing order; they fire at even intervals"
+    )
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -50,6 +53,12 @@ class Engine(InputModel):
             raise InputError(
                 f"engine.lowest_speed: given {show_quantity(self.lowest_speed, 'rad/s')}; allowed is less "
                 f"than highest_speed, {show_quantity(self.highest_speed, 'rad/s')}."
+            )
+        if not self.lowest_speed <= self.rated_speed <= self.highest_speed:
+            raise InputError(
+                f"engine.rated_speed: given {show_quantity(self.rated_speed, 'rad/s')}; allowed is "
+                f"lowest_speed to highest_speed, {show_quantity(self.lowest_speed, 'rad/s')} to "
+                f"{show_quantity(self.highest_speed, 'rad/s')}."
             )
         if len(self.crank_angles) != self.cylinders:
             raise InputError(

@@ -157,6 +157,9 @@ def run_engine(
             found["study"] = records.study_record(table, study.fits)
             _plot_study(pictures, found, table, study.fits["axial_compliance"])
 
+        else:
+            (folder / MODEL).unlink(missing_ok=True)  # of an earlier run with a study
+
         told.step("Calculating vibration")
         axial = axial_vibration(engine_file, analysis, shaft, model)
         torsional = torsional_vibration(engine_file, analysis, shaft, model)

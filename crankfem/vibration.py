@@ -14,7 +14,7 @@ from dynamics.engine_chains import NamedChain, axial_chain, throw_inertia, torsi
 from fem.analysis import ThrowAnalysis
 from fem.shaft import ShaftCompliances, shaft_compliances
 from geometry.errors import InputError
-from regression.axial_formulas import axial_formulas
+from regression.axial_formulas import axial_formulas, fold_angle_deg
 from regression.compliance_model import ComplianceModel
 from regression.torsional_formulas import torsional_formulas
 
@@ -136,11 +136,7 @@ def axial_vibration(
     if model is not None:
         value = float(np.asarray(model.axial_compliance(**_factors(model, engine_file))))
         sources[REGRESSION] = _from_regression(shaft.axial, value, pinned)
-    for name, values in _axial_formula_compliances(engine_file).items():
-        sources[name] = (
-            values,
-            "mean of the formula at the angles to both neighbors; 180 deg at the shaft's ends",
-        )
+    sources |= _axial_formula_sources(engine_file)
     thrust = engine_file.thrust_bearing
     count = engine_file.engine.cylinders
 
@@ -153,8 +149,13 @@ def axial_vibration(
             thrust.stiffness,
         )
 
+    forces = shaft.influence / shaft.axial[:, None]
+
+    def weights(_: NamedChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
+        return axial_weights(forces, shape)
+
     wanted = engine_file.vibration.axial_source
-    return _vibration(engine_file, "axial", wanted, sources, chain)
+    return _vibration(engine_file, "axial", wanted, sources, chain, weights)
 
 
 def torsional_vibration(
@@ -188,11 +189,13 @@ def torsional_vibration(
         )
 
     wanted = engine_file.vibration.torsional_source
-    return _vibration(engine_file, "torsional", wanted, sources, chain)
+    return _vibration(engine_file, "torsional", wanted, sources, chain, torsional_weights)
 
 
 Sources = dict[str, tuple[NDArray[np.float64], str]]
 ChainMaker = Callable[[NDArray[np.float64]], NamedChain]
+# Chain and mode shape to the work of a unit excitation at each cylinder.
+Weights = Callable[[NamedChain, NDArray[np.float64]], NDArray[np.float64]]
 
 
 def _fe_sources(in_shaft: NDArray[np.float64], pinned: float) -> Sources:
@@ -200,7 +203,7 @@ def _fe_sources(in_shaft: NDArray[np.float64], pinned: float) -> Sources:
         FE: (in_shaft, "superelements assembled at the crank angles"),
         FE_PINNED: (
             np.full_like(in_shaft, pinned),
-            "a single throw with ends free to tilt; too soft in a shaft",
+            "a single throw with ends free to tilt; too soft beside neighbors that hinder the tilt",
         ),
     }
 
@@ -219,7 +222,7 @@ def _factors(model: ComplianceModel, engine_file: EngineFile) -> dict[str, float
     return {name: float(getattr(engine_file.throw, name)) for name in names}
 
 
-def _axial_formula_compliances(engine_file: EngineFile) -> dict[str, NDArray[np.float64]]:
+def _axial_formula_sources(engine_file: EngineFile) -> Sources:
     """Formula values of each throw: the mean of those at the angles to either neighbor."""
     angles = np.rad2deg(engine_file.engine.crank_angles)
     gaps = [NO_NEIGHBOR_DEG, *np.abs(np.diff(angles)).tolist(), NO_NEIGHBOR_DEG]
@@ -233,16 +236,19 @@ def _axial_formula_compliances(engine_file: EngineFile) -> dict[str, NDArray[np.
         )
         for gap in gaps
     ]
-    return {
-        name: np.array(
-            [
-                0.5 * (tables[place][name].value + tables[place + 1][name].value)
-                for place in range(len(angles))
-            ]
-        )
-        for name in tables[0]
-        if all(name in table for table in tables)
-    }
+    sources: Sources = {}
+    for name in tables[0]:
+        values = np.array([table[name].value for table in tables])
+        wrong = {
+            round(fold_angle_deg(gap))
+            for gap, table in zip(gaps, tables, strict=True)
+            if not table[name].valid
+        }
+        remark = "mean of the formula at the angles to both neighbors; 180 deg at the shaft's ends"
+        if wrong:
+            remark += f"; does not apply at {', '.join(str(angle) for angle in sorted(wrong))} deg"
+        sources[name] = (0.5 * (values[:-1] + values[1:]), remark)
+    return sources
 
 
 def _vibration(
@@ -251,6 +257,7 @@ def _vibration(
     wanted: str,
     sources: Sources,
     make_chain: ChainMaker,
+    weights: Weights,
 ) -> Vibration:
     results, unusable = [], []
     for source, (compliances, remark) in sources.items():
@@ -269,46 +276,49 @@ def _vibration(
             + (f" (not usable here: {'; '.join(unusable)})." if unusable else ".")
         )
     return Vibration(
-        kind, chosen, tuple(results), tuple(unusable), _criticals(engine_file, kind, chosen)
+        kind, chosen, tuple(results), tuple(unusable), _criticals(engine_file, chosen, weights)
     )
 
 
 def _criticals(
-    engine_file: EngineFile, kind: str, result: SourceResult
+    engine_file: EngineFile, result: SourceResult, weights: Weights
 ) -> tuple[WeightedCritical, ...]:
     engine = engine_file.engine
     orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
     found = critical_speeds(
         result.elastic_frequencies, orders, (engine.lowest_speed, engine.highest_speed)
     )
-    sums = [
-        _phase_sum(
-            cylinder_weights(
-                kind, result.chain.nodes, result.modes.shapes[:, result.modes.rigid + c.mode]
-            ),
-            c.order,
-            engine.firing_angles,
-        )
-        for c in found
-    ]
+    shapes = result.modes.shapes[:, result.modes.rigid :]
     return tuple(
-        WeightedCritical(critical, phase_sum)
-        for critical, phase_sum in zip(found, sums, strict=True)
+        WeightedCritical(
+            critical,
+            _phase_sum(
+                weights(result.chain, shapes[:, critical.mode]),
+                critical.order,
+                engine.firing_angles,
+            ),
+        )
+        for critical in found
     )
 
 
-def cylinder_weights(
-    kind: str, nodes: Sequence[str], shape: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """What a unit excitation at each cylinder does on a mode shape.
+def axial_weights(forces: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Work of a unit radial force at each cylinder on an axial mode shape.
 
-    Torsional: the shape's twist at the cylinder. Axial: the lengthening of the throw, on which the
-    pair of forces P = c Z / e_n of that cylinder does work.
+    Parameters
+    ----------
+    forces : (n, n) array
+        Axial force P in throw i per radial force on pin j, the throws' lengths kept.
+    shape : (n + 1,) array
+        Displacements of the main-journal middles.
     """
-    if kind == "axial":
-        return np.diff(shape)
+    return forces.T @ np.diff(shape)
+
+
+def torsional_weights(chain: NamedChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Work of a unit torque at each cylinder on a torsional mode shape: its twist there."""
     return np.array(
-        [value for node, value in zip(nodes, shape, strict=True) if node.startswith("cylinder")]
+        [v for node, v in zip(chain.nodes, shape, strict=True) if node.startswith("cylinder")]
     )
 
 

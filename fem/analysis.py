@@ -140,7 +140,10 @@ class ThrowAnalysis:
         InputError
             If the force is not three finite numbers, or the support is unknown.
         """
-        force = np.asarray(pin_force, dtype=float)
+        try:
+            force = np.asarray(pin_force, dtype=float)
+        except (TypeError, ValueError):
+            force = np.empty(0)
         if force.shape != (3,) or not np.all(np.isfinite(force)):
             raise InputError(
                 f"pin_force: given {pin_force!r}; allowed are three finite numbers [N]."
@@ -239,7 +242,9 @@ def _solve_to(
     throw: CrankThrow, material: Material, accuracy: float, solver: str
 ) -> tuple["_Level", float]:
     """Refine until the estimated error of the axial compliance meets the accuracy."""
-    if not 0.001 <= accuracy <= 0.1:
+    if not isinstance(material, Material):
+        raise InputError(f"material: given {material!r}; allowed is a Material, like STEEL.")
+    if not isinstance(accuracy, int | float) or not 0.001 <= accuracy <= 0.1:
         raise InputError(
             f"accuracy: given {accuracy!r}; allowed is 0.001 to 0.1, the relative error of e_n."
         )

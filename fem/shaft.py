@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.superelement import RZ, UX, UY, UZ, Superelement
+from geometry.errors import InputError
 
 Array = NDArray[np.float64]
 
@@ -75,7 +76,17 @@ def shaft_compliances(
     Returns
     -------
     ShaftCompliances
+
+    Raises
+    ------
+    InputError
+        If there is not one angle for each throw.
     """
+    if not throws or len(throws) != len(crank_angles):
+        raise InputError(
+            f"crank_angles: given {len(crank_angles)} for {len(throws)} throws; allowed is one for each "
+            "of at least one throw."
+        )
     count = len(throws)
     turned = [throw.turned(angle) for throw, angle in zip(throws, crank_angles, strict=True)]
     loads = np.zeros((6 * (count + 1), 2 + count))

@@ -11,6 +11,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from fem.assembly import symmetric_product
+from geometry.errors import InputError
 
 # A backward stable solve leaves a residual near round-off; anything above this is a wrong solve.
 LARGEST_RESIDUAL = 1e-9
@@ -70,7 +71,7 @@ def _choose(solver: str) -> str:
     if solver == "auto":
         return "superlu" if _pardiso() is None else "pardiso"
     if solver not in ("pardiso", "superlu"):
-        raise ValueError(f"solver: given {solver!r}; allowed are auto, pardiso, superlu.")
+        raise InputError(f"solver: given {solver!r}; allowed are auto, pardiso, superlu.")
     if solver == "pardiso" and _pardiso() is None:
         raise SolveError(
             "The solver pardiso is not installed; install it with: pip install pypardiso"
@@ -114,5 +115,7 @@ def _solve_superlu(upper: sparse.csr_array, right_sides: Array) -> Array:
         raise SolveError(f"SuperLU could not solve the system: {error}") from error
     pivots = np.abs(factors.U.diagonal())
     if pivots.min() <= SMALLEST_PIVOT * pivots.max():
-        raise SolveError("SuperLU met a vanishing pivot: the structure is insufficiently supported.")
+        raise SolveError(
+            "SuperLU met a vanishing pivot: the structure is insufficiently supported."
+        )
     return np.asarray(factors.solve(right_sides))

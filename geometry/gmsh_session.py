@@ -24,10 +24,31 @@ DEBIAN_PACKAGES = {
     "libgomp.so.1": "libgomp1",
 }
 
-# Silent, reproducible (one thread), and element sizes from our own size field alone.
+# Silent, reproducible (one thread), element sizes from our own size field alone, and the rest as gmsh
+# has it by default, whatever a user's own session says.
 OPTIONS = {
     "General.Terminal": 0,
     "General.NumThreads": 1,
+    "Geometry.Tolerance": 1e-8,
+    "Geometry.OCCParallel": 0,
+    "Mesh.Algorithm": 6,
+    "Mesh.Algorithm3D": 1,
+    "Mesh.ElementOrder": 1,
+    "Mesh.HighOrderOptimize": 0,
+    "Mesh.MaxNumThreads1D": 0,
+    "Mesh.MaxNumThreads2D": 0,
+    "Mesh.MaxNumThreads3D": 0,
+    "Mesh.MeshSizeMax": 1e22,
+    "Mesh.MeshSizeMin": 0,
+    "Mesh.Optimize": 1,
+    "Mesh.OptimizeThreshold": 0.3,
+    "Mesh.RandomFactor": 1e-9,
+    "Mesh.RandomFactor3D": 1e-12,
+    "Mesh.RecombineAll": 0,
+    "Mesh.SecondOrderIncomplete": 0,
+    "Mesh.SecondOrderLinear": 0,
+    "Mesh.SubdivisionAlgorithm": 0,
+    "Mesh.Smoothing": 1,
     "Mesh.MeshSizeExtendFromBoundary": 0,
     "Mesh.MeshSizeFromPoints": 0,
     "Mesh.MeshSizeFromCurvature": 0,

@@ -21,6 +21,8 @@ EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 ROOT_PER_FILLET = 0.8
 ROOT_PER_WEB = 0.10
 GROWTH = 0.5
+# Shares of the size factor that are tried in turn until the mesh has the solid's volume.
+FINER_SHARES = (1.0, 0.8, 0.6)
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,8 @@ class ThrowMesh:
 def mesh_throw(throw: CrankThrow, size_factor: float = 1.0) -> ThrowMesh:
     """Mesh the quarter of a throw.
 
+    A mesh too coarse for the solid's volume is made again, finer; its `size_factor` then says so.
+
     Parameters
     ----------
     throw : CrankThrow
@@ -75,6 +79,19 @@ def mesh_throw(throw: CrankThrow, size_factor: float = 1.0) -> ThrowMesh:
     MeshError
         If gmsh fails, the mesh cannot be mended, or its volume is not the solid's.
     """
+    for share in FINER_SHARES:
+        mesh = _mesh_once(throw, size_factor * share)
+        try:
+            _check_volume(mesh)
+        except MeshError:
+            if share == FINER_SHARES[-1]:
+                raise
+            continue
+        break
+    return mesh
+
+
+def _mesh_once(throw: CrankThrow, size_factor: float) -> ThrowMesh:
     with gmsh_session("throw") as gmsh:
         try:
             surfaces = build_quarter(gmsh, throw)
@@ -88,9 +105,7 @@ def mesh_throw(throw: CrankThrow, size_factor: float = 1.0) -> ThrowMesh:
             raise MeshError(f"gmsh could not mesh the throw: {error}") from error
         points, elements, facets = _read_mesh(gmsh, surfaces)
     points, mended = _mend(points, elements)
-    mesh = ThrowMesh(points, elements, facets, size_factor, mended, volume)
-    _check_volume(mesh)
-    return mesh
+    return ThrowMesh(points, elements, facets, size_factor, mended, volume)
 
 
 def _set_sizes(gmsh: Any, throw: CrankThrow, surfaces: dict[str, list[int]], factor: float) -> None:

@@ -20,6 +20,8 @@ DISPLAY_UNITS: dict[str, tuple[str, float]] = {
 # A decimal number, then a unit. pint itself would calculate ("17 0 mm" is a product to it), drop
 # commas ("1,2 mm" would be 12 mm) and take a unit alone for one of it.
 NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.ASCII)
+# "g/cm3" is meant as g/cm^3.
+POWER = re.compile(r"([A-Za-z])([2-4])\b")
 
 
 @cache
@@ -27,7 +29,9 @@ def _registry() -> Any:
     """Return the one pint registry; built on first use because it takes 0.2 s."""
     import pint
 
-    return pint.UnitRegistry()
+    registry: Any = pint.UnitRegistry()
+    registry.define("@alias revolution = rev")
+    return registry
 
 
 def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> float:
@@ -88,7 +92,7 @@ def _evaluate(text: str, unit: str, shown: str, given: str, limits: str) -> floa
         if found is None:
             raise ValueError("no number in front")
         number, rest = float(found[1]), found[2]
-        one = _registry().Quantity(1.0, _registry().parse_units(rest))
+        one = _registry().Quantity(1.0, _registry().parse_units(POWER.sub(r"\1^\2", rest)))
     except Exception:  # pint raises a dozen kinds for text that is no unit
         raise InputError(
             f"{given}, which is not one number with one unit; "
@@ -117,8 +121,7 @@ def _scaled(number: float, factor: float) -> float:
 
 
 def _names_an_angle(quantity: Any) -> bool:
-    angles = ("radian", "degree", "revolution", "turn")
-    return any(angle in str(quantity.units) for angle in angles)
+    return "radian" in str(quantity.to_root_units().units)
 
 
 def _pure_number(text: object, given: str, limits: str) -> float:

@@ -66,6 +66,22 @@ def content_key(content: object) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
+def _open_readonly(path: Path) -> sqlite3.Connection:
+    try:
+        connection = sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)
+        (found,) = connection.execute("PRAGMA application_id").fetchone()
+    except sqlite3.Error as error:
+        raise InputError(
+            f"store: given {str(path)!r}, which is no result store ({error})."
+        ) from None
+    if found != APPLICATION_ID:
+        connection.close()
+        raise InputError(
+            f"store: given {str(path)!r}, which is no result store but the file of another program."
+        )
+    return connection
+
+
 def _refuse_foreign(path: Path) -> None:
     """Refuse a database of another program before anything is written to it."""
     if not path.exists() or path.stat().st_size == 0:
@@ -87,6 +103,8 @@ class ResultStore:
     ----------
     path : path
         The file; made if missing. Not on a network folder: SQLite's write-ahead log needs a local one.
+    readonly : bool
+        Open an existing store and leave it as it is.
 
     Raises
     ------
@@ -94,8 +112,11 @@ class ResultStore:
         If the file is not such a store or cannot be written.
     """
 
-    def __init__(self, path: str | Path) -> None:
+    def __init__(self, path: str | Path, *, readonly: bool = False) -> None:
         self.path = Path(path)
+        if readonly:
+            self._connection = _open_readonly(self.path)
+            return
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             _refuse_foreign(self.path)

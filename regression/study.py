@@ -18,6 +18,8 @@ from regression.workers import run_designs
 # Raise when a change of the model changes results: stored results of older versions are then not used.
 MODEL_VERSION = 1
 RUN, HELD_OUT = "run", "held out"
+# Seconds that a design may take at 1 % accuracy; in proportion longer where more is asked for.
+TIME_LIMIT = 300.0
 
 
 @dataclass(frozen=True)
@@ -233,7 +235,8 @@ def run_plan(
                 progress(finished, len(unique), outcome)
 
         missing = [(key, inputs) for key, inputs in unique.items() if key not in known]
-        run_designs(missing, keep, workers)
+        # A finer mesh may take longer before its worker counts as hanging.
+        run_designs(missing, keep, workers, TIME_LIMIT * max(1.0, 0.01 / plan.accuracy))
         return _table(plan, designs, results.outcomes(unique), len(missing))
 
 
@@ -253,12 +256,13 @@ def read_study(store: str | Path, study: str | None = None) -> StudyTable:
     """
     if not Path(store).is_file():
         raise InputError(f"store: given {str(store)!r}; there is no such file.")
-    with ResultStore(store) as results:
+    with ResultStore(store, readonly=True) as results:
         plans = {k: p for k, p in results.studies().items() if k.startswith(study or "")}
         if len(plans) != 1:
-            held = ", ".join(plans) or "none"
+            named = "none named" if study is None else f"given {study!r}"
+            held = f"{len(plans)} such studies ({', '.join(plans)})" if plans else "no such study"
             raise InputError(
-                f"study: given {study!r}, which names {len(plans)} studies ({held}); name one."
+                f"study: {named}; {store} holds {held}; name one by the first characters of its key."
             )
         plan = StudyPlan.from_record(next(iter(plans.values())))
         designs = plan_designs(plan)

@@ -32,7 +32,7 @@ def plot_response(path: Path, table: StudyTable, fits: ResponseFits) -> None:
             levels = table.plan.levels[name]
             points = np.tile(middles, (80, 1))
             points[:, place] = np.linspace(min(levels), max(levels), 80)
-            for fit, color, style in zip(fits.fits, COLORS, ("--", ":", "-."), strict=False):
+            for fit, style in zip(fits.fits, ("--", ":", "-."), strict=False):
                 chosen = fit is fits.chosen
                 panel.plot(
                     points[:, place] / label.size,
@@ -42,7 +42,6 @@ def plot_response(path: Path, table: StudyTable, fits: ResponseFits) -> None:
                     linewidth=1.8 if chosen else 1.0,
                     label=fit.form + (" (chosen)" if chosen else ""),
                 )
-                del color
             others = np.arange(len(factors)) != place
             on_line = np.all(np.isclose(table.values[:, others], middles[others]), axis=1)
             panel.plot(

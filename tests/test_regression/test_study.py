@@ -237,7 +237,7 @@ def test_a_finer_study_takes_over_what_is_known(small_run, tmp_path):
     finer = StudyPlan(SHARP, TWO | {"web_width": (0.280, 0.290, 0.300)}, held_out=1, accuracy=0.1)
     assert run_plan(finer, copy).computed == 2
     with pytest.raises(
-        InputError, match=r"^study: given None, which names 2 studies \(.*; name one"
+        InputError, match=r"^study: none named; .* holds 2 such studies \(.*; name one"
     ):
         read_study(copy)
     assert read_study(copy, finer.key).plan == finer
@@ -304,7 +304,7 @@ def test_stores_without_a_study(tmp_path):
         read_study(tmp_path / "none.sqlite")
     with ResultStore(tmp_path / "empty.sqlite"):
         pass
-    with pytest.raises(InputError, match=r"^study: given None, which names 0 studies"):
+    with pytest.raises(InputError, match=r"^study: none named; .* holds no such study"):
         read_study(tmp_path / "empty.sqlite")
 
 

@@ -1,0 +1,85 @@
+import numpy as np
+import pytest
+
+from fem.assembly import assemble_stiffness
+from fem.class_compliances import axial_answers
+from fem.condensation import condense
+from fem.loads import uniform_pin_load
+from fem.material import STEEL
+from fem.superelement import combine_classes
+from fem.symmetry import ALL_CLASSES, AXIAL
+from geometry.mesh import mesh_throw
+from geometry.throw import CrankThrow
+
+
+@pytest.fixture(scope="session")
+def dimensions():
+    """A medium-speed engine's throw, in m."""
+    return {
+        "crank_radius": 0.170,
+        "main_journal_diameter": 0.220,
+        "pin_diameter": 0.180,
+        "main_journal_length": 0.120,
+        "pin_length": 0.139,
+        "web_width": 0.300,
+        "web_thickness": 0.068,
+        "fillet_radius": 0.012,
+    }
+
+
+@pytest.fixture(scope="session")
+def throw(dimensions):
+    return CrankThrow(**dimensions)
+
+
+@pytest.fixture(scope="session")
+def mesh(throw):
+    """A coarse quarter, on which every identity must hold as on a fine one."""
+    return mesh_throw(throw, 3.0)
+
+
+@pytest.fixture(scope="session")
+def stiffness(mesh):
+    return assemble_stiffness(mesh.points, mesh.elements, STEEL)
+
+
+@pytest.fixture(scope="session")
+def pin_shapes(mesh):
+    return uniform_pin_load(mesh)
+
+
+@pytest.fixture(scope="session")
+def classes(mesh, stiffness, pin_shapes):
+    return tuple(condense(mesh, stiffness, pin_shapes, symmetry) for symmetry in ALL_CLASSES)
+
+
+@pytest.fixture(scope="session")
+def superelement(classes):
+    return combine_classes(classes)
+
+
+@pytest.fixture(scope="session")
+def rigid_motions(throw):
+    """End motions (12, 6) of three translations and three rotations about the left end's center.
+
+    Rotations are divided by the crank radius, so that all columns have motions of a like size.
+    """
+    motions = np.zeros((12, 6))
+    for end, z in ((0, 0.0), (6, throw.length)):
+        motions[end : end + 6] = np.eye(6)
+        motions[end + 1, 3], motions[end, 4] = -z, z
+    motions[:, 3:] /= throw.crank_radius
+    return motions
+
+
+@pytest.fixture(scope="session")
+def axial_compliance():
+    """e_n pinned of a throw on a mesh of a given size factor: one class, one solve."""
+
+    def compute(throw, size_factor=1.3, material=STEEL):
+        mesh = mesh_throw(throw, size_factor)
+        matrix = assemble_stiffness(mesh.points, mesh.elements, material)
+        part = condense(mesh, matrix, uniform_pin_load(mesh), AXIAL)
+        return axial_answers(part, "pinned")[0]
+
+    return compute

@@ -1,0 +1,177 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from fem.analysis import analyze_throw, throw_responses
+from fem.material import STEEL, Material
+from fem.supports import Neighbors
+from geometry.errors import InputError
+from geometry.throw import CrankThrow
+
+
+@pytest.fixture(scope="module")
+def analysis(throw):
+    return analyze_throw(throw, accuracy=0.03)
+
+
+def test_an_analysis_tells_what_it_is(analysis, throw):
+    assert analysis.throw == throw
+    assert analysis.material == STEEL
+    assert analysis.accuracy == 0.03
+    assert 0.0 < analysis.error_estimate <= 0.03
+    assert analysis.accuracy_met
+    assert analysis.solver in ("pardiso", "superlu")
+    assert analysis.stiffness.shape == (12, 12)
+
+
+def test_compliances_and_reactions_of_an_analysis(analysis):
+    pinned = analysis.axial_compliance()
+    assert pinned == analysis.axial_compliance("pinned") == analysis.supported("pinned").axial
+    assert pinned == pytest.approx(1.27e-9, rel=0.02)
+    assert 3.0 < pinned / analysis.axial_compliance("guided") < 8.0
+    assert analysis.axial_compliance(Neighbors(120, 120)) < pinned
+    assert analysis.torsional_compliance() > analysis.torsional_compliance("guided") > 0.0
+    found = analysis.reactions(pin_force=(0, -1e5, 0), support="pinned")
+    thrust = analysis.influence_coefficient() * 1e5 / pinned
+    assert found.left.force == pytest.approx([0.0, 5e4, thrust], rel=1e-6, abs=1e-6)
+    assert found.right.force == pytest.approx([0.0, 5e4, -thrust], rel=1e-6, abs=1e-6)
+    assert found.left.moment.shape == found.right.moment.shape == (3,)
+
+
+def test_masses_of_an_analysis(analysis, throw):
+    assert analysis.mass == pytest.approx(7850.0 * throw.volume, rel=1e-4)
+    assert analysis.center_of_mass[2] == pytest.approx(throw.length / 2.0)
+    assert 0.0 < analysis.center_of_mass[1] < throw.crank_radius
+    assert np.linalg.eigvalsh(analysis.inertia).min() > 0.0
+
+
+def test_responses_of_a_study_are_those_of_the_analysis(analysis, throw):
+    found = throw_responses(throw, accuracy=0.03)
+    for support in ("pinned", "guided"):
+        wanted = analysis.supported(support)
+        assert found[f"axial_compliance_{support}"] == pytest.approx(wanted.axial, rel=1e-9)
+        assert found[f"torsional_compliance_{support}"] == pytest.approx(wanted.torsional, rel=1e-9)
+        assert found[f"influence_coefficient_{support}"] == pytest.approx(
+            wanted.influence, rel=1e-9
+        )
+    assert found["mass"] == pytest.approx(analysis.mass)
+    assert found["error_estimate"] == pytest.approx(analysis.error_estimate)
+    assert found["unknowns"] == analysis.mesh.unknowns
+
+
+@pytest.mark.parametrize("accuracy", [0.0, -0.01, 0.0009, 0.11, 1.0, math.nan, math.inf, "1 %"])
+def test_accuracy_out_of_range(throw, accuracy):
+    with pytest.raises(InputError, match=r"^accuracy: given .*; allowed is 0.001 to 0.1"):
+        analyze_throw(throw, accuracy=accuracy)
+
+
+def test_unknown_supports_are_refused_everywhere(analysis):
+    for call in (
+        analysis.axial_compliance,
+        analysis.torsional_compliance,
+        analysis.influence_coefficient,
+        analysis.supported,
+        lambda support: analysis.reactions((0.0, -1.0, 0.0), support),
+    ):
+        with pytest.raises(InputError, match=r"^support: given 'fixed'; allowed are "):
+            call("fixed")
+
+
+@pytest.mark.parametrize(
+    "force", [(0.0, -1.0), 5.0, (0.0, math.nan, 0.0), np.zeros((3, 1)), "1 kN"]
+)
+def test_pin_force_that_is_no_force(analysis, force):
+    with pytest.raises(InputError, match=r"^pin_force: given "):
+        analysis.reactions(force)
+
+
+@pytest.mark.parametrize(
+    ("name", "growth", "softer"),
+    [
+        ("fillet_radius", 1.25, False),
+        ("web_width", 1.08, False),
+        ("web_thickness", 1.08, False),
+        ("main_journal_diameter", 1.08, False),
+        ("pin_diameter", 1.08, False),
+        ("crank_radius", 1.08, True),
+        ("pin_length", 1.08, True),
+    ],
+)
+def test_what_makes_a_throw_stiffer_and_what_softer(
+    dimensions, axial_compliance, name, growth, softer
+):
+    before = axial_compliance(CrankThrow(**dimensions))
+    after = axial_compliance(CrankThrow(**{**dimensions, name: growth * dimensions[name]}))
+    assert (after > before) == softer
+    assert abs(after / before - 1.0) > 0.005
+
+
+@pytest.mark.slow
+@settings(
+    max_examples=12,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow],
+)
+@given(
+    name=st.sampled_from(
+        ["web_width", "web_thickness", "main_journal_diameter", "crank_radius", "pin_length"]
+    ),
+    sizes=st.fixed_dictionaries(
+        {
+            "crank_radius": st.floats(0.12, 0.30),
+            "web_width": st.floats(0.28, 0.36),
+            "web_thickness": st.floats(0.04, 0.10),
+            "pin_length": st.floats(0.10, 0.20),
+            "fillet_radius": st.floats(0.008, 0.016),
+        }
+    ),
+)
+def test_directions_hold_for_any_throw(dimensions, axial_compliance, name, sizes):
+    sizes = {**dimensions, **sizes}
+    before = axial_compliance(CrankThrow(**sizes), 0.8)
+    after = axial_compliance(CrankThrow(**{**sizes, name: 1.1 * sizes[name]}), 0.8)
+    assert (after > before) == (name in ("crank_radius", "pin_length"))
+
+
+@pytest.mark.parametrize(("scale", "tolerance"), [(2.0, 1e-5), (0.25, 2e-3)])
+def test_compliance_falls_as_the_size_grows(dimensions, axial_compliance, scale, tolerance):
+    """Twice the size is the same mesh; much smaller ones differ by gmsh's absolute tolerances."""
+    throw = CrankThrow(**dimensions)
+    scaled = CrankThrow(**{name: scale * value for name, value in dimensions.items()})
+    assert axial_compliance(scaled, 2.0) == pytest.approx(
+        axial_compliance(throw, 2.0) / scale, rel=tolerance
+    )
+
+
+def test_compliance_falls_as_the_modulus_grows(throw, axial_compliance):
+    stiff = Material(youngs_modulus=3.0 * 2.1e11, poisson_ratio=0.3, density=7850.0)
+    found = axial_compliance(throw, 2.0, stiff)
+    assert found == pytest.approx(axial_compliance(throw, 2.0) / 3.0, rel=1e-10)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("change", "order"),
+    [
+        ({}, 2.0),
+        ({"fillet_radius": 0.040}, 2.0),
+        ({"fillet_radius": 0.0}, 1.0),
+    ],
+    ids=["filleted", "large fillets", "sharp"],
+)
+def test_error_estimate_covers_the_true_error(dimensions, axial_compliance, change, order):
+    """The truth is extrapolated from meshes far finer than those that are judged."""
+    throw = CrankThrow(**{**dimensions, **change})
+    coarser, fine = axial_compliance(throw, 0.5), axial_compliance(throw, 0.36)
+    truth = fine + (fine - coarser) / ((0.5 / 0.36) ** order - 1.0)
+    for accuracy in (0.1, 0.02):
+        found = analyze_throw(throw, accuracy=accuracy)
+        error = 1.0 - found.axial_compliance() / truth
+        assert found.accuracy_met
+        assert error <= 1.5 * found.error_estimate
+        assert found.error_estimate <= 2.0 * error
+        assert error <= 1.2 * accuracy

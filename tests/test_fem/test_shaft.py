@@ -1,0 +1,113 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fem.assembly import assemble_stiffness
+from fem.condensation import condense
+from fem.loads import uniform_pin_load
+from fem.material import STEEL
+from fem.shaft import assemble_shaft, free_unknowns, shaft_compliances, solve_shaft
+from fem.superelement import RZ, UZ, combine_classes
+from fem.supports import support_throw
+from fem.symmetry import ALL_CLASSES
+from geometry.errors import InputError
+from geometry.mesh import mesh_throw
+from geometry.throw import CrankThrow
+
+ANGLES = np.radians([0.0, 120.0, 240.0, 240.0, 120.0, 0.0])
+UNEVEN = np.radians([0.0, 75.0, 200.0, 250.0, 10.0])
+
+
+@pytest.fixture(scope="module")
+def uneven_shaft(superelement, dimensions):
+    """Throws of two kinds, one with thicker webs and a longer pin."""
+    other = CrankThrow(**{**dimensions, "web_thickness": 0.090, "pin_length": 0.170})
+    mesh = mesh_throw(other, 3.0)
+    matrix, shapes = assemble_stiffness(mesh.points, mesh.elements, STEEL), uniform_pin_load(mesh)
+    second = combine_classes([condense(mesh, matrix, shapes, part) for part in ALL_CLASSES])
+    return [superelement, second, superelement, superelement, second]
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.3])
+def test_one_throw_is_pinned(superelement, angle):
+    found = shaft_compliances([superelement], [angle])
+    pinned = support_throw(superelement, "pinned")
+    assert found.axial == pytest.approx([pinned.axial], rel=1e-9)
+    assert found.torsional == pytest.approx([pinned.torsional], rel=1e-9)
+    assert found.influence == pytest.approx(np.array([[pinned.influence]]), rel=1e-9)
+
+
+def test_opposite_cranks_are_pinned_under_axial_force(superelement):
+    found = shaft_compliances([superelement] * 4, np.radians([0.0, 180.0, 0.0, 180.0]))
+    assert found.axial == pytest.approx(support_throw(superelement, "pinned").axial, rel=1e-8)
+
+
+def test_inner_throws_in_line_near_guided(superelement):
+    found = shaft_compliances([superelement] * 9, np.zeros(9))
+    guided, pinned = (support_throw(superelement, name) for name in ("guided", "pinned"))
+    assert found.axial[4] == pytest.approx(guided.axial, rel=0.02)
+    assert found.torsional == pytest.approx(pinned.torsional, rel=1e-8)
+
+
+def test_contributions_add_up_to_the_shaft(uneven_shaft):
+    shaft = uneven_shaft
+    found = shaft_compliances(shaft, UNEVEN)
+    turned = [part.turned(angle) for part, angle in zip(shaft, UNEVEN, strict=True)]
+    free = free_unknowns(6)
+    flexibility = np.linalg.inv(assemble_shaft(turned)[np.ix_(free, free)])
+    last = {unknown: int(np.flatnonzero(free == 30 + unknown)[0]) for unknown in (UZ, RZ)}
+    assert found.axial.sum() == pytest.approx(flexibility[last[UZ], last[UZ]], rel=1e-8)
+    assert found.torsional.sum() == pytest.approx(flexibility[last[RZ], last[RZ]], rel=1e-8)
+
+
+def test_a_six_throw_shaft_is_stiffer_than_its_pinned_throws(superelement):
+    found = shaft_compliances([superelement] * 6, ANGLES)
+    free, held = (support_throw(superelement, name).axial for name in ("pinned", "guided"))
+    assert found.axial == pytest.approx(found.axial[::-1], rel=1e-9)
+    assert held < found.axial[2] < found.axial[1] < found.axial[0] < free
+    # End throws hold one end only; the two middle cranks stand in line.
+    assert found.axial[:3] / free == pytest.approx([0.78, 0.66, 0.38], abs=0.04)
+
+
+@settings(max_examples=15, deadline=None)
+@given(turn=st.floats(-7.0, 7.0))
+def test_turning_the_whole_shaft_changes_nothing(superelement, turn):
+    reference = shaft_compliances([superelement] * 5, UNEVEN)
+    found = shaft_compliances([superelement] * 5, UNEVEN + turn)
+    for name in ("axial", "torsional", "influence"):
+        wanted = getattr(reference, name)
+        tolerance = 1e-8 * np.abs(wanted).max()
+        assert getattr(found, name) == pytest.approx(wanted, abs=tolerance)
+
+
+def test_influences_are_pin_motions_under_pulls(uneven_shaft):
+    """Maxwell and Betti, throws unequal: entry (i, j) is pin j's inward motion per pull on throw i."""
+    shaft = uneven_shaft
+    found = shaft_compliances(shaft, UNEVEN)
+    turned = [part.turned(angle) for part, angle in zip(shaft, UNEVEN, strict=True)]
+    pulls = np.zeros((36, 5))
+    for throw in range(5):
+        pulls[6 * throw + UZ, throw] = -1.0
+        pulls[6 * throw + 6 + UZ, throw] = 1.0
+    motions = solve_shaft(turned, pulls)
+    inward = [
+        -part.pin_load[:, 1] @ motions[6 * place : 6 * place + 12]
+        for place, part in enumerate(turned)
+    ]
+    tolerance = 1e-9 * np.abs(found.influence).max()
+    assert found.influence == pytest.approx(np.transpose(inward), abs=tolerance)
+    assert not np.allclose(found.influence, found.influence.T, rtol=1e-3, atol=tolerance)
+
+
+def test_influences_of_equal_throws_are_symmetric(superelement):
+    """An axial force and a radial pin force tilt equal ends in the same ratio, at any crank angles."""
+    influence = shaft_compliances([superelement] * 5, UNEVEN).influence
+    assert influence == pytest.approx(influence.T, abs=1e-9 * np.abs(influence).max())
+    assert (np.diag(influence) > 0.0).all()
+
+
+@pytest.mark.parametrize("throws", [0, 2])
+def test_as_many_angles_as_throws(superelement, throws):
+    with pytest.raises(InputError, match=r"^crank_angles: given "):
+        shaft_compliances([superelement] * throws, [0.0])

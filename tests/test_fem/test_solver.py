@@ -1,0 +1,95 @@
+import numpy as np
+import pytest
+from scipy import sparse
+
+import fem.solver
+from fem.condensation import condense
+from fem.solver import SolveError, solve_symmetric
+from fem.symmetry import ALL_CLASSES, AXIAL
+from geometry.errors import InputError
+
+SOLVERS = ["superlu"] if fem.solver._pardiso() is None else ["pardiso", "superlu"]
+needs_both = pytest.mark.skipif(len(SOLVERS) < 2, reason="Pardiso is not installed")
+
+
+def supported(size=50):
+    """Upper triangle of a chain of springs held at one end."""
+    diagonal = np.full(size, 2.0)
+    diagonal[-1] = 1.0
+    return sparse.csr_array(sparse.diags([diagonal, np.full(size - 1, -1.0)], [0, 1]))
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_solution_of_a_spring_chain(solver):
+    rights = np.zeros((50, 2))
+    rights[-1, 0] = 1.0
+    rights[9, 1] = 2.0
+    solution, used = solve_symmetric(supported(), rights, solver)
+    assert used == solver
+    place = np.arange(1.0, 51.0)
+    expected = np.column_stack([place, 2.0 * np.minimum(place, 10.0)])
+    assert solution == pytest.approx(expected, rel=1e-12)
+
+
+@needs_both
+@pytest.mark.parametrize("symmetry", ALL_CLASSES)
+def test_both_solvers_agree(mesh, stiffness, pin_shapes, symmetry):
+    first, second = (condense(mesh, stiffness, pin_shapes, symmetry, solver) for solver in SOLVERS)
+    assert (first.solver, second.solver) == ("pardiso", "superlu")
+    size = np.abs(first.stiffness).max()
+    # A rigid motion, where the class has one, costs round-off only.
+    assert first.stiffness == pytest.approx(second.stiffness, rel=1e-10, abs=1e-10 * size)
+    assert first.fields == pytest.approx(second.fields, abs=1e-11)
+    assert first.pin_load == pytest.approx(second.pin_load, abs=1e-11)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_unsupported_structure_is_an_error(stiffness, solver):
+    loads = np.random.default_rng(1).normal(size=(stiffness.shape[0], 1))
+    with pytest.raises(SolveError):
+        solve_symmetric(stiffness, loads, solver)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_free_unknown_is_an_error(solver):
+    matrix = sparse.csr_array(sparse.diags([[1.0, 1.0, 0.0, 1.0]], [0]))
+    with pytest.raises(SolveError):
+        solve_symmetric(matrix, np.ones((4, 1)), solver)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda x: x * (1.0 + 1e-7),
+        lambda x: np.where(np.abs(x) == np.abs(x).max(axis=0), 1.0001 * x, x),
+        np.zeros_like,
+        lambda x: x[::-1],
+        lambda x: np.full_like(x, np.nan),
+    ],
+    ids=["scaled", "one entry", "zero", "permuted", "nan"],
+)
+@pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")
+def test_wrong_solution_is_found(mesh, stiffness, pin_shapes, monkeypatch, solver, spoil):
+    name = f"_solve_{solver}"
+    right = getattr(fem.solver, name)
+    monkeypatch.setattr(fem.solver, name, lambda matrix, loads: spoil(right(matrix, loads)))
+    with pytest.raises(SolveError, match="residual"):
+        condense(mesh, stiffness, pin_shapes, AXIAL, solver)
+
+
+def test_without_pardiso(monkeypatch):
+    monkeypatch.setattr(fem.solver, "_pardiso", lambda: None)
+    assert solve_symmetric(supported(), np.ones((50, 1)))[1] == "superlu"
+    with pytest.raises(SolveError, match="pip install pypardiso"):
+        solve_symmetric(supported(), np.ones((50, 1)), "pardiso")
+
+
+def test_unknown_solver():
+    with pytest.raises(InputError, match="allowed are auto, pardiso, superlu"):
+        solve_symmetric(supported(), np.ones((50, 1)), "cholesky")
+
+
+def test_no_load_no_motion():
+    solution, _ = solve_symmetric(supported(), np.zeros((50, 1)))
+    assert not solution.any()

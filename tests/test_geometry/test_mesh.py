@@ -1,0 +1,323 @@
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from skfem import ElementTetP2
+from skfem.quadrature import get_quadrature
+
+import geometry.mesh
+from geometry.errors import InputError, MeshError
+from geometry.mesh import (
+    EDGES,
+    _mend,
+    element_quadrature,
+    element_volumes,
+    mesh_throw,
+    smallest_jacobians,
+)
+from geometry.solid import (
+    CRANK_PLANE,
+    FILLET,
+    LEFT_END,
+    MAIN_JOURNAL,
+    MIDDLE_PLANE,
+    PIN,
+    WEB,
+)
+from geometry.throw import CrankThrow
+
+VARIANTS = {
+    "plain": {},
+    "sharp": {"fillet_radius": 0.0},
+    "large fillet": {"fillet_radius": 0.030},
+    "fillet as large as the web allows": {"fillet_radius": 0.040},
+    "fillet as large as the journal allows": {"fillet_radius": 0.054, "web_width": 0.340},
+    "fillets flush with web and both journals": {
+        "fillet_radius": 0.022,
+        "web_width": 0.264,
+        "pin_diameter": 0.220,
+    },
+    "web hardly wider than the journals": {
+        "fillet_radius": 0.0,
+        "web_width": 0.22022,
+        "pin_diameter": 0.220,
+    },
+    "no overlap": {"crank_radius": 0.300},
+    "pin inside the main journal": {"crank_radius": 0.020},
+    "thick web": {"web_thickness": 0.200},
+}
+
+
+def corner_areas(mesh, name):
+    a, b, c = mesh.points[mesh.surfaces[name]].transpose(1, 0, 2)
+    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
+
+def determinants(mesh, order):
+    """Jacobian determinants (m, q) of all elements at quadrature points, by the definition."""
+    where, _ = get_quadrature(ElementTetP2.refdom, order)
+    element = ElementTetP2()
+    slopes = np.array([element.lbasis(where, i)[1] + np.zeros_like(where) for i in range(10)])
+    return np.linalg.det(np.einsum("aiq,maj->mqij", slopes, mesh.points[mesh.elements]))
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_solid_and_mesh_have_the_volume_of_the_closed_form(dimensions, variant):
+    throw = CrankThrow(**{**dimensions, **VARIANTS[variant]})
+    mesh = mesh_throw(throw, 1.3)
+    assert 4.0 * mesh.solid_volume == pytest.approx(throw.volume, rel=1e-9)
+    assert 4.0 * element_volumes(mesh.points, mesh.elements).sum() == pytest.approx(
+        throw.volume, rel=2e-3
+    )
+    assert determinants(mesh, 6).min() > 0.0
+    assert smallest_jacobians(mesh.points, mesh.elements).min() >= 0.05
+
+
+def test_finer_meshes_reach_the_volume(dimensions):
+    throw = CrankThrow(**dimensions)
+    mesh = mesh_throw(throw, 0.7)
+    assert 4.0 * element_volumes(mesh.points, mesh.elements).sum() == pytest.approx(
+        throw.volume, rel=1e-5
+    )
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.05, 8.0])
+def test_named_surfaces_cover_their_places(dimensions, scale):
+    size = {name: scale * value for name, value in dimensions.items()}
+    throw = CrankThrow(**size)
+    mesh = mesh_throw(throw, 1.0)
+    main, pin = throw.main_journal_diameter / 2.0, throw.pin_diameter / 2.0
+    fillet, half = throw.fillet_radius, throw.web_width / 2.0
+    areas = {name: corner_areas(mesh, name).sum() for name in mesh.surfaces}
+    rim = np.pi * half + throw.crank_radius
+    faces = np.pi * half**2 / 2.0 + half * throw.crank_radius
+    expected = {
+        LEFT_END: np.pi * main**2 / 2.0,
+        MIDDLE_PLANE: np.pi * pin**2 / 2.0,
+        MAIN_JOURNAL: np.pi * main * (throw.main_journal_length / 2.0 - fillet),
+        PIN: np.pi * pin * (throw.pin_length / 2.0 - fillet),
+        # A quarter of a torus at each journal, about its axis by half a turn.
+        FILLET: np.pi
+        * sum((radius + fillet) * np.pi / 2.0 * fillet - fillet**2 for radius in (main, pin)),
+        CRANK_PLANE: main * throw.main_journal_length
+        + (throw.crank_radius + throw.web_width) * throw.web_thickness
+        + pin * throw.pin_length
+        + 4.0 * (1.0 - np.pi / 4.0) * fillet**2,
+        WEB: rim * throw.web_thickness
+        + 2.0 * faces
+        - np.pi / 2.0 * ((main + fillet) ** 2 + (pin + fillet) ** 2),
+    }
+    assert areas.keys() == expected.keys()
+    for name, area in expected.items():
+        # Chords across the fillets and journals are shorter than the arcs.
+        assert areas[name] == pytest.approx(area, rel=0.05), name
+    # The cut and end surfaces are flat, so their areas are exact but for curved outlines.
+    assert areas[CRANK_PLANE] == pytest.approx(expected[CRANK_PLANE], rel=5e-3)
+
+
+def test_surfaces_lie_where_their_names_say(dimensions, coarse_mesh):
+    throw = CrankThrow(**dimensions)
+    x, y, z = coarse_mesh.points.T
+
+    def nodes(name):
+        return np.unique(coarse_mesh.surfaces[name])
+
+    assert np.abs(z[nodes(LEFT_END)]).max() < 1e-12
+    assert np.abs(x[nodes(CRANK_PLANE)]).max() < 1e-12
+    assert np.abs(z[nodes(MIDDLE_PLANE)] - throw.length / 2.0).max() < 1e-12
+    journal, pin = nodes(MAIN_JOURNAL), nodes(PIN)
+    assert np.hypot(x[journal], y[journal]) == pytest.approx(throw.main_journal_diameter / 2.0)
+    assert np.hypot(x[pin], y[pin] - throw.crank_radius) == pytest.approx(throw.pin_diameter / 2.0)
+    assert z[pin].min() >= throw.length / 2.0 - throw.pin_length / 2.0
+
+
+def test_sharp_corners_have_no_fillet_surface_and_small_elements(dimensions):
+    throw = CrankThrow(**{**dimensions, "fillet_radius": 0.0})
+    mesh = mesh_throw(throw, 1.0)
+    assert len(mesh.surfaces[FILLET]) == 0
+    corner = throw.main_journal_diameter / 2.0
+    radius = np.hypot(mesh.points[:, 0], mesh.points[:, 1])
+    on_corner = (np.abs(radius - corner) < 1e-9) & (
+        np.abs(mesh.points[:, 2] - throw.main_journal_length / 2.0) < 1e-9
+    )
+    # Nodes stand about half an element's length apart along the half circle.
+    assert on_corner.sum() > 0.8 * np.pi * corner / (0.05 * throw.web_thickness)
+
+
+def test_every_facet_belongs_to_one_name(coarse_mesh):
+    corners = coarse_mesh.elements[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
+    facets, counts = np.unique(np.sort(corners, axis=1), axis=0, return_counts=True)
+    named = np.concatenate(list(coarse_mesh.surfaces.values()))
+    named = np.unique(np.sort(named, axis=1), axis=0)
+    assert set(counts) == {1, 2}
+    assert np.array_equal(named, facets[counts == 1])
+    assert len(named) == sum(map(len, coarse_mesh.surfaces.values()))
+
+
+def test_nodes_are_numbered_without_gaps_and_edge_nodes_lie_on_their_edges(coarse_mesh):
+    assert np.array_equal(np.unique(coarse_mesh.elements), np.arange(len(coarse_mesh.points)))
+    assert coarse_mesh.unknowns == 3 * len(coarse_mesh.points)
+    where = coarse_mesh.points[coarse_mesh.elements]
+    for node, (first, second) in enumerate(EDGES, start=4):
+        off = where[:, node] - 0.5 * (where[:, first] + where[:, second])
+        length = np.linalg.norm(where[:, first] - where[:, second], axis=1)
+        assert (np.linalg.norm(off, axis=1) < 0.25 * length).all()
+
+
+def test_bit_identical_wherever_it_runs(dimensions, coarse_mesh):
+    throw = CrankThrow(**dimensions)
+    spawn = multiprocessing.get_context("spawn")
+    with (
+        ProcessPoolExecutor(1, mp_context=spawn) as processes,
+        ThreadPoolExecutor(1) as threads,
+    ):
+        away = processes.submit(mesh_throw, throw, 2.0)
+        meshes = [mesh_throw(throw, 2.0), threads.submit(mesh_throw, throw, 2.0).result()]
+        meshes.append(away.result(timeout=120))
+    for mesh in meshes:
+        assert np.array_equal(mesh.points, coarse_mesh.points)
+        assert np.array_equal(mesh.elements, coarse_mesh.elements)
+        assert mesh.surfaces.keys() == coarse_mesh.surfaces.keys()
+        for name, facets in mesh.surfaces.items():
+            assert np.array_equal(facets, coarse_mesh.surfaces[name])
+
+
+def straight_tetrahedra(corners, connections):
+    """Points and ten-node elements of straight tetrahedra that share edge nodes."""
+    points, number, elements = [*map(np.asarray, corners)], {}, []
+    for element in connections:
+        row = list(element)
+        for first, second in EDGES:
+            edge = frozenset((element[first], element[second]))
+            if edge not in number:
+                number[edge] = len(points)
+                points.append(0.5 * (points[element[first]] + points[element[second]]))
+            row.append(number[edge])
+        elements.append(row)
+    return np.array(points, dtype=float), np.array(elements, dtype=np.int64)
+
+
+CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)]
+TWO = [(0, 1, 2, 3), (1, 2, 3, 4)]
+
+
+def test_volumes_of_straight_tetrahedra():
+    points, elements = straight_tetrahedra(CORNERS, TWO)
+    assert element_volumes(points, elements) == pytest.approx([1.0 / 6.0, 1.0 / 3.0], rel=1e-14)
+    where, volumes = element_quadrature(points, elements)
+    assert volumes.sum() == pytest.approx(0.5, rel=1e-14)
+    center = (np.mean(CORNERS[:4], axis=0) / 6.0 + np.mean(CORNERS[1:], axis=0) / 3.0) / 0.5
+    assert volumes @ where / 0.5 == pytest.approx(center, rel=1e-13)
+
+
+def test_mending_straightens_what_curving_turned_inside_out():
+    points, elements = straight_tetrahedra(CORNERS, TWO)
+    straight = points.copy()
+    shared = elements[0, 5]  # the edge node between corners 1 and 2
+    points[shared] -= 0.45
+    kept = elements[0, 4]
+    points[kept] += (0.0, 0.0, 0.02)
+    assert smallest_jacobians(points, elements).min() < 0.0
+    mended_points, mended = _mend(points, elements)
+    assert smallest_jacobians(mended_points, elements).min() > 0.05
+    assert mended == np.count_nonzero(smallest_jacobians(points, elements) < 0.05)
+    assert np.array_equal(mended_points[shared], straight[shared])
+    assert not np.array_equal(points, mended_points)
+
+
+def test_mending_leaves_sound_meshes_alone():
+    points, elements = straight_tetrahedra(CORNERS, TWO)
+    points[elements[0, 4]] += (0.0, 0.0, 0.02)
+    mended_points, mended = _mend(points, elements)
+    assert mended == 0
+    assert np.array_equal(mended_points, points)
+
+
+def test_what_cannot_be_mended_is_refused():
+    points, elements = straight_tetrahedra(CORNERS, [(1, 0, 2, 3)])
+    with pytest.raises(MeshError, match="stay inside out"):
+        _mend(points, elements)
+
+
+def test_mended_elements_are_counted(dimensions):
+    throw = CrankThrow(**dimensions)
+    mesh = mesh_throw(throw, 3.0)
+    assert mesh.mended_elements > 0
+    assert smallest_jacobians(mesh.points, mesh.elements).min() >= 0.05
+
+
+def test_a_mesh_that_misses_the_volume_is_made_again_finer(dimensions, monkeypatch):
+    check, factors = geometry.mesh._check_volume, []
+
+    def refuse_once(mesh):
+        factors.append(mesh.size_factor)
+        if len(factors) == 1:
+            raise MeshError("refused")
+        check(mesh)
+
+    monkeypatch.setattr(geometry.mesh, "_check_volume", refuse_once)
+    mesh = mesh_throw(CrankThrow(**dimensions), 2.0)
+    assert factors[0] == 2.0
+    assert 1.5 < mesh.size_factor < 2.0
+
+
+def test_a_hopeless_mesh_is_an_error(dimensions, monkeypatch):
+    def refuse(mesh):
+        raise MeshError("refused")
+
+    monkeypatch.setattr(geometry.mesh, "_check_volume", refuse)
+    with pytest.raises(MeshError, match="refused"):
+        mesh_throw(CrankThrow(**dimensions), 3.0)
+
+
+@st.composite
+def throws(draw):
+    """Throws that can be built, from 40 mm to 400 mm journals, limits included."""
+
+    def share(low, high):
+        return draw(st.floats(low, high, allow_subnormal=False))
+
+    main = share(0.04, 0.4)
+    pin = main * share(0.6, 1.2)
+    sizes = {
+        "main_journal_diameter": main,
+        "pin_diameter": pin,
+        "crank_radius": main * share(0.25, 2.0),
+        "main_journal_length": main * share(0.2, 1.5),
+        "pin_length": main * share(0.2, 1.5),
+        "web_width": max(main, pin) * share(1.002, 2.0),
+        "web_thickness": main * share(0.12, 1.0),
+    }
+    room = min(
+        0.45 * sizes["main_journal_length"],
+        0.45 * sizes["pin_length"],
+        0.5 * (sizes["web_width"] - max(main, pin)),
+    )
+    smallest = 0.01 * max(main, pin)
+    if room > smallest and draw(st.booleans()):
+        sizes["fillet_radius"] = share(smallest, room)
+    try:
+        return CrankThrow(**sizes)
+    except InputError:  # a part too thin beside a long crank radius
+        return CrankThrow(**{**sizes, "crank_radius": main})
+
+
+@settings(
+    max_examples=8,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+)
+@given(throws())
+def test_any_throw_that_can_be_built_is_meshed(throw):
+    mesh = mesh_throw(throw, 1.5)
+    assert 4.0 * mesh.solid_volume == pytest.approx(throw.volume, rel=1e-8)
+    assert 4.0 * element_volumes(mesh.points, mesh.elements).sum() == pytest.approx(
+        throw.volume, rel=2e-3
+    )
+    assert determinants(mesh, 5).min() > 0.0
+    empty = {name for name, facets in mesh.surfaces.items() if len(facets) == 0}
+    assert empty == (set() if throw.fillet_radius > 0.0 else {FILLET})

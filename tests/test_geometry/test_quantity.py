@@ -1,0 +1,168 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from geometry.errors import InputError
+from geometry.quantity import parse_quantity, show_quantity
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "expected"),
+    [
+        ("170 mm", "m", 0.170),
+        ("170mm", "m", 0.170),
+        ("0.17 m", "m", 0.170),
+        ("1.7e-1 m", "m", 0.170),
+        ("-5 mm", "m", -0.005),
+        ("210 GPa", "Pa", 2.1e11),
+        ("120 deg", "rad", 2.0 * math.pi / 3.0),
+        ("7850 kg/m^3", "kg/m^3", 7850.0),
+        ("7.85 g/cm3", "kg/m^3", 7850.0),
+        ("1.2e5 N/m", "N/m", 1.2e5),
+        ("5 MN m/rad", "N m/rad", 5e6),
+        ("3 t", "kg", 3000.0),
+    ],
+)
+def test_units(text, unit, expected):
+    assert parse_quantity(text, unit, "field") == pytest.approx(expected, rel=1e-14)
+
+
+def test_the_same_length_in_any_unit_is_the_same_number():
+    assert {parse_quantity(text, "m", "field") for text in ("254 mm", "0.254 m", "10 in")} == {
+        0.254
+    }
+
+
+@given(st.integers(1, 5000))
+def test_millimetres_are_the_number_that_python_writes(number):
+    # The same design from a file and from a program must be one design of a study.
+    assert parse_quantity(f"{number} mm", "m", "field") == number / 1000
+
+
+@pytest.mark.parametrize(
+    ("text", "per_second"),
+    [
+        ("500 1/min", 500.0 / 60.0),
+        ("500 rpm", 500.0 / 60.0),
+        ("500 rev/min", 500.0 / 60.0),
+        ("8 Hz", 8.0),
+        ("8 1/s", 8.0),
+        ("8 cycle/s", 8.0),
+        ("30 deg/s", 30.0 / 360.0),
+        ("100 grad/s", 0.25),
+        ("5400 arcmin/s", 0.25),
+    ],
+)
+def test_speed_of_rotation_counts_revolutions_unless_it_names_an_angle(text, per_second):
+    value = parse_quantity(text, "rad/s", "speed")
+    assert value == pytest.approx(2.0 * math.pi * per_second, rel=1e-14)
+
+
+@pytest.mark.parametrize("text", ["52 rad/s", "52 radian/second"])
+def test_angular_velocity_stays_itself(text):
+    assert parse_quantity(text, "rad/s", "speed") == 52.0
+
+
+@pytest.mark.parametrize("number", [170, 1.5, -3])
+def test_bare_number_is_refused_with_what_to_write(number):
+    with pytest.raises(InputError) as caught:
+        parse_quantity(number, "m", "throw.crank_radius")
+    message = str(caught.value)
+    assert message.startswith("throw.crank_radius: ")
+    assert str(number) in message
+    assert f'"{number} mm"' in message
+
+
+def test_bare_number_as_text_is_refused_with_what_to_write():
+    with pytest.raises(InputError, match=r"^field: given '170', .* like \"170 mm\"\.$"):
+        parse_quantity("170", "m", "field")
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "kind"),
+    [
+        ("170 kg", "m", "length"),
+        ("10 mm mm", "m", "length"),
+        ("20 degC", "m", "length"),
+        ("5 mm", "Pa", "pressure or modulus"),
+        ("5 mm", "rad", "angle"),
+        ("5 mm", "rad/s", "speed of rotation"),
+    ],
+)
+def test_wrong_kind(text, unit, kind):
+    with pytest.raises(InputError) as caught:
+        parse_quantity(text, unit, "field")
+    assert text in str(caught.value)
+    assert f"no {kind}" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "m",
+        "mm",
+        "170 xyz",
+        "1 500 mm",
+        "1,500 mm",
+        "170,5 mm",
+        "1_70 mm",
+        "2*3 mm",
+        "1/2 m",
+        "170 mm + 3 mm",
+        "nan m",
+        "inf m",
+        "1e400 m",
+        "abs(3) mm",
+    ],
+)
+def test_text_that_could_be_read_two_ways_is_refused(text):
+    with pytest.raises(InputError, match=r"^field: given "):
+        parse_quantity(text, "m", "field")
+
+
+def test_decimal_comma_is_named():
+    # Taken as a thousands separator it would make 1705 mm, ten times too much.
+    with pytest.raises(InputError, match="decimal point"):
+        parse_quantity("170,5 mm", "m", "field")
+
+
+@pytest.mark.parametrize("value", [True, None, ["170 mm"], {"a": 1}])
+def test_other_types_are_refused(value):
+    with pytest.raises(InputError, match="write a number with its unit"):
+        parse_quantity(value, "m", "field")
+
+
+def test_pure_numbers_take_no_unit():
+    assert parse_quantity(0.3, "", "field") == 0.3
+    assert parse_quantity(2, "", "field") == 2.0
+    for wrong in ("0.3", True, None, math.nan, math.inf):
+        with pytest.raises(InputError, match=r"^field: given "):
+            parse_quantity(wrong, "", "field")
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "shown"),
+    [
+        (0.170, "m", "170 mm"),
+        (0.0, "m", "0 mm"),
+        (2.1e11, "Pa", "210000 MPa"),
+        (math.pi / 2.0, "rad", "90 deg"),
+        (500.0 * math.pi / 30.0, "rad/s", "500 1/min"),
+        (1.281e-9, "m/N", "1.281e-9 m/N"),
+        (3.96e-8, "rad/(N m)", "39.6e-9 rad/(N m)"),
+        (0.3, "", "0.3"),
+        (3.0, "kg", "3 kg"),
+    ],
+)
+def test_show_quantity(value, unit, shown):
+    assert show_quantity(value, unit) == shown
+
+
+@given(st.floats(1e-3, 10.0))
+def test_shown_lengths_read_back(length):
+    assert parse_quantity(show_quantity(length, "m", 17), "m", "f") == pytest.approx(
+        length, rel=1e-14
+    )
