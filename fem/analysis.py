@@ -24,6 +24,7 @@ from geometry.throw import CrankThrow
 ORDER_FILLETED = 1.7
 ORDER_SHARP = 1.1
 COARSENING = 1.5
+COARSEST = 1.2
 MOST_REFINEMENTS = 3
 MOST_UNKNOWNS = 450_000
 
@@ -265,10 +266,13 @@ def _solve_to(
 
 
 def _first_guess(accuracy: float, throw: CrankThrow) -> float:
-    """Size factor that usually meets the accuracy at once, thin webs included."""
+    """Size factor that usually meets the accuracy at once, thin webs included.
+
+    Never so coarse that the error does not yet fall with the known order.
+    """
     if throw.fillet_radius > 0.0:
-        return 0.65 * float((accuracy / 0.01) ** 0.3)
-    return max(0.25, 0.5 * float((accuracy / 0.01) ** (1.0 / ORDER_SHARP)))
+        return min(COARSEST, 0.65 * float((accuracy / 0.01) ** 0.3))
+    return min(COARSEST, max(0.25, 0.5 * float((accuracy / 0.01) ** (1.0 / ORDER_SHARP))))
 
 
 @dataclass(frozen=True)
