@@ -20,11 +20,13 @@ from geometry.mesh import ThrowMesh, mesh_throw
 from geometry.throw import CrankThrow
 
 # The error of the compliance falls with the element size to this power. Filleted throws show 1.6 to
-# 2.1 (the lower value keeps the estimate on the safe side); a sharp re-entrant corner allows 1.1.
-ORDER_FILLETED = 1.7
-ORDER_SHARP = 1.1
+# 2.1, sharp corners 1.0 to 1.1; the lower values keep the estimate on the safe side.
+ORDER_FILLETED = 1.6
+ORDER_SHARP = 1.0
+# Size factors above these are not used: on coarser meshes the error follows no power.
+COARSEST_FILLETED = 1.0
+COARSEST_SHARP = 2.0
 COARSENING = 1.5
-COARSEST = 1.2
 MOST_REFINEMENTS = 3
 MOST_UNKNOWNS = 450_000
 
@@ -254,6 +256,7 @@ def _solve_to(
     coarse = _Level.solve(throw, material, COARSENING * factor, solver)
     for _ in range(MOST_REFINEMENTS):
         level = _Level.solve(throw, material, factor, solver)
+        factor = level.mesh.size_factor
         ratio = coarse.mesh.size_factor / factor
         estimate = abs(level.axial - coarse.axial) / (ratio**order - 1.0) / level.axial
         if estimate <= accuracy:
@@ -266,13 +269,10 @@ def _solve_to(
 
 
 def _first_guess(accuracy: float, throw: CrankThrow) -> float:
-    """Size factor that usually meets the accuracy at once, thin webs included.
-
-    Never so coarse that the error does not yet fall with the known order.
-    """
+    """Size factor that usually meets the accuracy at once, thin webs included."""
     if throw.fillet_radius > 0.0:
-        return min(COARSEST, 0.65 * float((accuracy / 0.01) ** 0.3))
-    return min(COARSEST, max(0.25, 0.5 * float((accuracy / 0.01) ** (1.0 / ORDER_SHARP))))
+        return min(COARSEST_FILLETED, 0.65 * float((accuracy / 0.01) ** 0.3))
+    return min(COARSEST_SHARP, max(0.25, 0.5 * float((accuracy / 0.01) ** (1.0 / ORDER_SHARP))))
 
 
 @dataclass(frozen=True)

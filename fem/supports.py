@@ -7,8 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.shaft import solve_shaft
-from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement
+from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotation
 from geometry.errors import InputError
 
 Array = NDArray[np.float64]
@@ -164,32 +163,39 @@ def _between_neighbors(throw: Superelement, support: Neighbors) -> Array:
     reach, before = 4, np.full(2, np.inf)
     while True:
         motions = _chain_motions(throw, support, reach)
-        answers = np.array(
-            [motions[6 + UZ, 0] - motions[UZ, 0], motions[6 + RZ, 1] - motions[RZ, 1]]
-        )
-        # An end of the chain is felt less by a factor of three or more with each throw; much longer
-        # chains only gather round-off.
-        if np.all(np.abs(answers - before) <= 1e-8 * np.abs(answers)) or 2 * reach > LONGEST_CHAIN:
+        answers = motions[[6 + UZ, 6 + RZ], [0, 1]]
+        if np.all(np.abs(answers - before) <= 1e-10 * answers) or 2 * reach > LONGEST_CHAIN:
             return motions
         before, reach = answers, 2 * reach
 
 
 def _chain_motions(throw: Superelement, support: Neighbors, reach: int) -> Array:
-    steps = np.arange(-reach, reach + 1)
-    angles = np.deg2rad(np.where(steps < 0, support.left_deg, support.right_deg) * steps)
-    turned = [throw.turned(float(angle)) for angle in angles]
-    loads = np.zeros((6 * (len(turned) + 1), 5))
-    loads[-6 + UZ, 0] = 1.0
-    loads[-6 + RZ, 1] = 1.0
-    for place, part in enumerate(turned):
-        loads[6 * place : 6 * place + 12, 2:] += part.pin_load
-        # Each throw's left end takes its own torque and axial push, as that of a single throw does:
-        # otherwise they would add up along the chain.
-        for unknown in (UZ, RZ):
-            loads[6 * place + unknown, 2:] -= part.pin_load[unknown] + part.pin_load[6 + unknown]
-    motions = solve_shaft(turned, loads)
-    middle = motions[6 * reach : 6 * reach + 12].copy()
-    # Shift the axial motion and the rotation to start at the middle throw's left end.
-    for unknown in (UZ, RZ):
-        middle[[6 + unknown, unknown]] -= middle[unknown].copy()
-    return middle
+    """Motions of the middle throw, its left end fixed axially and against rotation.
+
+    Axial force and torque through the throws are known: those of the load case, and under a pin force
+    none, since each throw's left end takes its own torque and axial push (otherwise they would add up
+    along the chain). So only the tilts couple the throws, and solving for these alone stays accurate
+    however long the chain.
+    """
+    tilts, through = [RX, RY, 6 + RX, 6 + RY], [6 + UZ, 6 + RZ]
+    tilt_part, coupling, through_part = (
+        throw.stiffness[np.ix_(rows, columns)]
+        for rows, columns in ((tilts, tilts), (tilts, through), (through, through))
+    )
+    forces = np.column_stack([np.eye(2), throw.pin_load[through]])
+    carried = np.linalg.solve(through_part, coupling.T).T
+    condensed = tilt_part - carried @ coupling.T
+    tilting = np.column_stack([np.zeros((4, 2)), throw.pin_load[tilts]]) - carried @ forces
+    places = np.arange(-reach, reach + 1)
+    steps = np.where(places < 0, support.left_deg, support.right_deg)
+    stiffness = np.zeros((2 * (len(places) + 1),) * 2)
+    loads = np.zeros((len(stiffness), 5))
+    for place, angle in enumerate(np.deg2rad(steps * places)):
+        turn = np.kron(np.eye(2), section_rotation(float(angle))[:2, :2])
+        part = slice(2 * place, 2 * place + 4)
+        stiffness[part, part] += turn @ condensed @ turn.T
+        loads[part] += turn @ tilting
+    motions = np.zeros((12, 5))
+    motions[tilts] = np.linalg.solve(stiffness, loads)[2 * reach : 2 * reach + 4]
+    motions[through] = np.linalg.solve(through_part, forces - coupling.T @ motions[tilts])
+    return motions

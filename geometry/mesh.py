@@ -16,12 +16,14 @@ from geometry.throw import CrankThrow
 GMSH_TO_SKFEM = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 # The two end nodes of each edge node 4..9, in scikit-fem's order.
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
-# Element sizes at factor 1, found by converging ordinary throws: at fillets beside their radius, at
-# sharp corners beside the web thickness, and how much elements grow per unit of distance from there.
+# Element sizes at factor 1, found by converging ordinary throws: at fillets beside their radius and,
+# for large fillets, beside the web thickness; at sharp corners beside the web thickness; and how much
+# elements grow per unit of distance from there.
 ROOT_PER_FILLET = 0.8
+FILLET_ROOT_PER_WEB = 0.20
 ROOT_PER_WEB = 0.10
 GROWTH = 0.5
-# Shares of the size factor that are tried in turn until the mesh has the solid's volume.
+# Shares of the size factor tried in turn until the mesh can be mended and has the solid's volume.
 FINER_SHARES = (1.0, 0.8, 0.6)
 
 
@@ -80,8 +82,8 @@ def mesh_throw(throw: CrankThrow, size_factor: float = 1.0) -> ThrowMesh:
         If gmsh fails, the mesh cannot be mended, or its volume is not the solid's.
     """
     for share in FINER_SHARES:
-        mesh = _mesh_once(throw, size_factor * share)
         try:
+            mesh = _mesh_once(throw, size_factor * share)
             _check_volume(mesh)
         except MeshError:
             if share == FINER_SHARES[-1]:
@@ -112,7 +114,10 @@ def _set_sizes(gmsh: Any, throw: CrankThrow, surfaces: dict[str, list[int]], fac
     """Small elements at the fillets (or sharp journal corners), growing into the bulk."""
     bulk = factor * min(throw.web_thickness, 0.5 * throw.pin_diameter)
     if throw.fillet_radius > 0.0:
-        root = min(bulk, factor * ROOT_PER_FILLET * throw.fillet_radius)
+        root = factor * min(
+            ROOT_PER_FILLET * throw.fillet_radius, FILLET_ROOT_PER_WEB * throw.web_thickness
+        )
+        root = min(bulk, root)
         where = {"SurfacesList": surfaces[FILLET]}
     else:
         root = min(bulk, factor * ROOT_PER_WEB * throw.web_thickness)

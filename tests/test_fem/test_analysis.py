@@ -159,9 +159,10 @@ def test_compliance_falls_as_the_modulus_grows(throw, axial_compliance):
     [
         ({}, 2.0),
         ({"fillet_radius": 0.040}, 2.0),
+        ({"fillet_radius": 0.054, "web_width": 0.340}, 2.0),
         ({"fillet_radius": 0.0}, 1.0),
     ],
-    ids=["filleted", "large fillets", "sharp"],
+    ids=["filleted", "large fillets", "largest fillets", "sharp"],
 )
 def test_error_estimate_covers_the_true_error(dimensions, axial_compliance, change, order):
     """The truth is extrapolated from meshes far finer than those that are judged."""
