@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from crankfem import console
+from crankfem import console, tables
 from crankfem.console import number, print_json, print_table, rows_of
 from crankfem.data_files import engine_path, shipped_engines
 from geometry.errors import InputError
@@ -49,12 +49,12 @@ def run(
     if json:
         print_json(made.results)
         return
-    _print_throw(made.results["throw"])
-    _print_formulas(made.results["formulas"], made.results["throw"])
+    tables.print_throw(made.results["throw"])
+    tables.print_formulas(made.results["formulas"], made.results["throw"])
     if made.results["study"] is not None:
-        _print_fits(made.results["study"]["fits"])
+        tables.print_fits(made.results["study"]["fits"])
     for vibration in made.results["vibration"].values():
-        _print_vibration(vibration)
+        tables.print_vibration(vibration)
     console.output.print(f"Report: {made.folder / REPORT}", soft_wrap=True)
 
 
@@ -125,7 +125,7 @@ def throw(
     if json:
         print_json(record)
     else:
-        _print_throw(record)
+        tables.print_throw(record)
 
 
 @app.command(epilog="Example: crankfem formulas 6chn25-34 --gamma 120")
@@ -156,7 +156,7 @@ def formulas(
         print_json(records)
         return
     for kind in ("axial", "torsional"):
-        _print_formula_table(
+        tables.print_formula_table(
             f"{kind.capitalize()} compliance"
             + (f", gamma = {gamma:g} deg" if kind == "axial" else ""),
             records[kind],
@@ -195,7 +195,7 @@ def doe(
         f"{record['computed_now']} computed now, {len(record['failures'])} failed.",
         soft_wrap=True,
     )
-    _print_fits(record["fits"])
+    tables.print_fits(record["fits"])
 
 
 @app.command(epilog="Example: crankfem fit runs.sqlite --model model.json")
@@ -218,7 +218,7 @@ def fit(
     if json:
         print_json(record)
         return
-    _print_fits(record["fits"])
+    tables.print_fits(record["fits"])
     console.output.print(f"Model: {model}", soft_wrap=True)
 
 
@@ -341,7 +341,7 @@ def vibration(engine: EngineArgument, json: JsonOption = False) -> None:
         print_json({record["kind"]: record for record in found})
         return
     for record in found:
-        _print_vibration(record)
+        tables.print_vibration(record)
 
 
 @app.command(epilog="Example: crankfem report 6chn25-34-results")
@@ -373,145 +373,6 @@ def report(
         print_json({"report": str(made)})
     else:
         console.output.print(f"Report: {made}", soft_wrap=True)
-
-
-def _print_throw(record: dict[str, Any]) -> None:
-    supports = record["supports"]
-    print_table(
-        f"Throw by finite elements (error of e_n about {100.0 * record['error_estimate']:.2g} %)",
-        ["support", "e_n [1e-9 m/N]", "torsional [1e-9 rad/(N m)]", "c [1e-9 m/N]", "P/Z"],
-        [
-            [
-                name,
-                number(s["axial_compliance"] * 1e9),
-                number(s["torsional_compliance"] * 1e9),
-                number(s["influence_coefficient"] * 1e9),
-                number(s["axial_force_per_radial"]),
-            ]
-            for name, s in supports.items()
-        ],
-    )
-    print_table(
-        f"Reactions to a radial force of {record['radial_force'] / 1e3:.4g} kN on the pin, length kept",
-        ["support", "end:", "force x y z [kN]", "moment x y z [kN m]"],
-        [
-            [name, side, _vector(reaction["force"]), _vector(reaction["moment"])]
-            for name, s in supports.items()
-            for side, reaction in s["reactions"].items()
-        ],
-    )
-    console.output.print(
-        f"Mass {record['mass']:.4g} kg, center of mass {record['center_of_mass'][1] * 1e3:.4g} mm from the "
-        f"shaft axis, inertia about the shaft {record['inertia_about_shaft']:.4g} kg m^2.",
-        soft_wrap=True,
-        highlight=False,
-    )
-
-
-def _vector(values: list[float]) -> str:
-    return "  ".join(f"{round(value / 1e3, 3) + 0.0:.3f}" for value in values)
-
-
-def _print_formulas(formula_records: dict[str, Any], throw_record: dict[str, Any]) -> None:
-    for kind in ("axial", "torsional"):
-        _print_formula_table(
-            f"{kind.capitalize()} compliance: published formulas",
-            formula_records[kind],
-            throw_record["supports"]["pinned"][f"{kind}_compliance"],
-            "pinned",
-        )
-
-
-def _print_formula_table(
-    title: str, records: list[dict[str, Any]], fe: float | None, support: str
-) -> None:
-    def beside(value: float) -> list[str]:
-        return [] if fe is None else [f"{value / fe:.2f}"]
-
-    rows = [
-        [
-            record["name"],
-            number(record["value"] * 1e9),
-            *beside(record["value"]),
-            "yes" if record["valid"] else "no",
-        ]
-        for record in records
-    ]
-    if fe is not None:
-        rows.insert(0, [f"finite elements, {support}", number(fe * 1e9), "1", ""])
-    unit = records[0]["unit"] if records else "m/N"
-    ratio = [] if fe is None else ["beside FE"]
-    print_table(title, ["formula", f"value [1e-9 {unit}]", *ratio, "applies:"], rows)
-
-
-def _print_fits(fits: dict[str, Any]) -> None:
-    for response, record in fits.items():
-        print_table(
-            f"{response.replace('_', ' ').capitalize()} as an equation (chosen: {record['chosen']})",
-            ["form", "R2", "Q2", "error at runs", "error held out"],
-            [
-                [
-                    f["form"],
-                    f"{f['r_squared']:.5f}",
-                    "none" if f["q_squared"] is None else f"{f['q_squared']:.5f}",
-                    f"{100.0 * f['largest_error_at_runs']:.3g} %",
-                    f"{100.0 * f['largest_error_held_out']:.3g} %",
-                ]
-                for f in record["forms"]
-            ],
-        )
-        for f in record["forms"]:
-            console.output.print(
-                f"  {f['form']}: {f['equation']}", soft_wrap=True, highlight=False, markup=False
-            )
-
-
-def _print_vibration(record: dict[str, Any]) -> None:
-    print_table(
-        f"{record['kind'].capitalize()} modes (compliances: {record['source']})",
-        ["mode", "frequency [Hz]", "[1/min]", "nodes at:"],
-        [
-            [
-                "rigid body" if m["rigid"] else str(m["number"]),
-                f"{m['frequency']:.2f}",
-                f"{60.0 * m['frequency']:.0f}",
-                ", ".join(f"{place:.2f}" for place in m["node_positions"]),
-            ]
-            for m in record["modes"]
-        ],
-    )
-    nodes = record["nodes"]
-    console.output.print(
-        f"Nodes count the chain's points: 0 is {nodes[0]}, {len(nodes) - 1} is {nodes[-1]}.",
-        soft_wrap=True,
-        highlight=False,
-    )
-    print_table(
-        f"{record['kind'].capitalize()} critical speeds in the running range",
-        ["speed [1/min]", "order", "mode", "frequency [Hz]", "phase sum"],
-        [
-            [
-                f"{c['speed_rpm']:.1f}",
-                f"{c['order']:g}",
-                str(c["mode"]),
-                f"{c['frequency']:.2f}",
-                f"{c['phase_sum']:.3f}",
-            ]
-            for c in record["criticals"]
-        ],
-    )
-    print_table(
-        f"First {record['kind']} frequencies by source of the compliances",
-        ["source", "frequencies [Hz]", "first beside chosen"],
-        [
-            [
-                s["source"],
-                ", ".join(f"{f:.1f}" for f in s["first_frequencies"]),
-                f"{s['beside_chosen']:.3f}",
-            ]
-            for s in record["sources"]
-        ],
-    )
 
 
 def main() -> None:

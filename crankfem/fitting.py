@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
 from geometry.errors import InputError
-from regression.compliance_model import ComplianceModel, ResponseModel
+from regression.compliance_model import KNOWN_RESPONSES, ComplianceModel, ResponseModel
 from regression.fits import Fit, choose, fit_form
 from regression.forms import equation_text
 from regression.study import StudyTable
@@ -13,8 +13,7 @@ from regression.study import StudyTable
 FORMS = ("linear", "quadratic", "log-quadratic")
 # Response of the model: its column in a study's table, symbol and unit.
 RESPONSES = {
-    "axial_compliance": ("axial_compliance_pinned", "e_n", "m/N"),
-    "torsional_compliance": ("torsional_compliance_pinned", "e_t", "rad/(N m)"),
+    name: (f"{name}_pinned", symbol, unit) for name, (symbol, unit) in KNOWN_RESPONSES.items()
 }
 
 

@@ -24,7 +24,7 @@ from crankfem.vibration import (
     compliances_in_shaft,
     torsional_vibration,
 )
-from dynamics.critical import engine_orders
+from dynamics.critical import engine_orders, major_orders
 from dynamics.torque_table import TorqueTable, read_torque_table
 from dynamics.two_mass import two_mass_check
 from fem.analysis import ThrowAnalysis, analyze_throw
@@ -227,6 +227,9 @@ def _engine_record(engine_file: EngineFile) -> dict[str, Any]:
         "rated_speed_rpm": engine.rated_speed * plots.RPM,
         "lowest_speed_rpm": engine.lowest_speed * plots.RPM,
         "highest_speed_rpm": engine.highest_speed * plots.RPM,
+        "major_orders": major_orders(
+            engine_orders(engine.strokes, engine_file.vibration.highest_order), engine.firing_angles
+        ).tolist(),
         "highest_order": engine_file.vibration.highest_order,
         "radial_force_from_gas": engine_file.gas is not None,
     }

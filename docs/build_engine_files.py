@@ -7,25 +7,25 @@ from pathlib import Path
 
 from pydantic_core import PydanticUndefined
 
-from crankfem import engine_file
+from crankfem import engine_sections
 from fem.material import Material
 from geometry.model import InputModel, field_extra
 from geometry.quantity import DISPLAY_UNITS, show_quantity
 from geometry.throw import CrankThrow
 
 SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
-    (engine_file.Engine, "required"),
+    (engine_sections.Engine, "required"),
     (CrankThrow, "required"),
     (Material, "optional, steel by default"),
-    (engine_file.Rod, "required"),
-    (engine_file.Piston, "required"),
-    (engine_file.Flywheel, "required"),
-    (engine_file.FreeEnd, "optional"),
-    (engine_file.ThrustBearing, "required"),
-    (engine_file.Gas, "optional; without it reactions are given for 100 kN"),
-    (engine_file.VibrationSettings, "optional"),
-    (engine_file.TorqueTable, "optional"),
-    (engine_file.TwoMassInput, "optional"),
+    (engine_sections.Rod, "required"),
+    (engine_sections.Piston, "required"),
+    (engine_sections.Flywheel, "required"),
+    (engine_sections.FreeEnd, "optional"),
+    (engine_sections.ThrustBearing, "required"),
+    (engine_sections.Gas, "optional; without it reactions are given for 100 kN"),
+    (engine_sections.VibrationSettings, "optional"),
+    (engine_sections.TorqueTable, "optional"),
+    (engine_sections.TwoMassInput, "optional"),
 )
 
 INTRODUCTION = """# Engine files

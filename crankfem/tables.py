@@ -1,0 +1,151 @@
+"""The tables that the command line prints, from the plain records of a run."""
+
+from typing import Any
+
+from crankfem import console
+from crankfem.console import number, print_table
+
+
+def print_throw(record: dict[str, Any]) -> None:
+    """Print compliances, reactions and masses of a throw, from its record."""
+    supports = record["supports"]
+    print_table(
+        f"Throw by finite elements (error of e_n about {100.0 * record['error_estimate']:.2g} %)",
+        ["support", "e_n [1e-9 m/N]", "torsional [1e-9 rad/(N m)]", "c [1e-9 m/N]", "P/Z"],
+        [
+            [
+                name,
+                number(s["axial_compliance"] * 1e9),
+                number(s["torsional_compliance"] * 1e9),
+                number(s["influence_coefficient"] * 1e9),
+                number(s["axial_force_per_radial"]),
+            ]
+            for name, s in supports.items()
+        ],
+    )
+    print_table(
+        f"Reactions to a radial force of {record['radial_force'] / 1e3:.4g} kN on the pin, length kept",
+        ["support", "end:", "force x y z [kN]", "moment x y z [kN m]"],
+        [
+            [name, side, _vector(reaction["force"]), _vector(reaction["moment"])]
+            for name, s in supports.items()
+            for side, reaction in s["reactions"].items()
+        ],
+    )
+    console.output.print(
+        f"Mass {record['mass']:.4g} kg, center of mass {record['center_of_mass'][1] * 1e3:.4g} mm from the "
+        f"shaft axis, inertia about the shaft {record['inertia_about_shaft']:.4g} kg m^2.",
+        soft_wrap=True,
+        highlight=False,
+    )
+
+
+def _vector(values: list[float]) -> str:
+    return "  ".join(f"{round(value / 1e3, 3) + 0.0:.3f}" for value in values)
+
+
+def print_formulas(formula_records: dict[str, Any], throw_record: dict[str, Any]) -> None:
+    """Print the published formulas beside the pinned finite element values."""
+    for kind in ("axial", "torsional"):
+        print_formula_table(
+            f"{kind.capitalize()} compliance: published formulas",
+            formula_records[kind],
+            throw_record["supports"]["pinned"][f"{kind}_compliance"],
+            "pinned",
+        )
+
+
+def print_formula_table(
+    title: str, records: list[dict[str, Any]], fe: float | None, support: str
+) -> None:
+    """Print one kind of formula, beside the finite element value `fe` if it is given."""
+
+    def beside(value: float) -> list[str]:
+        return [] if fe is None else [f"{value / fe:.2f}"]
+
+    rows = [
+        [
+            record["name"],
+            number(record["value"] * 1e9),
+            *beside(record["value"]),
+            "yes" if record["valid"] else "no",
+        ]
+        for record in records
+    ]
+    if fe is not None:
+        rows.insert(0, [f"finite elements, {support}", number(fe * 1e9), "1", ""])
+    unit = records[0]["unit"] if records else "m/N"
+    ratio = [] if fe is None else ["beside FE"]
+    print_table(title, ["formula", f"value [1e-9 {unit}]", *ratio, "applies:"], rows)
+
+
+def print_fits(fits: dict[str, Any]) -> None:
+    """Print all fitted forms with their errors and equations."""
+    for response, record in fits.items():
+        print_table(
+            f"{response.replace('_', ' ').capitalize()} as an equation (chosen: {record['chosen']})",
+            ["form", "R2", "Q2", "error at runs", "error held out"],
+            [
+                [
+                    f["form"],
+                    f"{f['r_squared']:.5f}",
+                    "none" if f["q_squared"] is None else f"{f['q_squared']:.5f}",
+                    f"{100.0 * f['largest_error_at_runs']:.3g} %",
+                    f"{100.0 * f['largest_error_held_out']:.3g} %",
+                ]
+                for f in record["forms"]
+            ],
+        )
+        for f in record["forms"]:
+            console.output.print(
+                f"  {f['form']}: {f['equation']}", soft_wrap=True, highlight=False, markup=False
+            )
+
+
+def print_vibration(record: dict[str, Any]) -> None:
+    """Print modes, critical speeds and the first frequencies by source."""
+    print_table(
+        f"{record['kind'].capitalize()} modes (compliances: {record['source']})",
+        ["mode", "frequency [Hz]", "[1/min]", "nodes at:"],
+        [
+            [
+                "rigid body" if m["rigid"] else str(m["number"]),
+                f"{m['frequency']:.2f}",
+                f"{60.0 * m['frequency']:.0f}",
+                ", ".join(f"{place:.2f}" for place in m["node_positions"]),
+            ]
+            for m in record["modes"]
+        ],
+    )
+    nodes = record["nodes"]
+    console.output.print(
+        f"Nodes count the chain's points: 0 is {nodes[0]}, {len(nodes) - 1} is {nodes[-1]}.",
+        soft_wrap=True,
+        highlight=False,
+    )
+    print_table(
+        f"{record['kind'].capitalize()} critical speeds in the running range",
+        ["speed [1/min]", "order", "mode", "frequency [Hz]", "phase sum"],
+        [
+            [
+                f"{c['speed_rpm']:.1f}",
+                f"{c['order']:g}",
+                str(c["mode"]),
+                f"{c['frequency']:.2f}",
+                f"{c['phase_sum']:.3f}",
+            ]
+            for c in record["criticals"]
+        ],
+    )
+    print_table(
+        f"First {record['kind']} frequencies by source of the compliances",
+        ["source", "frequencies [Hz]", "first beside chosen"],
+        [
+            [
+                s["source"],
+                ", ".join(f"{f:.1f}" for f in s["first_frequencies"]),
+                f"{s['beside_chosen']:.3f}",
+            ]
+            for s in record["sources"]
+        ],
+    )
