@@ -103,7 +103,7 @@ def check(engine: EngineArgument, json: JsonOption = False) -> None:
             lambda r: r["field"],
             lambda r: r["given"],
             lambda r: "yes" if r["assumed"] else "",
-            lambda r: r["source"].replace("[", "").replace("]", ""),
+            lambda r: r["source"],
         ),
     )
 

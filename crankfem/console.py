@@ -19,7 +19,8 @@ EXIT_INPUT, EXIT_FAILED, EXIT_INTERRUPTED = 2, 1, 130
 INTERRUPTED = "Stopped. Finished designs are kept; the same command continues where it stopped."
 
 errors = Console(stderr=True)
-output = Console()
+# Brackets in units and file names are text, not markup.
+output = Console(markup=False)
 
 
 def print_json(content: object) -> None:

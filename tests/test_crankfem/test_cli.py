@@ -122,6 +122,7 @@ def test_harmonics_as_a_table(call):
     answer = call("harmonics", "yamz5340_torque_one_throw.csv", "--orders", "1")
     assert answer.code == 0
     assert "279.68" in answer.out
+    assert "a_k [deg]" in answer.out
     rows = [line for line in answer.out.splitlines() if line.startswith("│")]
     assert len(rows) == 2
 
