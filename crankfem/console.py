@@ -60,6 +60,11 @@ def clear_errors() -> Iterator[None]:
     except KeyboardInterrupt:
         errors.print(INTERRUPTED, soft_wrap=True)
         raise SystemExit(EXIT_INTERRUPTED) from None
+    except SystemExit as end:
+        # Typer turns an interrupt of a command into this code, without a word.
+        if end.code == EXIT_INTERRUPTED:
+            errors.print(INTERRUPTED, soft_wrap=True)
+        raise
 
 
 def _stop(message: str, code: int) -> NoReturn:
@@ -70,7 +75,7 @@ def _stop(message: str, code: int) -> NoReturn:
 class RunProgress:
     """Steps of a run and a bar for its study, on standard error."""
 
-    def __init__(self, quiet: bool = False) -> None:
+    def __init__(self) -> None:
         self._bar = Progress(
             SpinnerColumn(),
             TextColumn("{task.description}"),
@@ -78,9 +83,7 @@ class RunProgress:
             MofNCompleteColumn(),
             Elapsed(),
             console=errors,
-            disable=quiet,
         )
-        self._quiet = quiet
         self._task: TaskID | None = None
 
     def __enter__(self) -> "RunProgress":
@@ -91,9 +94,6 @@ class RunProgress:
         if kind is not None and self._task is not None:
             self._bar.update(self._task, visible=False)
         self._bar.stop()
-        if kind is KeyboardInterrupt:
-            # Typer ends the process with code 130, without a word.
-            errors.print(INTERRUPTED, soft_wrap=True)
 
     def step(self, text: str) -> None:
         """Name the step that begins, and take the last one for done."""
@@ -111,8 +111,7 @@ class RunProgress:
 
     def note(self, text: str) -> None:
         """Print a remark above the bar."""
-        if not self._quiet:
-            self._bar.console.print(f"[yellow]Note:[/] {escape(text)}")
+        self._bar.console.print(f"[yellow]Note:[/] {escape(text)}")
 
     def finish(self) -> None:
         """Take the last step for done."""

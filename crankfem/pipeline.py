@@ -156,7 +156,6 @@ def run_engine(
             model.save(folder / MODEL)
             found["study"] = records.study_record(table, study.fits)
             _plot_study(pictures, found, table, study.fits["axial_compliance"])
-
         else:
             (folder / MODEL).unlink(missing_ok=True)  # of an earlier run with a study
 

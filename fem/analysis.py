@@ -254,6 +254,8 @@ def _solve_to(
     order = ORDER_FILLETED if throw.fillet_radius > 0.0 else ORDER_SHARP
     factor = _first_guess(accuracy, throw)
     coarse = _Level.solve(throw, material, COARSENING * factor, solver)
+    # The coarse mesh may have been made finer than wished; the two must still differ.
+    factor = min(factor, coarse.mesh.size_factor / COARSENING)
     for _ in range(MOST_REFINEMENTS):
         level = _Level.solve(throw, material, factor, solver)
         factor = level.mesh.size_factor

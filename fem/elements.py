@@ -8,10 +8,9 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
-from skfem import ElementTetP2, MeshTet1
-from skfem.quadrature import get_quadrature
 
 from fem.material import Material
+from geometry.shapes import jacobians, shapes_for_quadrature
 
 # Four points integrate the stiffness of a straight element exactly; on curved ones the error is far
 # below that of the mesh.
@@ -19,18 +18,6 @@ QUADRATURE_ORDER = 2
 CHUNK = 4096
 
 Array = NDArray[np.float64]
-
-
-def reference_shapes(order: int = QUADRATURE_ORDER) -> tuple[Array, Array, Array]:
-    """Values (q, 10), gradients (q, 10, 3) and weights (q,) of the shape functions."""
-    where, weights = get_quadrature(MeshTet1.elem.refdom, order)
-    element = ElementTetP2()
-    values, gradients = [], []
-    for node in range(10):
-        value, gradient = element.lbasis(where, node)
-        values.append(value + np.zeros(where.shape[1]))
-        gradients.append(gradient + np.zeros_like(where))
-    return np.asarray(values).T, np.asarray(gradients).transpose(2, 0, 1), np.asarray(weights)
 
 
 def physical_gradients(corners: Array, gradients: Array, weights: Array) -> tuple[Array, Array]:
@@ -52,8 +39,7 @@ def physical_gradients(corners: Array, gradients: Array, weights: Array) -> tupl
     volumes : (m, q) array
         Weight times Jacobian determinant [m^3].
     """
-    # jacobian[m, q, i, j] = d x_j / d xi_i
-    jacobian = np.matmul(gradients.transpose(0, 2, 1)[None], corners[:, None])
+    jacobian = jacobians(gradients, corners)
     determinant = np.linalg.det(jacobian)
     inverse = np.linalg.inv(jacobian)
     return gradients[None] @ inverse.transpose(0, 1, 3, 2), determinant * weights
@@ -84,7 +70,7 @@ def element_stiffnesses(
         material.shear_modulus * 2.0 * material.poisson_ratio / (1.0 - 2.0 * material.poisson_ratio)
     )
     shear = material.shear_modulus
-    _, gradients, weights = reference_shapes()
+    _, gradients, weights = shapes_for_quadrature(QUADRATURE_ORDER)
     for start in range(0, len(elements), CHUNK):
         batch = slice(start, min(start + CHUNK, len(elements)))
         spatial, volumes = physical_gradients(points[elements[batch]], gradients, weights)

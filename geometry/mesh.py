@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from geometry.errors import MeshError
 from geometry.gmsh_session import gmsh_session
+from geometry.shapes import jacobians, shapes_at_nodes, shapes_for_quadrature
 from geometry.solid import FILLET, build_quarter, place_tolerance
 from geometry.throw import CrankThrow
 
@@ -184,23 +185,12 @@ def _read_mesh(
     )
 
 
-def _jacobian_gradients() -> NDArray[np.float64]:
-    """Gradients (q, 10, 3) of the ten shape functions at corners and edge middles."""
-    from skfem import ElementTetP2
-
-    element = ElementTetP2()
-    where = ElementTetP2.doflocs.T
-    gradients = [element.lbasis(where, i)[1] + np.zeros((3, where.shape[1])) for i in range(10)]
-    return np.asarray(gradients).transpose(2, 0, 1)
-
-
 def smallest_jacobians(
     points: NDArray[np.float64], elements: NDArray[np.int64]
 ) -> NDArray[np.float64]:
     """Smallest ratio (m,) of the Jacobian at any node to the straight element's mean one."""
-    gradients = _jacobian_gradients()
-    jacobian = np.einsum("qai,maj->mqij", gradients, points[elements], optimize=True)
-    determinant = np.linalg.det(jacobian)
+    _, gradients = shapes_at_nodes()
+    determinant = np.linalg.det(jacobians(gradients, points[elements]))
     return np.asarray(determinant.min(axis=1) / np.abs(determinant).mean(axis=1))
 
 
@@ -248,15 +238,7 @@ def element_quadrature(
     points: NDArray[np.float64], elements: NDArray[np.int64], order: int = 5
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Quadrature points (p, 3) and their volumes (p,) over all elements."""
-    from skfem import ElementTetP2, MeshTet1
-    from skfem.quadrature import get_quadrature
-
-    where, weights = get_quadrature(MeshTet1.elem.refdom, order)
-    element = ElementTetP2()
-    shapes = [element.lbasis(where, node) for node in range(10)]
-    values = np.asarray([value + np.zeros(len(weights)) for value, _ in shapes])
-    gradients = np.asarray([slope + np.zeros_like(where) for _, slope in shapes])
+    values, gradients, weights = shapes_for_quadrature(order)
     corners = points[elements]
-    jacobian = np.einsum("aiq,maj->mqij", gradients, corners, optimize=True)
-    volumes = np.linalg.det(jacobian) * weights
-    return np.einsum("aq,maj->mqj", values, corners).reshape(-1, 3), volumes.ravel()
+    volumes = np.linalg.det(jacobians(gradients, corners)) * weights
+    return (values[None] @ corners).reshape(-1, 3), volumes.ravel()

@@ -13,13 +13,11 @@ from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.designs import full_factorial, latin_hypercube
 from regression.store import Outcome, ResultStore, content_key
-from regression.workers import run_designs
+from regression.workers import TIME_LIMIT, run_designs
 
 # Raise when a change of the model changes results: stored results of older versions are then not used.
 MODEL_VERSION = 1
 RUN, HELD_OUT = "run", "held out"
-# Seconds that a design may take at 1 % accuracy; in proportion longer where more is asked for.
-TIME_LIMIT = 300.0
 
 
 @dataclass(frozen=True)

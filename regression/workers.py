@@ -16,6 +16,8 @@ from typing import Any
 from regression.store import Outcome
 
 TRIES = 2
+# Seconds that a design may take at 1 % accuracy before its worker counts as hanging.
+TIME_LIMIT = 300.0
 
 
 @dataclass
@@ -31,7 +33,7 @@ def run_designs(
     designs: Iterable[tuple[str, Mapping[str, Any]]],
     on_outcome: Callable[[Outcome], None],
     workers: int,
-    time_limit: float = 300.0,
+    time_limit: float = TIME_LIMIT,
 ) -> None:
     """Compute designs in worker processes.
 

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+import fem.analysis
 from fem.analysis import analyze_throw, throw_responses
 from fem.material import STEEL, Material
 from fem.supports import Neighbors
@@ -176,3 +177,16 @@ def test_error_estimate_covers_the_true_error(dimensions, axial_compliance, chan
         assert error <= 1.5 * found.error_estimate
         assert found.error_estimate <= 2.0 * error
         assert error <= 1.2 * accuracy
+
+
+def test_a_coarse_mesh_that_was_made_finer_still_differs(throw, monkeypatch):
+    make, factors = fem.analysis.mesh_throw, []
+
+    def finer_at_first(given, factor):
+        factors.append(0.6 * factor if not factors else factor)
+        return make(given, factors[-1])
+
+    monkeypatch.setattr(fem.analysis, "mesh_throw", finer_at_first)
+    found = analyze_throw(throw, accuracy=0.1)
+    assert factors[0] / factors[1] == pytest.approx(1.5)
+    assert 0.0 < found.error_estimate < 0.1
