@@ -26,7 +26,9 @@ if TYPE_CHECKING:
     from fem.solver import SolveError
     from fem.supports import EndReaction, Neighbors, Reactions
     from geometry.errors import InputError, MeshError, MissingLibraryError
+    from geometry.shaft_ends import ShaftEnds
     from geometry.throw import CrankThrow
+    from geometry.throw_sections import Counterweight, FurtherPin, Web
     from regression.axial_formulas import axial_formula, axial_formulas
     from regression.compliance_model import ComplianceModel, Lookup, OutsideRangeWarning
     from regression.formula_value import FormulaValue
@@ -92,7 +94,13 @@ _HOMES = {
             "MeshError",
             "MissingLibraryError",
         ),
+        "geometry.shaft_ends": ("ShaftEnds",),
         "geometry.throw": ("CrankThrow",),
+        "geometry.throw_sections": (
+            "Counterweight",
+            "FurtherPin",
+            "Web",
+        ),
         "regression.axial_formulas": (
             "axial_formula",
             "axial_formulas",
@@ -112,11 +120,13 @@ __all__ = [
     "STEEL",
     "Chain",
     "ComplianceModel",
+    "Counterweight",
     "CrankThrow",
     "CriticalSpeed",
     "EndReaction",
     "EngineFile",
     "FormulaValue",
+    "FurtherPin",
     "Harmonics",
     "InputError",
     "Lookup",
@@ -129,11 +139,13 @@ __all__ = [
     "Reactions",
     "RunResult",
     "ShaftCompliances",
+    "ShaftEnds",
     "SolveError",
     "StudyResult",
     "ThrowAnalysis",
     "TorqueTable",
     "TwoMassCheck",
+    "Web",
     "analyze_throw",
     "axial_formula",
     "axial_formulas",

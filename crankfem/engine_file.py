@@ -23,6 +23,7 @@ from crankfem.toml_file import InputRecord, TomlFile, read_toml
 from fem.material import STEEL, Material
 from geometry.errors import InputError
 from geometry.quantity import parse_quantity, show_quantity
+from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 from regression.axial_formulas import AXIAL_FORMULA_NAMES
 from regression.study import StudyPlan, plan_designs
@@ -36,7 +37,7 @@ class EngineFile:
     Attributes
     ----------
     path : Path
-    engine, throw, material, rod, piston, flywheel, thrust_bearing, vibration
+    engine, throw, shaft_ends, material, rod, piston, flywheel, thrust_bearing, vibration
         Its sections.
     free_end, gas, torque_table, two_mass, study
         Optional sections; None where the file lacks them.
@@ -49,6 +50,7 @@ class EngineFile:
     path: Path
     engine: Engine
     throw: CrankThrow
+    shaft_ends: ShaftEnds
     material: Material
     rod: Rod
     piston: Piston
@@ -72,6 +74,7 @@ class EngineFile:
 REQUIRED = {
     "engine": True,
     "throw": True,
+    "shaft_ends": False,
     "material": False,
     "rod": True,
     "piston": True,
@@ -135,6 +138,7 @@ def load_engine(path: str | Path) -> EngineFile:
         path=content.path,
         engine=engine,
         throw=throw,
+        shaft_ends=content.model("shaft_ends", ShaftEnds) or ShaftEnds(),
         material=material,
         rod=rod,
         piston=_required(content.model("piston", Piston)),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from geometry.errors import InputError
-from geometry.model import InputModel, field_extra
+from geometry.model import InputModel, field_extra, part_kind
 
 Model = TypeVar("Model", bound=InputModel)
 
@@ -92,16 +92,31 @@ class TomlFile:
             return None
         values = self.sections[section]
         made = kind.from_text(values, section)
-        for name, info in kind.model_fields.items():
+        self._record(section, made, values)
+        return made
+
+    def _record(self, section: str, made: InputModel, values: Mapping[str, Any]) -> None:
+        """Note every value of a record, and of the records in it that the file gives."""
+        for name, info in type(made).model_fields.items():
+            field_name, value = f"{section}.{name}", getattr(made, name)
+            if part_kind(info) is not None:
+                parts = values.get(name, ())
+                if isinstance(parts, Mapping):
+                    self._record(field_name, value, parts)
+                else:
+                    for place, part in enumerate(parts):
+                        self._record(f"{field_name}[{place}]", value[place], part)
+                continue
             if name in values:
-                source, assumed = self.provenance.get(f"{section}.{name}", (self.path.name, False))
+                source, assumed = self.provenance.get(field_name, (self.path.name, False))
                 given = _show(values[name])
+            elif value is None or field_extra(info, "feature"):
+                continue
             else:
-                source, assumed = "default", True
-                given = _show(getattr(made, name))
+                source, assumed, given = "default", True, _show(value)
             self.records.append(
                 InputRecord(
-                    field=f"{section}.{name}",
+                    field=field_name,
                     given=given,
                     meaning=info.description or "",
                     symbol=field_extra(info, "symbol") or "",
@@ -109,7 +124,6 @@ class TomlFile:
                     assumed=assumed,
                 )
             )
-        return made
 
 
 def read_toml(path: Path) -> TomlFile:
@@ -141,13 +155,32 @@ def read_toml(path: Path) -> TomlFile:
                 f"{path.name}: {section}: given {values!r} outside any section; "
                 "allowed are sections like [throw]."
             )
-        sections[section] = {}
-        for name, value in values.items():
-            plain, origin = _split(f"{section}.{name}", value, sources)
-            sections[section][name] = plain
-            if origin is not None:
-                provenance[f"{section}.{name}"] = origin
+        sections[section] = _values_apart(section, values, sources, provenance)
     return TomlFile(path, sections, provenance, {k: str(v) for k, v in sources.items()})
+
+
+def _values_apart(
+    prefix: str,
+    values: Mapping[str, Any],
+    sources: Mapping[str, str],
+    provenance: dict[str, tuple[str, bool]],
+) -> dict[str, Any]:
+    """Take the values of a table, and of the tables in it, out of their sources."""
+    plain: dict[str, Any] = {}
+    for name, value in values.items():
+        field_name = f"{prefix}.{name}"
+        if isinstance(value, dict) and "value" not in value:
+            plain[name] = _values_apart(field_name, value, sources, provenance)
+        elif isinstance(value, list) and value and all(isinstance(item, dict) for item in value):
+            plain[name] = [
+                _values_apart(f"{field_name}[{place}]", item, sources, provenance)
+                for place, item in enumerate(value)
+            ]
+        else:
+            plain[name], origin = _split(field_name, value, sources)
+            if origin is not None:
+                provenance[field_name] = origin
+    return plain
 
 
 def _split(

@@ -4,18 +4,21 @@ Run by hand after a change of a field: ``python docs/build_engine_files.py``; a 
 """
 
 from pathlib import Path
+from typing import Literal, get_args, get_origin
 
 from pydantic_core import PydanticUndefined
 
 from crankfem import engine_sections
 from fem.material import Material
-from geometry.model import InputModel, field_extra
+from geometry.model import InputModel, field_extra, part_kind
 from geometry.quantity import DISPLAY_UNITS, show_quantity
+from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 
 SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
     (engine_sections.Engine, "required"),
     (CrankThrow, "required"),
+    (ShaftEnds, "optional"),
     (Material, "optional, steel by default"),
     (engine_sections.Rod, "required"),
     (engine_sections.Piston, "required"),
@@ -71,15 +74,34 @@ def page() -> str:
     """Return the text of the page."""
     parts = [INTRODUCTION]
     for model, need in SECTIONS:
-        parts.append(f"\n## [{model.section}] ({need})\n")
-        parts.append("| field | unit | allowed | meaning |\n|---|---|---|---|")
-        for name, info in model.model_fields.items():
+        parts += _section(model, f"[{model.section}]", need)
+    return "\n".join(parts) + "\n" + STUDY
+
+
+def _section(model: type[InputModel], title: str, need: str) -> list[str]:
+    """Describe a section and the tables in it."""
+    parts = [
+        f"\n## {title} ({need})\n",
+        "| field | unit | allowed | meaning |\n|---|---|---|---|",
+    ]
+    tables: list[str] = []
+    described: set[type[InputModel]] = set()
+    for name, info in model.model_fields.items():
+        kind = part_kind(info)
+        if kind is None:
             unit = field_extra(info, "unit")
             shown = "" if unit is None else DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
             symbol = field_extra(info, "symbol")
             meaning = (info.description or "") + (f" ({symbol})" if symbol else "")
             parts.append(f"| {name} | {shown} | {_allowed(info)} | {meaning} |")
-    return "\n".join(parts) + "\n" + STUDY
+            continue
+        inner = f"{title[1:-1]}.{name}"
+        inner = f"[[{inner}]]" if field_extra(info, "many") else f"[{inner}]"
+        parts.append(f"| {name} | | a table {inner} | {info.description} |")
+        if kind not in described:
+            tables += _section(kind, inner, "optional")
+            described.add(kind)
+    return parts + tables
 
 
 def _allowed(info: object) -> str:
@@ -87,8 +109,10 @@ def _allowed(info: object) -> str:
     allowed = ""
     if unit is not None and low is not None and high is not None:
         allowed = f"{show_quantity(low, unit)} to {show_quantity(high, unit)}"
+    if get_origin(info.annotation) is Literal:
+        allowed = " or ".join(get_args(info.annotation))
     default = info.default
-    if default is not PydanticUndefined and default is not ...:
+    if default is not PydanticUndefined and default is not ... and default is not None:
         text = show_quantity(default, unit) if unit and isinstance(default, float) else f"{default}"
         allowed += f"{', ' if allowed else ''}default {text}"
     return allowed

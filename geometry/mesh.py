@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from geometry.errors import MeshError
 from geometry.gmsh_session import gmsh_session
 from geometry.shapes import jacobians, shapes_at_nodes, shapes_for_quadrature
-from geometry.solid import FILLET, build_quarter, place_tolerance
+from geometry.solid import FILLET, PIN, build_quarter, place_tolerance
 from geometry.throw import CrankThrow
 
 # gmsh numbers the edges of a 10-node tetrahedron in another order than scikit-fem.
@@ -30,16 +30,24 @@ FINER_SHARES = (1.0, 0.8, 0.6)
 
 @dataclass(frozen=True)
 class ThrowMesh:
-    """A mesh of the quarter x >= 0, z <= length / 2 of a throw.
+    """A mesh of a throw or of the part of it that its symmetry leaves.
 
     Attributes
     ----------
+    part : {"quarter", "half", "full"}
+        What is meshed: x >= 0 and z <= length / 2, only x >= 0, or everything.
+    length : float
+        Length of the whole throw along the shaft [m].
+    pins : tuple of str
+        Names of the crankpins' surfaces, "pin", "pin 2" ...
     points : (n, 3) array
         Node coordinates in the throw frame [m].
     elements : (m, 10) array
         Node numbers of the tetrahedra, corner nodes first, edge nodes in scikit-fem's order.
     surfaces : dict
-        Corner node numbers (k, 3) of the facets of each named surface.
+        Corner node numbers (k, 3) of the facets of each named surface: "left end", "right end" (not of
+        a quarter), "crank plane" and "middle plane" (the cuts), each of `pins`, "main journal",
+        "fillet", "web", "bore", "counterweight".
     size_factor : float
         The size factor the mesh was made with: 1 is the default, smaller is finer.
     mended_elements : int
@@ -48,6 +56,9 @@ class ThrowMesh:
         Volume of the quarter solid [m^3].
     """
 
+    part: str
+    length: float
+    pins: tuple[str, ...]
     points: NDArray[np.float64]
     elements: NDArray[np.int64]
     surfaces: dict[str, NDArray[np.int64]]
@@ -108,7 +119,9 @@ def _mesh_once(throw: CrankThrow, size_factor: float) -> ThrowMesh:
             raise MeshError(f"gmsh could not mesh the throw: {error}") from error
         points, elements, facets = _read_mesh(gmsh, surfaces)
     points, mended = _mend(points, elements)
-    return ThrowMesh(points, elements, facets, size_factor, mended, volume)
+    return ThrowMesh(
+        "quarter", throw.length, (PIN,), points, elements, facets, size_factor, mended, volume
+    )
 
 
 def _set_sizes(gmsh: Any, throw: CrankThrow, surfaces: dict[str, list[int]], factor: float) -> None:

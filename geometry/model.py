@@ -1,7 +1,7 @@
 """The base of all validated input: pydantic models whose errors are one clear sentence each."""
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
@@ -18,10 +18,12 @@ def quantity_field(
     minimum: float | None = None,
     maximum: float | None = None,
     default: Any = ...,
+    feature: bool = False,
 ) -> Any:
     """Declare a field of a physical quantity: SI unit, allowed range, meaning, the papers' symbol.
 
-    File format, error texts, help and docs all read this one declaration.
+    File format, error texts, help and docs all read this one declaration. A `feature` is something
+    that is not there unless it is given: its default is no assumption.
     """
     return Field(
         default,
@@ -33,7 +35,28 @@ def quantity_field(
             "symbol": symbol,
             "minimum_si": minimum,
             "maximum_si": maximum,
+            "feature": feature or default is None,
         },
+    )
+
+
+def part_field(meaning: str, kind: type["InputModel"], *, many: bool = False) -> Any:
+    """Declare an optional part of a record that is a record itself, or a list of such (`many`)."""
+    return Field(
+        () if many else None,
+        description=meaning,
+        json_schema_extra={"part": kind.section, "many": many},
+    )
+
+
+def part_kind(info: FieldInfo) -> type["InputModel"] | None:
+    """Return the record that a field of parts holds, or None for any other field."""
+    if field_extra(info, "part") is None:
+        return None
+    return next(
+        kind
+        for kind in get_args(info.annotation)
+        if isinstance(kind, type) and issubclass(kind, InputModel)
     )
 
 
@@ -87,8 +110,10 @@ class InputModel(BaseModel):
             if key not in cls.model_fields:
                 raise InputError(f"{prefix}{key}: unknown field; {_allowed_names(cls, key)}.")
             info = cls.model_fields[key]
-            unit = field_extra(info, "unit")
-            if unit is None:
+            unit, part = field_extra(info, "unit"), part_kind(info)
+            if part is not None:
+                converted[key] = _parts_from_text(part, info, text, f"{prefix}{key}")
+            elif unit is None:
                 converted[key] = text
             elif isinstance(text, list):
                 converted[key] = tuple(
@@ -103,6 +128,19 @@ class InputModel(BaseModel):
             message = str(error)
             own = f"{cls.section}." if cls.section else ""
             raise InputError(prefix + message.removeprefix(own)) from None
+
+
+def _parts_from_text(kind: type[InputModel], info: FieldInfo, value: object, name: str) -> Any:
+    """Build the record, or the tuple of records, that stands in a table of its own."""
+    if field_extra(info, "many"):
+        if not isinstance(value, list) or not all(isinstance(item, Mapping) for item in value):
+            raise InputError(
+                f"{name}: given {value!r}; allowed is a list of tables, each under [[{name}]]."
+            )
+        return tuple(kind.from_text(item, f"{name}[{place}]") for place, item in enumerate(value))
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name}: given {value!r}; allowed is a table [{name}].")
+    return kind.from_text(value, name)
 
 
 def field_extra(info: FieldInfo, key: str) -> Any:
@@ -146,6 +184,9 @@ def _sentence(model: type[InputModel], error: ValidationError) -> str:
         shown = show_quantity(float(given), unit)
     else:
         shown = repr(given)
+    if first["type"] == "literal_error":
+        expected = str(first["ctx"]["expected"]).replace("'", "")
+        return f"{field}: given {given!r}; allowed is {expected}."
     allowed = _range(known) if unit is not None else ""
     if first["type"] in _KINDS:
         allowed = f"{_KINDS[first['type']]}, {allowed}".removesuffix(", ")

@@ -3,27 +3,22 @@
 import math
 from typing import ClassVar, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from geometry.errors import InputError
-from geometry.model import InputModel, quantity_field
-from geometry.quantity import show_quantity
-
-# A fillet may take this share of a journal's length (two fillets share one journal), so that a
-# tenth of it stays a cylinder for the bearing and for the pin load.
-FILLET_SHARE_OF_LENGTH = 0.45
-# Below this share of the journal diameter a fillet acts as a sharp corner, and meshing it only
-# costs unknowns.
-SMALLEST_FILLET_SHARE = 0.01
-# The web must be wider than an unfilleted journal by this share of its diameter.
-SMALLEST_LEDGE = 1e-3
+from geometry.model import InputModel, part_field, quantity_field
+from geometry.parts import ThrowParts, throw_parts
+from geometry.throw_checks import check_throw
+from geometry.throw_sections import Counterweight, FurtherPin, Outline, Web
+from geometry.volume import throw_volume
 
 
 class CrankThrow(InputModel):
     """The dimensions of one crank throw, from the middle of one main journal to that of the next.
 
-    Both webs are equal: obround plates (the hull of two circles of diameter B about the shaft and
-    the crankpin axis). Fillets of one radius run round both ends of journals and pin, on the web.
+    The first eight describe an ordinary throw: equal obround webs (the hull of two circles of
+    diameter B about the shaft and the crankpin axis), with fillets of one radius round both ends of
+    journals and pin, on the web. All others are optional.
 
     Parameters
     ----------
@@ -35,6 +30,30 @@ class CrankThrow(InputModel):
         B, h [m].
     fillet_radius : float, optional
         Radius of the fillets at main journals and pin [m]; 0 for sharp corners.
+    main_journal_fillet_radius, pin_fillet_radius : float, optional
+        Where the two differ [m].
+    main_journal_bore, pin_bore : float, optional
+        d_km, d_shm [m]: diameters of bores that run through journal or pin and the webs beside it; in
+        a web they end where they meet the other journal.
+    main_journal_bore_offset, pin_bore_offset : float, optional
+        Distances of the bores' axes from the journals' [m], positive from the shaft towards the pin.
+    web_outline : {"obround", "rectangle"}, optional
+    web_journal_end, web_pin_end : float, optional
+        Distance from the shaft and from the pin axis to the web's ends [m], B / 2 by default. In an
+        obround web they are the radii of the ends: smaller than B / 2 narrows the web, larger ones
+        are cut by its straight sides.
+    web_corner_radius, web_corner_chamfer : float, optional
+        Of a rectangle's corners [m].
+    web_tip_thickness, web_foot_thickness : float, optional
+        Thickness at the pin end and at the journal end [m]: the web gets thinner along a slope on
+        its outer face from the main journal's fillet to the pin end, and on its inner face from the
+        pin's fillet to the journal end.
+    counterweight : Counterweight, optional
+        On both webs.
+    left_web, right_web : Web, optional
+        What one web has of its own.
+    further_pins : tuple of FurtherPin, optional
+        Pins that follow the first where a bearing is missing, or the other half of a split pin.
 
     Raises
     ------
@@ -84,17 +103,128 @@ class CrankThrow(InputModel):
         default=0.0,
     )
 
+    main_journal_fillet_radius: float | None = quantity_field(
+        "fillet radius at the main journals, if it differs",
+        "m",
+        symbol="r_km",
+        minimum=0.0,
+        maximum=0.3,
+        default=None,
+    )
+    pin_fillet_radius: float | None = quantity_field(
+        "fillet radius at the pin, if it differs",
+        "m",
+        symbol="r_shm",
+        minimum=0.0,
+        maximum=0.3,
+        default=None,
+    )
+    main_journal_bore: float = quantity_field(
+        "bore diameter of main journals and the webs beside them",
+        "m",
+        symbol="d_km",
+        minimum=0.0,
+        maximum=2.0,
+        default=0.0,
+        feature=True,
+    )
+    pin_bore: float = quantity_field(
+        "bore diameter of the crankpin and the webs beside it",
+        "m",
+        symbol="d_shm",
+        minimum=0.0,
+        maximum=2.0,
+        default=0.0,
+        feature=True,
+    )
+    main_journal_bore_offset: float = quantity_field(
+        "distance of the main journals' bore from the shaft axis, positive towards the pin",
+        "m",
+        minimum=-1.0,
+        maximum=1.0,
+        default=0.0,
+        feature=True,
+    )
+    pin_bore_offset: float = quantity_field(
+        "distance of the pin's bore from the pin axis, positive away from the shaft",
+        "m",
+        minimum=-1.0,
+        maximum=1.0,
+        default=0.0,
+        feature=True,
+    )
+    web_outline: Outline = Field(
+        "obround", description="outline of the webs: obround or rectangle", json_schema_extra={}
+    )
+    web_journal_end: float | None = quantity_field(
+        "distance from the shaft axis to the web's end; radius of that end if obround; B / 2 if not given",
+        "m",
+        minimum=0.0025,
+        maximum=4.0,
+        default=None,
+    )
+    web_pin_end: float | None = quantity_field(
+        "distance from the pin axis to the web's end; radius of that end if obround; B / 2 if not given",
+        "m",
+        minimum=0.0025,
+        maximum=4.0,
+        default=None,
+    )
+    web_corner_radius: float = quantity_field(
+        "radius of a rectangular web's corners",
+        "m",
+        minimum=0.0,
+        maximum=2.0,
+        default=0.0,
+        feature=True,
+    )
+    web_corner_chamfer: float = quantity_field(
+        "chamfer of a rectangular web's corners, 45 deg",
+        "m",
+        minimum=0.0,
+        maximum=2.0,
+        default=0.0,
+        feature=True,
+    )
+    web_tip_thickness: float | None = quantity_field(
+        "web thickness at its pin end, sloped on the outer face; h if not given",
+        "m",
+        minimum=0.001,
+        maximum=1.5,
+        default=None,
+    )
+    web_foot_thickness: float | None = quantity_field(
+        "web thickness at its journal end, sloped on the inner face; h if not given",
+        "m",
+        minimum=0.001,
+        maximum=1.5,
+        default=None,
+    )
+    counterweight: Counterweight | None = part_field("counterweight on both webs", Counterweight)
+    left_web: Web | None = part_field("what the left web has of its own", Web)
+    right_web: Web | None = part_field("what the right web has of its own", Web)
+    further_pins: tuple[FurtherPin, ...] = part_field(
+        "further pins without a main bearing before them", FurtherPin, many=True
+    )
+
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        _check_web_width(self)
-        _check_fillet(self)
-        _check_proportions(self)
+        try:
+            parts = self.parts
+        except InputError as error:
+            raise InputError(f"throw.web_width: {error}") from None
+        check_throw(self, parts)
         return self
+
+    @property
+    def parts(self) -> ThrowParts:
+        """The throw as the sequence of its parts, left to right."""
+        return throw_parts(self)
 
     @property
     def length(self) -> float:
         """Length of the throw along the shaft, the distance of the main bearings [m]."""
-        return self.main_journal_length + 2.0 * self.web_thickness + self.pin_length
+        return self.parts.length
 
     @property
     def overlap(self) -> float:
@@ -103,98 +233,83 @@ class CrankThrow(InputModel):
 
     @property
     def volume(self) -> float:
-        """Volume of the throw [m^3], by the closed form of its parts."""
-        web = math.pi / 4.0 * self.web_width**2 + self.web_width * self.crank_radius
-        journals = 0.0
-        for diameter, length in (
-            (self.main_journal_diameter, self.main_journal_length),
-            (self.pin_diameter, self.pin_length),
-        ):
-            journals += math.pi / 4.0 * diameter**2 * length
-            journals += 2.0 * _fillet_ring_volume(diameter / 2.0, self.fillet_radius)
-        return 2.0 * web * self.web_thickness + journals
+        """Volume of the throw [m^3], from its parts."""
+        return throw_volume(self.parts)
 
-
-def _fillet_ring_volume(journal_radius: float, fillet_radius: float) -> float:
-    """Volume between a cylinder, a flat web face and the fillet that joins them (Pappus) [m^3]."""
-    area = fillet_radius**2 * (1.0 - math.pi / 4.0)
-    # Centroid of the square r x r less its quarter circle, from the journal's surface.
-    square = fillet_radius**2 * 0.5 * fillet_radius
-    quarter = math.pi / 4.0 * fillet_radius**2 * (1.0 - 4.0 / (3.0 * math.pi)) * fillet_radius
-    if area == 0.0:
-        return 0.0
-    centroid = (square - quarter) / area
-    return 2.0 * math.pi * (journal_radius + centroid) * area
-
-
-def _check_web_width(throw: CrankThrow) -> None:
-    for name, label, diameter in (
-        ("main_journal_diameter", "main journal", throw.main_journal_diameter),
-        ("pin_diameter", "crankpin", throw.pin_diameter),
-    ):
-        # A journal whose surface is also that of the web cannot be meshed; a fillet keeps them apart.
-        limit = throw.web_width / (1.0 if throw.fillet_radius > 0.0 else 1.0 + SMALLEST_LEDGE)
-        if diameter > limit:
-            raise InputError(
-                f"throw.{name}: given {show_quantity(diameter, 'm')}; allowed is at most "
-                f"{show_quantity(limit, 'm')} with a web width of {show_quantity(throw.web_width, 'm')}, "
-                f"or the {label} would stand outside the web."
+    @property
+    def filleted(self) -> bool:
+        """Whether every journal and pin has fillets on its webs."""
+        return all(
+            fillet > 0.0
+            for web, *joined in zip(
+                self.parts.webs, self.parts.cylinders, self.parts.cylinders[1:], strict=False
             )
-
-
-def _check_fillet(throw: CrankThrow) -> None:
-    radius = throw.fillet_radius
-    if radius == 0.0:
-        return
-    limits = [
-        (
-            FILLET_SHARE_OF_LENGTH * throw.main_journal_length,
-            f"the main journal of {show_quantity(throw.main_journal_length, 'm')} is too short for two "
-            "larger fillets",
-        ),
-        (
-            FILLET_SHARE_OF_LENGTH * throw.pin_length,
-            f"the crankpin of {show_quantity(throw.pin_length, 'm')} is too short for two larger fillets",
-        ),
-        (
-            0.5 * (throw.web_width - throw.main_journal_diameter),
-            f"the web of {show_quantity(throw.web_width, 'm')} is too narrow for a larger one round the "
-            f"main journal of {show_quantity(throw.main_journal_diameter, 'm')}",
-        ),
-        (
-            0.5 * (throw.web_width - throw.pin_diameter),
-            f"the web of {show_quantity(throw.web_width, 'm')} is too narrow for a larger one round the "
-            f"crankpin of {show_quantity(throw.pin_diameter, 'm')}",
-        ),
-    ]
-    highest, reason = min(limits, key=lambda limit: limit[0])
-    lowest = SMALLEST_FILLET_SHARE * max(throw.main_journal_diameter, throw.pin_diameter)
-    if radius > highest * (1.0 + 1e-12):
-        if highest < lowest:
-            allowed = "only 0 (sharp corners)"
-        else:
-            allowed = f"0, or {show_quantity(lowest, 'm')} to {show_quantity(highest, 'm')}"
-        raise InputError(
-            f"throw.fillet_radius: given {show_quantity(radius, 'm')}; allowed is {allowed}, "
-            f"because {reason}."
-        )
-    if radius < lowest:
-        raise InputError(
-            f"throw.fillet_radius: given {show_quantity(radius, 'm')}; allowed is 0, or "
-            f"{show_quantity(lowest, 'm')} to {show_quantity(highest, 'm')}, because a smaller one acts as "
-            "a sharp corner (give 0)."
+            for fillet in (joined[0].end_fillet, joined[1].start_fillet)
         )
 
+    @property
+    def symmetry(self) -> str:
+        """The smallest part that says everything: "quarter", "half" (x >= 0) or "full"."""
+        if not self.parts.planar:
+            return "full"
+        return "quarter" if self.parts.mirrored else "half"
 
-def _check_proportions(throw: CrankThrow) -> None:
-    """Refuse parts so thin or short that a mesh of them would never end."""
-    largest = max(throw.main_journal_diameter, throw.pin_diameter, throw.crank_radius)
-    lowest = largest / 25.0
-    for name in ("web_thickness", "main_journal_length", "pin_length"):
-        value = float(getattr(throw, name))
-        if value < lowest:
-            raise InputError(
-                f"throw.{name}: given {show_quantity(value, 'm')}; allowed is "
-                f"{show_quantity(lowest, 'm')} or more beside the throw's other dimensions (up to "
-                f"{show_quantity(largest, 'm')}), because a thinner part cannot be meshed sensibly."
+    def reversed(self) -> "CrankThrow":
+        """Return the same throw described from its other end (turned by half a turn about y)."""
+        pins = self._pin_tables()
+        last = pins[-1].angle
+        turned = [
+            pin.model_copy(
+                update={
+                    "angle": _whole_turn(last - pin.angle),
+                    "web_thickness": after.web_thickness,
+                    "web_width": after.web_width,
+                }
             )
+            for pin, after in zip(pins[-2::-1], pins[:0:-1], strict=True)
+        ]
+        first = pins[-1]
+        values = {name: getattr(self, name) for name in type(self).model_fields}
+        return CrankThrow(
+            **values
+            | {
+                "left_web": self.right_web,
+                "right_web": self.left_web,
+                "crank_radius": first.crank_radius,
+                "pin_diameter": first.diameter,
+                "pin_length": first.length,
+                "pin_fillet_radius": first.fillet_radius,
+                "pin_bore": first.bore,
+                "pin_bore_offset": first.bore_offset,
+                "further_pins": tuple(turned),
+            }
+        )
+
+    def _pin_tables(self) -> list[FurtherPin]:
+        """Every pin with all of its dimensions."""
+        common = FurtherPin(
+            angle=0.0,
+            crank_radius=self.crank_radius,
+            diameter=self.pin_diameter,
+            length=self.pin_length,
+            fillet_radius=(
+                self.fillet_radius if self.pin_fillet_radius is None else self.pin_fillet_radius
+            ),
+            bore=self.pin_bore,
+            bore_offset=self.pin_bore_offset,
+            web_thickness=self.web_thickness,
+            web_width=self.web_width,
+        )
+        return [
+            common,
+            *(
+                common.model_copy(update=pin.model_dump(exclude_none=True))
+                for pin in self.further_pins
+            ),
+        ]
+
+
+def _whole_turn(angle: float) -> float:
+    """Angle within (-pi, pi] [rad]."""
+    turned = -((-angle + math.pi) % (2.0 * math.pi) - math.pi)
+    return 0.0 if turned == 0.0 else turned

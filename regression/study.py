@@ -10,14 +10,19 @@ from numpy.typing import NDArray
 
 from fem.material import STEEL, Material
 from geometry.errors import InputError
+from geometry.model import field_extra
 from geometry.throw import CrankThrow
 from regression.designs import full_factorial, latin_hypercube
 from regression.store import Outcome, ResultStore, content_key
 from regression.workers import TIME_LIMIT, run_designs
 
 # Raise when a change of the model changes results: stored results of older versions are then not used.
-MODEL_VERSION = 1
+MODEL_VERSION = 2
 RUN, HELD_OUT = "run", "held out"
+# The dimensions of a throw that can vary: the numbers among its fields.
+FACTORS = tuple(
+    n for n, info in CrankThrow.model_fields.items() if field_extra(info, "unit") == "m"
+)
 
 
 @dataclass(frozen=True)
@@ -49,10 +54,9 @@ class StudyPlan:
 
     def __post_init__(self) -> None:
         for name, levels in self.levels.items():
-            if name not in CrankThrow.model_fields:
+            if name not in FACTORS:
                 raise InputError(
-                    f"study.factors.{name}: unknown throw dimension; allowed are "
-                    f"{', '.join(CrankThrow.model_fields)}."
+                    f"study.factors.{name}: unknown throw dimension; allowed are {', '.join(FACTORS)}."
                 )
             if len(set(levels)) < 2:
                 raise InputError(
@@ -75,7 +79,7 @@ class StudyPlan:
     def as_record(self) -> dict[str, Any]:
         """Everything that identifies the study, as JSON content in SI units."""
         return {
-            "throw": self.throw.model_dump(),
+            "throw": self.throw.model_dump(mode="json"),
             "material": self.material.model_dump(),
             # A list, because the order of the factors decides which designs are held out.
             "levels": [[name, list(levels)] for name, levels in self.levels.items()],
@@ -134,11 +138,11 @@ def plan_designs(plan: StudyPlan) -> tuple[PlannedDesign, ...]:
 def _planned(plan: StudyPlan, role: str, values: NDArray[np.float64]) -> PlannedDesign:
     changes = {name: float(value) for name, value in zip(plan.factors, values, strict=True)}
     try:
-        throw = CrankThrow(**(plan.throw.model_dump() | changes))
+        throw = CrankThrow(**(plan.throw.model_dump(mode="json") | changes))
     except InputError as error:
         raise InputError(f"study.factors: one of the designs cannot be built: {error}") from None
     inputs = {
-        "throw": throw.model_dump(),
+        "throw": throw.model_dump(mode="json"),
         "material": plan.material.model_dump(),
         "accuracy": plan.accuracy,
     }

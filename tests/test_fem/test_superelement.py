@@ -74,7 +74,17 @@ def whole(mesh, throw):
     assert len(np.unique(points.round(9), axis=0)) == len(points)
     assert smallest_jacobians(points, elements).min() > 0.0
     upper = assemble_stiffness(points, elements, STEEL)
-    full_mesh = ThrowMesh(points, elements, {PIN: facets}, 1.0, 0, 4.0 * mesh.solid_volume)
+    full_mesh = ThrowMesh(
+        "full",
+        throw.length,
+        (PIN,),
+        points,
+        elements,
+        {PIN: facets},
+        1.0,
+        0,
+        4.0 * mesh.solid_volume,
+    )
     return Whole(
         points,
         elements,

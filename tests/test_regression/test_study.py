@@ -89,7 +89,7 @@ def test_inputs_are_the_base_throw_with_the_factors_changed():
     plan = StudyPlan(THROW, TWO, accuracy=0.05)
     for design in plan_designs(plan):
         changes = dict(zip(plan.factors, design.values, strict=True))
-        assert design.inputs["throw"] == THROW.model_dump() | changes
+        assert design.inputs["throw"] == THROW.model_dump(mode="json") | changes
         assert design.inputs["accuracy"] == 0.05
 
 

@@ -36,7 +36,9 @@ def cylinder_quarter(length):
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(2)
         points, elements, _ = _read_mesh(gmsh, {})
-    return ThrowMesh(points, elements, {}, 1.0, 0, AREA * length / 4.0)
+    return ThrowMesh(
+        "quarter", 2.0 * length, ("pin",), points, elements, {}, 1.0, 0, AREA * length / 4.0
+    )
 
 
 def flexibility(length):
