@@ -25,8 +25,15 @@ if TYPE_CHECKING:
     from fem.shaft import ShaftCompliances, shaft_compliances
     from fem.solver import SolveError
     from fem.supports import EndReaction, Neighbors, Reactions
+    from geometry.balance import Unbalance, unbalance
+    from geometry.crankshaft import Crankshaft, throw_masses
     from geometry.errors import InputError, MeshError, MissingLibraryError
+    from geometry.mass import MassProperties
+    from geometry.mesh import ThrowMesh
+    from geometry.mesh_files import write_mesh
+    from geometry.mesher import mesh_isolated as mesh_throw
     from geometry.shaft_ends import ShaftEnds
+    from geometry.solid_files import write_step
     from geometry.throw import CrankThrow
     from geometry.throw_sections import Counterweight, FurtherPin, Web
     from regression.axial_formulas import axial_formula, axial_formulas
@@ -89,6 +96,19 @@ _HOMES = {
             "Neighbors",
             "Reactions",
         ),
+        "geometry.balance": (
+            "Unbalance",
+            "unbalance",
+        ),
+        "geometry.crankshaft": (
+            "Crankshaft",
+            "throw_masses",
+        ),
+        "geometry.mass": ("MassProperties",),
+        "geometry.mesh": ("ThrowMesh",),
+        "geometry.mesh_files": ("write_mesh",),
+        "geometry.mesher": ("mesh_throw",),
+        "geometry.solid_files": ("write_step",),
         "geometry.errors": (
             "InputError",
             "MeshError",
@@ -116,12 +136,16 @@ _HOMES = {
     for name in names
 }
 
+# Public names that are not those at home: users mesh in a process of its own.
+_OTHER_NAMES = {"mesh_throw": "mesh_isolated"}
+
 __all__ = [
     "STEEL",
     "Chain",
     "ComplianceModel",
     "Counterweight",
     "CrankThrow",
+    "Crankshaft",
     "CriticalSpeed",
     "EndReaction",
     "EngineFile",
@@ -130,6 +154,7 @@ __all__ = [
     "Harmonics",
     "InputError",
     "Lookup",
+    "MassProperties",
     "Material",
     "MeshError",
     "MissingLibraryError",
@@ -143,8 +168,10 @@ __all__ = [
     "SolveError",
     "StudyResult",
     "ThrowAnalysis",
+    "ThrowMesh",
     "TorqueTable",
     "TwoMassCheck",
+    "Unbalance",
     "Web",
     "analyze_throw",
     "axial_formula",
@@ -153,12 +180,17 @@ __all__ = [
     "engine_orders",
     "harmonics",
     "load_engine",
+    "mesh_throw",
     "read_torque_table",
     "run_engine",
     "run_study",
     "shaft_compliances",
+    "throw_masses",
     "torsional_formulas",
     "two_mass_check",
+    "unbalance",
+    "write_mesh",
+    "write_step",
 ]
 
 
@@ -166,7 +198,7 @@ def __getattr__(name: str) -> Any:
     """Load a public name when it is first used."""
     if name not in _HOMES:
         raise AttributeError(f"module 'crankfem' has no attribute {name!r}")
-    value = getattr(import_module(_HOMES[name]), name)
+    value = getattr(import_module(_HOMES[name]), _OTHER_NAMES.get(name, name))
     globals()[name] = value
     return value
 

@@ -14,6 +14,7 @@ from crankfem.engine_sections import (
     Gas,
     Piston,
     Rod,
+    ShaftLayout,
     ThrustBearing,
     TorqueTable,
     TwoMassInput,
@@ -21,6 +22,7 @@ from crankfem.engine_sections import (
 )
 from crankfem.toml_file import InputRecord, TomlFile, read_toml
 from fem.material import STEEL, Material
+from geometry.crankshaft import Crankshaft
 from geometry.errors import InputError
 from geometry.quantity import parse_quantity, show_quantity
 from geometry.shaft_ends import ShaftEnds
@@ -74,6 +76,7 @@ class EngineFile:
 REQUIRED = {
     "engine": True,
     "throw": True,
+    "shaft": False,
     "shaft_ends": False,
     "material": False,
     "rod": True,
@@ -166,6 +169,39 @@ def load_throw(path: str | Path) -> tuple[CrankThrow, Material]:
     content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
     throw = _required(content.model("throw", CrankThrow))
     return throw, content.model("material", Material) or STEEL
+
+
+def load_crankshaft(path: str | Path) -> Crankshaft:
+    """Read the whole crankshaft of an engine file: equal throws at their angles, and the ends.
+
+    The angles are ``throw_angles`` of the section [shaft], or the crank angles of [engine].
+
+    Raises
+    ------
+    InputError
+        Also if the file has neither.
+    """
+    content = read_toml(engine_path(path))
+    content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
+    throw = _required(content.model("throw", CrankThrow))
+    layout = content.model("shaft", ShaftLayout)
+    if layout is not None:
+        angles = layout.throw_angles
+    else:
+        engine = content.model("engine", Engine)
+        if engine is None:
+            raise InputError(
+                f"{content.path.name}: the angles of the throws are missing; allowed is throw_angles in a "
+                "section [shaft], or crank_angles in [engine]."
+            )
+        if throw.further_pins:
+            raise InputError(
+                f"{content.path.name}: a throw has {1 + len(throw.further_pins)} pins, so the crank angles "
+                "of [engine] are not those of the throws; give throw_angles in a section [shaft]."
+            )
+        angles = engine.crank_angles
+    ends = content.model("shaft_ends", ShaftEnds) or ShaftEnds()
+    return Crankshaft([throw] * len(angles), angles, ends)
 
 
 def load_study(path: str | Path) -> StudyPlan:

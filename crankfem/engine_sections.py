@@ -85,6 +85,24 @@ class Engine(InputModel):
         return tuple(even_firing_angles(self.firing_order, self.strokes).tolist())
 
 
+class ShaftLayout(InputModel):
+    """How throws follow each other in a shaft whose throws are not its cylinders one by one.
+
+    Raises
+    ------
+    InputError
+        If an angle is no number.
+    """
+
+    section: ClassVar[str] = "shaft"
+
+    throw_angles: tuple[float, ...] = quantity_field(
+        "angle of each throw's first pin, throw by throw from the free end; the crank angles of the "
+        "engine if not given",
+        "rad",
+    )
+
+
 class Rod(InputModel):
     """Connecting rod."""
 

@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from crankfem.pictures.surface import stretched_quarter
+from crankfem.pictures.surface import stretched_part
 from fem.analysis import ThrowAnalysis
 
 
 def write_vtu(analysis: ThrowAnalysis, path: str | Path) -> Path:
-    """Write the solved quarter with its displacement under 1 N of axial pull, ends pinned.
+    """Write the solved mesh with its displacement under 1 N of axial pull, ends pinned.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def write_vtu(analysis: ThrowAnalysis, path: str | Path) -> Path:
     mesh = meshio.Mesh(
         analysis.mesh.points,
         [("tetra10", analysis.mesh.elements)],
-        point_data={"displacement": stretched_quarter(analysis)},
+        point_data={"displacement": stretched_part(analysis)},
     )
     mesh.write(path)
     return Path(path)

@@ -75,7 +75,7 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
             },
         }
     return {
-        "dimensions": analysis.throw.model_dump(),
+        "dimensions": analysis.throw.model_dump(mode="json"),
         "material": analysis.material.model_dump(),
         "supports": supports,
         "radial_force": radial_force,
@@ -88,7 +88,8 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
         "accuracy": analysis.accuracy,
         "accuracy_met": analysis.accuracy_met,
         "unknowns": analysis.mesh.unknowns,
-        "model": "quarter, second-order tetrahedra, end sections rigid",
+        "model": f"{analysis.mesh.part}, second-order tetrahedra, end sections rigid",
+        "meshing_attempts": list(analysis.mesh.attempts),
         "mended_elements": analysis.mesh.mended_elements,
         "solver": analysis.solver,
     }

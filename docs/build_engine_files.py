@@ -18,6 +18,7 @@ from geometry.throw import CrankThrow
 SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
     (engine_sections.Engine, "required"),
     (CrankThrow, "required"),
+    (engine_sections.ShaftLayout, "optional"),
     (ShaftEnds, "optional"),
     (Material, "optional, steel by default"),
     (engine_sections.Rod, "required"),

@@ -1,5 +1,6 @@
 """Analyze a throw: one call from dimensions to superelement, masses and an error estimate."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,14 +10,16 @@ from scipy import sparse
 from fem.assembly import assemble_stiffness
 from fem.class_compliances import axial_answers, torsional_answer
 from fem.condensation import CondensedClass, condense
-from fem.loads import uniform_pin_load
+from fem.loads import radial_directions, uniform_pin_loads
 from fem.material import STEEL, Material
 from fem.superelement import Superelement, combine_classes
 from fem.supports import Reactions, Support, SupportedThrow, reactions, support_throw
-from fem.symmetry import ALL_CLASSES, AXIAL, TORSIONAL, SymmetryClass
+from fem.symmetry import SymmetryClass, axial_class, symmetry_classes, torsional_class
 from geometry.errors import InputError
 from geometry.mass import MassProperties, mass_properties
-from geometry.mesh import ThrowMesh, mesh_throw
+from geometry.mesh import ThrowMesh
+from geometry.mesher import mesh_isolated
+from geometry.sizes import predict_unknowns
 from geometry.throw import CrankThrow
 
 # The error of the compliance falls with the element size to this power. Filleted throws show 1.6 to
@@ -30,6 +33,9 @@ COARSENING = 1.5
 MOST_REFINEMENTS = 3
 MOST_UNKNOWNS = 450_000
 
+# Makes the mesh of a throw with a size factor.
+Mesher = Callable[[CrankThrow, float], ThrowMesh]
+
 
 @dataclass(frozen=True)
 class ThrowAnalysis:
@@ -41,7 +47,7 @@ class ThrowAnalysis:
     material : Material
     superelement : Superelement
     mesh : ThrowMesh
-        Mesh of the quarter that was solved.
+        Mesh of the part of the throw that was solved.
     classes : tuple of CondensedClass
         The solved symmetry classes with their displacement fields.
     masses : MassProperties
@@ -115,23 +121,40 @@ class ThrowAnalysis:
         """Twist per unit torque [rad/(N m)]; parameters as for `axial_compliance`."""
         return self.supported(support).torsional
 
-    def influence_coefficient(self, support: Support = "pinned") -> float:
+    def influence_coefficient(self, support: Support = "pinned", pin: int = 0) -> float:
         """Influence coefficient c of P = c Z / e_n: lengthening per unit radial force Z [m/N].
 
         Z acts on the pin towards the shaft axis, spread uniformly over the pin's surface, and opens
-        the throw, so c > 0. Yamanin and Zhukov 2021, doi 10.24143/2073-1574-2021-4-75-83.
-        """
-        return self.supported(support).influence
+        a throw of one pin, so its c > 0. Yamanin and Zhukov 2021,
+        doi 10.24143/2073-1574-2021-4-75-83.
 
-    def reactions(self, pin_force: ArrayLike, support: Support = "pinned") -> Reactions:
-        """Reactions of the supports on the throw under a force on the pin, axial motion blocked.
+        Parameters
+        ----------
+        support : "pinned", "guided" or Neighbors
+        pin : int
+            Which pin, from 0 at the left.
+
+        Raises
+        ------
+        InputError
+            If the support is none of these, or there is no such pin.
+        """
+        return float(self.supported(support).influences[self._checked_pin(pin)])
+
+    def reactions(
+        self, pin_force: ArrayLike, support: Support = "pinned", pin: int = 0
+    ) -> Reactions:
+        """Reactions of the supports on the throw under a force on a pin, axial motion blocked.
 
         Parameters
         ----------
         pin_force : (3,) array_like
-            Force on the pin in the throw frame [N]; the radial force Z is ``(0, -Z, 0)``.
+            Force on the pin in the throw frame [N]; the radial force Z on the first pin is
+            ``(0, -Z, 0)``.
         support : "pinned", "guided" or Neighbors
             The left end takes the torque.
+        pin : int
+            Which pin, from 0 at the left.
 
         Returns
         -------
@@ -141,7 +164,7 @@ class ThrowAnalysis:
         Raises
         ------
         InputError
-            If the force is not three finite numbers, or the support is unknown.
+            If the force is not three finite numbers, the support is unknown, or there is no such pin.
         """
         try:
             force = np.asarray(pin_force, dtype=float)
@@ -151,7 +174,14 @@ class ThrowAnalysis:
             raise InputError(
                 f"pin_force: given {pin_force!r}; allowed are three finite numbers [N]."
             )
-        return reactions(self.superelement, support, force)
+        return reactions(self.superelement, support, force, self._checked_pin(pin))
+
+    def _checked_pin(self, pin: int) -> int:
+        count = len(self.superelement.pin_loads)
+        if isinstance(pin, bool) or not isinstance(pin, int | np.integer) or not 0 <= pin < count:
+            allowed = "0, for the throw has one pin" if count == 1 else f"0 to {count - 1}"
+            raise InputError(f"pin: given {pin!r}; allowed is {allowed}.")
+        return int(pin)
 
 
 def analyze_throw(
@@ -160,11 +190,13 @@ def analyze_throw(
     accuracy: float = 0.01,
     *,
     solver: str = "auto",
+    mesher: Mesher = mesh_isolated,
 ) -> ThrowAnalysis:
     """Compute a throw's superelement, compliances, reactions and masses by finite elements.
 
-    The quarter of the throw is meshed twice; the difference and the known order of convergence give
-    the error estimate. The mesh is refined until the estimate meets `accuracy`.
+    The throw, or the part of it that its symmetry leaves, is meshed twice; the difference and the known
+    order of convergence give the error estimate. The mesh is refined until the estimate meets
+    `accuracy`.
 
     Parameters
     ----------
@@ -176,6 +208,9 @@ def analyze_throw(
         Wished relative accuracy of the axial compliance, 0.001 to 0.1.
     solver : {"auto", "pardiso", "superlu"}
         Equation solver.
+    mesher : callable
+        How to mesh: throw and size factor to ThrowMesh. By default gmsh runs in a process of its own,
+        which a crash or a hang cannot leave.
 
     Returns
     -------
@@ -200,49 +235,55 @@ def analyze_throw(
     >>> print(f"{analysis.axial_compliance():.2e} m/N")
     1.27e-09 m/N
     """
-    level, estimate = _solve_to(throw, material, accuracy, solver)
-    classes = tuple(level.condense(symmetry, solver) for symmetry in ALL_CLASSES)
+    level, estimate = _solve_to(throw, material, accuracy, solver, mesher)
+    classes = tuple(
+        level.condense(symmetry, solver) for symmetry in symmetry_classes(level.mesh.part)
+    )
     return ThrowAnalysis(
         throw=throw,
         material=material,
-        superelement=combine_classes(classes),
+        superelement=combine_classes(classes, radial_directions(throw)),
         mesh=level.mesh,
         classes=classes,
-        masses=mass_properties(throw, level.mesh, material.density),
+        masses=mass_properties(level.mesh, material.density),
         error_estimate=estimate,
         accuracy=accuracy,
     )
 
 
 def throw_responses(
-    throw: CrankThrow, material: Material = STEEL, accuracy: float = 0.01
+    throw: CrankThrow,
+    material: Material = STEEL,
+    accuracy: float = 0.01,
+    *,
+    mesher: Mesher = mesh_isolated,
 ) -> dict[str, float]:
-    """Compute the numbers that a study keeps of a throw, at half the cost of the whole analysis.
+    """Compute the numbers that a study keeps of a throw, up to half cheaper than the whole analysis.
 
     Parameters, errors as for `analyze_throw`.
 
     Returns
     -------
     dict
-        Compliances [m/N, rad/(N m)] and influence coefficients [m/N] pinned and guided, mass [kg],
-        error estimate of the axial compliance, unknowns of the quarter.
+        Compliances [m/N, rad/(N m)] and the first pin's influence coefficients [m/N] pinned and guided,
+        mass [kg], error estimate of the axial compliance, unknowns of the meshed part.
     """
-    level, estimate = _solve_to(throw, material, accuracy, "auto")
-    torsional = level.condense(TORSIONAL, "auto")
+    level, estimate = _solve_to(throw, material, accuracy, "auto", mesher)
+    torsional = level.condense(torsional_class(level.mesh.part), "auto")
     responses: dict[str, float] = {}
     for support in ("pinned", "guided"):
-        compliance, influence = axial_answers(level.axial_class, support)
+        compliance, influence = axial_answers(level.axial_part, support)
         responses[f"axial_compliance_{support}"] = compliance
         responses[f"torsional_compliance_{support}"] = torsional_answer(torsional, support)
         responses[f"influence_coefficient_{support}"] = influence
-    responses["mass"] = mass_properties(throw, level.mesh, material.density).mass
+    responses["mass"] = mass_properties(level.mesh, material.density).mass
     responses["error_estimate"] = estimate
     responses["unknowns"] = float(level.mesh.unknowns)
     return responses
 
 
 def _solve_to(
-    throw: CrankThrow, material: Material, accuracy: float, solver: str
+    throw: CrankThrow, material: Material, accuracy: float, solver: str, mesher: Mesher
 ) -> tuple["_Level", float]:
     """Refine until the estimated error of the axial compliance meets the accuracy."""
     if not isinstance(material, Material):
@@ -251,13 +292,15 @@ def _solve_to(
         raise InputError(
             f"accuracy: given {accuracy!r}; allowed is 0.001 to 0.1, the relative error of e_n."
         )
-    order = ORDER_FILLETED if throw.fillet_radius > 0.0 else ORDER_SHARP
+    order = ORDER_FILLETED if throw.filleted else ORDER_SHARP
     factor = _first_guess(accuracy, throw)
-    coarse = _Level.solve(throw, material, COARSENING * factor, solver)
+    while predict_unknowns(throw.parts, factor, throw.symmetry) > MOST_UNKNOWNS:
+        factor *= 1.2  # the estimate then says that the accuracy was not met
+    coarse = _Level.solve(mesher(throw, COARSENING * factor), material, solver)
     # The coarse mesh may have been made finer than wished; the two must still differ.
     factor = min(factor, coarse.mesh.size_factor / COARSENING)
     for _ in range(MOST_REFINEMENTS):
-        level = _Level.solve(throw, material, factor, solver)
+        level = _Level.solve(mesher(throw, factor), material, solver)
         factor = level.mesh.size_factor
         ratio = coarse.mesh.size_factor / factor
         estimate = abs(level.axial - coarse.axial) / (ratio**order - 1.0) / level.axial
@@ -272,7 +315,7 @@ def _solve_to(
 
 def _first_guess(accuracy: float, throw: CrankThrow) -> float:
     """Size factor that usually meets the accuracy at once, thin webs included."""
-    if throw.fillet_radius > 0.0:
+    if throw.filleted:
         return min(COARSEST_FILLETED, 0.65 * float((accuracy / 0.01) ** 0.3))
     return min(COARSEST_SHARP, max(0.25, 0.5 * float((accuracy / 0.01) ** (1.0 / ORDER_SHARP))))
 
@@ -284,21 +327,21 @@ class _Level:
     mesh: ThrowMesh
     stiffness: sparse.csr_array
     pin_shapes: NDArray[np.float64]
-    axial_class: CondensedClass
+    axial_part: CondensedClass
 
     @classmethod
-    def solve(cls, throw: CrankThrow, material: Material, factor: float, solver: str) -> "_Level":
-        mesh = mesh_throw(throw, factor)
+    def solve(cls, mesh: ThrowMesh, material: Material, solver: str) -> "_Level":
         stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
-        shapes = uniform_pin_load(mesh)
-        return cls(mesh, stiffness, shapes, condense(mesh, stiffness, shapes, AXIAL, solver))
+        shapes = uniform_pin_loads(mesh)
+        symmetry = axial_class(mesh.part)
+        return cls(mesh, stiffness, shapes, condense(mesh, stiffness, shapes, symmetry, solver))
 
     @property
     def axial(self) -> float:
         """Axial compliance, pinned [m/N]."""
-        return axial_answers(self.axial_class, "pinned")[0]
+        return axial_answers(self.axial_part, "pinned")[0]
 
     def condense(self, symmetry: SymmetryClass, solver: str) -> CondensedClass:
-        if symmetry == AXIAL:
-            return self.axial_class
+        if symmetry == self.axial_part.symmetry:
+            return self.axial_part
         return condense(self.mesh, self.stiffness, self.pin_shapes, symmetry, solver)

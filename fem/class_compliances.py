@@ -1,50 +1,44 @@
-"""Pinned and guided compliances of a throw from two symmetry classes, without the whole 12 x 12.
+"""Pinned and guided compliances of a throw from one symmetry class each, without the whole 12 x 12.
 
-Under these supports an axial force, a torque and a radial pin force each excite one class only.
-Studies, which need nothing else, save half of the solving that way.
+Under these supports an axial force and radial pin forces in the crank plane excite one class only, a
+torque another. Studies, which need nothing else, save up to half of the solving that way.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.condensation import CondensedClass
-
-# Places of the unknowns among a class's three: axial (uy, uz, rx), torsional (ux, ry, rz).
-AXIAL_MOTION, TORSIONAL_MOTION = 1, 2
-KEPT = {
-    "axial": {"pinned": (1, 2), "guided": (1,)},
-    "torsional": {"pinned": (1, 2), "guided": (2,)},
-}
+from fem.loads import RADIAL
+from fem.supports import STRETCH, TWIST, free_motions
 
 
 def axial_answers(part: CondensedClass, support: str) -> tuple[float, float]:
-    """Axial compliance e_n and influence coefficient c, both [m/N].
+    """Axial compliance e_n and influence coefficient c of the first pin, both [m/N].
 
     Parameters
     ----------
     part : CondensedClass
-        The class symmetric about both planes.
+        The meshed part's `fem.symmetry.axial_class`.
     support : {"pinned", "guided"}
     """
-    pull = np.array([0.0, -2.0, 0.0])  # both ends move out by one: the throw lengthens by two
-    radial = -part.pin_load[:, 1]
-    kept = KEPT["axial"][support]
-    return _stretch(part, kept, pull, AXIAL_MOTION), _stretch(part, kept, radial, AXIAL_MOTION)
+    pull = STRETCH @ part.symmetry.ends
+    lengthening = _response(part, support, pull)
+    return float(lengthening @ pull), float(lengthening @ part.pin_loads[0] @ RADIAL)
 
 
 def torsional_answer(part: CondensedClass, support: str) -> float:
-    """Torsional compliance [rad/(N m)] from the class antisymmetric about both planes."""
-    torque = np.array([0.0, 0.0, -2.0])
-    return _stretch(part, KEPT["torsional"][support], torque, TORSIONAL_MOTION)
+    """Torsional compliance [rad/(N m)] from the meshed part's `fem.symmetry.torsional_class`."""
+    torque = TWIST @ part.symmetry.ends
+    return float(_response(part, support, torque) @ torque)
 
 
-def _stretch(
-    part: CondensedClass, kept: tuple[int, ...], work: NDArray[np.float64], motion: int
-) -> float:
-    """Lengthening (or twist) of the throw under loads that do `work` on the class's motions."""
-    unknowns = list(kept)
-    solution = np.zeros(3)
-    # Four quarters make the throw.
-    stiffness = 4.0 * part.stiffness[np.ix_(unknowns, unknowns)]
-    solution[unknowns] = np.linalg.solve(stiffness, work[unknowns])
-    return float(-2.0 * solution[motion])
+def _response(part: CondensedClass, support: str, load: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Amplitudes (k,) of the supported class under a load that does work on its unit motions.
+
+    Multiplied with a second load they are, by reciprocity, also the first one's motion under that.
+    """
+    free = free_motions(part.symmetry.ends, support)
+    stiffness = part.symmetry.copies * part.stiffness[np.ix_(free, free)]
+    amplitudes = np.zeros(len(load))
+    amplitudes[free] = np.linalg.solve(stiffness, load[free])
+    return amplitudes

@@ -1,4 +1,4 @@
-"""Static condensation of a throw's quarter to the rigid motions of its end section."""
+"""Static condensation of a throw's meshed part to the rigid motions of its end sections."""
 
 from dataclasses import dataclass
 
@@ -10,26 +10,26 @@ from fem.assembly import symmetric_product
 from fem.solver import solve_symmetric
 from fem.symmetry import SymmetryClass
 from geometry.mesh import ThrowMesh
-from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE
+from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE, RIGHT_END
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class CondensedClass:
-    """A quarter condensed for one symmetry class.
+    """A throw's meshed part condensed for one symmetry class of k unknowns.
 
     Attributes
     ----------
     symmetry : SymmetryClass
-        Which class.
-    stiffness : (3, 3) array
-        Stiffness of the quarter against unit motions of its end section.
-    fields : (n, 3, 3) array
+        Which class; the columns of its ``ends`` are the unit motions below.
+    stiffness : (k, k) array
+        Stiffness of the meshed part against the unit motions.
+    fields : (n, 3, k) array
         Displacement (node, axis) for each unit motion.
-    pin_load : (3, 3) array
-        Work of a unit force on the pin (uniform on its surface; axis by axis) on each unit motion:
-        entry (motion, axis). Zero where the class does not move the pin along the axis.
+    pin_loads : (pins, k, 3) array
+        Work of a unit force on each whole pin (uniform on its surface; axis by axis) on each unit
+        motion.
     solver : str
         Which solver did it.
     """
@@ -37,7 +37,7 @@ class CondensedClass:
     symmetry: SymmetryClass
     stiffness: Array
     fields: Array
-    pin_load: Array
+    pin_loads: Array
     solver: str
 
 
@@ -48,18 +48,18 @@ def condense(
     symmetry: SymmetryClass,
     solver: str = "auto",
 ) -> CondensedClass:
-    """Condense one symmetry class of a quarter.
+    """Condense one symmetry class of a throw's meshed part.
 
     Parameters
     ----------
     mesh : ThrowMesh
-        The quarter.
+        The meshed part.
     stiffness : sparse array
         Upper triangle of its stiffness.
-    pin_shapes : (n,) array
-        Share of each node in a unit force spread uniformly over the quarter's pin surface.
+    pin_shapes : (pins, n) array
+        Share of each node in a unit force spread uniformly over the meshed surface of each pin.
     symmetry : SymmetryClass
-        The class.
+        The class, one of `fem.symmetry.symmetry_classes` of the part.
     solver : str
         See `fem.solver.solve_symmetric`.
 
@@ -68,17 +68,23 @@ def condense(
     SolveError
         If the system cannot be solved.
     """
-    ends = nodes_on(mesh, LEFT_END)
+    ends = symmetry.ends
+    count = ends.shape[1]
     blocked = np.zeros((len(mesh.points), 3), dtype=bool)
-    for name, axes in zip((CRANK_PLANE, MIDDLE_PLANE), symmetry.blocked_axes(), strict=True):
-        blocked[np.ix_(nodes_on(mesh, name), np.array(axes))] = True
-    blocked[ends] = True
+    for surface, axes in symmetry.blocked_axes().items():
+        blocked[np.ix_(nodes_on(mesh, surface), np.array(axes))] = True
+    fields = np.zeros((len(mesh.points), 3, count))
+    prescribed = {LEFT_END: ends[:6]}
+    if not symmetry.middle_plane:
+        prescribed[RIGHT_END] = ends[6:]
+    for surface, motions in prescribed.items():
+        section = nodes_on(mesh, surface)
+        blocked[section] = True
+        fields[section] = _rigid_motions(mesh.points[section]) @ motions
     free = np.flatnonzero(~blocked.ravel())
 
-    fields = np.zeros((len(mesh.points), 3, 3))
-    fields[ends] = _rigid_motions(mesh.points[ends])[:, :, list(symmetry.end_unknowns)]
-    columns = fields.reshape(-1, 3)
-    # The quarter's share of the prescribed motion acts as a load on the free unknowns.
+    columns = fields.reshape(-1, count)
+    # The meshed part's share of the prescribed motion acts as a load on the free unknowns.
     loads = symmetric_product(stiffness, columns)[free]
     inner = stiffness[free][:, free].tocsr()
     columns[free], used = solve_symmetric(inner, -loads, solver)
@@ -87,24 +93,25 @@ def condense(
         symmetry=symmetry,
         stiffness=0.5 * (energy + energy.T),
         fields=fields,
-        pin_load=np.einsum("n,nam->ma", pin_shapes, fields),
+        pin_loads=np.einsum("pn,nak->pka", pin_shapes, fields) * symmetry.moves_pins,
         solver=used,
     )
 
 
 def nodes_on(mesh: ThrowMesh, surface: str) -> NDArray[np.int64]:
-    """Nodes (corners and edge middles) on one of the plane cuts of the quarter."""
+    """Nodes (corners and edge middles) on one of the end sections or plane cuts."""
     axis, position = {
         LEFT_END: (2, 0.0),
+        RIGHT_END: (2, mesh.length),
         CRANK_PLANE: (0, 0.0),
-        MIDDLE_PLANE: (2, float(mesh.points[:, 2].max())),
+        MIDDLE_PLANE: (2, 0.5 * mesh.length),
     }[surface]
     tolerance = 1e-9 * float(np.abs(mesh.points).max())
     return np.flatnonzero(np.abs(mesh.points[:, axis] - position) < tolerance)
 
 
 def _rigid_motions(points: Array) -> Array:
-    """Displacements (n, 3, 6) of points at z = 0 for the six unit motions of their section."""
+    """Displacements (n, 3, 6) of a section's points for the six unit motions of its center."""
     motions = np.zeros((len(points), 3, 6))
     x, y = points[:, 0], points[:, 1]
     motions[:, 0, 0] = motions[:, 1, 1] = motions[:, 2, 2] = 1.0

@@ -27,7 +27,8 @@ class ShaftCompliances:
         Twist of each throw per unit torque through the shaft [rad/(N m)].
     influence : (n, n) array
         Lengthening of throw i per unit radial force Z on the pin of throw j, the shaft axially free
-        [m/N]; its diagonal is each throw's own c.
+        [m/N]; its diagonal is each throw's own c. Throws of several pins have a column for each of
+        them: columns then follow the pins along the shaft, (n, all pins).
     """
 
     axial: Array
@@ -89,11 +90,13 @@ def shaft_compliances(
         )
     count = len(throws)
     turned = [throw.turned(angle) for throw, angle in zip(throws, crank_angles, strict=True)]
-    loads = np.zeros((6 * (count + 1), 2 + count))
-    loads[6 * count + UZ, 0] = 1.0
-    loads[6 * count + RZ, 1] = 1.0
-    for place, throw in enumerate(turned):
-        loads[6 * place : 6 * place + 12, 2 + place] = -throw.pin_load[:, 1]
+    pulls = np.zeros((6 * (count + 1), 2))
+    pulls[[6 * count + UZ, 6 * count + RZ], [0, 1]] = 1.0
+    radial = [
+        np.pad(throw.radial_loads, ((6 * place, 6 * (count - 1 - place)), (0, 0)))
+        for place, throw in enumerate(turned)
+    ]
+    loads = np.hstack([pulls, *radial])
     motions = solve_shaft(turned, loads)
     stretch = np.diff(motions[UZ::6], axis=0)
     twist = np.diff(motions[RZ::6], axis=0)

@@ -1,13 +1,13 @@
-"""The throw as a superelement: stiffness between its two end sections, and the pin's load."""
+"""The throw as a superelement: stiffness between its two end sections, and the pins' loads."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.condensation import CondensedClass
-from fem.symmetry import MIRROR_X, MIRROR_Z
+from fem.loads import RADIAL
 
 Array = NDArray[np.float64]
 
@@ -23,22 +23,36 @@ class Superelement:
     ----------
     stiffness : (12, 12) array
         Unknowns ux uy uz rx ry rz of the left, then of the right end section, in the throw frame.
-    pin_load : (12, 3) array
-        End loads that a unit force on the pin along x, y, z is equivalent to: with end forces F and
-        pin force p the end motions q satisfy ``stiffness @ q = F + pin_load @ p``.
+    pin_loads : (pins, 12, 3) array
+        End loads that a unit force on each pin along x, y, z is equivalent to: with end forces F and
+        forces p on pin k the end motions q satisfy ``stiffness @ q = F + pin_loads[k] @ p``.
+    radials : (pins, 3) array
+        Direction of a radial force on each pin, towards the shaft.
     """
 
     stiffness: Array
-    pin_load: Array
+    pin_loads: Array
+    radials: Array
+
+    @property
+    def pin_load(self) -> Array:
+        """End loads (12, 3) of unit forces on the first pin."""
+        return np.asarray(self.pin_loads[0])
+
+    @property
+    def radial_loads(self) -> Array:
+        """End loads (12, pins) of a unit radial force on each pin."""
+        return np.asarray(np.einsum("pqa,pa->qp", self.pin_loads, self.radials))
 
     def turned(self, angle: float) -> "Superelement":
         """Return the superelement of the throw turned by an angle [rad] about the shaft, +z.
 
         The motions are then in the shaft frame; pin forces stay in the frame of the throw.
         """
-        turn = section_rotation(angle)
-        both = np.kron(np.eye(2), turn)
-        return Superelement(both @ self.stiffness @ both.T, both @ self.pin_load)
+        both = np.kron(np.eye(2), section_rotation(angle))
+        return replace(
+            self, stiffness=both @ self.stiffness @ both.T, pin_loads=both @ self.pin_loads
+        )
 
 
 def section_rotation(angle: float) -> Array:
@@ -48,25 +62,25 @@ def section_rotation(angle: float) -> Array:
     return np.kron(np.eye(2), turn)
 
 
-def combine_classes(classes: Sequence[CondensedClass]) -> Superelement:
-    """Build the superelement of a whole throw from the four symmetry classes of its quarter.
+def combine_classes(
+    classes: Sequence[CondensedClass], radials: Array = RADIAL[None]
+) -> Superelement:
+    """Build the superelement of a whole throw from all symmetry classes of its meshed part.
 
     Parameters
     ----------
     classes : sequence of CondensedClass
+    radials : (pins, 3) array
+        Direction of a radial force on each pin; by default that of an only pin.
 
     Returns
     -------
     Superelement
     """
     stiffness = np.zeros((12, 12))
-    pin_load = np.zeros((12, 3))
+    pin_loads = np.zeros((len(radials), 12, 3))
     for part in classes:
-        ends = part.symmetry.ends
-        # Four quarters; half the sum of both ends' motions is the class's share of a motion.
-        stiffness += 4.0 * (0.5 * ends) @ part.stiffness @ (0.5 * ends).T
-        moves = (MIRROR_X[:3] == part.symmetry.crank_plane) & (
-            MIRROR_Z[:3] == part.symmetry.middle_plane
-        )
-        pin_load += 0.5 * ends @ (part.pin_load * moves)
-    return Superelement(stiffness, pin_load)
+        shares = part.symmetry.shares
+        stiffness += part.symmetry.copies * shares.T @ part.stiffness @ shares
+        pin_loads += shares.T @ part.pin_loads
+    return Superelement(stiffness, pin_loads, radials)

@@ -11,8 +11,16 @@ from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotat
 from geometry.errors import InputError
 
 Array = NDArray[np.float64]
-RADIAL = np.array([0.0, -1.0, 0.0])
 LONGEST_CHAIN = 64
+# Motions of an end section that a support holds at both ends; besides, the left end is held along and
+# about the shaft.
+HELD = {"pinned": (UX, UY), "guided": (UX, UY, RX, RY)}
+# Differences of the two ends' motions: lengthening and twist. They are also the end loads of a unit
+# force and a unit torque through the throw.
+STRETCH = np.zeros(12)
+STRETCH[[UZ, 6 + UZ]] = -1.0, 1.0
+TWIST = np.zeros(12)
+TWIST[[RZ, 6 + RZ]] = -1.0, 1.0
 
 
 @dataclass(frozen=True)
@@ -70,19 +78,27 @@ class SupportedThrow:
         e_n [m/N].
     torsional : float
         [rad/(N m)]
-    stretch_per_force : (3,) array
-        Lengthening of the axially free throw per unit pin force along x, y, z [m/N]; under
+    stretches : (pins, 3) array
+        Lengthening of the axially free throw per unit force on each pin along x, y, z [m/N]; under
         `Neighbors` all throws carry that force, each in its own frame.
+    influences : (pins,) array
+        Lengthening per unit radial force on each pin, towards the shaft [m/N].
     """
 
     axial: float
     torsional: float
-    stretch_per_force: Array
+    stretches: Array
+    influences: Array
+
+    @property
+    def stretch_per_force(self) -> Array:
+        """Lengthening (3,) per unit force on the first pin along x, y, z [m/N]."""
+        return np.asarray(self.stretches[0])
 
     @property
     def influence(self) -> float:
-        """Influence coefficient c: lengthening per unit radial force Z towards the shaft [m/N]."""
-        return float(self.stretch_per_force @ RADIAL)
+        """Influence coefficient c: lengthening per unit radial force on the first pin [m/N]."""
+        return float(self.influences[0])
 
 
 def support_throw(throw: Superelement, support: Support) -> SupportedThrow:
@@ -98,14 +114,18 @@ def support_throw(throw: Superelement, support: Support) -> SupportedThrow:
     InputError
         If the support is none of these.
     """
-    motions = _motions(throw, support)
-    stretch = motions[6 + UZ] - motions[UZ]
-    twist = motions[6 + RZ] - motions[RZ]
-    return SupportedThrow(float(stretch[0]), float(twist[1]), stretch[2:])
+    motions = end_motions(throw, support)
+    stretches = (STRETCH @ motions[:, 2:]).reshape(-1, 3)
+    return SupportedThrow(
+        axial=float(STRETCH @ motions[:, 0]),
+        torsional=float(TWIST @ motions[:, 1]),
+        stretches=stretches,
+        influences=np.sum(stretches * throw.radials, axis=1),
+    )
 
 
-def reactions(throw: Superelement, support: Support, pin_force: Array) -> Reactions:
-    """End forces on a throw whose pin is loaded and whose length is kept.
+def reactions(throw: Superelement, support: Support, pin_force: Array, pin: int = 0) -> Reactions:
+    """End forces on a throw of which one pin is loaded and whose length is kept.
 
     Parameters
     ----------
@@ -116,44 +136,75 @@ def reactions(throw: Superelement, support: Support, pin_force: Array) -> Reacti
         keeps the length of the middle throw.
     pin_force : (3,) array
         Force on the pin in the throw frame [N], spread uniformly over its surface.
+    pin : int
+        Which pin, from 0 at the left.
 
     Returns
     -------
     Reactions
     """
-    motions = _motions(throw, support)
-    stretch = motions[6 + UZ] - motions[UZ]
-    axial_force = -(stretch[2:] @ pin_force) / stretch[0]
-    combined = motions[:, 2:] @ pin_force + axial_force * motions[:, 0]
-    forces = throw.stiffness @ combined - throw.pin_load @ pin_force
+    motions = end_motions(throw, support)
+    under_force = motions[:, 2 + 3 * pin : 5 + 3 * pin] @ pin_force
+    axial_force = -(STRETCH @ under_force) / (STRETCH @ motions[:, 0])
+    combined = under_force + axial_force * motions[:, 0]
+    forces = throw.stiffness @ combined - throw.pin_loads[pin] @ pin_force
     return Reactions(
         EndReaction(forces[0:3].copy(), forces[3:6].copy()),
         EndReaction(forces[6:9].copy(), forces[9:12].copy()),
     )
 
 
-def _motions(throw: Superelement, support: Support) -> Array:
-    """End motions (12, 5) under unit axial force, unit torque, and unit pin forces along x, y, z.
+def free_motions(ends: Array, support: str) -> NDArray[np.int64]:
+    """Which of some motions of both end sections a support leaves free.
 
-    A motion along the shaft is left free at the right end, so these load cases carry any other.
+    Parameters
+    ----------
+    ends : (12, k) array
+        The motions, each of one kind: those of a symmetry class, or all twelve unit motions.
+    support : {"pinned", "guided"}
+
+    Returns
+    -------
+    (f,) array
+        Numbers of columns. Columns that move the left end alone along or about the shaft are left
+        out, since a rigid motion of the throw keeps it in place; a class that mirrors the ends has
+        columns that move both apart instead, which lengthen or twist the throw and stay.
+    """
+    both = np.abs(ends).reshape(2, 6, -1)
+    held = both[:, HELD[support]].any(axis=(0, 1))
+    rigid = (both[0, [UZ, RZ]] > both[1, [UZ, RZ]]).any(axis=0)
+    return np.flatnonzero(~held & ~rigid)
+
+
+def end_motions(throw: Superelement, support: Support) -> Array:
+    """Motions of a throw's end sections under unit loads.
+
+    Parameters
+    ----------
+    throw : Superelement
+    support : "pinned", "guided" or Neighbors
+
+    Returns
+    -------
+    (12, 2 + 3 pins) array
+        Under a unit axial force, a unit torque, and unit forces along x, y, z on each pin. The right
+        end is free to move along the shaft, so these load cases carry any other.
+
+    Raises
+    ------
+    InputError
+        If the support is none of these.
     """
     if isinstance(support, Neighbors):
         return _between_neighbors(throw, support)
-    if support == "pinned":
-        blocked = [UX, UY, UZ, RZ, 6 + UX, 6 + UY]
-    elif support == "guided":
-        blocked = [UX, UY, UZ, RX, RY, RZ, 6 + UX, 6 + UY, 6 + RX, 6 + RY]
-    else:
+    if not isinstance(support, str) or support not in HELD:
         raise InputError(
             f'support: given {support!r}; allowed are "pinned", "guided" or '
             "Neighbors(left_deg, right_deg), because the compliance depends on it severalfold."
         )
-    free = np.setdiff1d(np.arange(12), blocked)
-    loads = np.zeros((12, 5))
-    loads[6 + UZ, 0] = 1.0
-    loads[6 + RZ, 1] = 1.0
-    loads[:, 2:] = throw.pin_load
-    motions = np.zeros((12, 5))
+    loads = np.column_stack([STRETCH, TWIST, *throw.pin_loads])
+    free = free_motions(np.eye(12), support)
+    motions = np.zeros_like(loads)
     motions[free] = np.linalg.solve(throw.stiffness[np.ix_(free, free)], loads[free])
     return motions
 
@@ -182,20 +233,21 @@ def _chain_motions(throw: Superelement, support: Neighbors, reach: int) -> Array
         throw.stiffness[np.ix_(rows, columns)]
         for rows, columns in ((tilts, tilts), (tilts, through), (through, through))
     )
-    forces = np.column_stack([np.eye(2), throw.pin_load[through]])
+    pin_loads = np.hstack(list(throw.pin_loads))
+    forces = np.hstack([np.eye(2), pin_loads[through]])
     carried = np.linalg.solve(through_part, coupling.T).T
     condensed = tilt_part - carried @ coupling.T
-    tilting = np.column_stack([np.zeros((4, 2)), throw.pin_load[tilts]]) - carried @ forces
+    tilting = np.hstack([np.zeros((4, 2)), pin_loads[tilts]]) - carried @ forces
     places = np.arange(-reach, reach + 1)
     steps = np.where(places < 0, support.left_deg, support.right_deg)
     stiffness = np.zeros((2 * (len(places) + 1),) * 2)
-    loads = np.zeros((len(stiffness), 5))
+    loads = np.zeros((len(stiffness), tilting.shape[1]))
     for place, angle in enumerate(np.deg2rad(steps * places)):
         turn = np.kron(np.eye(2), section_rotation(float(angle))[:2, :2])
         part = slice(2 * place, 2 * place + 4)
         stiffness[part, part] += turn @ condensed @ turn.T
         loads[part] += turn @ tilting
-    motions = np.zeros((12, 5))
+    motions = np.zeros((12, tilting.shape[1]))
     motions[tilts] = np.linalg.solve(stiffness, loads)[2 * reach : 2 * reach + 4]
     motions[through] = np.linalg.solve(through_part, forces - coupling.T @ motions[tilts])
     return motions

@@ -1,14 +1,19 @@
-"""Symmetry classes: how the motions of a whole throw follow from its quarter.
+"""Symmetry classes: how the motions of a whole throw follow from the part of it that is meshed.
 
-Any motion of a throw with equal webs is a sum of four parts, each symmetric or antisymmetric about
-the crank plane (x = 0) and about the middle plane of the pin. Each part is one problem on the
-quarter, with displacements blocked on the cuts.
+A throw whose pins lie in one plane is symmetric about that crank plane (x = 0); if its webs are equal
+it is symmetric about the middle plane of its pin as well. Any motion is then a sum of parts, each
+symmetric or antisymmetric about each of these planes: four for a throw cut to a quarter, two for a
+half, and the motion itself for a throw that is not cut. Each part is one problem on what is meshed,
+with displacements blocked on the cuts.
 """
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+
+from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
 
 # A mirror reverses the displacement across it, and the rotations about the axes along it.
 MIRROR_X = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
@@ -17,40 +22,76 @@ MIRROR_Z = np.array([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
 
 @dataclass(frozen=True)
 class SymmetryClass:
-    """One of the four parts of a motion.
+    """One of the parts of a motion.
 
     Attributes
     ----------
     crank_plane, middle_plane : int
-        +1 symmetric, -1 antisymmetric about that plane.
+        +1 symmetric, -1 antisymmetric about that plane, 0 where the throw is not cut there.
     """
 
     crank_plane: int
     middle_plane: int
 
     @property
-    def end_unknowns(self) -> tuple[int, int, int]:
+    def copies(self) -> int:
+        """How many copies of the meshed part make the whole throw."""
+        return int(2 ** (abs(self.crank_plane) + abs(self.middle_plane)))
+
+    @property
+    def end_unknowns(self) -> NDArray[np.int64]:
         """The unknowns (of ux uy uz rx ry rz) that an end section has in this class."""
-        kept = np.flatnonzero(self.crank_plane == MIRROR_X)
-        return int(kept[0]), int(kept[1]), int(kept[2])
+        return np.flatnonzero(self.crank_plane * MIRROR_X >= 0.0)
 
     @property
     def ends(self) -> NDArray[np.float64]:
-        """Motions (12, 3) of both end sections for unit motions of the left one."""
-        motions = np.zeros((12, 3))
-        for column, unknown in enumerate(self.end_unknowns):
-            motions[unknown, column] = 1.0
-            motions[6 + unknown, column] = self.middle_plane * MIRROR_Z[unknown]
-        return motions
+        """Motions (12, k) of both end sections for unit amplitudes of the class.
 
-    def blocked_axes(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """Displacements blocked on the crank plane and on the middle plane."""
-        return (
-            (0,) if self.crank_plane > 0 else (1, 2),
-            (2,) if self.middle_plane > 0 else (0, 1),
-        )
+        The left end's unknowns, which the right end mirrors if the middle plane is a cut and has
+        besides if it is not.
+        """
+        left = np.eye(6)[:, self.end_unknowns]
+        if self.middle_plane:
+            return np.vstack([left, self.middle_plane * MIRROR_Z[:, None] * left])
+        return np.asarray(np.kron(np.eye(2), left), dtype=np.float64)
+
+    @property
+    def shares(self) -> NDArray[np.float64]:
+        """Amplitudes (k, 12) of the class in unit motions of both end sections."""
+        ends = self.ends
+        return np.asarray(ends.T / np.sum(ends**2, axis=0)[:, None])
+
+    @property
+    def moves_pins(self) -> NDArray[np.bool_]:
+        """Along which axes (3,) the class moves pins that the cuts halve; the others cancel."""
+        return (self.crank_plane * MIRROR_X[:3] >= 0.0) & (self.middle_plane * MIRROR_Z[:3] >= 0.0)
+
+    def blocked_axes(self) -> dict[str, tuple[int, ...]]:
+        """Displacements blocked on each cut."""
+        blocked: dict[str, tuple[int, ...]] = {}
+        if self.crank_plane:
+            blocked[CRANK_PLANE] = (0,) if self.crank_plane > 0 else (1, 2)
+        if self.middle_plane:
+            blocked[MIDDLE_PLANE] = (2,) if self.middle_plane > 0 else (0, 1)
+        return blocked
 
 
-AXIAL = SymmetryClass(1, 1)
-TORSIONAL = SymmetryClass(-1, -1)
-ALL_CLASSES = (AXIAL, SymmetryClass(1, -1), SymmetryClass(-1, 1), TORSIONAL)
+# Which planes each part of a throw is cut by: the crank plane, the middle plane.
+CUTS = {"quarter": (1, 1), "half": (1, 0), "full": (0, 0)}
+
+
+def symmetry_classes(part: str) -> tuple[SymmetryClass, ...]:
+    """All classes of a "quarter", "half" or "full" throw."""
+    signs = ((1, -1) if cut else (0,) for cut in CUTS[part])
+    return tuple(SymmetryClass(*planes) for planes in product(*signs))
+
+
+def axial_class(part: str) -> SymmetryClass:
+    """Return the class that an axial force and a radial force on the pins excite."""
+    return SymmetryClass(*CUTS[part])
+
+
+def torsional_class(part: str) -> SymmetryClass:
+    """Return the class that a torque excites; that of the axial force in a throw that is not cut."""
+    crank_plane, middle_plane = CUTS[part]
+    return SymmetryClass(-crank_plane, -middle_plane)

@@ -31,6 +31,7 @@ OPTIONS = {
     "General.NumThreads": 1,
     "Geometry.Tolerance": 1e-8,
     "Geometry.OCCParallel": 0,
+    "Geometry.OCCUnionUnify": 1,
     "Mesh.Algorithm": 6,
     "Mesh.Algorithm3D": 1,
     "Mesh.ElementOrder": 1,

@@ -1,12 +1,12 @@
-"""Mass, center of mass and inertia of a throw, from the mesh of its quarter."""
+"""Mass, center of mass and inertia of a throw."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.mesh import ThrowMesh, element_quadrature
-from geometry.throw import CrankThrow
+from geometry.mesh import SolidProperties, ThrowMesh, element_quadrature
 
 
 @dataclass(frozen=True)
@@ -32,16 +32,43 @@ class MassProperties:
         """Moment of inertia about the shaft axis [kg m^2]."""
         return float(self.inertia[2, 2] + self.mass * (self.center[0] ** 2 + self.center[1] ** 2))
 
+    def moved(self, angle: float, along: float) -> "MassProperties":
+        """Return those of the part turned by an angle [rad] about +z and moved along the shaft [m]."""
+        cosine, sine = np.cos(angle), np.sin(angle)
+        turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+        center = turn @ self.center + np.array([0.0, 0.0, along])
+        return MassProperties(self.mass, center, turn @ self.inertia @ turn.T)
 
-def mass_properties(throw: CrankThrow, mesh: ThrowMesh, density: float) -> MassProperties:
-    """Integrate mass, center and inertia over the quarter and mirror them.
+
+def together(parts: Sequence[MassProperties]) -> MassProperties:
+    """Mass properties of several parts as one rigid body."""
+    mass = sum(part.mass for part in parts)
+    center = sum((part.mass * part.center for part in parts), np.zeros(3)) / mass
+    inertia = np.zeros((3, 3))
+    for part in parts:
+        arm = part.center - center
+        inertia += part.inertia + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return MassProperties(mass, center, inertia)
+
+
+def cylinder_mass_properties(
+    diameter: float, start: float, end: float, density: float
+) -> MassProperties:
+    """Mass properties of a solid cylinder about the shaft axis from `start` to `end` [m]."""
+    length = end - start
+    mass = density * np.pi / 4.0 * diameter**2 * length
+    across = mass * (diameter**2 / 16.0 + length**2 / 12.0)
+    inertia = np.diag([across, across, mass * diameter**2 / 8.0])
+    return MassProperties(mass, np.array([0.0, 0.0, 0.5 * (start + end)]), inertia)
+
+
+def mass_properties(mesh: ThrowMesh, density: float) -> MassProperties:
+    """Mass, center and inertia of the whole throw, from the solid that was meshed.
 
     Parameters
     ----------
-    throw : CrankThrow
-        The throw that was meshed.
     mesh : ThrowMesh
-        Its quarter.
+        Of the throw or of a part of it, which is mirrored.
     density : float
         [kg/m^3]
 
@@ -49,14 +76,46 @@ def mass_properties(throw: CrankThrow, mesh: ThrowMesh, density: float) -> MassP
     -------
     MassProperties
     """
+    return solid_mass_properties(mesh.solid, mesh.part, mesh.length, density)
+
+
+def solid_mass_properties(
+    solid: SolidProperties, part: str, length: float, density: float
+) -> MassProperties:
+    """Mass properties of the whole throw from the solid of a part of it."""
+    return _whole(part, length, solid.volume, solid.center, solid.second_moments, density)
+
+
+def mesh_mass_properties(mesh: ThrowMesh, density: float) -> MassProperties:
+    """Mass properties as `mass_properties` gives them, but integrated over the elements: the check."""
     where, volumes = element_quadrature(mesh.points, mesh.elements)
-    # Distances from the crank plane and from the middle plane are mirrored: products with them vanish.
-    where = where - np.array([0.0, 0.0, throw.length / 2.0])
-    masses = 4.0 * density * volumes
-    mass = float(masses.sum())
-    height = float(masses @ where[:, 1]) / mass
-    second = np.einsum("p,pi,pj->ij", masses, where, where)
-    second[0, 1] = second[1, 0] = second[0, 2] = second[2, 0] = second[1, 2] = second[2, 1] = 0.0
-    second[1, 1] -= mass * height**2
-    inertia = np.trace(second) * np.eye(3) - second
-    return MassProperties(mass, np.array([0.0, height, throw.length / 2.0]), inertia)
+    volume = float(volumes.sum())
+    center = volumes @ where / volume
+    second = np.einsum("p,pi,pj->ij", volumes, where - center, where - center)
+    return _whole(mesh.part, mesh.length, volume, center, second, density)
+
+
+def _whole(
+    part: str,
+    length: float,
+    volume: float,
+    center: NDArray[np.float64],
+    second: NDArray[np.float64],
+    density: float,
+) -> MassProperties:
+    """Mirror a part's integrals, and turn second moments into inertia."""
+    # About a point on the planes of symmetry, so that mirrored products cancel.
+    origin = np.array([0.0, 0.0, length / 2.0])
+    second = second + volume * np.outer(center - origin, center - origin)
+    copies = np.ones(3)
+    if part in ("quarter", "half"):
+        copies[0] = 0.0
+    if part == "quarter":
+        copies[2] = 0.0
+    number = {"quarter": 4.0, "half": 2.0, "full": 1.0}[part]
+    mirrored = np.outer(copies, copies) + np.diag(1.0 - copies)
+    mass = number * volume * density
+    second = number * density * second * mirrored
+    center = (center - origin) * copies
+    second -= mass * np.outer(center, center)
+    return MassProperties(mass, center + origin, np.trace(second) * np.eye(3) - second)

@@ -1,31 +1,88 @@
-"""Second-order tetrahedral mesh of a throw's quarter, checked and mended."""
+"""Mesh a throw with second-order tetrahedra, and check what comes out."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import MeshError
+from geometry.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_session
-from geometry.shapes import jacobians, shapes_at_nodes, shapes_for_quadrature
-from geometry.solid import FILLET, PIN, build_quarter, place_tolerance
+from geometry.mending import corner_quality, mend
+from geometry.parts import ThrowParts
+from geometry.shapes import jacobians, shapes_for_quadrature
+from geometry.size_field import set_sizes
+from geometry.sizes import predict_unknowns, size_plan
+from geometry.solid import build_solid
 from geometry.throw import CrankThrow
+from geometry.volume import throw_volume
 
 # gmsh numbers the edges of a 10-node tetrahedron in another order than scikit-fem.
 GMSH_TO_SKFEM = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
-# The two end nodes of each edge node 4..9, in scikit-fem's order.
-EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
-# Element sizes at factor 1, found by converging ordinary throws: at fillets beside their radius and,
-# for large fillets, beside the web thickness; at sharp corners beside the web thickness; and how much
-# elements grow per unit of distance from there.
-ROOT_PER_FILLET = 0.8
-FILLET_ROOT_PER_WEB = 0.20
-ROOT_PER_WEB = 0.10
-GROWTH = 0.5
-# Shares of the size factor tried in turn until the mesh can be mended and has the solid's volume.
-FINER_SHARES = (1.0, 0.8, 0.6)
+PARTS = ("quarter", "half", "full")
+# More unknowns than this are not tried: their factorization needs 20 GiB and minutes.
+MOST_UNKNOWNS = 1_500_000
+# The mesh may differ from the solid by this share of the volume, the solid from its description.
+MESH_VOLUME_TOLERANCE = 1e-3
+SOLID_VOLUME_TOLERANCE = 1e-5
+# Mean ratio of the flattest tetrahedron.
+SMALLEST_QUALITY = 1e-3
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One way of meshing the same part, tried when those before it failed.
+
+    Attributes
+    ----------
+    what : str
+        What is different.
+    share : float
+        Of the size factor.
+    options : tuple of (name, value)
+        Of gmsh.
+    """
+
+    what: str
+    share: float = 1.0
+    options: tuple[tuple[str, float], ...] = ()
+
+
+# No rung changes the part: they only make elements smaller, keep faces apart that lie in one surface,
+# or use another algorithm.
+LADDER = (
+    Rung("as planned"),
+    Rung("elements of 0.8 the size", 0.8),
+    Rung("elements of 0.6 the size", 0.6),
+    Rung("faces not united", 0.8, (("Geometry.OCCUnionUnify", 0),)),
+    Rung("frontal volume mesher", 0.8, (("Mesh.Algorithm3D", 4),)),
+    Rung(
+        "faces not united, MeshAdapt surface mesher",
+        0.7,
+        (("Geometry.OCCUnionUnify", 0), ("Mesh.Algorithm", 1)),
+    ),
+)
+
+
+@dataclass(frozen=True)
+class SolidProperties:
+    """What the kernel says of the solid that was meshed.
+
+    Attributes
+    ----------
+    volume : float
+        [m^3]
+    center : (3,) array
+        Center of volume [m].
+    second_moments : (3, 3) array
+        Integral of x_i x_j over the volume about its center [m^5].
+    """
+
+    volume: float
+    center: NDArray[np.float64]
+    second_moments: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -45,15 +102,18 @@ class ThrowMesh:
     elements : (m, 10) array
         Node numbers of the tetrahedra, corner nodes first, edge nodes in scikit-fem's order.
     surfaces : dict
-        Corner node numbers (k, 3) of the facets of each named surface: "left end", "right end" (not of
+        Corner node numbers (k, 3) of the facets of each named surface, counterclockwise from
+        outside: "left end", "right end" (not of
         a quarter), "crank plane" and "middle plane" (the cuts), each of `pins`, "main journal",
-        "fillet", "web", "bore", "counterweight".
+        "fillet", "web", and where there are any "bore" and "counterweight".
     size_factor : float
         The size factor the mesh was made with: 1 is the default, smaller is finer.
     mended_elements : int
         Elements that were inside out and had their edges straightened.
-    solid_volume : float
-        Volume of the quarter solid [m^3].
+    solid : SolidProperties
+        Of the solid that was meshed, by the kernel.
+    attempts : tuple of str
+        Ways of meshing that were tried before and why each failed; empty for most throws.
     """
 
     part: str
@@ -64,18 +124,20 @@ class ThrowMesh:
     surfaces: dict[str, NDArray[np.int64]]
     size_factor: float
     mended_elements: int
-    solid_volume: float
+    solid: SolidProperties
+    attempts: tuple[str, ...] = ()
 
     @property
     def unknowns(self) -> int:
-        """Number of displacement unknowns of the quarter."""
+        """Number of displacement unknowns of the meshed part."""
         return 3 * len(self.points)
 
 
-def mesh_throw(throw: CrankThrow, size_factor: float = 1.0) -> ThrowMesh:
-    """Mesh the quarter of a throw.
+def mesh_throw(throw: CrankThrow, size_factor: float = 1.0, part: str = "auto") -> ThrowMesh:
+    """Mesh a throw in this process.
 
-    A mesh too coarse for the solid's volume is made again, finer; its `size_factor` then says so.
+    If a way of meshing fails, or its mesh has not the solid's volume, the next way of `LADDER` is
+    tried; none changes the part. The mesh says what was tried.
 
     Parameters
     ----------
@@ -83,91 +145,122 @@ def mesh_throw(throw: CrankThrow, size_factor: float = 1.0) -> ThrowMesh:
         The dimensions.
     size_factor : float
         Scales all element sizes; 1 gives about 1 % accuracy of the axial compliance.
+    part : {"auto", "quarter", "half", "full"}
+        What to mesh; "auto" is the smallest that the throw's symmetry allows.
 
     Returns
     -------
     ThrowMesh
+        The same bit for bit for the same input, in any process and thread.
 
     Raises
     ------
+    InputError
+        If the throw has not that symmetry, or the mesh would have too many unknowns.
     MeshError
-        If gmsh fails, the mesh cannot be mended, or its volume is not the solid's.
+        If all ways fail; the message names the last reason.
     """
-    for share in FINER_SHARES:
+    return mesh_throw_from(throw, size_factor, part)
+
+
+def mesh_throw_from(
+    throw: CrankThrow,
+    size_factor: float,
+    part: str,
+    attempts: tuple[str, ...] = (),
+    on_remark: Callable[[tuple[str, ...]], None] | None = None,
+) -> ThrowMesh:
+    """Mesh as `mesh_throw` does, passing over as many ways as `attempts` failed elsewhere.
+
+    `on_remark` is told of all failed attempts before each way is tried.
+    """
+    part = _checked_part(throw, part)
+    parts = throw.parts
+    _check_budget(parts, size_factor, part)
+    for rung in LADDER[len(attempts) :]:
+        if on_remark is not None:
+            on_remark(attempts)
         try:
-            mesh = _mesh_once(throw, size_factor * share)
-            _check_volume(mesh)
-        except MeshError:
-            if share == FINER_SHARES[-1]:
-                raise
-            continue
-        break
-    return mesh
+            return _mesh_once(parts, size_factor, part, rung, attempts)
+        except MeshError as error:
+            attempts = (*attempts, f"{rung.what}: {error}")
+    raise MeshError(
+        f"{len(attempts)} ways of meshing the throw failed, the last one ({attempts[-1]})."
+    )
 
 
-def _mesh_once(throw: CrankThrow, size_factor: float) -> ThrowMesh:
+def _checked_part(throw: CrankThrow, part: str) -> str:
+    smallest = throw.symmetry
+    if part == "auto":
+        return smallest
+    if part not in PARTS:
+        raise InputError(f"part: given {part!r}; allowed are auto, {', '.join(PARTS)}.")
+    if PARTS.index(part) < PARTS.index(smallest):
+        raise InputError(
+            f"part: given {part!r}; allowed is {smallest!r} or more, for this throw has no such symmetry."
+        )
+    return part
+
+
+def _check_budget(parts: ThrowParts, size_factor: float, part: str) -> None:
+    expected = predict_unknowns(parts, size_factor, part)
+    if expected > MOST_UNKNOWNS:
+        raise InputError(
+            f"size_factor: given {size_factor:.3g}, which would make about {expected:,} unknowns; allowed "
+            f"are {MOST_UNKNOWNS:,}, for more do not fit into an ordinary computer's memory."
+        )
+
+
+def _mesh_once(
+    parts: ThrowParts, size_factor: float, part: str, rung: Rung, attempts: tuple[str, ...]
+) -> ThrowMesh:
+    factor = size_factor * rung.share
     with gmsh_session("throw") as gmsh:
+        for option, value in rung.options:
+            gmsh.option.setNumber(option, value)
         try:
-            surfaces = build_quarter(gmsh, throw)
-            volume = sum(gmsh.model.occ.getMass(3, tag) for _, tag in gmsh.model.getEntities(3))
-            _set_sizes(gmsh, throw, surfaces, size_factor)
+            named = build_solid(gmsh, parts, part)
+            solid = solid_properties(gmsh)
+            _check_solid(parts, part, solid)
+            set_sizes(gmsh, parts, named, size_plan(parts, factor))
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
         except MeshError:
             raise
         except Exception as error:  # gmsh raises bare Exception
             raise MeshError(f"gmsh could not mesh the throw: {error}") from error
-        points, elements, facets = _read_mesh(gmsh, surfaces)
-    points, mended = _mend(points, elements)
+        points, elements, facets = read_mesh(gmsh, named.surfaces)
+    points, mended = mend(points, elements)
+    check_volume(points, elements, solid)
+    check_quality(points, elements)
+    pins = tuple(pin.name for pin in parts.pins)
     return ThrowMesh(
-        "quarter", throw.length, (PIN,), points, elements, facets, size_factor, mended, volume
+        part, parts.length, pins, points, elements, facets, factor, mended, solid, attempts
     )
 
 
-def _set_sizes(gmsh: Any, throw: CrankThrow, surfaces: dict[str, list[int]], factor: float) -> None:
-    """Small elements at the fillets (or sharp journal corners), growing into the bulk."""
-    bulk = factor * min(throw.web_thickness, 0.5 * throw.pin_diameter)
-    if throw.fillet_radius > 0.0:
-        root = factor * min(
-            ROOT_PER_FILLET * throw.fillet_radius, FILLET_ROOT_PER_WEB * throw.web_thickness
+def solid_properties(gmsh: Any) -> SolidProperties:
+    """Volume, center and second moments of all volumes in the model, which should be one."""
+    tags = [tag for _, tag in gmsh.model.getEntities(3)]
+    if len(tags) != 1:
+        raise MeshError(f"the parts of the throw did not unite to one solid but to {len(tags)}.")
+    volume = float(gmsh.model.occ.getMass(3, tags[0]))
+    center = np.array(gmsh.model.occ.getCenterOfMass(3, tags[0]))
+    inertia = np.array(gmsh.model.occ.getMatrixOfInertia(3, tags[0])).reshape(3, 3)
+    return SolidProperties(volume, center, 0.5 * np.trace(inertia) * np.eye(3) - inertia)
+
+
+def _check_solid(parts: ThrowParts, part: str, solid: SolidProperties) -> None:
+    """The solid must be what was described: booleans may lose a part without a word."""
+    share = {"quarter": 0.25, "half": 0.5, "full": 1.0}[part]
+    expected = share * throw_volume(parts)
+    if not math.isclose(solid.volume, expected, rel_tol=SOLID_VOLUME_TOLERANCE):
+        raise MeshError(
+            f"the solid has a volume of {solid.volume:.8g} m^3, its parts {expected:.8g} m^3."
         )
-        root = min(bulk, root)
-        where = {"SurfacesList": surfaces[FILLET]}
-    else:
-        root = min(bulk, factor * ROOT_PER_WEB * throw.web_thickness)
-        where = {"CurvesList": _corner_curves(gmsh, throw)}
-    field = gmsh.model.mesh.field
-    distance = field.add("Distance")
-    for key, tags in where.items():
-        field.setNumbers(distance, key, tags)
-    field.setNumber(distance, "Sampling", 40)
-    size = field.add("Threshold")
-    field.setNumber(size, "InField", distance)
-    field.setNumber(size, "SizeMin", root)
-    field.setNumber(size, "SizeMax", bulk)
-    field.setNumber(size, "DistMin", 0.0)
-    field.setNumber(size, "DistMax", (bulk - root) / GROWTH + 1e-6 * bulk)
-    field.setAsBackgroundMesh(size)
 
 
-def _corner_curves(gmsh: Any, throw: CrankThrow) -> list[int]:
-    """Return the circles where unfilleted journals meet their web."""
-    tolerance = place_tolerance(throw)
-    half_journal = throw.main_journal_length / 2.0
-    corners = {
-        half_journal: throw.main_journal_diameter / 2.0,
-        half_journal + throw.web_thickness: throw.pin_diameter / 2.0,
-    }
-    tags = []
-    for _, tag in gmsh.model.getEntities(1):
-        _, _, z_low, x_high, _, z_high = gmsh.model.getBoundingBox(1, tag)
-        for z, radius in corners.items():
-            if abs(z_low - z) < tolerance > abs(z_high - z) and abs(x_high - radius) < tolerance:
-                tags.append(tag)
-    return tags
-
-
-def _read_mesh(
+def read_mesh(
     gmsh: Any, surfaces: dict[str, list[int]]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], dict[str, NDArray[np.int64]]]:
     """Take nodes, tetrahedra and named facets out of gmsh, nodes numbered from zero."""
@@ -191,50 +284,70 @@ def _read_mesh(
     used, renumbered = np.unique(elements, return_inverse=True)
     order = np.full(len(points), -1, dtype=np.int64)
     order[used] = np.arange(len(used))
+    elements = renumbered.reshape(elements.shape)
+    outward = _outward_facets(elements)
     return (
         points[used],
-        renumbered.reshape(elements.shape),
-        {k: order[v] for k, v in facets.items()},
+        elements,
+        {name: _oriented(order[corners], outward) for name, corners in facets.items()},
     )
 
 
-def smallest_jacobians(
-    points: NDArray[np.float64], elements: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """Smallest ratio (m,) of the Jacobian at any node to the straight element's mean one."""
-    _, gradients = shapes_at_nodes()
-    determinant = np.linalg.det(jacobians(gradients, points[elements]))
-    return np.asarray(determinant.min(axis=1) / np.abs(determinant).mean(axis=1))
+def _outward_facets(elements: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Facets that belong to one element, corners counterclockwise from outside, with sorted keys."""
+    facets = elements[:, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]].reshape(-1, 3)
+    keys, first, count = np.unique(_facet_keys(facets), return_index=True, return_counts=True)
+    return keys[count == 1], facets[first[count == 1]]
 
 
-def _mend(
-    points: NDArray[np.float64], elements: NDArray[np.int64]
-) -> tuple[NDArray[np.float64], int]:
-    """Straighten the edges of elements that curving turned inside out.
+def _facet_keys(facets: NDArray[np.int64]) -> NDArray[np.int64]:
+    low, middle, high = np.sort(facets, axis=1).T
+    size = 2_000_000  # more nodes than any mesh within the budget; its cube fits into 64 bits
+    return np.asarray((low * size + middle) * size + high)
 
-    Straightening one element changes its neighbors, so the check is repeated.
+
+def _oriented(
+    facets: NDArray[np.int64], outward: tuple[NDArray[np.int64], NDArray[np.int64]]
+) -> NDArray[np.int64]:
+    """Turn facets outward; gmsh leaves them as their surface happens to lie."""
+    if len(facets) == 0:
+        return facets
+    keys, oriented = outward
+    wanted = _facet_keys(facets)
+    place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    if not np.array_equal(keys[place], wanted):
+        raise MeshError("a named surface has facets that bound no element of the solid.")
+    return oriented[place]
+
+
+def check_quality(points: NDArray[np.float64], elements: NDArray[np.int64]) -> None:
+    """Refuse a mesh with an element so flat that solving loses digits.
+
+    Raises
+    ------
+    MeshError
     """
-    points = points.copy()
-    mended: set[int] = set()
-    for _ in range(10):
-        bad = np.flatnonzero(smallest_jacobians(points, elements) < 0.05)
-        if len(bad) == 0:
-            return points, len(mended)
-        mended.update(bad.tolist())
-        for node, (first, second) in enumerate(EDGES, start=4):
-            middles = elements[bad, node]
-            points[middles] = 0.5 * (points[elements[bad, first]] + points[elements[bad, second]])
-    raise MeshError(
-        f"{len(bad)} elements of the throw's mesh stay inside out after straightening their edges."
-    )
-
-
-def _check_volume(mesh: ThrowMesh) -> None:
-    volume = float(element_volumes(mesh.points, mesh.elements).sum())
-    if not math.isclose(volume, mesh.solid_volume, rel_tol=2e-3):
+    worst = float(corner_quality(points, elements).min())
+    if worst < SMALLEST_QUALITY:
         raise MeshError(
-            f"the mesh has a volume of {volume:.6g} m^3, the solid {mesh.solid_volume:.6g} m^3: "
-            "they differ by more than 0.2 %."
+            f"an element is flat: its mean ratio is {worst:.1e}, below {SMALLEST_QUALITY:g}."
+        )
+
+
+def check_volume(
+    points: NDArray[np.float64], elements: NDArray[np.int64], solid: SolidProperties
+) -> None:
+    """Refuse a mesh that has not the solid's volume.
+
+    Raises
+    ------
+    MeshError
+    """
+    volume = float(element_volumes(points, elements).sum())
+    if not math.isclose(volume, solid.volume, rel_tol=MESH_VOLUME_TOLERANCE):
+        raise MeshError(
+            f"the mesh has a volume of {volume:.6g} m^3, the solid {solid.volume:.6g} m^3: "
+            "they differ by more than 0.1 %."
         )
 
 

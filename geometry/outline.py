@@ -34,6 +34,11 @@ class Line:
         share = float(np.clip((where - start) @ along / (along @ along), 0.0, 1.0))
         return float(np.linalg.norm(start + share * along - where))
 
+    @property
+    def largest_u(self) -> float:
+        """Largest distance u of the piece [m]."""
+        return max(self.start[0], self.end[0])
+
     def half_width(self, v: Array) -> Array:
         """Distance u of the piece at heights v [m]."""
         (u_0, v_0), (u_1, v_1) = self.start, self.end
@@ -74,6 +79,13 @@ class Arc:
             return abs(self.radius - reach)
         return min(math.dist(point, self.start), math.dist(point, self.end))
 
+    @property
+    def largest_u(self) -> float:
+        """Largest distance u of the arc [m]."""
+        if self.start[1] <= self.center[1] <= self.end[1]:
+            return self.center[0] + self.radius
+        return max(self.start[0], self.end[0])
+
     def half_width(self, v: Array) -> Array:
         """Distance u of the arc at heights v [m]."""
         return np.asarray(
@@ -107,6 +119,11 @@ class Outline:
     def heights(self) -> Array:
         """Heights v where one piece ends and the next begins, ascending [m]."""
         return np.unique([self.foot, *(piece.end[1] for piece in self.pieces)])
+
+    @property
+    def width(self) -> float:
+        """Largest width, twice the largest u [m]."""
+        return 2.0 * max(piece.largest_u for piece in self.pieces)
 
     def half_width(self, v: Array) -> Array:
         """Half of the width at heights v, 0 outside [m]."""

@@ -1,143 +1,390 @@
-"""The solid of a throw in gmsh's OpenCASCADE kernel: one quarter, cut by its two symmetry planes.
+"""The solid of a throw in gmsh's OpenCASCADE kernel: whole, or what its planes of symmetry leave.
 
-A throw with equal webs is symmetric about the crank plane (x = 0) and about the middle of its pin
-(z = length / 2), so the quarter x >= 0, z <= length / 2 says everything about it.
+A throw whose pins all lie in the crank plane is symmetric about x = 0: the half x >= 0 says
+everything about it. If its webs are alike it is symmetric about the middle as well, and a quarter
+is enough. The parts are built cut, for cutting a whole solid afterwards is slow and may fail.
 """
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
-from geometry.errors import MeshError
-from geometry.throw import CrankThrow
+import numpy as np
 
-# Names of the quarter's surfaces, used for supports, loads and symmetry conditions.
+from geometry.outline import Arc, Line
+from geometry.parts import Cylinder, Sector, Slope, ThrowParts, WebPlate
+
+# Names of the surfaces, used for supports, loads and symmetry conditions.
 LEFT_END = "left end"
+RIGHT_END = "right end"
 CRANK_PLANE = "crank plane"
 MIDDLE_PLANE = "middle plane"
 PIN = "pin"
 MAIN_JOURNAL = "main journal"
 FILLET = "fillet"
 WEB = "web"
+BORE = "bore"
+COUNTERWEIGHT = "counterweight"
+
+Entity = tuple[int, int]
+# Where elements are made small: (number of the cylinder, "start" or "end" or "bore").
+Zone = tuple[int, str]
 
 
-def build_quarter(gmsh: Any, throw: CrankThrow) -> dict[str, list[int]]:
-    """Build the quarter solid in the current gmsh model.
+@dataclass(frozen=True)
+class NamedSolid:
+    """What `build_solid` made.
+
+    Attributes
+    ----------
+    surfaces : dict
+        Surface tags by surface name.
+    fillets : dict
+        Surface tags of the fillet at each end of each cylinder, and of each bore.
+    corners : dict
+        Curve tags of the sharp corner at each unfilleted end of each cylinder.
+    """
+
+    surfaces: dict[str, list[int]]
+    fillets: dict[Zone, list[int]]
+    corners: dict[Zone, list[int]]
+
+
+def build_solid(gmsh: Any, parts: ThrowParts, part: str) -> NamedSolid:
+    """Build a throw in the current gmsh model.
 
     Parameters
     ----------
     gmsh : module
         The initialized gmsh module, its current model empty.
-    throw : CrankThrow
-        The dimensions.
+    parts : ThrowParts
+    part : {"quarter", "half", "full"}
+        What to build; the throw must have that symmetry.
 
     Returns
     -------
-    dict
-        Surface tags by surface name.
+    NamedSolid
     """
-    half_journal = throw.main_journal_length / 2.0
-    web_end = half_journal + throw.web_thickness
-    middle = throw.length / 2.0
-    journal = _half_journal(
-        gmsh, 0.0, throw.main_journal_diameter / 2.0, 0.0, half_journal, throw.fillet_radius
-    )
-    pin = _half_journal(
-        gmsh, throw.crank_radius, throw.pin_diameter / 2.0, middle, web_end, throw.fillet_radius
-    )
-    web = _half_web(gmsh, throw, half_journal)
-    gmsh.model.occ.fuse([journal], [web, pin])
-    gmsh.model.occ.synchronize()
-    return _name_surfaces(gmsh, throw)
+    make_solid(gmsh, parts, part)
+    remove_loose(gmsh)
+    return _name(gmsh, parts, part)
 
 
-def _half_journal(
-    gmsh: Any, axis_y: float, radius: float, free_z: float, web_z: float, fillet: float
-) -> tuple[int, int]:
-    """Revolve a journal's profile, the fillet included, by half a turn about its axis.
+def remove_loose(gmsh: Any) -> None:
+    """Synchronize and remove what bounds no solid: profiles that were revolved, centers of arcs."""
+    occ = gmsh.model.occ
+    occ.synchronize()
+    for dimension in (2, 1, 0):
+        loose = [
+            entity
+            for entity in gmsh.model.getEntities(dimension)
+            if len(gmsh.model.getAdjacencies(*entity)[0]) == 0
+        ]
+        if loose:
+            occ.remove(loose)
+            occ.synchronize()
+
+
+def make_solid(gmsh: Any, parts: ThrowParts, part: str) -> Entity:
+    """Make the solid alone, leaving behind what it was made from; parameters as for `build_solid`."""
+    occ = gmsh.model.occ
+    whole = part == "full"
+    limit = parts.length / 2.0 if part == "quarter" else parts.length
+    cylinders = [_cut(cylinder, limit) for cylinder in parts.cylinders if cylinder.start < limit]
+    webs = [_cut_web(web, limit) for web in parts.webs if web.start < min(limit, web.end)]
+    pieces = [_revolved(gmsh, cylinder, whole) for cylinder in cylinders]
+    for web in webs:
+        pieces.append(_plate(gmsh, web, whole))
+        if web.sector is not None:
+            pieces.append(_sector(gmsh, web, web.sector, whole))
+    solid, _ = occ.fuse(pieces[:1], pieces[1:])
+    tools = [_bore(occ, cylinder, parts.length) for cylinder in cylinders if cylinder.bore_radius]
+    if tools:
+        solid, _ = occ.cut(solid, tools)
+    return _only_volume(solid)
+
+
+def _cut(cylinder: Cylinder, limit: float) -> Cylinder:
+    """What of a cylinder lies before a cut at z = limit."""
+    if cylinder.end <= limit:
+        return cylinder
+    # The bore's tool passes the cut, so that the two do not share a face.
+    return replace(cylinder, end=limit, end_fillet=0.0, bore_end=cylinder.end)
+
+
+def _cut_web(web: WebPlate, limit: float) -> WebPlate:
+    return web if web.end <= limit else replace(web, end=limit)
+
+
+def _revolved(gmsh: Any, cylinder: Cylinder, whole: bool) -> Entity:
+    """Revolve a journal's profile, fillets included, about its axis.
 
     Revolving the fillet with the journal never fails, unlike the kernel's own fillet operation.
     """
     occ = gmsh.model.occ
-    towards_web = math.copysign(1.0, web_z - free_z)
+    axis_x, axis_y = cylinder.axis
+    radius = cylinder.radius
 
     def point(height: float, z: float) -> int:
-        return int(occ.addPoint(0.0, axis_y + height, z))
+        return int(occ.addPoint(axis_x, axis_y + height, z))
 
-    corners = [point(0.0, free_z), point(radius, free_z)]
-    if fillet > 0.0:
-        start = web_z - towards_web * fillet
-        corners += [point(radius, start), point(radius + fillet, web_z), point(0.0, web_z)]
-        lines = [
-            occ.addLine(corners[0], corners[1]),
-            occ.addLine(corners[1], corners[2]),
-            occ.addCircleArc(corners[2], point(radius + fillet, start), corners[3]),
-            occ.addLine(corners[3], corners[4]),
-            occ.addLine(corners[4], corners[0]),
-        ]
+    start, end = cylinder.start, cylinder.end
+    lines = []
+    first = last = point(0.0, start)
+    if cylinder.start_fillet > 0.0:
+        r = cylinder.start_fillet
+        rim, foot = point(radius + r, start), point(radius, start + r)
+        lines.append(occ.addLine(last, rim))
+        lines.append(occ.addCircleArc(rim, point(radius + r, start + r), foot))
+        last = foot
     else:
-        corners += [point(radius, web_z), point(0.0, web_z)]
-        lines = [occ.addLine(corners[i], corners[(i + 1) % 4]) for i in range(4)]
+        corner = point(radius, start)
+        lines.append(occ.addLine(last, corner))
+        last = corner
+    if cylinder.end_fillet > 0.0:
+        r = cylinder.end_fillet
+        foot, rim = point(radius, end - r), point(radius + r, end)
+        lines.append(occ.addLine(last, foot))
+        lines.append(occ.addCircleArc(foot, point(radius + r, end - r), rim))
+        last = rim
+    else:
+        corner = point(radius, end)
+        lines.append(occ.addLine(last, corner))
+        last = corner
+    center = point(0.0, end)
+    lines += [occ.addLine(last, center), occ.addLine(center, first)]
     profile = occ.addPlaneSurface([occ.addCurveLoop(lines)])
-    swept = occ.revolve([(2, profile)], 0.0, axis_y, 0.0, 0.0, 0.0, 1.0, -math.pi)
+    turn = 2.0 * math.pi if whole else -math.pi
+    swept = occ.revolve([(2, profile)], axis_x, axis_y, 0.0, 0.0, 0.0, 1.0, turn)
     return _only_volume(swept)
 
 
-def _half_web(gmsh: Any, throw: CrankThrow, z: float) -> tuple[int, int]:
-    """Extrude the half x >= 0 of the obround web."""
+class _Frame:
+    """Places points of a web's own coordinates u, v in space."""
+
+    def __init__(self, gmsh: Any, web: WebPlate, whole: bool) -> None:
+        self._occ = gmsh.model.occ
+        self._foot, (self._x, self._y) = web.foot, web.direction
+        # A half is built on the side x > 0, whichever way its web points.
+        self._across = (self._y, -self._x) if whole else (1.0, 0.0)
+
+    def point(self, u: float, v: float, z: float) -> int:
+        x = self._foot[0] + u * self._across[0] + v * self._x
+        y = self._foot[1] + u * self._across[1] + v * self._y
+        return int(self._occ.addPoint(x, y, z))
+
+    def across(self, width: float) -> tuple[float, float, float]:
+        return (width * self._across[0], width * self._across[1], 0.0)
+
+
+def _outline_face(
+    gmsh: Any, frame: _Frame, pieces: Sequence[Line | Arc], z: float, whole: bool
+) -> int:
+    """Plane face between a half outline and its mirror image, or the line of symmetry."""
     occ = gmsh.model.occ
-    half, radius = throw.web_width / 2.0, throw.crank_radius
-    foot, low, high, head = (
-        occ.addPoint(0.0, -half, z),
-        occ.addPoint(half, 0.0, z),
-        occ.addPoint(half, radius, z),
-        occ.addPoint(0.0, radius + half, z),
-    )
-    lines = [
-        occ.addCircleArc(foot, occ.addPoint(0.0, 0.0, z), low),
-        occ.addLine(low, high),
-        occ.addCircleArc(high, occ.addPoint(0.0, radius, z), head),
-        occ.addLine(head, foot),
+
+    def side(sign: float, first: int, last: int) -> list[int]:
+        curves, begin = [], first
+        for number, piece in enumerate(pieces):
+            stop = (
+                last
+                if number == len(pieces) - 1
+                else frame.point(sign * piece.end[0], piece.end[1], z)
+            )
+            if isinstance(piece, Arc):
+                middle = frame.point(sign * piece.center[0], piece.center[1], z)
+                curves.append(occ.addCircleArc(begin, middle, stop))
+            else:
+                curves.append(occ.addLine(begin, stop))
+            begin = stop
+        return curves
+
+    low, high = (frame.point(0.0, v, z) for v in (pieces[0].start[1], pieces[-1].end[1]))
+    curves = side(1.0, low, high)
+    if whole:
+        curves += [-curve for curve in side(-1.0, low, high)[::-1]]
+    else:
+        curves.append(occ.addLine(high, low))
+    return int(occ.addPlaneSurface([occ.addCurveLoop(curves)]))
+
+
+def _plate(gmsh: Any, web: WebPlate, whole: bool) -> Entity:
+    """Extrude a web's outline and cut its slopes."""
+    occ = gmsh.model.occ
+    frame = _Frame(gmsh, web, whole)
+    face = _outline_face(gmsh, frame, web.outline.pieces, web.start, whole)
+    plate = _only_volume(occ.extrude([(2, face)], 0.0, 0.0, web.end - web.start))
+    for slope in web.slopes:
+        made, _ = occ.cut([plate], [_wedge(occ, frame, web, slope)])
+        plate = _only_volume(made)
+    return plate
+
+
+def _wedge(occ: Any, frame: _Frame, web: WebPlate, slope: Slope) -> Entity:
+    """Build the tool that takes a slope off a web; it stands out of the web everywhere else."""
+    reach = web.outline.tip - web.outline.foot
+    end = slope.end + slope.towards * 0.1 * reach
+    depth = slope.drop * (end - slope.start) / (slope.end - slope.start)
+    outside = slope.face - slope.inward * (web.end - web.start)
+    corners = [
+        (slope.start, slope.face),
+        (end, slope.face + slope.inward * depth),
+        (end, outside),
+        (slope.start, outside),
     ]
-    outline = occ.addPlaneSurface([occ.addCurveLoop(lines)])
-    return _only_volume(occ.extrude([(2, outline)], 0.0, 0.0, throw.web_thickness))
+    points = [frame.point(-2.0 * reach, v, z) for v, z in corners]
+    lines = [occ.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
+    face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
+    return _only_volume(occ.extrude([(2, face)], *frame.across(4.0 * reach)))
 
 
-def _only_volume(entities: list[tuple[int, int]]) -> tuple[int, int]:
+def _sector(gmsh: Any, web: WebPlate, sector: Sector, whole: bool) -> Entity:
+    """Extrude a counterweight."""
+    occ = gmsh.model.occ
+    frame = _Frame(gmsh, web, whole)
+    sine, cosine = math.sin(sector.half_angle), math.cos(sector.half_angle)
+    z, center = sector.start, frame.point(0.0, 0.0, sector.start)
+
+    def at(radius: float, side: float) -> int:
+        return frame.point(side * radius * sine, -radius * cosine, z)
+
+    def arc(first: int, last: int) -> int:
+        return int(occ.addCircleArc(first, center, last))
+
+    outer, right_outer = frame.point(0.0, -sector.outer_radius, z), at(sector.outer_radius, 1.0)
+    left_outer = at(sector.outer_radius, -1.0) if whole else outer
+    curves = [arc(right_outer, outer)] + ([arc(outer, left_outer)] if whole else [])
+    if sector.inner_radius > 0.0:
+        inner, right_inner = frame.point(0.0, -sector.inner_radius, z), at(sector.inner_radius, 1.0)
+        left_inner = at(sector.inner_radius, -1.0) if whole else inner
+        curves += [occ.addLine(left_outer, left_inner)]
+        curves += ([arc(left_inner, inner)] if whole else []) + [arc(inner, right_inner)]
+        curves += [occ.addLine(right_inner, right_outer)]
+    else:
+        curves += [occ.addLine(left_outer, center), occ.addLine(center, right_outer)]
+    face = occ.addPlaneSurface([occ.addCurveLoop(curves)])
+    return _only_volume(occ.extrude([(2, face)], 0.0, 0.0, sector.end - sector.start))
+
+
+def _bore(occ: Any, cylinder: Cylinder, length: float) -> Entity:
+    """Build the tool of a bore; at the throw's ends it stands out."""
+    start, end = cylinder.bore_start, cylinder.bore_end
+    margin = 0.1 * length
+    start -= margin if start == 0.0 else 0.0
+    end += margin if end == length else 0.0
+    x, y = cylinder.bore_axis
+    return (3, int(occ.addCylinder(x, y, start, 0.0, 0.0, end - start, cylinder.bore_radius)))
+
+
+def _only_volume(entities: list[Entity]) -> Entity:
     return next(entity for entity in entities if entity[0] == 3)
 
 
-def place_tolerance(throw: CrankThrow) -> float:
+def place_tolerance(parts: ThrowParts) -> float:
     """Tolerance for telling places apart [m]: far below any part, far above gmsh's own 1e-7 m."""
-    return 1e-3 * min(throw.main_journal_length, throw.pin_length, throw.web_thickness)
+    lengths = [c.end - c.start for c in parts.cylinders]
+    lengths += [web.end - web.start for web in parts.webs if web.end > web.start]
+    return 1e-3 * min(lengths)
 
 
-def _name_surfaces(gmsh: Any, throw: CrankThrow) -> dict[str, list[int]]:
+def _name(gmsh: Any, parts: ThrowParts, part: str) -> NamedSolid:
     """Tell the surfaces apart by their kind and place."""
-    tolerance = place_tolerance(throw)
-    half_journal = throw.main_journal_length / 2.0
-    web_end = half_journal + throw.web_thickness
-    names: dict[str, list[int]] = {
-        name: [] for name in (LEFT_END, CRANK_PLANE, MIDDLE_PLANE, PIN, MAIN_JOURNAL, FILLET, WEB)
-    }
+    tolerance = place_tolerance(parts)
+    names = [LEFT_END, *([RIGHT_END] if part != "quarter" else [])]
+    names += [CRANK_PLANE] if part != "full" else []
+    names += [MIDDLE_PLANE] if part == "quarter" else []
+    names += [*(pin.name for pin in parts.pins), MAIN_JOURNAL, FILLET, WEB]
+    surfaces: dict[str, list[int]] = {name: [] for name in names}
+    fillets: dict[Zone, list[int]] = {}
+    last = parts.length / 2.0 if part == "quarter" else parts.length
     for _, tag in gmsh.model.getEntities(2):
-        _, _, z_low, x_high, _, z_high = gmsh.model.getBoundingBox(2, tag)
         kind = gmsh.model.getType(2, tag)
-        if z_high < tolerance:
-            name = LEFT_END
-        elif z_low > throw.length / 2.0 - tolerance:
-            name = MIDDLE_PLANE
-        elif x_high < tolerance:
-            name = CRANK_PLANE
-        elif kind == "Torus":
-            name = FILLET
-        elif kind == "Cylinder" and z_high < half_journal + tolerance:
-            name = MAIN_JOURNAL
-        elif kind == "Cylinder" and z_low > web_end - tolerance:
-            name = PIN
+        point = _point_on(gmsh, 2, tag)
+        if kind == "Plane":
+            _, _, z_low, x_high, _, z_high = gmsh.model.getBoundingBox(2, tag)
+            if z_high < tolerance:
+                name = LEFT_END
+            elif z_low > last - tolerance:
+                name = MIDDLE_PLANE if part == "quarter" else RIGHT_END
+            elif part != "full" and x_high < tolerance:
+                name = CRANK_PLANE
+            else:
+                name = _web_or_counterweight(parts, point)
         else:
-            name = WEB
-        names[name].append(tag)
-    for name, tags in names.items():
-        if not tags and not (name == FILLET and throw.fillet_radius == 0.0):
-            raise MeshError(f"the solid of the throw has no surface that is its {name}.")
-    return names
+            zone, name = _round_surface(parts, kind, point, tolerance)
+            if zone is not None:
+                fillets.setdefault(zone, []).append(tag)
+        surfaces.setdefault(name, []).append(tag)
+    return NamedSolid(surfaces, fillets, _corners(gmsh, parts, tolerance))
+
+
+def _point_on(gmsh: Any, dimension: int, tag: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Return a point on a surface or curve, in the middle of its parameters."""
+    low, high = gmsh.model.getParametrizationBounds(dimension, tag)
+    middle = 0.5 * (np.asarray(low) + np.asarray(high))
+    return np.asarray(gmsh.model.getValue(dimension, tag, middle.tolist()), dtype=float)
+
+
+def _round_surface(
+    parts: ThrowParts, kind: str, point: Any, tolerance: float
+) -> tuple[Zone | None, str]:
+    """Name a curved surface by a point on it."""
+    x, y, z = point
+    for number, cylinder in enumerate(parts.cylinders):
+        reach = math.dist((x, y), cylinder.axis)
+        if not cylinder.start - tolerance < z < cylinder.end + tolerance:
+            continue
+        if kind == "Torus" and cylinder.radius < reach < cylinder.collar * (1.0 + 1e-9):
+            end = "start" if z < 0.5 * (cylinder.start + cylinder.end) else "end"
+            return (number, end), FILLET
+        if kind == "Cylinder" and abs(reach - cylinder.radius) < 1e-6 * cylinder.radius:
+            return None, cylinder.name if cylinder.is_pin else MAIN_JOURNAL
+    for number, cylinder in enumerate(parts.cylinders):
+        if kind != "Cylinder" or cylinder.bore_radius == 0.0:
+            continue
+        off = abs(math.dist((x, y), cylinder.bore_axis) - cylinder.bore_radius)
+        inside = cylinder.bore_start - tolerance < z < cylinder.bore_end + tolerance
+        if inside and off < 1e-6 * cylinder.radius:
+            return (number, "bore"), BORE
+    return None, _web_or_counterweight(parts, point)
+
+
+def _web_or_counterweight(parts: ThrowParts, point: Any) -> str:
+    """Tell a counterweight's outside from the rest of the webs."""
+    x, y, z = point
+    for web in parts.webs:
+        if web.sector is None:
+            continue
+        low, high = min(web.start, web.sector.start), max(web.end, web.sector.end)
+        a, b = web.direction
+        v, u = x * a + y * b, abs(x * b - y * a)
+        width = float(web.outline.half_width(np.array([v]))[0])
+        if low <= z <= high and v < 0.0 and u > width * (1.0 + 1e-9):
+            return COUNTERWEIGHT
+    return WEB
+
+
+def _corners(gmsh: Any, parts: ThrowParts, tolerance: float) -> dict[Zone, list[int]]:
+    """Find the circles where unfilleted journals meet their webs."""
+    corners: dict[Zone, list[int]] = {}
+    sought = [
+        ((number, end), cylinder, cylinder.start if end == "start" else cylinder.end)
+        for number, cylinder in enumerate(parts.cylinders)
+        for end, fillet, touches in (
+            ("start", cylinder.start_fillet, number > 0),
+            ("end", cylinder.end_fillet, number < len(parts.cylinders) - 1),
+        )
+        if fillet == 0.0 and touches
+    ]
+    if not sought:
+        return corners
+    for _, tag in gmsh.model.getEntities(1):
+        if gmsh.model.getType(1, tag) != "Circle":
+            continue
+        x, y, z = _point_on(gmsh, 1, tag)
+        for zone, cylinder, junction in sought:
+            off = abs(math.dist((x, y), cylinder.axis) - cylinder.radius)
+            if abs(z - junction) < tolerance and off < 1e-6 * cylinder.radius:
+                corners.setdefault(zone, []).append(tag)
+    return corners

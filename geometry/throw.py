@@ -252,7 +252,7 @@ class CrankThrow(InputModel):
         """The smallest part that says everything: "quarter", "half" (x >= 0) or "full"."""
         if not self.parts.planar:
             return "full"
-        return "quarter" if self.parts.mirrored else "half"
+        return "quarter" if self.parts.mirrored and not self.further_pins else "half"
 
     def reversed(self) -> "CrankThrow":
         """Return the same throw described from its other end (turned by half a turn about y)."""

@@ -165,7 +165,7 @@ def _check_seat(
 ) -> None:
     """A journal must lie within its web."""
     reach = web.outline.distance(axis)
-    width = _mm(_width(web))
+    width = _mm(web.outline.width)
     # A journal whose surface is also that of the web cannot be meshed; a fillet keeps them apart.
     limit = 2.0 * reach / (1.0 if _fillet_on(web, cylinder) > 0.0 else 1.0 + SMALLEST_LEDGE)
     if 2.0 * cylinder.radius > limit:
@@ -175,10 +175,6 @@ def _check_seat(
             f"at most {_mm(limit)} with a web width of {width}",
             f"or the {_label(cylinder)} would stand outside the {_which(throw, web)}",
         )
-
-
-def _width(web: WebPlate) -> float:
-    return 2.0 * float(web.outline.half_width(web.outline.heights).max())
 
 
 def _which(throw: "CrankThrow", web: WebPlate) -> str:
@@ -211,8 +207,8 @@ def _check_fillets(throw: "CrankThrow", parts: ThrowParts) -> None:
             name = _field(throw, parts, cylinder, "fillet_radius")
             if name in limits and _fillet_on(web, cylinder) > 0.0:
                 reason = (
-                    f"the {_which(throw, web)} of {_mm(_width(web))} is too narrow for a larger one round "
-                    f"the {_label(cylinder)} of {_mm(2.0 * cylinder.radius)}"
+                    f"the {_which(throw, web)} of {_mm(web.outline.width)} is too narrow for a larger one "
+                    f"round the {_label(cylinder)} of {_mm(2.0 * cylinder.radius)}"
                 )
                 limits[name].append((web.outline.distance(axis) - cylinder.radius, reason))
     for name, radius in given.items():
@@ -267,7 +263,7 @@ def _check_wall_between(web: WebPlate, before: Cylinder, after: Cylinder) -> Non
 def _check_slopes(throw: "CrankThrow", web: WebPlate) -> None:
     """A web may be thinned towards its ends outside the journals' collars."""
     thickness = web.end - web.start
-    width = _width(web)
+    width = web.outline.width
     for slope in web.slopes:
         kind, joined = (
             ("tip_thickness", "main journal")

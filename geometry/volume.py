@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from geometry.parts import Cylinder, Sector, ThrowParts, WebPlate
 
 Array = NDArray[np.float64]
-GAUSS_POINTS = 40
+GAUSS_POINTS, PANELS = 10, 8
 
 
 def throw_volume(parts: ThrowParts) -> float:
@@ -29,6 +30,8 @@ def throw_volume(parts: ThrowParts) -> float:
     for web, before, after in zip(parts.webs, parts.cylinders, parts.cylinders[1:], strict=False):
         if web.end > web.start:
             volume += _web_volume(web) - _bored(web, before) - _bored(web, after)
+        if web.sector is not None:
+            volume += _sector_volume(web, web.sector, after if before.is_pin else before)
     return volume
 
 
@@ -51,16 +54,14 @@ def web_thickness(web: WebPlate, v: Array) -> Array:
 
 def _web_volume(web: WebPlate) -> float:
     heights = [*web.outline.heights, *(slope.start for slope in web.slopes)]
-    volume = _integral(
+    return _integral(
         lambda v: 2.0 * web.outline.half_width(v) * web_thickness(web, v), np.array(heights)
     )
-    if web.sector is not None:
-        volume += _sector_volume(web, web.sector)
-    return volume
 
 
-def _sector_volume(web: WebPlate, sector: Sector) -> float:
-    """Volume of a counterweight outside its web [m^3]."""
+def _sector_volume(web: WebPlate, sector: Sector, journal: Cylinder) -> float:
+    """Volume that a counterweight adds to its web, less the journal's bore through it [m^3]."""
+    bore, center = journal.bore_radius, _height(web, journal)
     cosine, tangent = math.cos(sector.half_angle), math.tan(sector.half_angle)
     radii = (sector.outer_radius, sector.inner_radius)
     heights = [
@@ -68,15 +69,23 @@ def _sector_volume(web: WebPlate, sector: Sector) -> float:
         *(-r * cosine for r in radii),
         *(v for v in web.outline.heights if -sector.outer_radius < v < 0.0),
         *(s.start for s in web.slopes if -sector.outer_radius < s.start < 0.0),
+        *(v for v in (center - bore, center + bore) if v < 0.0),
         0.0,
     ]
 
-    def area(v: Array) -> Array:
+    def bored(v: Array) -> Array:
+        return np.sqrt(np.maximum(bore**2 - (v - center) ** 2, 0.0))
+
+    def reach(v: Array) -> tuple[Array, Array, Array]:
+        """Where the counterweight begins and ends beside the line of symmetry, and the web ends."""
         low = np.sqrt(np.maximum(sector.inner_radius**2 - v**2, 0.0))
         high = np.sqrt(np.maximum(sector.outer_radius**2 - v**2, 0.0))
         if sector.half_angle < 0.5 * math.pi - 1e-12:
             high = np.minimum(high, -v * tangent)
-        width = web.outline.half_width(v)
+        return low, high, web.outline.half_width(v)
+
+    def area(v: Array) -> Array:
+        low, high, width = reach(v)
         outside = np.maximum(high - np.maximum(width, low), 0.0)
         inside = np.maximum(np.minimum(high, width) - low, 0.0)
         start, end = np.full_like(v, web.start), np.full_like(v, web.end)
@@ -87,9 +96,33 @@ def _sector_volume(web: WebPlate, sector: Sector) -> float:
                 end -= slope.depth(v)
         shared = np.maximum(np.minimum(end, sector.end) - np.maximum(start, sector.start), 0.0)
         thickness = sector.end - sector.start
-        return np.asarray(2.0 * (outside * thickness + inside * (thickness - shared)))
+        # Where the web is thinned, the counterweight fills it up, but not the bore.
+        filled = max(min(web.end, sector.end) - max(web.start, sector.start), 0.0) - shared
+        hole = np.maximum(np.minimum(np.minimum(high, width), bored(v)) - low, 0.0)
+        added = outside * thickness + inside * (thickness - shared) - hole * filled
+        return np.asarray(2.0 * added)
 
-    return _integral(area, np.array(heights))
+    from scipy.optimize import brentq  # here, for looking a compliance up must not load scipy
+
+    # Where the outlines cross, the integrand has a kink.
+    fine = np.linspace(-sector.outer_radius, 0.0, 401)
+    gaps: tuple[Callable[[Array], Array], ...] = (
+        lambda v: reach(v)[1] - reach(v)[2],
+        lambda v: reach(v)[0] - reach(v)[2],
+        lambda v: reach(v)[1] - bored(v),
+    )
+    for gap in gaps:
+        signs = np.sign(gap(fine))
+        for place in np.flatnonzero(signs[:-1] * signs[1:] < 0.0):
+            low, high = fine[place], fine[place + 1]
+            heights.append(brentq(lambda v, gap=gap: float(gap(np.array([v]))[0]), low, high))
+    # The web may be thinned so far that the counterweight's face comes out of it.
+    for slope in web.slopes:
+        for face in (sector.start, sector.end):
+            depth = (face - slope.face) * slope.inward
+            if 0.0 < depth < slope.drop:
+                heights.append(slope.start + depth / slope.drop * (slope.end - slope.start))
+    return _integral(area, np.clip(heights, -sector.outer_radius, 0.0))
 
 
 def _bored(web: WebPlate, cylinder: Cylinder) -> float:
@@ -97,8 +130,7 @@ def _bored(web: WebPlate, cylinder: Cylinder) -> float:
     radius = cylinder.bore_radius
     if radius == 0.0:
         return 0.0
-    (x, y), (a, b) = web.foot, web.direction
-    center = (cylinder.bore_axis[0] - x) * a + (cylinder.bore_axis[1] - y) * b
+    center = _height(web, cylinder)
     heights = [center - radius, center + radius]
     heights += [s.start for s in web.slopes if heights[0] < s.start < heights[1]]
     return _integral(
@@ -109,9 +141,23 @@ def _bored(web: WebPlate, cylinder: Cylinder) -> float:
     )
 
 
+def _height(web: WebPlate, cylinder: Cylinder) -> float:
+    """Height v of a bore's axis in a web's coordinates [m]."""
+    (x, y), (a, b) = web.foot, web.direction
+    return (cylinder.bore_axis[0] - x) * a + (cylinder.bore_axis[1] - y) * b
+
+
+@cache
+def _panels() -> tuple[Array, Array]:
+    """Gauss points on (-1, 1), a few on each of several panels."""
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    middles = (2.0 * np.arange(PANELS) + 1.0) / PANELS - 1.0
+    return (middles[:, None] + nodes / PANELS).ravel(), np.tile(weights / PANELS, PANELS)
+
+
 def _integral(function: Callable[[Array], Array], breaks: Array) -> float:
     """Integrate between breakpoints; the sine takes the roots at the ends of arcs out."""
-    nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    nodes, weights = _panels()
     angles = 0.5 * math.pi * nodes
     total = 0.0
     breaks = np.unique(breaks)

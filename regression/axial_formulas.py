@@ -72,7 +72,7 @@ class _Case:
         return self.pin_of_length(self.throw.pin_length)
 
     def pin_of_length(self, length: float) -> float:
-        inertia = math.pi / 64.0 * self.throw.pin_diameter**4
+        inertia = round_inertia(self.throw.pin_diameter, self.throw.pin_bore)
         return self.throw.crank_radius**2 * length / (self.youngs_modulus * inertia)
 
     @property
@@ -86,8 +86,9 @@ class _Case:
 
     def tension_of_lengths(self, journal_length: float, pin_length: float) -> float:
         """Stretch of journal and pin, (L_km / F_km + L_shm / F_shm) / E [m/N]."""
-        journal = journal_length / (math.pi / 4.0 * self.throw.main_journal_diameter**2)
-        pin = pin_length / (math.pi / 4.0 * self.throw.pin_diameter**2)
+        throw = self.throw
+        journal = journal_length / round_area(throw.main_journal_diameter, throw.main_journal_bore)
+        pin = pin_length / round_area(throw.pin_diameter, throw.pin_bore)
         return (journal + pin) / self.youngs_modulus
 
     @property
@@ -105,6 +106,16 @@ class _Remark:
     invalidates: bool = False
 
 
+def round_inertia(diameter: float, bore: float) -> float:
+    """Second moment of area of a round section with a concentric bore [m^4]."""
+    return math.pi / 64.0 * (diameter**4 - bore**4)
+
+
+def round_area(diameter: float, bore: float) -> float:
+    """Area of a round section with a bore [m^2]."""
+    return math.pi / 4.0 * (diameter**2 - bore**2)
+
+
 # ------------------------------------------------------------------------------- the formulas
 
 
@@ -116,7 +127,7 @@ def _draminsky_1(case: _Case) -> float:
 def _draminsky_1_printed(case: _Case) -> float:
     """Return (1) with length and inertia of the main journal, as its subscripts are printed."""
     throw = case.throw
-    inertia = math.pi / 64.0 * throw.main_journal_diameter**4
+    inertia = round_inertia(throw.main_journal_diameter, throw.main_journal_bore)
     journal = throw.crank_radius**2 * throw.main_journal_length / (case.youngs_modulus * inertia)
     return journal + 2.0 / 3.0 * case.web
 
@@ -475,6 +486,29 @@ def axial_formula(
     return _evaluate(formula, variant, case)
 
 
+def shape_remarks(throw: CrankThrow) -> list[tuple[str, bool]]:
+    """What of a throw the published formulas do not know, and whether that makes them void."""
+    remarks = []
+    if throw.further_pins:
+        remarks.append(
+            ("The throw has several pins between its bearings; the formula knows one.", True)
+        )
+    for table in (throw.left_web, throw.right_web):
+        if table is not None and (
+            table.thickness not in (None, throw.web_thickness)
+            or table.width not in (None, throw.web_width)
+        ):
+            remarks.append(
+                ("The webs differ; the formula takes web_width and web_thickness for both.", False)
+            )
+            break
+    if throw.web_tip_thickness is not None or throw.web_foot_thickness is not None:
+        remarks.append(("The formula takes the web's full thickness; it is thinned.", False))
+    if throw.main_journal_bore_offset or throw.pin_bore_offset:
+        remarks.append(("The formula takes eccentric bores for concentric ones.", False))
+    return remarks
+
+
 def fold_angle_deg(gamma_deg: float) -> float:
     """Fold an angle between neighboring cranks to 0 ... 180 deg (240 and -120 become 120)."""
     rest = math.fmod(abs(gamma_deg), 360.0)
@@ -547,7 +581,9 @@ def _check_variant(variant: str) -> None:
 
 def _evaluate(formula: _AxialFormula, variant: str, case: _Case) -> FormulaValue:
     evaluate, check = formula.readings[variant]
-    remarks = check(case)
+    remarks = check(case) + [
+        _Remark(text, invalidates) for text, invalidates in shape_remarks(case.throw)
+    ]
     value = evaluate(case)
     if value <= 0.0:
         remarks.append(

@@ -2,7 +2,7 @@ r"""Textbook formulas for the torsional compliance of one crank throw.
 
 Each gives the twist between the middles of two main journals under a unit torque [rad/(N m)],
 for a throw whose ends are free to tilt and shift. With shear modulus G and polar inertia
-pi D^4 / 32 of a solid journal, a length l of diameter D twists by 32 l / (pi G D^4).
+pi (D^4 - d^4) / 32 of a journal with a bore d, a length l twists by 32 l / (pi G (D^4 - d^4)).
 
 The formulas are quoted from the general literature on torsional vibration, where they stand in
 many places in the same form; the first publications were not consulted.
@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 from geometry.quantity import show_quantity
 from geometry.throw import CrankThrow
-from regression.axial_formulas import shear_modulus
+from regression.axial_formulas import round_inertia, shape_remarks, shear_modulus
 from regression.formula_value import FormulaValue
 
 _TEXTBOOK = (
@@ -28,9 +28,9 @@ _TEXTBOOK = (
 )
 
 
-def _round(length: float, diameter: float, modulus: float) -> float:
-    """Return the twist of a solid round length under a unit torque [rad/(N m)]."""
-    return 32.0 * length / (math.pi * modulus * diameter**4)
+def _round(length: float, diameter: float, bore: float, modulus: float) -> float:
+    """Return the twist of a round length with a bore under a unit torque [rad/(N m)]."""
+    return length / (modulus * 2.0 * round_inertia(diameter, bore))
 
 
 def _webs_as_beams(throw: CrankThrow, youngs_modulus: float) -> float:
@@ -47,9 +47,10 @@ def _carter(throw: CrankThrow, youngs_modulus: float, modulus: float) -> float:
         _round(
             throw.main_journal_length + 0.8 * throw.web_thickness,
             throw.main_journal_diameter,
+            throw.main_journal_bore,
             modulus,
         )
-        + _round(0.75 * throw.pin_length, throw.pin_diameter, modulus)
+        + _round(0.75 * throw.pin_length, throw.pin_diameter, throw.pin_bore, modulus)
         + 32.0 / (math.pi * modulus) * web
     )
 
@@ -66,9 +67,12 @@ def _ker_wilson(throw: CrankThrow, youngs_modulus: float, modulus: float) -> flo
         _round(
             throw.main_journal_length + 0.4 * throw.main_journal_diameter,
             throw.main_journal_diameter,
+            throw.main_journal_bore,
             modulus,
         )
-        + _round(throw.pin_length + 0.4 * throw.pin_diameter, throw.pin_diameter, modulus)
+        + _round(
+            throw.pin_length + 0.4 * throw.pin_diameter, throw.pin_diameter, throw.pin_bore, modulus
+        )
         + 32.0 / (math.pi * modulus) * web
     )
 
@@ -88,8 +92,13 @@ def _with_web_beams(
 ) -> float:
     added = share * throw.web_thickness
     return (
-        _round(throw.main_journal_length + added, throw.main_journal_diameter, modulus)
-        + _round(throw.pin_length + added, throw.pin_diameter, modulus)
+        _round(
+            throw.main_journal_length + added,
+            throw.main_journal_diameter,
+            throw.main_journal_bore,
+            modulus,
+        )
+        + _round(throw.pin_length + added, throw.pin_diameter, throw.pin_bore, modulus)
         + _webs_as_beams(throw, youngs_modulus)
     )
 
@@ -183,6 +192,9 @@ def _value(
             f"The crank radius {show_quantity(throw.crank_radius, 'm')} is at most a fifth of the "
             "sum of both journal diameters: nothing of the web is left to twist."
         )
+    for text, invalidates in shape_remarks(throw):
+        remarks.append(text)
+        valid = valid and not invalidates
     return FormulaValue(
         value=formula.evaluate(throw, youngs_modulus, modulus),
         valid=valid,

@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import os
 import selectors
 import subprocess
 import sys
@@ -10,9 +9,9 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
+from geometry.processes import package_environment
 from regression.store import Outcome
 
 TRIES = 2
@@ -124,13 +123,6 @@ def run_designs(
         for worker in pool:
             _end(worker.process)
         selector.close()
-
-
-def package_environment() -> dict[str, str]:
-    """Environment in which a new Python finds our packages, however this one did."""
-    home = str(Path(__file__).resolve().parent.parent)
-    paths = [home, *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
-    return os.environ | {"PYTHONPATH": os.pathsep.join(paths)}
 
 
 def _spawn() -> subprocess.Popen[bytes]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from crankfem.pictures.surface import Surface
 from geometry.errors import MissingLibraryError
-from regression.workers import package_environment
+from geometry.processes import package_environment
 
 MESH, DEFORMED = "throw_mesh.png", "throw_deformed.png"
 ADVICE = (

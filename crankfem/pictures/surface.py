@@ -1,4 +1,4 @@
-"""The surface of a whole throw, mirrored from its quarter, with displacements for pictures."""
+"""The surface of a whole throw, mirrored from its meshed part, with displacements for pictures."""
 
 from dataclasses import dataclass
 
@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.analysis import ThrowAnalysis
+from fem.fields import displacement_field, images
 from fem.loads import six_node_triangles
-from fem.symmetry import AXIAL, MIRROR_X, MIRROR_Z
+from fem.superelement import RZ, UZ
+from fem.supports import end_motions
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
 
 Array = NDArray[np.float64]
@@ -39,13 +41,9 @@ class Surface:
     displacement: Array
 
 
-def stretched_quarter(analysis: ThrowAnalysis) -> Array:
-    """Displacement (n, 3) of the quarter's nodes under an axial pull of 1 N, ends pinned [m]."""
-    part = next(found for found in analysis.classes if found.symmetry == AXIAL)
-    # Unknowns of the class: uy blocked, uz moves by half the lengthening, rx follows freely.
-    half = 0.5 * analysis.axial_compliance("pinned")
-    tilt = part.stiffness[2, 1] / part.stiffness[2, 2] * half
-    return np.asarray(part.fields @ np.array([0.0, -half, tilt]))
+def stretched_part(analysis: ThrowAnalysis) -> Array:
+    """Displacement (n, 3) of the mesh's nodes under an axial pull of 1 N, ends pinned [m]."""
+    return displacement_field(analysis.classes, _stretched_ends(analysis))
 
 
 def stretched_surface(analysis: ThrowAnalysis) -> Surface:
@@ -54,7 +52,6 @@ def stretched_surface(analysis: ThrowAnalysis) -> Surface:
     Parameters
     ----------
     analysis : ThrowAnalysis
-        With the axial symmetry class solved.
 
     Returns
     -------
@@ -62,7 +59,6 @@ def stretched_surface(analysis: ThrowAnalysis) -> Surface:
         Displacements are those of 1 N, both ends moving apart.
     """
     mesh = analysis.mesh
-    displacement = stretched_quarter(analysis)
     outside = [
         corners
         for name, corners in mesh.surfaces.items()
@@ -71,27 +67,24 @@ def stretched_surface(analysis: ThrowAnalysis) -> Surface:
     sides = six_node_triangles(mesh, np.concatenate(outside))
     triangles = np.concatenate([sides[:, list(corners)] for corners in SUBTRIANGLES])
     edges = np.concatenate([sides[:, list(path)] for path in EDGE_PATHS])
-
-    middle = np.array([0.0, 0.0, analysis.throw.length / 2.0])
-    points: list[Array] = []
-    moved: list[Array] = []
-    all_triangles: list[NDArray[np.int64]] = []
-    all_edges: list[NDArray[np.int64]] = []
-    for mirror_x in (False, True):
-        for mirror_z in (False, True):
-            signs = np.ones(3)
-            signs = signs * MIRROR_X[:3] if mirror_x else signs
-            signs = signs * MIRROR_Z[:3] if mirror_z else signs
-            offset = len(points) * len(mesh.points)
-            points.append((mesh.points - middle) * signs + middle)
-            moved.append(displacement * signs)
-            # An odd number of mirrors turns the triangles inside out.
-            turned = triangles[:, ::-1] if mirror_x != mirror_z else triangles
-            all_triangles.append(turned + offset)
-            all_edges.append(edges + offset)
+    copies = images(mesh, analysis.classes, _stretched_ends(analysis))
+    offsets = np.arange(len(copies)) * len(mesh.points)
     return Surface(
-        np.concatenate(points),
-        np.concatenate(all_triangles),
-        np.concatenate(all_edges),
-        np.concatenate(moved),
+        points=np.concatenate([copy.points for copy in copies]),
+        triangles=np.concatenate(
+            [
+                (triangles[:, ::-1] if copy.inside_out else triangles) + offset
+                for copy, offset in zip(copies, offsets, strict=True)
+            ]
+        ),
+        edges=np.concatenate([edges + offset for offset in offsets]),
+        displacement=np.concatenate([copy.displacement for copy in copies]),
     )
+
+
+def _stretched_ends(analysis: ThrowAnalysis) -> Array:
+    """Motions (12,) of both ends under an axial pull of 1 N, moving apart by equal amounts."""
+    motions = end_motions(analysis.superelement, "pinned")[:, 0]
+    for unknown in (UZ, RZ):
+        motions[[unknown, 6 + unknown]] -= 0.5 * (motions[unknown] + motions[6 + unknown])
+    return motions

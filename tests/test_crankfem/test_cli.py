@@ -67,7 +67,7 @@ def test_new_overwrites_nothing(call, tmp_path):
 def test_new_refuses_an_unknown_engine(call, tmp_path):
     answer = call("new", "mine.toml", "--from", "../secret")
     assert answer.code == 2
-    assert "--from: given '../secret'; allowed are 6chn25-34, yamz-5340." in answer.err
+    assert "--from: given '../secret'; allowed are " in answer.err
     assert not (tmp_path / "mine.toml").exists()
 
 

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-import fem.analysis
 from fem.analysis import analyze_throw, throw_responses
 from fem.material import STEEL, Material
 from fem.supports import Neighbors
 from geometry.errors import InputError
+from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 
 
@@ -87,6 +87,18 @@ def test_unknown_supports_are_refused_everywhere(analysis):
 def test_pin_force_that_is_no_force(analysis, force):
     with pytest.raises(InputError, match=r"^pin_force: given "):
         analysis.reactions(force)
+
+
+@pytest.mark.parametrize("pin", [1, -1, 0.0, True, None, "0"])
+def test_pin_that_the_throw_has_not(analysis, pin):
+    for call in (
+        lambda: analysis.reactions((0.0, -1.0, 0.0), pin=pin),
+        lambda: analysis.influence_coefficient(pin=pin),
+    ):
+        with pytest.raises(
+            InputError, match=r"^pin: given .*; allowed is 0, for the throw has one"
+        ):
+            call()
 
 
 @pytest.mark.parametrize(
@@ -179,14 +191,13 @@ def test_error_estimate_covers_the_true_error(dimensions, axial_compliance, chan
         assert error <= 1.2 * accuracy
 
 
-def test_a_coarse_mesh_that_was_made_finer_still_differs(throw, monkeypatch):
-    make, factors = fem.analysis.mesh_throw, []
+def test_a_coarse_mesh_that_was_made_finer_still_differs(throw):
+    factors = []
 
     def finer_at_first(given, factor):
         factors.append(0.6 * factor if not factors else factor)
-        return make(given, factors[-1])
+        return mesh_throw(given, factors[-1])
 
-    monkeypatch.setattr(fem.analysis, "mesh_throw", finer_at_first)
-    found = analyze_throw(throw, accuracy=0.1)
+    found = analyze_throw(throw, accuracy=0.1, mesher=finer_at_first)
     assert factors[0] / factors[1] == pytest.approx(1.5)
     assert 0.0 < found.error_estimate < 0.1

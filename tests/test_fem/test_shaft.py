@@ -3,14 +3,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fem.assembly import assemble_stiffness
-from fem.condensation import condense
-from fem.loads import uniform_pin_load
-from fem.material import STEEL
 from fem.shaft import assemble_shaft, free_unknowns, shaft_compliances, solve_shaft
-from fem.superelement import RZ, UZ, combine_classes
+from fem.superelement import RZ, UZ
 from fem.supports import support_throw
-from fem.symmetry import ALL_CLASSES
 from geometry.errors import InputError
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
@@ -20,12 +15,10 @@ UNEVEN = np.radians([0.0, 75.0, 200.0, 250.0, 10.0])
 
 
 @pytest.fixture(scope="module")
-def uneven_shaft(superelement, dimensions):
+def uneven_shaft(superelement, dimensions, condensed):
     """Throws of two kinds, one with thicker webs and a longer pin."""
     other = CrankThrow(**{**dimensions, "web_thickness": 0.090, "pin_length": 0.170})
-    mesh = mesh_throw(other, 3.0)
-    matrix, shapes = assemble_stiffness(mesh.points, mesh.elements, STEEL), uniform_pin_load(mesh)
-    second = combine_classes([condense(mesh, matrix, shapes, part) for part in ALL_CLASSES])
+    _, second = condensed(mesh_throw(other, 3.0))
     return [superelement, second, superelement, superelement, second]
 
 

@@ -9,31 +9,13 @@ from scipy.sparse.linalg import splu
 
 from fem.assembly import assemble_stiffness
 from fem.condensation import nodes_on
-from fem.loads import uniform_pin_load
+from fem.loads import uniform_pin_loads
 from fem.material import STEEL
 from fem.superelement import section_rotation
 from fem.supports import reactions, support_throw
-from fem.symmetry import ALL_CLASSES
-from geometry.mesh import ThrowMesh, smallest_jacobians
-from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE, PIN
-
-# A mirror image of a tetrahedron is inside out until two of its corners change places.
-SWAPPED = [1, 0, 2, 3, 4, 6, 5, 8, 7, 9]
-
-
-def mirrored(points, elements, facets, axis, position, on_plane):
-    """Add the mirror image, sharing the nodes on the plane."""
-    image = points.copy()
-    image[:, axis] = 2.0 * position - image[:, axis]
-    number = np.full(len(points), -1)
-    number[on_plane] = on_plane
-    others = np.flatnonzero(number < 0)
-    number[others] = len(points) + np.arange(len(others))
-    return (
-        np.vstack([points, image[others]]),
-        np.vstack([elements, number[elements][:, SWAPPED]]),
-        np.vstack([facets, number[facets]]),
-    )
+from fem.symmetry import symmetry_classes
+from geometry.mending import smallest_jacobians
+from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE
 
 
 @dataclass
@@ -63,34 +45,17 @@ class Whole:
 
 
 @pytest.fixture(scope="module")
-def whole(mesh, throw):
-    points, elements, facets = mesh.points, mesh.elements, mesh.surfaces[PIN]
-    middle = points[:, 2].max()
-    points, elements, facets = mirrored(
-        points, elements, facets, 0, 0.0, nodes_on(mesh, CRANK_PLANE)
-    )
-    on_middle = np.flatnonzero(np.abs(points[:, 2] - middle) < 1e-12)
-    points, elements, facets = mirrored(points, elements, facets, 2, middle, on_middle)
+def whole(full_mesh):
+    points, elements = full_mesh.points, full_mesh.elements
     assert len(np.unique(points.round(9), axis=0)) == len(points)
     assert smallest_jacobians(points, elements).min() > 0.0
     upper = assemble_stiffness(points, elements, STEEL)
-    full_mesh = ThrowMesh(
-        "full",
-        throw.length,
-        (PIN,),
-        points,
-        elements,
-        {PIN: facets},
-        1.0,
-        0,
-        4.0 * mesh.solid_volume,
-    )
     return Whole(
         points,
         elements,
         sparse.csc_array(upper + sparse.triu(upper, k=1).T),
-        uniform_pin_load(full_mesh),
-        tuple(np.flatnonzero(np.abs(points[:, 2] - z) < 1e-12) for z in (0.0, throw.length)),
+        uniform_pin_loads(full_mesh)[0],
+        tuple(np.flatnonzero(np.abs(points[:, 2] - z) < 1e-12) for z in (0.0, full_mesh.length)),
     )
 
 
@@ -155,7 +120,7 @@ def test_symmetric_and_semidefinite_with_six_rigid_motions(superelement, rigid_m
 
 def test_pin_load_is_in_equilibrium(superelement, rigid_motions, throw, mesh, pin_shapes):
     """It works on rigid motions as a force at the pin's middle does."""
-    height = pin_shapes @ mesh.points[:, 1]
+    height = pin_shapes[0] @ mesh.points[:, 1]
     assert height == pytest.approx(throw.crank_radius, rel=1e-4)
     arm = np.array([0.0, height, throw.length / 2.0])
     for column in range(3):
@@ -168,10 +133,10 @@ def test_pin_load_is_in_equilibrium(superelement, rigid_motions, throw, mesh, pi
 def test_uniform_pin_load(mesh, pin_shapes, throw):
     assert pin_shapes.sum() == pytest.approx(1.0, rel=1e-14)
     radius = np.hypot(mesh.points[:, 0], mesh.points[:, 1] - throw.crank_radius)
-    carrying = np.abs(pin_shapes) > 1e-14
+    carrying = np.abs(pin_shapes[0]) > 1e-14
     assert radius[carrying] == pytest.approx(throw.pin_diameter / 2.0, rel=1e-9)
     # A quarter of the pin, from its fillet to its middle and over the half turn x > 0.
-    x, y, z = pin_shapes @ mesh.points
+    x, y, z = pin_shapes[0] @ mesh.points
     assert x == pytest.approx(throw.pin_diameter / np.pi, rel=1e-3)
     assert y == pytest.approx(throw.crank_radius, rel=1e-4)
     half = throw.pin_length / 2.0
@@ -184,7 +149,7 @@ def test_shares_are_four_quarters_of_the_whole(whole, pin_shapes, mesh):
         np.concatenate([nodes_on(mesh, CRANK_PLANE), nodes_on(mesh, MIDDLE_PLANE)]),
     )
     assert whole.shares.sum() == pytest.approx(1.0, rel=1e-14)
-    assert whole.shares[off_planes] == pytest.approx(0.25 * pin_shapes[off_planes], abs=1e-15)
+    assert whole.shares[off_planes] == pytest.approx(0.25 * pin_shapes[0][off_planes], abs=1e-15)
 
 
 def test_fields_move_the_end_as_a_rigid_section(mesh, classes):
@@ -197,10 +162,16 @@ def test_fields_move_the_end_as_a_rigid_section(mesh, classes):
             assert part.fields[ends, :, motion] == pytest.approx(wanted, abs=1e-12)
 
 
-def test_the_four_classes_share_out_all_motions():
-    together = np.hstack([symmetry.ends for symmetry in ALL_CLASSES])
+@pytest.mark.parametrize("part", ["quarter", "half", "full"])
+def test_the_classes_share_out_all_motions(part):
+    classes = symmetry_classes(part)
+    assert len(classes) == classes[0].copies
+    together = np.hstack([symmetry.ends for symmetry in classes])
     assert together.shape == (12, 12)
-    assert together.T @ together == pytest.approx(2.0 * np.eye(12))
+    size = 2.0 if part == "quarter" else 1.0
+    assert together.T @ together == pytest.approx(size * np.eye(12))
+    shares = np.vstack([symmetry.shares for symmetry in classes])
+    assert together @ shares == pytest.approx(np.eye(12))
 
 
 def test_turning(superelement):

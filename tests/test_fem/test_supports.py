@@ -44,7 +44,7 @@ def test_reactions_are_in_equilibrium(superelement, throw, mesh, pin_shapes, sup
     size = np.linalg.norm(force)
     total = found.left.force + found.right.force + force
     assert total == pytest.approx(np.zeros(3), abs=1e-9 * size)
-    pin = np.array([0.0, pin_shapes @ mesh.points[:, 1], throw.length / 2.0])
+    pin = np.array([0.0, pin_shapes[0] @ mesh.points[:, 1], throw.length / 2.0])
     moments = (
         found.left.moment
         + found.right.moment

@@ -77,7 +77,7 @@ def test_a_callers_model_of_the_same_name_survives(own_session):
 def test_a_callers_session_survives_a_failure(own_session, dimensions):
     before = state()
     with (
-        mock.patch("geometry.mesh._set_sizes", side_effect=RuntimeError("no sizes")),
+        mock.patch("geometry.mesh.set_sizes", side_effect=RuntimeError("no sizes")),
         pytest.raises(MeshError, match="gmsh could not mesh the throw: no sizes"),
     ):
         mesh_throw(CrankThrow(**dimensions), 2.0)
@@ -86,7 +86,7 @@ def test_a_callers_session_survives_a_failure(own_session, dimensions):
 
 def test_own_session_is_closed_after_a_failure(dimensions):
     with (
-        mock.patch("geometry.mesh._set_sizes", side_effect=RuntimeError("no sizes")),
+        mock.patch("geometry.mesh.set_sizes", side_effect=RuntimeError("no sizes")),
         pytest.raises(MeshError),
     ):
         mesh_throw(CrankThrow(**dimensions), 2.0)

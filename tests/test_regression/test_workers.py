@@ -184,7 +184,7 @@ def test_a_worker_computes_and_tells_what_it_cannot():
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_a_result_that_is_no_number_is_a_failure(monkeypatch, value):
     monkeypatch.setattr(
-        worker, "throw_responses", lambda *_: {"axial_compliance_pinned": value, "mass": 1.0}
+        worker, "throw_responses", lambda *_, **__: {"axial_compliance_pinned": value, "mass": 1.0}
     )
     (answer,) = serve({"key": "k", "inputs": design()})
     assert "responses" not in answer

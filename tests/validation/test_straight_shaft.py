@@ -17,9 +17,9 @@ from fem.assembly import assemble_stiffness
 from fem.condensation import condense
 from fem.material import STEEL
 from fem.superelement import combine_classes
-from fem.symmetry import ALL_CLASSES
+from fem.symmetry import symmetry_classes
 from geometry.gmsh_session import gmsh_session
-from geometry.mesh import ThrowMesh, _read_mesh, element_volumes
+from geometry.mesh import SolidProperties, ThrowMesh, element_volumes, read_mesh
 
 DIAMETER = 0.1
 AREA = np.pi / 4.0 * DIAMETER**2
@@ -35,20 +35,20 @@ def cylinder_quarter(length):
         gmsh.option.setNumber("Mesh.MeshSizeMax", 0.2 * DIAMETER)
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(2)
-        points, elements, _ = _read_mesh(gmsh, {})
-    return ThrowMesh(
-        "quarter", 2.0 * length, ("pin",), points, elements, {}, 1.0, 0, AREA * length / 4.0
-    )
+        points, elements, _ = read_mesh(gmsh, {})
+    solid = SolidProperties(AREA * length / 4.0, np.zeros(3), np.zeros((3, 3)))
+    return ThrowMesh("quarter", length, ("pin",), points, elements, {}, 1.0, 0, solid)
 
 
 def flexibility(length):
     """Motions (6, 6) of the right end per unit force and moment there, the left end held."""
     mesh = cylinder_quarter(length)
     volume = element_volumes(mesh.points, mesh.elements).sum()
-    assert volume == pytest.approx(mesh.solid_volume, rel=1e-3)
+    assert volume == pytest.approx(mesh.solid.volume, rel=1e-3)
     matrix = assemble_stiffness(mesh.points, mesh.elements, STEEL)
-    shapes = np.zeros(len(mesh.points))
-    whole = combine_classes([condense(mesh, matrix, shapes, part) for part in ALL_CLASSES])
+    shapes = np.zeros((1, len(mesh.points)))
+    parts = [condense(mesh, matrix, shapes, part) for part in symmetry_classes(mesh.part)]
+    whole = combine_classes(parts)
     return np.linalg.inv(whole.stiffness[6:, 6:])
 
 

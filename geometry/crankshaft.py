@@ -1,0 +1,201 @@
+"""The whole crankshaft: throws at their crank angles, free end, flange."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.balance import Unbalance, unbalance
+from geometry.errors import InputError, MeshError
+from geometry.gmsh_session import gmsh_session
+from geometry.isolated import ProcessLostError
+from geometry.mass import (
+    MassProperties,
+    cylinder_mass_properties,
+    solid_mass_properties,
+    together,
+)
+from geometry.mesh import SolidProperties, solid_properties
+from geometry.mesher import TIME_LIMIT, shared_process
+from geometry.quantity import show_quantity
+from geometry.shaft_ends import ShaftEnds
+from geometry.solid import Entity, make_solid, remove_loose
+from geometry.throw import CrankThrow
+
+
+@dataclass(frozen=True)
+class Crankshaft:
+    """A crankshaft of throws in a row.
+
+    Parameters
+    ----------
+    throws : sequence of n CrankThrow
+        From the free end to the flange. Throws side by side share a main bearing, so their main
+        journals have one diameter and one bore.
+    crank_angles : sequence of n float
+        Angle of each throw's first pin about +z, counted from +y [rad].
+    ends : ShaftEnds, optional
+        What stands beyond the first and the last main journal.
+
+    Raises
+    ------
+    InputError
+        If there is not one angle for each throw, or neighbors do not fit.
+
+    Examples
+    --------
+    >>> shaft = Crankshaft([throw] * 4, np.deg2rad([0.0, 180.0, 180.0, 0.0]))  # doctest: +SKIP
+    """
+
+    throws: Sequence[CrankThrow]
+    crank_angles: Sequence[float]
+    ends: ShaftEnds = field(default_factory=ShaftEnds)
+
+    def __post_init__(self) -> None:
+        if not self.throws or len(self.throws) != len(self.crank_angles):
+            raise InputError(
+                f"crank_angles: given {len(self.crank_angles)} for {len(self.throws)} throws; allowed is "
+                "one for each of at least one throw."
+            )
+        if not np.all(np.isfinite(self.crank_angles)):
+            raise InputError(
+                f"crank_angles: given {list(self.crank_angles)}; allowed are finite angles."
+            )
+        for number, (first, second) in enumerate(
+            zip(self.throws, self.throws[1:], strict=False), start=1
+        ):
+            for name in ("main_journal_diameter", "main_journal_bore"):
+                left, right = getattr(first, name), getattr(second, name)
+                if left != right:
+                    raise InputError(
+                        f"throws: given {name} {show_quantity(left, 'm')} in throw {number} and "
+                        f"{show_quantity(right, 'm')} in throw {number + 1}; allowed is one value, for "
+                        "they share a main journal."
+                    )
+
+    @property
+    def starts(self) -> NDArray[np.float64]:
+        """Left end of each throw along the shaft, and the last one's right end (n + 1,) [m]."""
+        return np.concatenate([[0.0], np.cumsum([throw.length for throw in self.throws])])
+
+    @property
+    def length(self) -> float:
+        """Length with free end and flange [m]."""
+        start, end = self.reach
+        return end - start
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Where the shaft begins and ends; z = 0 is the middle of the first main journal [m]."""
+        last = float(self.starts[-1])
+        return -(self.ends.free_end_length or 0.0), last + (self.ends.flange_thickness or 0.0)
+
+    def masses(self, density: float) -> MassProperties:
+        """Mass, center and inertia from the solids of throws and ends [kg, m, kg m^2].
+
+        Parameters
+        ----------
+        density : float
+            [kg/m^3]
+
+        Raises
+        ------
+        MeshError
+            If a throw's solid cannot be built.
+        """
+        found: dict[CrankThrow, MassProperties] = {}
+        parts = []
+        for throw, angle, start in zip(
+            self.throws, self.crank_angles, self.starts[:-1], strict=True
+        ):
+            if throw not in found:
+                found[throw] = throw_masses(throw, density)
+            parts.append(found[throw].moved(angle, float(start)))
+        parts += [
+            cylinder_mass_properties(diameter, low, high, density)
+            for diameter, low, high in self.end_cylinders
+        ]
+        return together(parts)
+
+    @property
+    def end_cylinders(self) -> list[tuple[float, float, float]]:
+        """Diameter, start and end of free end and flange, where given [m]."""
+        (start, end), last = self.reach, float(self.starts[-1])
+        made = []
+        if self.ends.free_end_diameter is not None:
+            made.append((self.ends.free_end_diameter, start, 0.0))
+        if self.ends.flange_diameter is not None:
+            made.append((self.ends.flange_diameter, last, end))
+        return made
+
+    def unbalance(self, density: float) -> Unbalance:
+        """Static and dynamic unbalance, moments about the middle of the throws."""
+        return unbalance(self.masses(density), 0.5 * float(self.starts[-1]))
+
+
+def throw_masses(throw: CrankThrow, density: float) -> MassProperties:
+    """Mass properties of a throw from its solid, without meshing it.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+    density : float
+        [kg/m^3]
+
+    Raises
+    ------
+    MeshError
+        If the solid cannot be built.
+    """
+    try:
+        solid = shared_process().call(
+            "geometry.crankshaft:throw_solid", throw, time_limit=TIME_LIMIT
+        )
+    except ProcessLostError as error:
+        raise MeshError(f"the throw's solid could not be built: {error}.") from None
+    return solid_mass_properties(solid, throw.symmetry, throw.length, density)
+
+
+def throw_solid(throw: CrankThrow) -> SolidProperties:
+    """Properties of the solid of the part of a throw that its symmetry leaves, in this process."""
+    with gmsh_session("throw") as gmsh:
+        try:
+            make_solid(gmsh, throw.parts, throw.symmetry)
+            remove_loose(gmsh)
+            return solid_properties(gmsh)
+        except MeshError:
+            raise
+        except Exception as error:  # gmsh raises bare Exception
+            raise MeshError(f"gmsh could not build the throw: {error}") from error
+
+
+def make_shaft(gmsh: Any, shaft: Crankshaft) -> list[Entity]:
+    """Build a crankshaft's solid in the current gmsh model, x, y, z as in `Crankshaft`.
+
+    Returns
+    -------
+    list of (dimension, tag)
+        Its volumes: one, if the kernel united all.
+    """
+    occ = gmsh.model.occ
+    pieces: list[Entity] = []
+    made: dict[CrankThrow, Entity] = {}
+    for throw, angle, start in zip(
+        shaft.throws, shaft.crank_angles, shaft.starts[:-1], strict=True
+    ):
+        if throw not in made:
+            made[throw] = make_solid(gmsh, throw.parts, "full")
+        (copied,) = occ.copy([made[throw]])
+        occ.rotate([copied], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, angle)
+        occ.translate([copied], 0.0, 0.0, float(start))
+        pieces.append(copied)
+    for diameter, low, high in shaft.end_cylinders:
+        tag = occ.addCylinder(0.0, 0.0, low, 0.0, 0.0, high - low, diameter / 2.0)
+        pieces.append((3, int(tag)))
+    occ.remove(list(made.values()), recursive=True)
+    if len(pieces) > 1:
+        pieces, _ = occ.fuse(pieces[:1], pieces[1:])
+    occ.synchronize()
+    return [(3, int(tag)) for dimension, tag in pieces if dimension == 3]

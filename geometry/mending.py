@@ -1,0 +1,67 @@
+"""Curved tetrahedra that turned inside out: find them and straighten them."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import MeshError
+from geometry.shapes import jacobians, shapes_at_nodes
+
+# The two end nodes of each edge node 4..9, in scikit-fem's order.
+EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+
+
+def smallest_jacobians(
+    points: NDArray[np.float64], elements: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Smallest ratio (m,) of the Jacobian at any node to the straight element's mean one."""
+    _, gradients = shapes_at_nodes()
+    determinant = np.linalg.det(jacobians(gradients, points[elements]))
+    return np.asarray(determinant.min(axis=1) / np.abs(determinant).mean(axis=1))
+
+
+def corner_quality(points: NDArray[np.float64], elements: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Mean ratio (m,) of the straight tetrahedra: 1 for a regular one, 0 for a flat one."""
+    corners = points[elements[:, :4]]
+    volumes = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6.0
+    squares = sum(
+        ((corners[:, i] - corners[:, j]) ** 2).sum(axis=1) for i in range(4) for j in range(i)
+    )
+    return np.asarray(12.0 * (3.0 * volumes) ** (2.0 / 3.0) / squares)
+
+
+def mend(
+    points: NDArray[np.float64], elements: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], int]:
+    """Straighten the edges of elements that curving turned inside out.
+
+    Straightening one element changes its neighbors, so the check is repeated.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+    elements : (m, 10) array
+
+    Returns
+    -------
+    points : (n, 3) array
+    mended : int
+        How many elements were straightened.
+
+    Raises
+    ------
+    MeshError
+        If elements stay inside out.
+    """
+    points = points.copy()
+    mended: set[int] = set()
+    for _ in range(10):
+        bad = np.flatnonzero(smallest_jacobians(points, elements) < 0.05)
+        if len(bad) == 0:
+            return points, len(mended)
+        mended.update(bad.tolist())
+        for node, (first, second) in enumerate(EDGES, start=4):
+            middles = elements[bad, node]
+            points[middles] = 0.5 * (points[elements[bad, first]] + points[elements[bad, second]])
+    raise MeshError(
+        f"{len(bad)} elements of the throw's mesh stay inside out after straightening their edges."
+    )

@@ -1,0 +1,161 @@
+"""Write meshes for other programs: gmsh's own format through gmsh, all others through meshio."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import InputError
+from geometry.gmsh_session import gmsh_session
+from geometry.mending import EDGES
+from geometry.mesh import GMSH_TO_SKFEM, ThrowMesh
+
+# File endings that keep the curved elements, or only the surface as flat triangles, and their readers.
+# Those that meshio would write with half of the mesh left out are not among them.
+SOLID_ENDINGS = {
+    ".msh": "gmsh",
+    ".vtu": "ParaView",
+    ".vtk": "ParaView",
+    ".inp": "Abaqus, CalculiX",
+    ".med": "Salome, code_aster",
+}
+SURFACE_ENDINGS = {".stl": "surface only", ".ply": "surface only", ".obj": "surface only"}
+ENDINGS = SOLID_ENDINGS | SURFACE_ENDINGS
+VOLUME = "throw"
+# A six-node triangle (corners 0 1 2, edge middles 3 4 5 on 01 12 02) as four flat ones.
+SUBTRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+
+
+def write_mesh(
+    mesh: ThrowMesh,
+    path: str | Path,
+    point_data: dict[str, NDArray[np.float64]] | None = None,
+) -> Path:
+    """Write a mesh with its named surfaces.
+
+    Parameters
+    ----------
+    mesh : ThrowMesh
+        Coordinates are written in m.
+    path : path
+        Its ending says the format: ``.msh`` (surfaces are physical groups), ``.inp`` (cell sets), ``.vtu``,
+        ``.vtk``, ``.med`` (the cell data "surface" numbers volume and surfaces, in the order of
+        the mesh's surfaces that are not empty), ``.stl``, ``.ply``, ``.obj`` (the surface alone).
+    point_data : dict, optional
+        Values at the nodes, such as displacements, for formats that carry them.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        If the ending is unknown, or the file cannot be written.
+    """
+    path = Path(path)
+    ending = path.suffix.lower()
+    if ending not in ENDINGS:
+        raise InputError(
+            f"{path.name}: given the ending {path.suffix!r}; allowed are "
+            f"{', '.join(f'{name} ({reader})' for name, reader in ENDINGS.items())}."
+        )
+    try:
+        if ending == ".msh":
+            _write_msh(mesh, path)
+        elif ending in SURFACE_ENDINGS:
+            _meshio().Mesh(
+                mesh.points, [("triangle", flat_triangles(mesh).astype(np.int32))]
+            ).write(path)
+        else:
+            _write_solid(mesh, path, point_data or {})
+    except ImportError as error:
+        package = error.name or str(error)
+        raise InputError(
+            f"{path.name}: this format needs the Python package {package}; install it with: "
+            f"pip install {package} (or crankfem[formats])"
+        ) from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
+    return path
+
+
+def _meshio() -> Any:
+    import meshio
+
+    return meshio
+
+
+def _write_solid(mesh: ThrowMesh, path: Path, point_data: dict[str, NDArray[np.float64]]) -> None:
+    """Write elements and surfaces; the surfaces are sets in .inp files, elsewhere numbered."""
+    names = [name for name, corners in mesh.surfaces.items() if len(corners)]
+    triangles = [six_node_triangles(mesh, mesh.surfaces[name]) for name in names]
+    if path.suffix.lower() == ".inp":
+        cells = [("tetra10", mesh.elements), *(("triangle6", part) for part in triangles)]
+        sets = {}
+        for place, name in enumerate([VOLUME, *names]):
+            chosen = [np.empty(0, dtype=np.int64) for _ in cells]
+            chosen[place] = np.arange(len(cells[place][1]))
+            sets[name.replace(" ", "_")] = chosen
+        made = _meshio().Mesh(mesh.points, cells, cell_sets=sets)
+    else:
+        numbers = [np.full(len(part), number) for number, part in enumerate(triangles, start=1)]
+        made = _meshio().Mesh(
+            mesh.points,
+            [("tetra10", mesh.elements), ("triangle6", np.concatenate(triangles))],
+            point_data=point_data,
+            cell_data={
+                "surface": [np.zeros(len(mesh.elements), dtype=np.int64), np.concatenate(numbers)]
+            },
+        )
+    made.write(path)
+
+
+def flat_triangles(mesh: ThrowMesh) -> NDArray[np.int64]:
+    """Flat triangles (t, 3), four to each curved one, over all surfaces, cuts included."""
+    sides = six_node_triangles(mesh, np.concatenate(list(mesh.surfaces.values())))
+    return np.concatenate([sides[:, list(corners)] for corners in SUBTRIANGLES])
+
+
+def _write_msh(mesh: ThrowMesh, path: Path) -> None:
+    """Write through gmsh, as discrete entities with physical groups."""
+    with gmsh_session("export") as gmsh:
+        volume = gmsh.model.addDiscreteEntity(3)
+        gmsh.model.mesh.addNodes(3, volume, np.arange(1, len(mesh.points) + 1), mesh.points.ravel())
+        elements = mesh.elements[:, np.argsort(GMSH_TO_SKFEM)] + 1
+        _add_elements(gmsh, volume, 11, elements, 1)
+        gmsh.model.addPhysicalGroup(3, [volume], name=VOLUME)
+        first = len(elements) + 1
+        for name, corners in mesh.surfaces.items():
+            if len(corners) == 0:
+                continue
+            surface = gmsh.model.addDiscreteEntity(2)
+            # scikit-fem has the triangle's edges in the order 01 12 02, gmsh 01 12 20.
+            triangles = six_node_triangles(mesh, corners) + 1
+            _add_elements(gmsh, surface, 9, triangles, first)
+            first += len(triangles)
+            gmsh.model.addPhysicalGroup(2, [surface], name=name)
+        try:
+            gmsh.write(str(path))
+        except Exception as error:  # gmsh raises bare Exception
+            raise InputError(f"{path}: cannot be written ({error}).") from None
+
+
+def _add_elements(gmsh: Any, entity: int, kind: int, nodes: NDArray[np.int64], first: int) -> None:
+    numbers = np.arange(first, first + len(nodes))
+    gmsh.model.mesh.addElementsByType(entity, kind, numbers, nodes.ravel())
+
+
+def six_node_triangles(mesh: ThrowMesh, corners: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Find the edge nodes of surface triangles (k, 3), in scikit-fem's order (01, 12, 02)."""
+    size = len(mesh.points)
+    ends = np.concatenate([mesh.elements[:, [a, b]] for a, b in EDGES])
+    middles = np.concatenate([mesh.elements[:, node] for node in range(4, 10)])
+    keys = ends.min(axis=1) * size + ends.max(axis=1)
+    keys, first = np.unique(keys, return_index=True)
+    middles = middles[first]
+    edges = [corners[:, [a, b]] for a, b in ((0, 1), (1, 2), (0, 2))]
+    wanted = [edge.min(axis=1) * size + edge.max(axis=1) for edge in edges]
+    return np.column_stack([corners, *(middles[np.searchsorted(keys, w)] for w in wanted)])

@@ -1,0 +1,180 @@
+"""Element sizes of a throw's mesh, and how many unknowns they will make."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.parts import Cylinder, ThrowParts, WebPlate
+from geometry.solid import Zone
+from geometry.volume import throw_volume
+
+Array = NDArray[np.float64]
+
+# Element sizes at factor 1, found by converging ordinary throws: at fillets beside their radius and,
+# for large fillets, beside the web thickness; at sharp corners beside the web thickness; and how much
+# elements grow per unit of distance from there.
+ROOT_PER_FILLET = 0.8
+FILLET_ROOT_PER_WEB = 0.20
+ROOT_PER_WEB = 0.10
+GROWTH = 0.5
+# At bores, beside their radius and the wall round them.
+SIZE_PER_BORE = 0.9
+SIZE_PER_WALL = 1.5
+# Nodes per item of `node_counts`, fitted to meshes of mixed throws (tests/campaigns/random_throws.py).
+NODES_PER_COUNT = np.array([7.6, 8.5, 1.9, 2.5, 7.1])
+LAYERS = 100
+SHARES = {"quarter": 0.25, "half": 0.5, "full": 1.0}
+
+
+@dataclass(frozen=True)
+class SizeZone:
+    """A place where elements are small.
+
+    Attributes
+    ----------
+    zone : Zone
+        Which cylinder and which of its ends, or its bore.
+    sharp : bool
+        Whether it is a sharp corner (a curve) rather than a surface.
+    size : float
+        Element size there [m].
+    length : float
+        Length round the cylinder [m].
+    area : float
+        Area of the surface, 0 for a corner [m^2].
+    """
+
+    zone: Zone
+    sharp: bool
+    size: float
+    length: float
+    area: float
+
+
+@dataclass(frozen=True)
+class SizePlan:
+    """Element sizes of a throw: in the bulk [m], and where they are smaller."""
+
+    bulk: float
+    zones: tuple[SizeZone, ...]
+
+    def reach(self, zone: SizeZone) -> float:
+        """Distance from a zone at which elements have grown to the bulk's size [m]."""
+        return (self.bulk - zone.size) / GROWTH
+
+
+def size_plan(parts: ThrowParts, factor: float) -> SizePlan:
+    """Choose element sizes.
+
+    Parameters
+    ----------
+    parts : ThrowParts
+    factor : float
+        Scales all sizes; 1 gives about 1 % accuracy of the axial compliance.
+    """
+    webs = [web for web in parts.webs if web.end > web.start]
+    thinnest = min(web.end - web.start for web in webs)
+    bulk = factor * min(thinnest, *(pin.radius for pin in parts.pins))
+    zones: list[SizeZone] = []
+    for number, cylinder in enumerate(parts.cylinders):
+        length = 2.0 * math.pi * cylinder.radius
+        for end, fillet, web in _ends(parts, number):
+            beside = _thickness(parts, web)
+            if fillet > 0.0:
+                size = factor * min(ROOT_PER_FILLET * fillet, FILLET_ROOT_PER_WEB * beside)
+                area = math.pi * math.pi * fillet * (cylinder.radius + 0.36 * fillet)
+                zones.append(SizeZone((number, end), False, min(bulk, size), length, area))
+            else:
+                size = factor * ROOT_PER_WEB * beside
+                zones.append(SizeZone((number, end), True, min(bulk, size), length, 0.0))
+        if cylinder.bore_radius > 0.0:
+            zones.append(_bore_zone(number, cylinder, factor, bulk))
+    return SizePlan(bulk, tuple(zones))
+
+
+def _ends(parts: ThrowParts, number: int) -> list[tuple[str, float, WebPlate]]:
+    """The ends of a cylinder that stand on webs, with fillet and web."""
+    cylinder = parts.cylinders[number]
+    ends = []
+    if number > 0:
+        ends.append(("start", cylinder.start_fillet, parts.webs[number - 1]))
+    if number < len(parts.cylinders) - 1:
+        ends.append(("end", cylinder.end_fillet, parts.webs[number]))
+    return ends
+
+
+def _thickness(parts: ThrowParts, web: WebPlate) -> float:
+    """Thickness of a web; where a split pin has none, of the thinnest of the others [m]."""
+    if web.end > web.start:
+        return web.end - web.start
+    return min(other.end - other.start for other in parts.webs if other.end > other.start)
+
+
+def _bore_zone(number: int, cylinder: Cylinder, factor: float, bulk: float) -> SizeZone:
+    wall = cylinder.radius - cylinder.bore_radius - math.dist(cylinder.axis, cylinder.bore_axis)
+    size = factor * min(SIZE_PER_BORE * cylinder.bore_radius, SIZE_PER_WALL * wall)
+    length = 2.0 * math.pi * cylinder.bore_radius
+    area = length * (cylinder.bore_end - cylinder.bore_start)
+    return SizeZone((number, "bore"), False, min(bulk, size), length, area)
+
+
+def predict_unknowns(parts: ThrowParts, factor: float, part: str) -> int:
+    """Predict the number of displacement unknowns before meshing.
+
+    Parameters
+    ----------
+    parts : ThrowParts
+    factor : float
+        As for `size_plan`.
+    part : {"quarter", "half", "full"}
+        What will be meshed.
+    """
+    nodes = float(node_counts(parts, factor) @ NODES_PER_COUNT)
+    return round(3.0 * SHARES[part] * nodes)
+
+
+def node_counts(parts: ThrowParts, factor: float) -> Array:
+    """What the number of nodes is made of, for the whole throw.
+
+    Around a corner of length l, elements of size s(d) at a distance d fill layers of volume
+    (3/2) pi l d dd; around a fillet or bore of area A layers of A dd, and beside a fillet those of its
+    edges as well. The rest of the solid has the bulk size; surfaces have nodes of their own.
+
+    Returns
+    -------
+    (5,) array
+        Cells at sharp corners, cells at fillets and bores, faces of fillets and bores, cells in the
+        bulk, faces of the outside.
+    """
+    plan = size_plan(parts, factor)
+    counts = np.zeros(5)
+    near = 0.0
+    share = (np.arange(LAYERS) + 0.5) / LAYERS
+    for zone in plan.zones:
+        reach = plan.reach(zone)
+        distance = reach * share
+        edges = 0.0 if zone.zone[1] == "bore" else 1.5 * math.pi * zone.length * distance
+        layers = (zone.area + edges) * reach / LAYERS
+        cells = float(np.sum(layers / (zone.size + GROWTH * distance) ** 3))
+        counts[0 if zone.sharp else 1] += cells
+        counts[2] += zone.area / zone.size**2
+        near += float(np.sum(layers))
+    volume = throw_volume(parts)
+    counts[3] = max(volume - near, 0.0) / plan.bulk**3
+    counts[4] = _outside(parts) / plan.bulk**2
+    return counts
+
+
+def _outside(parts: ThrowParts) -> float:
+    """Rough area of the surface [m^2]."""
+    area = sum(2.0 * math.pi * c.radius * (c.end - c.start) for c in parts.cylinders)
+    for web in parts.webs:
+        polygon = web.outline.polygon(12)
+        height = web.outline.tip - web.outline.foot
+        width = 2.0 * float(polygon[:, 0].max())
+        area += 2.0 * width * height + 2.0 * (width + height) * (web.end - web.start)
+        if web.sector is not None:
+            area += 2.0 * web.sector.half_angle * web.sector.outer_radius**2
+    return area

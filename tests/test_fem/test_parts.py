@@ -1,0 +1,323 @@
+"""Quarter, half and full models of throws; unequal webs, several pins."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.analysis import analyze_throw, throw_responses
+from fem.class_compliances import axial_answers, torsional_answer
+from fem.loads import radial_directions, uniform_pin_loads
+from fem.shaft import shaft_compliances, solve_shaft
+from fem.superelement import UZ
+from fem.supports import Neighbors, end_motions, reactions, support_throw
+from fem.symmetry import axial_class, torsional_class
+from geometry.errors import InputError
+from geometry.mesh import mesh_throw
+from geometry.throw import CrankThrow
+from geometry.throw_sections import FurtherPin, Web
+
+SUPPORTS = ["pinned", "guided", Neighbors(120, 90)]
+# Half a turn about y: the ends change places, x and z change sign.
+TURN = np.kron([[0.0, 1.0], [1.0, 0.0]], np.diag([-1.0, 1.0, -1.0, -1.0, 1.0, -1.0]))
+
+
+def same(found, expected, tolerance=1e-9):
+    """Two superelements, each entry beside those of the unknowns that it couples."""
+    size = np.sqrt(np.outer(np.diag(expected.stiffness), np.diag(expected.stiffness)))
+    assert np.abs((found.stiffness - expected.stiffness) / size).max() <= tolerance
+    loads = np.abs(expected.pin_loads).max(axis=(0, 2))[:, None]
+    assert np.abs((found.pin_loads - expected.pin_loads) / loads).max() <= tolerance
+
+
+def skewed(mesh, symmetric):
+    """Bend a mesh so that its ends become unequal and, unless `symmetric`, its crank plane goes."""
+    x, y, z = mesh.points.T
+    share = z / mesh.length
+    points = np.column_stack([x * (1.0 + 0.2 * share**2), y * (1.1 - 0.3 * share), z])
+    if not symmetric:
+        points[:, 0] += 0.2 * y * share
+    return replace(mesh, points=points)
+
+
+@pytest.fixture(scope="module")
+def two_loads(half_mesh):
+    """The half, its main journals as if they were a second pin: a load that is not in the middle."""
+    facets = half_mesh.surfaces["main journal"]
+    left = facets[half_mesh.points[facets, 2].max(axis=1) < 0.5 * half_mesh.length]
+    return replace(
+        half_mesh, pins=("pin", "journal"), surfaces={**half_mesh.surfaces, "journal": left}
+    )
+
+
+@pytest.fixture(scope="module")
+def two_radials():
+    return np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]])
+
+
+@pytest.fixture(scope="module")
+def models(mesh, half_mesh, full_mesh, condensed):
+    meshes = {"quarter": mesh, "half": half_mesh, "full": full_mesh}
+    return {part: condensed(found) for part, found in meshes.items()}
+
+
+@pytest.fixture(scope="module")
+def skewed_models(two_loads, two_radials, mirror, condensed):
+    """Unequal ends and two loads: half and full models of the same, and one without any symmetry."""
+    half = skewed(two_loads, symmetric=True)
+    full = mirror(half)
+    return {
+        "half": condensed(half, radials=two_radials),
+        "full": condensed(full, radials=two_radials),
+        "free": condensed(skewed(mirror(two_loads), symmetric=False), radials=two_radials),
+    }
+
+
+@pytest.mark.parametrize("part", ["half", "full"])
+def test_all_parts_give_the_same_superelement(models, part):
+    same(models[part][1], models["quarter"][1])
+
+
+def test_half_and_full_of_a_throw_with_unequal_ends_are_the_same(skewed_models):
+    same(skewed_models["half"][1], skewed_models["full"][1])
+
+
+@pytest.mark.parametrize("part", ["half", "full", "free"])
+def test_unequal_ends_leave_six_rigid_motions(skewed_models, rigid_motions, part):
+    stiffness = skewed_models[part][1].stiffness
+    assert np.array_equal(stiffness, stiffness.T)
+    residual = np.linalg.norm(stiffness @ rigid_motions)
+    assert residual <= 1e-9 * np.linalg.norm(stiffness)
+    values = np.linalg.eigvalsh(stiffness)
+    assert np.abs(values[:6]).max() <= 1e-9 * values[6]
+
+
+@pytest.mark.parametrize("part", ["half", "free"])
+@pytest.mark.parametrize("support", SUPPORTS, ids=str)
+@pytest.mark.parametrize("pin", [0, 1])
+def test_reactions_of_unequal_ends_are_in_equilibrium(
+    skewed_models, two_loads, mirror, throw, part, support, pin
+):
+    full = mirror(two_loads)
+    full = mirror(skewed(two_loads, True)) if part == "half" else skewed(full, symmetric=False)
+    place = uniform_pin_loads(full)[pin] @ full.points
+    force = np.array([3e4, -7e4, 2e4])
+    found = reactions(skewed_models[part][1], support, force, pin)
+    total = found.left.force + found.right.force + force
+    assert total == pytest.approx(np.zeros(3), abs=1e-9 * 1e5)
+    moments = (
+        found.left.moment
+        + found.right.moment
+        + np.cross([0.0, 0.0, throw.length], found.right.force)
+        + np.cross(place, force)
+    )
+    assert moments == pytest.approx(np.zeros(3), abs=1e-9 * 1e5 * throw.length)
+    assert found.right.moment[2] == pytest.approx(0.0, abs=1e-8 * 1e5)
+
+
+@pytest.mark.parametrize("support", ["pinned", "guided"])
+@pytest.mark.parametrize("kind", ["models", "skewed_models"])
+def test_few_classes_are_enough_for_these_supports(request, kind, support):
+    for classes, superelement in request.getfixturevalue(kind).values():
+        copies = classes[0].symmetry.copies
+        part = {4: "quarter", 2: "half", 1: "full"}[copies]
+        by_class = {found.symmetry: found for found in classes}
+        expected = support_throw(superelement, support)
+        axial, influence = axial_answers(by_class[axial_class(part)], support)
+        torsional = torsional_answer(by_class[torsional_class(part)], support)
+        assert axial == pytest.approx(expected.axial, rel=1e-9)
+        assert influence == pytest.approx(expected.influence, rel=1e-9)
+        assert torsional == pytest.approx(expected.torsional, rel=1e-9)
+
+
+@pytest.mark.parametrize("part", ["half", "free"])
+@pytest.mark.parametrize("support", ["pinned", "guided"])
+def test_influences_are_pin_motions_under_an_axial_pull(skewed_models, part, support):
+    """Maxwell and Betti: each pin's c is its mean motion towards the shaft per unit pull."""
+    superelement = skewed_models[part][1]
+    pulled = end_motions(superelement, support)[:, 0]
+    found = support_throw(superelement, support).influences
+    assert found.shape == (2,)
+    assert found == pytest.approx(pulled @ superelement.radial_loads, rel=1e-9)
+
+
+def test_a_pin_turned_with_its_force_keeps_its_influence(skewed_models):
+    superelement = skewed_models["free"][1]
+    before, after = (
+        support_throw(found, "guided") for found in (superelement, superelement.turned(0.7))
+    )
+    assert after.influences == pytest.approx(before.influences, rel=1e-8)
+
+
+def test_the_first_pin_is_the_one_without_a_number(skewed_models):
+    _, superelement = skewed_models["half"]
+    assert np.array_equal(superelement.pin_load, superelement.pin_loads[0])
+    answers = support_throw(superelement, "pinned")
+    assert answers.influence == answers.influences[0]
+    assert np.array_equal(answers.stretch_per_force, answers.stretches[0])
+    force = np.array([0.0, -1e5, 0.0])
+    first, second = (reactions(superelement, "pinned", force, pin) for pin in (0, 1))
+    assert np.array_equal(first.left.force, reactions(superelement, "pinned", force).left.force)
+    assert not np.allclose(first.left.force, second.left.force, rtol=0.1)
+
+
+def test_a_shaft_has_a_column_for_each_pin(skewed_models, superelement):
+    _, other = skewed_models["half"]
+    shaft, angles = [superelement, other, superelement], [0.3, 1.4, 4.0]
+    found = shaft_compliances(shaft, angles).influence
+    assert found.shape == (3, 4)
+    turned = [part.turned(angle) for part, angle in zip(shaft, angles, strict=True)]
+    pulls = np.zeros((24, 3))
+    for throw in range(3):
+        pulls[6 * throw + UZ, throw], pulls[6 * throw + 6 + UZ, throw] = -1.0, 1.0
+    motions = solve_shaft(turned, pulls)
+    inward = np.vstack(
+        [
+            part.radial_loads.T @ motions[6 * place : 6 * place + 12]
+            for place, part in enumerate(turned)
+        ]
+    )
+    assert found == pytest.approx(inward.T, abs=1e-9 * np.abs(found).max())
+
+
+@pytest.fixture(scope="module")
+def unequal(dimensions):
+    return CrankThrow(**dimensions, right_web=Web(thickness=0.09, width=0.34))
+
+
+@pytest.fixture(scope="module")
+def opposite(dimensions):
+    """Two pins at half a turn, the second longer."""
+    return CrankThrow(**dimensions, further_pins=(FurtherPin(angle=math.pi, length=0.16),))
+
+
+@pytest.fixture(scope="module")
+def split(dimensions):
+    pin = FurtherPin(angle=math.radians(30.0), web_thickness=0.0)
+    return CrankThrow(**dimensions, further_pins=(pin,))
+
+
+@pytest.fixture(scope="module")
+def of_throw(condensed):
+    """Superelement of a throw on a coarse mesh."""
+
+    def compute(throw, size_factor=2.0, part="auto"):
+        mesh = mesh_throw(throw, size_factor, part=part)
+        return condensed(mesh, radials=radial_directions(throw))[1]
+
+    return compute
+
+
+def described_from_its_other_end(found, last_angle):
+    """Turn a superelement by half a turn about y, then so that its last pin stands along +y."""
+    cosine, sine = math.cos(last_angle), math.sin(last_angle)
+    back = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    frame = np.diag([-1.0, 1.0, -1.0]) @ back
+    turned = replace(
+        found, stiffness=TURN @ found.stiffness @ TURN.T, pin_loads=TURN @ found.pin_loads
+    ).turned(last_angle)
+    return replace(
+        turned, pin_loads=(turned.pin_loads @ frame)[::-1], radials=(found.radials @ frame)[::-1]
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "part", "last_angle"),
+    [("unequal", "half", 0.0), ("opposite", "half", math.pi), ("split", "full", math.pi / 6.0)],
+)
+def test_reversed_throw_is_turned(request, of_throw, name, part, last_angle):
+    """Meshes of both directions differ, and each is good for about 1 %."""
+    throw = request.getfixturevalue(name)
+    assert throw.symmetry == part
+    found, original = of_throw(throw.reversed(), 1.0), of_throw(throw, 1.0)
+    expected = described_from_its_other_end(original, last_angle)
+    same(found, expected, 0.01)
+    assert found.radials == pytest.approx(expected.radials, abs=1e-12)
+    for support in ("pinned", "guided"):
+        one, other = support_throw(found, support), support_throw(expected, support)
+        assert one.axial == pytest.approx(other.axial, rel=0.01)
+        assert one.torsional == pytest.approx(other.torsional, rel=0.01)
+        assert one.influences == pytest.approx(other.influences, rel=0.02)
+    # Its neighbors are seen in the other order.
+    one = support_throw(found, Neighbors(120, 60))
+    other = support_throw(original, Neighbors(60, 120))
+    assert one.axial == pytest.approx(other.axial, rel=0.01)
+
+
+@pytest.mark.slow
+def test_full_mesh_of_unequal_webs_is_as_its_half(of_throw, unequal):
+    half, full = (of_throw(unequal, 1.0, part=part) for part in ("half", "full"))
+    same(full, half, 0.01)
+
+
+def test_equal_webs_described_as_unequal_are_ordinary(of_throw, dimensions, superelement):
+    throw = CrankThrow(**dimensions, left_web=Web(thickness=dimensions["web_thickness"]))
+    assert throw.symmetry == "quarter"
+    same(of_throw(throw, 3.0), superelement)
+
+
+@pytest.mark.parametrize("name", ["opposite", "split"])
+def test_two_pins(request, of_throw, name):
+    throw = request.getfixturevalue(name)
+    found = of_throw(throw, 3.0)
+    assert found.pin_loads.shape == (2, 12, 3)
+    angle = throw.further_pins[0].angle
+    outward = [[0.0, 1.0, 0.0], [-math.sin(angle), math.cos(angle), 0.0]]
+    assert found.radials == pytest.approx(-np.array(outward), abs=1e-12)
+    # Each pin's load acts at the middle of its own pin.
+    for pin, part in enumerate(throw.parts.pins):
+        height = found.pin_loads[pin].T[:, 5] + found.pin_loads[pin].T[:, 11]
+        assert height[:2] == pytest.approx([-part.axis[1], part.axis[0]], abs=1e-3)
+    answers = support_throw(found, "pinned")
+    pulled = end_motions(found, "pinned")[:, 0]
+    assert answers.influences == pytest.approx(pulled @ found.radial_loads, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_two_opposite_pins_are_symmetric(of_throw, dimensions):
+    """Half a turn about the axis through the middle web's center takes one pin to the other."""
+    throw = CrankThrow(**dimensions, further_pins=(FurtherPin(angle=math.pi),))
+    answers = support_throw(of_throw(throw, 1.5), "guided")
+    assert answers.influences[0] == pytest.approx(answers.influences[1], rel=0.02)
+
+
+@pytest.mark.slow
+def test_analysis_of_a_throw_with_two_pins(opposite):
+    found = analyze_throw(opposite, accuracy=0.1)
+    assert found.mesh.part == "half"
+    assert len(found.classes) == 2
+    assert found.accuracy_met
+    for pin in (0, 1):
+        direction = radial_directions(opposite)[pin]
+        forces = found.reactions(1e5 * direction, pin=pin)
+        thrust = found.influence_coefficient(pin=pin) * 1e5 / found.axial_compliance()
+        assert forces.left.force[2] == pytest.approx(thrust, rel=1e-6)
+    with pytest.raises(InputError, match=r"^pin: given 2; allowed is 0 to 1\.$"):
+        found.influence_coefficient(pin=2)
+    responses = throw_responses(opposite, accuracy=0.1)
+    assert responses["axial_compliance_guided"] == pytest.approx(
+        found.axial_compliance("guided"), rel=1e-9
+    )
+    assert responses["influence_coefficient_pinned"] == pytest.approx(
+        found.influence_coefficient(), rel=1e-9
+    )
+    assert responses["mass"] == found.mass
+    assert responses["unknowns"] == found.mesh.unknowns
+
+
+@pytest.mark.slow
+def test_analysis_of_a_throw_without_symmetry(split):
+    found = analyze_throw(split, accuracy=0.1)
+    assert found.mesh.part == "full"
+    responses = throw_responses(split, accuracy=0.1)
+    for support in ("pinned", "guided"):
+        wanted = found.supported(support)
+        assert responses[f"axial_compliance_{support}"] == pytest.approx(wanted.axial, rel=1e-9)
+        assert responses[f"torsional_compliance_{support}"] == pytest.approx(
+            wanted.torsional, rel=1e-9
+        )
+        assert responses[f"influence_coefficient_{support}"] == pytest.approx(
+            wanted.influence, rel=1e-9
+        )

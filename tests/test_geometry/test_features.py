@@ -1,0 +1,270 @@
+"""The features of a throw: what they weigh, what is refused, and that they are built as described."""
+
+import math
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from geometry.mass import mass_properties, mesh_mass_properties
+from geometry.mesh import mesh_throw
+from geometry.throw import CrankThrow
+from geometry.throw_sections import Counterweight, FurtherPin, Web
+
+HALF_TURN = math.pi
+
+
+@pytest.fixture(scope="module")
+def build(dimensions):
+    return lambda **changes: CrankThrow(**{**dimensions, **changes})
+
+
+# Every feature alone, and some together: bores of two kinds with slopes, counterweights that stand out.
+FEATURES = {
+    "bores": {"main_journal_bore": 0.09, "pin_bore": 0.08},
+    "eccentric bores": {
+        "main_journal_bore": 0.06,
+        "main_journal_bore_offset": -0.02,
+        "pin_bore": 0.08,
+        "pin_bore_offset": 0.02,
+    },
+    "separate fillets": {"main_journal_fillet_radius": 0.0, "pin_fillet_radius": 0.02},
+    "narrow pin end": {"web_journal_end": 0.15, "web_pin_end": 0.12},
+    "straight sides": {"web_journal_end": 0.2, "web_pin_end": 0.18},
+    "rounded rectangle": {"web_outline": "rectangle", "web_corner_radius": 0.05},
+    "chamfered rectangle": {"web_outline": "rectangle", "web_corner_chamfer": 0.04},
+    "thin tip": {"web_tip_thickness": 0.045},
+    "thin foot and bore": {"web_foot_thickness": 0.045, "main_journal_bore": 0.09},
+    "counterweights": {"counterweight": Counterweight(outer_radius=0.25, angle=2.0)},
+    "half-disc counterweights": {"counterweight": Counterweight(outer_radius=0.2, angle=math.pi)},
+    "thick counterweights off the bearing": {
+        "counterweight": Counterweight(
+            outer_radius=0.25, inner_radius=0.13, angle=2.5, thickness=0.09, offset=-0.005
+        )
+    },
+    "counterweight beside a thin foot": {
+        "web_foot_thickness": 0.045,
+        "main_journal_bore": 0.09,
+        "counterweight": Counterweight(outer_radius=0.25, angle=1.6),
+    },
+    "unequal webs": {"right_web": Web(thickness=0.09, width=0.33)},
+    "one counterweight": {
+        "left_web": Web(counterweight=Counterweight(outer_radius=0.25, angle=2.0))
+    },
+    "two pins": {"further_pins": (FurtherPin(angle=math.pi),), "pin_bore": 0.06},
+    "three pins": {
+        "further_pins": (
+            FurtherPin(angle=2.0 * math.pi / 3.0),
+            FurtherPin(angle=4.0 * math.pi / 3.0, length=0.10, web_thickness=0.08),
+        )
+    },
+    "split pin": {"further_pins": (FurtherPin(angle=math.radians(30.0), web_thickness=0.0),)},
+    "split pin with web": {
+        "further_pins": (FurtherPin(angle=math.radians(30.0), web_thickness=0.02),)
+    },
+}
+SYMMETRY = {
+    "unequal webs": "half",
+    "one counterweight": "half",
+    "two pins": "half",
+    "three pins": "full",
+    "split pin": "full",
+    "split pin with web": "full",
+}
+PARTS = {"quarter": 4.0, "half": 2.0, "full": 1.0}
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+def test_the_solid_and_the_mesh_are_what_is_described(build, feature):
+    throw = build(**FEATURES[feature])
+    assert throw.symmetry == SYMMETRY.get(feature, "quarter")
+    mesh = mesh_throw(throw, 1.5)
+    assert mesh.part == throw.symmetry
+    assert PARTS[mesh.part] * mesh.solid.volume == pytest.approx(throw.volume, rel=1e-6)
+    solid, elements = mass_properties(mesh, 7850.0), mesh_mass_properties(mesh, 7850.0)
+    assert elements.mass == pytest.approx(solid.mass, rel=1e-3)
+    assert elements.center == pytest.approx(solid.center, rel=1e-3, abs=1e-3 * throw.crank_radius)
+    scale = float(np.abs(solid.inertia).max())
+    assert elements.inertia == pytest.approx(solid.inertia, abs=1e-3 * scale)
+    assert set(mesh.pins) <= mesh.surfaces.keys()
+    for name in mesh.pins:
+        assert len(mesh.surfaces[name])
+
+
+@pytest.mark.parametrize(
+    "feature", ["counterweight beside a thin foot", "eccentric bores", "thin tip"]
+)
+def test_quarter_half_and_full_weigh_the_same(build, feature):
+    throw = build(**FEATURES[feature])
+    found = [mass_properties(mesh_throw(throw, 1.5, part), 1.0) for part in PARTS]
+    for other in found[1:]:
+        assert other.mass == pytest.approx(found[0].mass, rel=1e-6)
+        assert other.center == pytest.approx(found[0].center, rel=1e-6, abs=1e-9)
+        scale = float(np.abs(found[0].inertia).max())
+        assert other.inertia == pytest.approx(found[0].inertia, abs=1e-6 * scale)
+
+
+def test_a_part_that_the_symmetry_does_not_allow_is_refused(build):
+    throw = build(**FEATURES["unequal webs"])
+    with pytest.raises(InputError, match="no such symmetry"):
+        mesh_throw(throw, 2.0, "quarter")
+    with pytest.raises(InputError, match="allowed are auto, quarter, half, full"):
+        mesh_throw(throw, 2.0, "eighth")
+
+
+@pytest.mark.parametrize("feature", [*FEATURES, "three pins"])
+def test_described_from_the_other_end_it_is_the_same_part(build, feature):
+    """Half a turn about y takes one to the other; a throw symmetric about x is thereby mirrored."""
+    throw = build(**FEATURES[feature])
+    other = throw.reversed()
+    assert other.volume == pytest.approx(throw.volume, rel=1e-9)
+    assert other.length == pytest.approx(throw.length, rel=1e-12)
+    first, second = (mass_properties(mesh_throw(t, 2.0), 1.0) for t in (throw, other))
+    # The new first pin stands at +y: turn the old last one there.
+    last = throw.further_pins[-1].angle if throw.further_pins else 0.0
+    turned = first.moved(-last, 0.0)
+    swap = np.diag([-1.0, 1.0, -1.0])
+    center = swap @ turned.center + np.array([0.0, 0.0, throw.length])
+    scale = float(np.abs(first.inertia).max())
+    assert second.center == pytest.approx(center, abs=1e-6 * throw.length)
+    assert second.inertia == pytest.approx(swap @ turned.inertia @ swap, abs=1e-6 * scale)
+
+
+def test_bored_and_filled(build):
+    """A bore weighs what its cylinder weighed; it ends where it meets the other journal."""
+    plain, bored = build(), build(pin_bore=0.08)
+    length = plain.pin_length + 2.0 * plain.web_thickness
+    assert plain.volume - bored.volume == pytest.approx(math.pi / 4.0 * 0.08**2 * length, rel=1e-9)
+
+
+def test_counterweights_add_their_sector(build):
+    radius, angle = 0.25, math.pi
+    throw = build(counterweight=Counterweight(outer_radius=radius, angle=angle))
+    foot = build().web_width / 2.0
+    added = 2.0 * throw.web_thickness * angle / 2.0 * (radius**2 - foot**2)
+    assert throw.volume - build().volume == pytest.approx(added, rel=1e-9)
+
+
+@pytest.mark.parametrize("drop", ["web_tip_thickness", "web_foot_thickness"])
+def test_a_slope_takes_off_a_wedge(build, drop):
+    """Of a web with straight sides the wedge is a prism."""
+    rectangle = {"web_outline": "rectangle"}
+    plain, thin = build(**rectangle), build(**rectangle, **{drop: 0.048})
+    margin = 0.02
+    if drop == "web_tip_thickness":
+        start = plain.main_journal_diameter * (0.5 + margin) + plain.fillet_radius
+        run = plain.crank_radius + plain.web_width / 2.0 - start
+    else:
+        start = plain.pin_diameter * (0.5 + margin) + plain.fillet_radius
+        run = plain.crank_radius + plain.web_width / 2.0 - start
+    wedge = 0.5 * run * (plain.web_thickness - 0.048) * plain.web_width
+    assert plain.volume - thin.volume == pytest.approx(2.0 * wedge, rel=1e-9)
+
+
+def test_units_make_no_difference():
+    """254 mm, 0.254 m and 10 in are one throw, to round-off in its volume and mesh."""
+    texts = {
+        "crank_radius": ("127 mm", "0.127 m", "5 in"),
+        "main_journal_diameter": ("177.8 mm", "0.1778 m", "7 in"),
+        "pin_diameter": ("152.4 mm", "0.1524 m", "6 in"),
+        "main_journal_length": ("101.6 mm", "0.1016 m", "4 in"),
+        "pin_length": ("127 mm", "0.127 m", "5 in"),
+        "web_width": ("254 mm", "0.254 m", "10 in"),
+        "web_thickness": ("50.8 mm", "0.0508 m", "2 in"),
+        "fillet_radius": ("12.7 mm", "0.0127 m", "0.5 in"),
+        "pin_bore": ("50.8 mm", "0.0508 m", "2 in"),
+    }
+    throws = [
+        CrankThrow.from_text({name: text[unit] for name, text in texts.items()})
+        for unit in range(3)
+    ]
+    meshes = [mesh_throw(throw, 2.0) for throw in throws]
+    for throw, mesh in zip(throws[1:], meshes[1:], strict=True):
+        assert throw.volume == pytest.approx(throws[0].volume, rel=1e-14)
+        assert mesh.solid.volume == pytest.approx(meshes[0].solid.volume, rel=1e-12)
+        assert len(mesh.points) == len(meshes[0].points)
+        assert mesh.points == pytest.approx(meshes[0].points, abs=1e-9)
+
+
+def test_the_order_of_fields_makes_no_difference(dimensions):
+    forward = CrankThrow(**dimensions, pin_bore=0.06)
+    backward = CrankThrow(**dict(reversed([*dimensions.items(), ("pin_bore", 0.06)])))
+    assert forward == backward
+    assert np.array_equal(mesh_throw(forward, 2.0).points, mesh_throw(backward, 2.0).points)
+
+
+# What is refused: the change, and words of the sentence.
+REFUSED = {
+    "bore without a wall": ({"pin_bore": 0.17}, ["pin_bore", "0, or 9 mm to 162 mm", "wall"]),
+    "bore too small": ({"main_journal_bore": 0.004}, ["main_journal_bore", "does not matter"]),
+    "eccentric bore": (
+        {"pin_bore": 0.12, "pin_bore_offset": 0.04},
+        ["pin_bore", "82 mm", "40 mm off its axis"],
+    ),
+    "offset without bore": ({"pin_bore_offset": 0.01}, ["pin_bore_offset", "no bore"]),
+    "bores that meet": (
+        {"main_journal_bore": 0.18, "pin_bore": 0.15},
+        ["leave 5 mm between them", "must not meet"],
+    ),
+    "corner of an obround": ({"web_corner_radius": 0.01}, ["no corners"]),
+    "corner into the fillet": (
+        {"web_outline": "rectangle", "web_corner_chamfer": 0.13, "web_pin_end": 0.11},
+        ["throw.fillet_radius", "crankpin"],
+    ),
+    "narrow end": ({"web_pin_end": 0.08}, ["pin_diameter", "outside the web"]),
+    "ends narrower than the width": (
+        {"web_journal_end": 0.14, "web_pin_end": 0.14},
+        ["web_width", "150 mm or more"],
+    ),
+    "thick tip": ({"web_tip_thickness": 0.07}, ["web_tip_thickness", "20.4 mm to 68 mm"]),
+    "no room for a slope": (
+        {"crank_radius": 0.02, "main_journal_diameter": 0.276, "web_tip_thickness": 0.05},
+        ["web_tip_thickness", "only 68 mm", "no room"],
+    ),
+    "small counterweight": (
+        {"counterweight": Counterweight(outer_radius=0.15, angle=2.0)},
+        ["counterweight.outer_radius", "153 mm or more"],
+    ),
+    "loose counterweight": (
+        {"counterweight": Counterweight(outer_radius=0.25, inner_radius=0.14, angle=2.0)},
+        ["counterweight.inner_radius", "0 to 135 mm"],
+    ),
+    "counterweight in the bearing": (
+        {"counterweight": Counterweight(outer_radius=0.25, angle=2.0, thickness=0.09)},
+        ["counterweight.inner_radius", "main bearing", "clear"],
+    ),
+    "counterweight beyond the bearing": (
+        {"counterweight": Counterweight(outer_radius=0.25, inner_radius=0.13, angle=2.0, thickness=0.25)},
+        ["counterweight.thickness", "neighboring"],
+    ),
+    "counterweight off its web": (
+        {"counterweight": Counterweight(outer_radius=0.25, angle=2.0, thickness=0.02, offset=0.06)},
+        ["counterweight.offset", "shared"],
+    ),
+    "hardly a step": (
+        {"counterweight": Counterweight(outer_radius=0.25, angle=2.0, thickness=0.0675)},
+        ["counterweight.thickness", "cannot be meshed"],
+    ),
+    "halves that do not hold": (
+        {"further_pins": (FurtherPin(angle=2.0, web_thickness=0.0),)},
+        ["split pin", "hold together"],
+    ),
+    "thin web of its own": ({"left_web": Web(thickness=0.005)}, ["left_web.thickness", "thinner"]),
+    "pin of its own": (
+        {"further_pins": (FurtherPin(angle=2.0, diameter=0.35),)},
+        ["further_pins[0].diameter", "outside the"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_built_is_refused_with_its_reason(build, case):
+    changes, words = REFUSED[case]
+    with pytest.raises(InputError) as caught:
+        build(**changes)
+    message = str(caught.value)
+    assert message.startswith("throw.")
+    assert message.endswith(".")
+    assert "\n" not in message
+    for word in words:
+        assert word in message

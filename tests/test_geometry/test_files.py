@@ -1,0 +1,115 @@
+import meshio
+import numpy as np
+import pytest
+
+from geometry.crankshaft import Crankshaft
+from geometry.errors import InputError
+from geometry.gmsh_session import gmsh_session
+from geometry.mesh import element_volumes, mesh_throw
+from geometry.mesh_files import ENDINGS, write_mesh
+from geometry.shaft_ends import ShaftEnds
+from geometry.solid_files import write_step
+from geometry.throw import CrankThrow
+
+
+@pytest.fixture(scope="module")
+def mesh(dimensions):
+    return mesh_throw(CrankThrow(**dimensions, pin_bore=0.06), 1.5, "full")
+
+
+@pytest.mark.parametrize("ending", [".vtu", ".vtk", ".inp", ".med", ".msh"])
+def test_solid_formats_keep_nodes_elements_and_surfaces(mesh, tmp_path, ending):
+    if ending == ".med":
+        pytest.importorskip("h5py")
+    read = meshio.read(write_mesh(mesh, tmp_path / f"throw{ending}"))
+    elements = np.concatenate([b.data for b in read.cells if b.type == "tetra10"])
+    assert np.sort(read.points, axis=0) == pytest.approx(np.sort(mesh.points, axis=0), abs=1e-12)
+    assert len(elements) == len(mesh.elements)
+    # meshio's tetrahedra have scikit-fem's order of edge nodes; a wrong one gives a wrong volume.
+    volume = element_volumes(read.points, elements.astype(np.int64)).sum()
+    assert volume == pytest.approx(mesh.solid.volume, rel=1e-3)
+    triangles = sum(len(b.data) for b in read.cells if b.type == "triangle6")
+    assert triangles == sum(len(corners) for corners in mesh.surfaces.values())
+
+
+def test_gmsh_reads_its_own_format_with_names(mesh, tmp_path):
+    path = write_mesh(mesh, tmp_path / "throw.msh")
+    with gmsh_session("read") as gmsh:
+        gmsh.merge(str(path))
+        groups = gmsh.model.getPhysicalGroups()
+        names = {gmsh.model.getPhysicalName(*group) for group in groups}
+        kinds, _, _ = gmsh.model.mesh.getElements(3)
+        # gmsh's own check of orientation and order: signed inverse condition numbers.
+        _, tags, _ = gmsh.model.mesh.getElements(3)
+        quality = gmsh.model.mesh.getElementQualities(tags[0], "minSJ")
+    assert names == {"throw", *(n for n, corners in mesh.surfaces.items() if len(corners))}
+    assert list(kinds) == [11]
+    assert min(quality) > 0.0
+
+
+def test_sets_of_abaqus_files_have_names(mesh, tmp_path):
+    text = write_mesh(mesh, tmp_path / "throw.inp").read_text()
+    for name in ("left_end", "right_end", "pin", "throw"):
+        assert f"ELSET={name}" in text.replace(" ", "")
+
+
+@pytest.mark.filterwarnings("ignore:overflow encountered:RuntimeWarning")  # in meshio's reader
+@pytest.mark.parametrize("ending", [".stl", ".ply", ".obj"])
+def test_surface_formats_enclose_the_volume(mesh, tmp_path, ending):
+    read = meshio.read(write_mesh(mesh, tmp_path / f"throw{ending}"))
+    a, b, c = read.points[read.cells_dict["triangle"]].transpose(1, 0, 2).astype(float)
+    volume = np.einsum("ti,ti->t", a, np.cross(b, c)).sum() / 6.0
+    # Flat triangles cut the corners of fillets and journals.
+    assert volume == pytest.approx(mesh.solid.volume, rel=0.02)
+
+
+def test_values_at_nodes_travel(mesh, tmp_path):
+    values = {"displacement": mesh.points * 2.0}
+    read = meshio.read(write_mesh(mesh, tmp_path / "throw.vtu", values))
+    assert read.point_data["displacement"] == pytest.approx(mesh.points * 2.0)
+
+
+def test_unknown_endings_and_missing_folders(mesh, tmp_path):
+    with pytest.raises(InputError, match=r"'\.bdf'; allowed are \.msh"):
+        write_mesh(mesh, tmp_path / "throw.bdf")
+    for ending in ENDINGS:
+        if ending == ".med":
+            continue
+        with pytest.raises(InputError, match="cannot be written"):
+            write_mesh(mesh, tmp_path / "nowhere" / f"throw{ending}")
+
+
+def read_step(path):
+    with gmsh_session("read") as gmsh:
+        gmsh.option.setString("Geometry.OCCTargetUnit", "M")
+        try:
+            shapes = gmsh.model.occ.importShapes(str(path))
+            gmsh.model.occ.synchronize()
+            volume = gmsh.model.occ.getMass(*shapes[0])
+            return shapes, volume, gmsh.model.getBoundingBox(-1, -1)
+        finally:
+            gmsh.option.setString("Geometry.OCCTargetUnit", "")
+
+
+def test_step_of_a_throw_and_of_a_shaft_come_back_in_metres(dimensions, tmp_path):
+    throw = CrankThrow(**dimensions, pin_bore=0.06)
+    shapes, volume, box = read_step(write_step(throw, tmp_path / "throw.step"))
+    assert [dimension for dimension, _ in shapes] == [3]
+    assert volume == pytest.approx(throw.volume, rel=1e-6)
+    assert box[5] - box[2] == pytest.approx(throw.length, rel=1e-5)
+    _, half, _ = read_step(write_step(throw, tmp_path / "half.stp", "half"))
+    assert half == pytest.approx(throw.volume / 2.0, rel=1e-6)
+    ends = ShaftEnds(free_end_diameter=0.2, free_end_length=0.3)
+    shaft = Crankshaft([throw] * 3, np.deg2rad([0.0, 120.0, 240.0]), ends)
+    shapes, volume, box = read_step(write_step(shaft, tmp_path / "shaft.step"))
+    assert len(shapes) == 1
+    assert volume == pytest.approx(shaft.masses(1.0).mass, rel=1e-6)
+    assert box[5] - box[2] == pytest.approx(shaft.length, rel=1e-5)
+
+
+def test_step_errors(dimensions, tmp_path):
+    throw = CrankThrow(**dimensions)
+    with pytest.raises(InputError, match=r"allowed are \.step, \.stp"):
+        write_step(throw, tmp_path / "throw.iges")
+    with pytest.raises(InputError, match="cannot be written"):
+        write_step(throw, tmp_path / "nowhere" / "throw.step")

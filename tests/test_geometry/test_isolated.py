@@ -1,0 +1,117 @@
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError, MeshError
+from geometry.isolated import IsolatedProcess, ProcessLostError
+from geometry.mesh import LADDER, mesh_throw
+from geometry.mesher import mesh_isolated, shared_process
+from geometry.throw import CrankThrow
+
+
+@pytest.fixture(scope="module")
+def process():
+    made = IsolatedProcess()
+    yield made
+    made.close()
+
+
+def same(first, second):
+    return (
+        np.array_equal(first.points, second.points)
+        and np.array_equal(first.elements, second.elements)
+        and first.surfaces.keys() == second.surfaces.keys()
+        and all(
+            np.array_equal(first.surfaces[name], second.surfaces[name]) for name in first.surfaces
+        )
+    )
+
+
+def test_the_mesh_is_bit_identical_to_that_of_this_process(dimensions, process):
+    throw = CrankThrow(**dimensions, pin_bore=0.06)
+    here = mesh_throw(throw, 1.5)
+    assert same(mesh_isolated(throw, 1.5, process=process), here)
+    assert same(mesh_isolated(throw, 1.5, process=process), here)
+    threads: list[object] = []
+    runners = [
+        threading.Thread(target=lambda: threads.append(mesh_isolated(throw, 1.5, process=process)))
+        for _ in range(3)
+    ]
+    for runner in runners:
+        runner.start()
+    for runner in runners:
+        runner.join()
+    assert len(threads) == 3
+    assert all(same(mesh, here) for mesh in threads)
+
+
+def test_errors_come_back_as_they_are(dimensions, process):
+    with pytest.raises(InputError, match="allowed are auto"):
+        mesh_isolated(CrankThrow(**dimensions), 1.0, "eighth", process=process)
+    with pytest.raises(InputError, match="unknowns; allowed are 1,500,000"):
+        mesh_isolated(CrankThrow(**dimensions), 0.02, process=process)
+    with pytest.raises(RuntimeError, match="ZeroDivisionError"):
+        process.call("operator:truediv", 1, 0, time_limit=10.0)
+
+
+def test_a_hang_is_ended_and_the_next_call_served(process):
+    start = time.monotonic()
+    with pytest.raises(ProcessLostError, match="took more than 1 s"):
+        process.call("time:sleep", 60.0, time_limit=1.0)
+    assert time.monotonic() - start < 10.0
+    assert process.call("operator:add", 1, 2, time_limit=10.0) == 3
+
+
+def test_a_crash_costs_one_call(process):
+    with pytest.raises(ProcessLostError, match=r"SIGSEGV|code"):
+        process.call(
+            "os:kill", process.call("os:getpid", time_limit=10.0), signal.SIGSEGV, time_limit=10.0
+        )
+    assert process.call("operator:add", 1, 2, time_limit=10.0) == 3
+
+
+def test_a_way_of_meshing_that_crashes_is_passed_over(dimensions, monkeypatch):
+    """The process dies in the first way; a fresh one goes on with the second, and the mesh says so."""
+    throw = CrankThrow(**dimensions)
+    process = IsolatedProcess()
+    call, lost = process.call, []
+
+    def crash_once(function, *arguments, time_limit, on_remark):
+        if not lost:
+            on_remark(())
+            lost.append(arguments)
+            raise ProcessLostError("the process that called gmsh was ended by SIGSEGV")
+        return call(function, *arguments, time_limit=time_limit, on_remark=on_remark)
+
+    monkeypatch.setattr(process, "call", crash_once)
+    mesh = mesh_isolated(throw, 2.0, process=process)
+    process.close()
+    assert mesh.attempts == ("as planned: the process that called gmsh was ended by SIGSEGV",)
+    assert mesh.size_factor == pytest.approx(1.6)
+
+
+def test_if_every_way_hangs_it_is_said(dimensions, monkeypatch):
+    process = IsolatedProcess()
+
+    def late(*_, **__):
+        raise ProcessLostError("the process that called gmsh took more than 60 s")
+
+    monkeypatch.setattr(process, "call", late)
+    with pytest.raises(MeshError, match=f"{len(LADDER)} ways .* took more than 60 s"):
+        mesh_isolated(CrankThrow(**dimensions), 2.0, process=process)
+
+
+def test_the_process_ends_with_its_owner():
+    process = IsolatedProcess()
+    number = process.call("os:getpid", time_limit=10.0)
+    process.close()
+    with pytest.raises(ProcessLookupError):
+        os.kill(number, 0)
+
+
+def test_one_process_serves_all_analyses():
+    assert shared_process() is shared_process()
