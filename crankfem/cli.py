@@ -3,7 +3,7 @@
 import shutil
 import warnings
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,6 +13,9 @@ from crankfem.data_files import engine_path, shipped_engines
 from geometry.errors import InputError
 from geometry.model import field_extra
 from geometry.quantity import DISPLAY_UNITS, parse_quantity
+
+if TYPE_CHECKING:
+    from geometry.throw import CrankThrow
 
 app = typer.Typer(
     help="Axial and torsional vibration of crankshafts, from crank-throw dimensions to a verdict.",
@@ -83,18 +86,28 @@ def new(
 
 @app.command(epilog="Example: crankfem check mine.toml")
 def check(engine: EngineArgument, json: JsonOption = False) -> None:
-    """Check an engine file and list what is assumed in it."""
-    from crankfem.engine_file import load_engine
+    """Check an engine file or a throw's, and list what is assumed in it."""
+    from crankfem.engine_file import EngineFile, load_engine_or_throw
     from crankfem.results import input_records
 
-    read = load_engine(engine)
+    read = load_engine_or_throw(engine)
     records = input_records(read)
+    kind = "engine" if isinstance(read, EngineFile) else "throw"
+    assumed = sum(record["assumed"] for record in records)
     if json:
-        print_json({"engine": read.engine.name, "valid": True, "inputs": records})
+        name = read.engine.name if isinstance(read, EngineFile) else None
+        shape = _shape_record(read.throw)
+        print_json({"engine": name, "kind": kind, "valid": True, "shape": shape, "inputs": records})
         return
     console.output.print(
-        f"{read.path}: valid; {len(read.assumed)} of {len(records)} values are assumed."
+        f"{read.path}: valid {kind} file; {assumed} of {len(records)} values are assumed."
     )
+    if kind == "throw":
+        console.output.print(
+            "It describes a throw, not an engine: it serves throw, formulas, draw and export.",
+            soft_wrap=True,
+        )
+    tables.print_shape(_shape_record(read.throw))
     print_table(
         "Inputs",
         ["field", "value:", "assumed:", "source:"],
@@ -106,6 +119,65 @@ def check(engine: EngineArgument, json: JsonOption = False) -> None:
             lambda r: r["source"],
         ),
     )
+
+
+def _shape_record(throw: "CrankThrow") -> dict[str, Any]:
+    """What the dimensions make: sizes that follow, and how much of the throw must be solved."""
+    return {
+        "length": throw.length,
+        "overlap": throw.overlap,
+        "volume": throw.volume,
+        "pins": len(throw.parts.pins),
+        "solved_part": throw.symmetry,
+    }
+
+
+@app.command(epilog="Example: crankfem export 6chn25-34 throw.step")
+def export(
+    engine: EngineArgument,
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="File to write; its ending says what: .step .stp (solid), .msh .vtu .vtk .inp .med "
+            "(mesh), .stl .ply .obj (surface).",
+        ),
+    ],
+    part: Annotated[str, typer.Option(help="full, half, quarter, or auto.")] = "full",
+    size: Annotated[float, typer.Option(help="Scale of the element sizes; 1 is usual.")] = 1.0,
+    shaft: Annotated[bool, typer.Option("--shaft", help="The whole crankshaft (STEP).")] = False,
+    json: JsonOption = False,
+) -> None:
+    """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
+    from crankfem.engine_file import load_crankshaft, load_throw
+    from geometry.mesh_files import check_ending, write_mesh
+    from geometry.mesher import mesh_isolated
+    from geometry.solid_files import ENDINGS, write_step
+
+    throw, _ = load_throw(engine)
+    record: dict[str, Any] = {"file": str(file)}
+    if shaft or file.suffix.lower() in ENDINGS:
+        chosen = throw.symmetry if part == "auto" else part
+        write_step(load_crankshaft(engine) if shaft else throw, file, chosen)
+    else:
+        check_ending(file)
+        if not 0.05 <= size <= 10.0:
+            raise InputError(f"--size: given {size:g}; allowed is 0.05 to 10.")
+        mesh = mesh_isolated(throw, size, part)
+        write_mesh(mesh, file)
+        record |= {
+            "nodes": len(mesh.points),
+            "elements": len(mesh.elements),
+            "surfaces": {name: len(facets) for name, facets in mesh.surfaces.items()},
+            "attempts": list(mesh.attempts),
+        }
+    if json:
+        print_json(record)
+        return
+    mesh_text = (
+        f": {record['nodes']} nodes, {record['elements']} elements" if "nodes" in record else ""
+    )
+    console.output.print(f"{file} written{mesh_text}; lengths in m.", soft_wrap=True)
 
 
 @app.command(epilog="Example: crankfem throw 6chn25-34 --accuracy 0.005")

@@ -106,6 +106,12 @@ def load_engine(path: str | Path) -> EngineFile:
         With one sentence that names the field, what was given and what is allowed.
     """
     content = read_toml(engine_path(path))
+    if _describes_a_throw(content):
+        raise InputError(
+            f"{content.path.name}: describes a throw, not an engine; add the sections "
+            f"{', '.join(f'[{name}]' for name, needed in REQUIRED.items() if needed and name != 'throw')}, "
+            "or use it with throw, formulas, draw and export."
+        )
     content.check_sections(REQUIRED)
     engine = _required(content.model("engine", Engine))
     throw = _required(content.model("throw", CrankThrow))
@@ -169,6 +175,54 @@ def load_throw(path: str | Path) -> tuple[CrankThrow, Material]:
     content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
     throw = _required(content.model("throw", CrankThrow))
     return throw, content.model("material", Material) or STEEL
+
+
+@dataclass(frozen=True)
+class ThrowFile:
+    """A file that describes a throw alone, read and checked.
+
+    Attributes
+    ----------
+    path : Path
+    throw, material
+        Its sections.
+    records : tuple of InputRecord
+        Every value with its source.
+    """
+
+    path: Path
+    throw: CrankThrow
+    material: Material
+    records: tuple[InputRecord, ...]
+
+
+# A file with none of these is not meant as a whole engine.
+ENGINE_SECTIONS = ("rod", "piston", "flywheel", "thrust_bearing")
+
+
+def _describes_a_throw(content: TomlFile) -> bool:
+    sections = content.sections
+    return "throw" in sections and not any(name in sections for name in ENGINE_SECTIONS)
+
+
+def load_engine_or_throw(path: str | Path) -> EngineFile | ThrowFile:
+    """Read and check a file: as an engine if it has any of its sections, else as a throw.
+
+    Raises
+    ------
+    InputError
+    """
+    content = read_toml(engine_path(path))
+    if not _describes_a_throw(content):
+        return load_engine(path)
+    content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
+    throw = _required(content.model("throw", CrankThrow))
+    material = content.model("material", Material) or STEEL
+    content.model("engine", Engine)
+    content.model("shaft", ShaftLayout)
+    content.model("shaft_ends", ShaftEnds)
+    _study_plan(content, throw, material)
+    return ThrowFile(content.path, throw, material, tuple(content.records))
 
 
 def load_crankshaft(path: str | Path) -> Crankshaft:

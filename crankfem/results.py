@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from crankfem.engine_file import EngineFile
+from crankfem.engine_file import EngineFile, ThrowFile
 from crankfem.fitting import ResponseFits, crankfem_version
 from crankfem.vibration import SourceResult, Vibration
 from dynamics.harmonics import Harmonics
@@ -16,6 +16,7 @@ from fem.analysis import ThrowAnalysis
 from fem.material import Material
 from fem.shaft import ShaftCompliances
 from fem.supports import Support
+from geometry.balance import unbalance
 from geometry.throw import CrankThrow
 from regression.axial_formulas import axial_formulas
 from regression.formula_value import FormulaValue
@@ -36,7 +37,7 @@ def about_record() -> Record:
     }
 
 
-def input_records(engine_file: EngineFile) -> list[Record]:
+def input_records(engine_file: EngineFile | ThrowFile) -> list[Record]:
     """Every input with its source."""
     return [
         {
@@ -83,6 +84,7 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
         "center_of_mass": analysis.center_of_mass.tolist(),
         "inertia": analysis.inertia.tolist(),
         "inertia_about_shaft": analysis.masses.inertia_about_shaft,
+        "unbalance": _unbalance(analysis),
         "stiffness": analysis.stiffness.tolist(),
         "error_estimate": analysis.error_estimate,
         "accuracy": analysis.accuracy,
@@ -93,6 +95,12 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
         "mended_elements": analysis.mesh.mended_elements,
         "solver": analysis.solver,
     }
+
+
+def _unbalance(analysis: ThrowAnalysis) -> Record:
+    """Static unbalance [kg m] and, about the throw's middle, the dynamic one [kg m^2]."""
+    found = unbalance(analysis.masses, analysis.throw.length / 2.0)
+    return {"static": found.static.tolist(), "dynamic": found.dynamic.tolist()}
 
 
 def formula_records(

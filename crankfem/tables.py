@@ -1,5 +1,6 @@
 """The tables that the command line prints, from the plain records of a run."""
 
+import math
 from typing import Any
 
 from crankfem import console
@@ -34,10 +35,31 @@ def print_throw(record: dict[str, Any]) -> None:
     )
     console.output.print(
         f"Mass {record['mass']:.4g} kg, center of mass {record['center_of_mass'][1] * 1e3:.4g} mm from the "
-        f"shaft axis, inertia about the shaft {record['inertia_about_shaft']:.4g} kg m^2.",
+        f"shaft axis, inertia about the shaft {record['inertia_about_shaft']:.4g} kg m^2; static unbalance "
+        f"{math.hypot(*record['unbalance']['static']):.4g} kg m, dynamic unbalance about the middle "
+        f"{math.hypot(*record['unbalance']['dynamic']):.3g} kg m^2.",
         soft_wrap=True,
         highlight=False,
     )
+
+
+def print_shape(record: dict[str, Any]) -> None:
+    """Print what the dimensions make."""
+    pins = "one pin" if record["pins"] == 1 else f"{record['pins']} pins"
+    console.output.print(
+        f"Throw with {pins}: length {record['length'] * 1e3:.5g} mm, overlap of journal and pin "
+        f"{record['overlap'] * 1e3:.4g} mm, volume {record['volume'] * 1e3:.4g} dm^3; "
+        f"{_PARTS[record['solved_part']]}.",
+        soft_wrap=True,
+        highlight=False,
+    )
+
+
+_PARTS = {
+    "quarter": "symmetric about two planes, a quarter is solved",
+    "half": "symmetric about the crank plane, half of it is solved",
+    "full": "without planes of symmetry, all of it is solved",
+}
 
 
 def _vector(values: list[float]) -> str:

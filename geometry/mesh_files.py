@@ -56,12 +56,7 @@ def write_mesh(
         If the ending is unknown, or the file cannot be written.
     """
     path = Path(path)
-    ending = path.suffix.lower()
-    if ending not in ENDINGS:
-        raise InputError(
-            f"{path.name}: given the ending {path.suffix!r}; allowed are "
-            f"{', '.join(f'{name} ({reader})' for name, reader in ENDINGS.items())}."
-        )
+    ending = check_ending(path)
     try:
         if ending == ".msh":
             _write_msh(mesh, path)
@@ -80,6 +75,23 @@ def write_mesh(
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
     return path
+
+
+def check_ending(path: Path) -> str:
+    """Return the ending of a file name in small letters.
+
+    Raises
+    ------
+    InputError
+        If no mesh can be written with it.
+    """
+    ending = path.suffix.lower()
+    if ending not in ENDINGS:
+        raise InputError(
+            f"{path.name}: given the ending {path.suffix!r}; allowed for a mesh are "
+            f"{', '.join(f'{name} ({reader})' for name, reader in ENDINGS.items())}."
+        )
+    return ending
 
 
 def _meshio() -> Any:

@@ -82,7 +82,9 @@ def test_check_lists_the_inputs(call):
     answer = call("check", "6chn25-34")
     assert answer.code == 0
     assert answer.err == ""
-    assert re.search(r"valid; \d+ of \d+ values are assumed", " ".join(answer.out.split()))
+    assert re.search(
+        r"valid engine file; \d+ of \d+ values are assumed", " ".join(answer.out.split())
+    )
 
 
 @pytest.mark.parametrize("name", ["6chn25-34", "yamz-5340"])
@@ -95,6 +97,56 @@ def test_check_as_json(call, name):
     assert {"given", "meaning", "symbol", "source", "assumed"} <= set(inputs["throw.pin_length"])
     assert inputs["throw.crank_radius"]["assumed"] is False
     assert inputs["throw.fillet_radius"]["assumed"] is True
+
+
+def test_check_of_a_throw_alone(call):
+    answer = call("check", "buick-3800")
+    assert (answer.code, answer.err) == (0, "")
+    words = " ".join(answer.out.split())
+    assert "valid throw file" in words
+    assert "Throw with 2 pins: length 107.7 mm" in words
+    content = call("check", "buick-3800", "--json").json()
+    assert content["kind"] == "throw"
+    assert content["shape"]["solved_part"] == "full"
+    fields = [record["field"] for record in content["inputs"]]
+    assert "throw.further_pins[0].angle" in fields
+    assert "throw.counterweight.outer_radius" in fields
+    assert "throw.pin_bore" not in fields
+
+
+def test_a_throw_alone_is_no_engine(call):
+    answer = call("run", "buick-3800")
+    assert answer.code == 2
+    assert "describes a throw, not an engine; add the sections [engine], [rod]" in answer.err
+
+
+def test_export_of_solid_mesh_and_shaft(call, tmp_path):
+    for file, options in (("a.step", ()), ("shaft.stp", ("--shaft",)), ("m.vtu", ("--size", "2"))):
+        answer = call("export", "6chn25-34", file, *options)
+        assert (answer.code, answer.err) == (0, "")
+        assert f"{file} written" in answer.out
+        assert (tmp_path / file).stat().st_size > 10_000
+    record = call("export", "6chn25-34", "m.msh", "--part", "auto", "--size", "2", "--json").json()
+    assert record["file"] == "m.msh"
+    assert record["surfaces"]["middle plane"] > 0
+
+
+EXPORTS_REFUSED = {
+    "ending": (("m.foo",), "allowed for a mesh are .msh"),
+    "part": (("m.vtu", "--part", "eighth"), "allowed are auto, quarter"),
+    "size": (("m.vtu", "--size", "0"), "--size: given 0; allowed is 0.05 to 10."),
+    "shaft as a mesh": (("m.vtu", "--shaft"), "allowed are .step, .stp"),
+    "folder": (("nowhere/m.step",), "cannot be written"),
+}
+
+
+@pytest.mark.parametrize("case", EXPORTS_REFUSED)
+def test_exports_that_cannot_be(call, case):
+    arguments, words = EXPORTS_REFUSED[case]
+    answer = call("export", "6chn25-34", *arguments)
+    assert answer.code == 2
+    assert answer.out == ""
+    assert words in " ".join(answer.err.split())
 
 
 def test_check_as_json_in_a_process_of_its_own(spawn):

@@ -93,7 +93,9 @@ def test_a_throw_and_a_study_can_stand_alone(tmp_path, six_cylinders, edit):
     assert throw == load_engine("6chn25-34").throw
     assert material == cf.STEEL
     assert load_study(path).levels["web_width"] == pytest.approx((0.270, 0.300, 0.330))
-    with pytest.raises(InputError, match=r"the section \[engine\] is missing"):
+    with pytest.raises(
+        InputError, match=r"describes a throw, not an engine; add the sections \[engine\]"
+    ):
         load_engine(path)
 
 

@@ -8,18 +8,37 @@ from pathlib import Path
 
 import pytest
 
+from crankfem.engine_file import load_throw
+
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
+TOML_BLOCK = re.compile(r"^```toml\n(.*?)^```", re.MULTILINE | re.DOTALL)
 # Their doctests mesh and solve.
 SLOW = {"fem.analysis", "fem.shaft"}
 
 
 def examples():
+    """All blocks of a page together: later ones use names of earlier ones."""
     for page in PAGES:
-        if page.is_file():
-            for number, found in enumerate(BLOCK.finditer(page.read_text(encoding="utf-8")), 1):
-                yield pytest.param(found.group(1), id=f"{page.name}-{number}")
+        blocks = BLOCK.findall(page.read_text(encoding="utf-8"))
+        if blocks:
+            yield pytest.param("\n".join(blocks), id=page.name)
+
+
+def throw_files():
+    for page in PAGES:
+        for number, block in enumerate(TOML_BLOCK.findall(page.read_text(encoding="utf-8")), 1):
+            if "[throw]" in block:
+                yield pytest.param(block, id=f"{page.name}-{number}")
+
+
+@pytest.mark.parametrize("text", list(throw_files()))
+def test_throws_in_the_documentation_can_be_built(text, tmp_path):
+    path = tmp_path / "throw.toml"
+    path.write_text(text, encoding="utf-8")
+    throw, _ = load_throw(path)
+    assert throw.volume > 0.0
 
 
 @pytest.mark.slow

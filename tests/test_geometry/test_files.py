@@ -70,7 +70,7 @@ def test_values_at_nodes_travel(mesh, tmp_path):
 
 
 def test_unknown_endings_and_missing_folders(mesh, tmp_path):
-    with pytest.raises(InputError, match=r"'\.bdf'; allowed are \.msh"):
+    with pytest.raises(InputError, match=r"'\.bdf'; allowed for a mesh are \.msh"):
         write_mesh(mesh, tmp_path / "throw.bdf")
     for ending in ENDINGS:
         if ending == ".med":
