@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from geometry.balance import Unbalance, unbalance
     from geometry.crankshaft import Crankshaft, throw_masses
     from geometry.errors import InputError, MeshError, MissingLibraryError
+    from geometry.imported import ImportedThrow, import_throw
     from geometry.mass import MassProperties
     from geometry.mesh import ThrowMesh
     from geometry.mesh_files import write_mesh
@@ -104,6 +105,10 @@ _HOMES = {
             "Crankshaft",
             "throw_masses",
         ),
+        "geometry.imported": (
+            "ImportedThrow",
+            "import_throw",
+        ),
         "geometry.mass": ("MassProperties",),
         "geometry.mesh": ("ThrowMesh",),
         "geometry.mesh_files": ("write_mesh",),
@@ -152,6 +157,7 @@ __all__ = [
     "FormulaValue",
     "FurtherPin",
     "Harmonics",
+    "ImportedThrow",
     "InputError",
     "Lookup",
     "MassProperties",
@@ -179,6 +185,7 @@ __all__ = [
     "critical_speeds",
     "engine_orders",
     "harmonics",
+    "import_throw",
     "load_engine",
     "mesh_throw",
     "read_torque_table",

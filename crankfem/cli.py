@@ -28,6 +28,13 @@ app = typer.Typer(
 EngineArgument = Annotated[
     str, typer.Argument(metavar="ENGINE.toml", help="Engine file, or the name of a shipped engine.")
 ]
+ThrowArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="ENGINE.toml",
+        help="Engine file, name of a shipped engine, or a STEP file of a throw.",
+    ),
+]
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print machine-readable results on standard output.")
 ]
@@ -182,22 +189,84 @@ def export(
 
 @app.command(epilog="Example: crankfem throw 6chn25-34 --accuracy 0.005")
 def throw(
-    engine: EngineArgument,
+    engine: ThrowArgument,
     accuracy: Annotated[float, typer.Option(help="Relative accuracy of e_n, 0.001 to 0.1.")] = 0.01,
+    pins: Annotated[
+        list[str] | None,
+        typer.Option("--pin", help="Name of a crankpin's face in a STEP file; once for each pin."),
+    ] = None,
     json: JsonOption = False,
 ) -> None:
-    """Analyze one throw by finite elements: compliances, reactions, masses."""
+    """Analyze one throw by finite elements: compliances, reactions, masses.
+
+    A STEP file is a CAD part of steel: z along the shaft, faces named "left end", "right end" and
+    "pin", or none named at all.
+    """
     from crankfem.engine_file import load_throw
     from crankfem.pipeline import UNIT_RADIAL_FORCE
     from crankfem.results import throw_record
     from fem.analysis import analyze_throw
+    from fem.material import STEEL
+    from geometry.imported import import_throw
+    from geometry.solid_files import ENDINGS
 
-    dimensions, material = load_throw(engine)
-    record = throw_record(analyze_throw(dimensions, material, accuracy), UNIT_RADIAL_FORCE)
+    if Path(engine).suffix.lower() in ENDINGS:
+        part = import_throw(engine, pins=pins or ("pin",))
+        for remark in part.remarks:
+            console.errors.print(remark, soft_wrap=True, highlight=False)
+        analysis = analyze_throw(part, STEEL, accuracy)
+    else:
+        if pins:
+            raise InputError(
+                f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
+            )
+        analysis = analyze_throw(*load_throw(engine), accuracy)
+    record = throw_record(analysis, UNIT_RADIAL_FORCE)
     if json:
         print_json(record)
     else:
         tables.print_throw(record)
+
+
+@app.command(epilog="Example: crankfem draw 6chn25-34 --shaft crankshaft.png")
+def draw(
+    engine: EngineArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DRAWING.svg", help="Drawing: svg, png or pdf; NAME-throw.svg by default."
+        ),
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option(metavar="THROW.png", help="Picture of the throw's solid.")
+    ] = None,
+    shaft: Annotated[
+        Path | None, typer.Option(metavar="SHAFT.png", help="Picture of the whole crankshaft.")
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Draw a throw to scale with its dimensions, and picture the solid of throw and crankshaft."""
+    from crankfem.engine_file import load_crankshaft, load_throw
+    from crankfem.pictures.drawing import check_drawing_ending, write_drawing
+    from crankfem.pictures.solid_picture import check_picture_ending, picture_shaft, picture_throw
+
+    name = engine_path(engine).stem
+    drawing = output or Path(f"{name}-throw.svg")
+    check_drawing_ending(drawing)
+    for file in filter(None, (picture, shaft)):
+        check_picture_ending(file)
+    dimensions, _ = load_throw(engine)
+    crankshaft = load_crankshaft(engine) if shaft else None
+    files = [write_drawing(dimensions, drawing, name)]
+    if picture:
+        files.append(picture_throw(dimensions, picture))
+    if shaft and crankshaft:
+        files.append(picture_shaft(crankshaft, shaft))
+    if json:
+        print_json({"files": [str(file) for file in files]})
+        return
+    for file in files:
+        console.output.print(f"{file} written.", soft_wrap=True)
 
 
 @app.command(epilog="Example: crankfem formulas 6chn25-34 --gamma 120")

@@ -8,7 +8,7 @@ from geometry.errors import InputError
 from regression.compliance_model import KNOWN_RESPONSES, ComplianceModel, ResponseModel
 from regression.fits import Fit, choose, fit_form
 from regression.forms import equation_text
-from regression.study import StudyTable
+from regression.study import FACTORS, StudyTable
 
 FORMS = ("linear", "quadratic", "log-quadratic")
 # Response of the model: its column in a study's table, symbol and unit.
@@ -105,15 +105,16 @@ def compliance_model(table: StudyTable, fits: dict[str, ResponseFits]) -> Compli
             for name, found in fits.items()
         },
         fixed={
-            name: value
-            for name, value in plan.throw.model_dump().items()
-            if name not in plan.levels
+            name: float(value)
+            for name in FACTORS
+            if name not in plan.levels and (value := getattr(plan.throw, name)) is not None
         },
         material=plan.material.model_dump(),
         provenance={
             "study": plan.key,
             "crankfem": crankfem_version(),
             "date": datetime.date.today().isoformat(),
+            "throw": plan.throw.model_dump_json(exclude_defaults=True),
             "largest_fe_error_estimate": float(table.responses["error_estimate"].max()),
         },
     )

@@ -17,6 +17,7 @@ from fem.material import Material
 from fem.shaft import ShaftCompliances
 from fem.supports import Support
 from geometry.balance import unbalance
+from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 from regression.axial_formulas import axial_formulas
 from regression.formula_value import FormulaValue
@@ -76,7 +77,7 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
             },
         }
     return {
-        "dimensions": analysis.throw.model_dump(mode="json"),
+        "dimensions": _dimensions(analysis.throw),
         "material": analysis.material.model_dump(),
         "supports": supports,
         "radial_force": radial_force,
@@ -94,6 +95,23 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
         "meshing_attempts": list(analysis.mesh.attempts),
         "mended_elements": analysis.mesh.mended_elements,
         "solver": analysis.solver,
+    }
+
+
+def _dimensions(throw: Throw) -> Record:
+    """What was given: fields in SI units, or the file of a CAD part with what was found in it."""
+    if isinstance(throw, CrankThrow):
+        return throw.model_dump(mode="json")
+    return {
+        "file": throw.path,
+        "sha256": throw.digest,
+        "length": throw.length,
+        "pins": [
+            {"name": pin.name, "axis": list(pin.axis), "diameter": 2.0 * pin.radius}
+            for pin in throw.pins
+        ],
+        "main_journal_diameters": [2.0 * radius for radius in throw.journal_radii],
+        "remarks": list(throw.remarks),
     }
 
 

@@ -18,9 +18,7 @@ from fem.symmetry import SymmetryClass, axial_class, symmetry_classes, torsional
 from geometry.errors import InputError
 from geometry.mass import MassProperties, mass_properties
 from geometry.mesh import ThrowMesh
-from geometry.mesher import mesh_isolated
-from geometry.sizes import predict_unknowns
-from geometry.throw import CrankThrow
+from geometry.mesher import Throw, expected_unknowns, mesh_isolated
 
 # The error of the compliance falls with the element size to this power. Filleted throws show 1.6 to
 # 2.1, sharp corners 1.0 to 1.1; the lower values keep the estimate on the safe side.
@@ -34,7 +32,7 @@ MOST_REFINEMENTS = 3
 MOST_UNKNOWNS = 450_000
 
 # Makes the mesh of a throw with a size factor.
-Mesher = Callable[[CrankThrow, float], ThrowMesh]
+Mesher = Callable[[Throw, float], ThrowMesh]
 
 
 @dataclass(frozen=True)
@@ -43,7 +41,7 @@ class ThrowAnalysis:
 
     Attributes
     ----------
-    throw : CrankThrow
+    throw : CrankThrow or ImportedThrow
     material : Material
     superelement : Superelement
     mesh : ThrowMesh
@@ -58,7 +56,7 @@ class ThrowAnalysis:
         The accuracy that was asked for.
     """
 
-    throw: CrankThrow
+    throw: Throw
     material: Material
     superelement: Superelement
     mesh: ThrowMesh
@@ -185,7 +183,7 @@ class ThrowAnalysis:
 
 
 def analyze_throw(
-    throw: CrankThrow,
+    throw: Throw,
     material: Material = STEEL,
     accuracy: float = 0.01,
     *,
@@ -200,8 +198,8 @@ def analyze_throw(
 
     Parameters
     ----------
-    throw : CrankThrow
-        The dimensions.
+    throw : CrankThrow or ImportedThrow
+        The dimensions, or a part read by `import_throw`.
     material : Material
         Elastic constants and density.
     accuracy : float
@@ -252,7 +250,7 @@ def analyze_throw(
 
 
 def throw_responses(
-    throw: CrankThrow,
+    throw: Throw,
     material: Material = STEEL,
     accuracy: float = 0.01,
     *,
@@ -283,7 +281,7 @@ def throw_responses(
 
 
 def _solve_to(
-    throw: CrankThrow, material: Material, accuracy: float, solver: str, mesher: Mesher
+    throw: Throw, material: Material, accuracy: float, solver: str, mesher: Mesher
 ) -> tuple["_Level", float]:
     """Refine until the estimated error of the axial compliance meets the accuracy."""
     if not isinstance(material, Material):
@@ -294,7 +292,7 @@ def _solve_to(
         )
     order = ORDER_FILLETED if throw.filleted else ORDER_SHARP
     factor = _first_guess(accuracy, throw)
-    while predict_unknowns(throw.parts, factor, throw.symmetry) > MOST_UNKNOWNS:
+    while expected_unknowns(throw, factor) > MOST_UNKNOWNS:
         factor *= 1.2  # the estimate then says that the accuracy was not met
     coarse = _Level.solve(mesher(throw, COARSENING * factor), material, solver)
     # The coarse mesh may have been made finer than wished; the two must still differ.
@@ -313,7 +311,7 @@ def _solve_to(
     return level, float(estimate)
 
 
-def _first_guess(accuracy: float, throw: CrankThrow) -> float:
+def _first_guess(accuracy: float, throw: Throw) -> float:
     """Size factor that usually meets the accuracy at once, thin webs included."""
     if throw.filleted:
         return min(COARSEST_FILLETED, 0.65 * float((accuracy / 0.01) ** 0.3))

@@ -5,9 +5,9 @@ from numpy.typing import NDArray
 from skfem import ElementTriP2, MeshTri1
 from skfem.quadrature import get_quadrature
 
-from geometry.mending import EDGES
+from geometry.facets import six_node_triangles
 from geometry.mesh import ThrowMesh
-from geometry.throw import CrankThrow
+from geometry.mesher import Throw
 
 # Direction of a radial force on the first pin, towards the shaft.
 RADIAL = np.array([0.0, -1.0, 0.0])
@@ -29,9 +29,9 @@ def uniform_pin_loads(mesh: ThrowMesh) -> NDArray[np.float64]:
     return np.array([_uniform_load(mesh, mesh.surfaces[pin]) for pin in mesh.pins])
 
 
-def radial_directions(throw: CrankThrow) -> NDArray[np.float64]:
+def radial_directions(throw: Throw) -> NDArray[np.float64]:
     """Directions (pins, 3) from each pin's axis to the shaft."""
-    axes = np.array([(*pin.axis, 0.0) for pin in throw.parts.pins])
+    axes = np.array([(*axis, 0.0) for axis in throw.pin_axes])
     return np.asarray(-axes / np.linalg.norm(axes, axis=1)[:, None])
 
 
@@ -46,16 +46,3 @@ def _uniform_load(mesh: ThrowMesh, corners: NDArray[np.int64]) -> NDArray[np.flo
     shares = np.zeros(len(mesh.points))
     np.add.at(shares, triangles, areas @ values.T)
     return np.asarray(shares / shares.sum())
-
-
-def six_node_triangles(mesh: ThrowMesh, corners: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Find the edge nodes of surface triangles, in scikit-fem's order (01, 12, 02)."""
-    size = len(mesh.points)
-    ends = np.concatenate([mesh.elements[:, [a, b]] for a, b in EDGES])
-    middles = np.concatenate([mesh.elements[:, node] for node in range(4, 10)])
-    keys = ends.min(axis=1) * size + ends.max(axis=1)
-    keys, first = np.unique(keys, return_index=True)
-    middles = middles[first]
-    edges = [corners[:, [a, b]] for a, b in ((0, 1), (1, 2), (0, 2))]
-    wanted = [edge.min(axis=1) * size + edge.max(axis=1) for edge in edges]
-    return np.column_stack([corners, *(middles[np.searchsorted(keys, w)] for w in wanted)])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from geometry.balance import Unbalance, unbalance
 from geometry.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_session
-from geometry.isolated import ProcessLostError
+from geometry.isolated import ProcessLostError, shared_process
 from geometry.mass import (
     MassProperties,
     cylinder_mass_properties,
@@ -18,7 +18,7 @@ from geometry.mass import (
     together,
 )
 from geometry.mesh import SolidProperties, solid_properties
-from geometry.mesher import TIME_LIMIT, shared_process
+from geometry.mesher import TIME_LIMIT
 from geometry.quantity import show_quantity
 from geometry.shaft_ends import ShaftEnds
 from geometry.solid import Entity, make_solid, remove_loose

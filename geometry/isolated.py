@@ -3,6 +3,7 @@
 The process is started once, serves one call after another, and ends with this one.
 """
 
+import atexit
 import contextlib
 import os
 import pickle
@@ -11,6 +12,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable
+from functools import cache
 from importlib import import_module
 from typing import Any, BinaryIO
 
@@ -137,6 +139,18 @@ def _ending(code: int) -> str:
         with contextlib.suppress(ValueError):
             return f"was ended by {signal.Signals(-code).name}"
     return f"ended with code {code}"
+
+
+@cache
+def _process_of(_owner: int) -> IsolatedProcess:
+    process = IsolatedProcess()
+    atexit.register(process.close)
+    return process
+
+
+def shared_process() -> IsolatedProcess:
+    """Return the process that all calls from this one share; a forked child gets one of its own."""
+    return _process_of(os.getpid())
 
 
 def serve(requests: BinaryIO, answers: BinaryIO) -> None:

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.errors import InputError
+from geometry.facets import flat_triangles, six_node_triangles
 from geometry.gmsh_session import gmsh_session
-from geometry.mending import EDGES
 from geometry.mesh import GMSH_TO_SKFEM, ThrowMesh
 
 # File endings that keep the curved elements, or only the surface as flat triangles, and their readers.
@@ -23,8 +23,6 @@ SOLID_ENDINGS = {
 SURFACE_ENDINGS = {".stl": "surface only", ".ply": "surface only", ".obj": "surface only"}
 ENDINGS = SOLID_ENDINGS | SURFACE_ENDINGS
 VOLUME = "throw"
-# A six-node triangle (corners 0 1 2, edge middles 3 4 5 on 01 12 02) as four flat ones.
-SUBTRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
 
 
 def write_mesh(
@@ -125,12 +123,6 @@ def _write_solid(mesh: ThrowMesh, path: Path, point_data: dict[str, NDArray[np.f
     made.write(path)
 
 
-def flat_triangles(mesh: ThrowMesh) -> NDArray[np.int64]:
-    """Flat triangles (t, 3), four to each curved one, over all surfaces, cuts included."""
-    sides = six_node_triangles(mesh, np.concatenate(list(mesh.surfaces.values())))
-    return np.concatenate([sides[:, list(corners)] for corners in SUBTRIANGLES])
-
-
 def _write_msh(mesh: ThrowMesh, path: Path) -> None:
     """Write through gmsh, as discrete entities with physical groups."""
     with gmsh_session("export") as gmsh:
@@ -158,16 +150,3 @@ def _write_msh(mesh: ThrowMesh, path: Path) -> None:
 def _add_elements(gmsh: Any, entity: int, kind: int, nodes: NDArray[np.int64], first: int) -> None:
     numbers = np.arange(first, first + len(nodes))
     gmsh.model.mesh.addElementsByType(entity, kind, numbers, nodes.ravel())
-
-
-def six_node_triangles(mesh: ThrowMesh, corners: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Find the edge nodes of surface triangles (k, 3), in scikit-fem's order (01, 12, 02)."""
-    size = len(mesh.points)
-    ends = np.concatenate([mesh.elements[:, [a, b]] for a, b in EDGES])
-    middles = np.concatenate([mesh.elements[:, node] for node in range(4, 10)])
-    keys = ends.min(axis=1) * size + ends.max(axis=1)
-    keys, first = np.unique(keys, return_index=True)
-    middles = middles[first]
-    edges = [corners[:, [a, b]] for a, b in ((0, 1), (1, 2), (0, 2))]
-    wanted = [edge.min(axis=1) * size + edge.max(axis=1) for edge in edges]
-    return np.column_stack([corners, *(middles[np.searchsorted(keys, w)] for w in wanted)])

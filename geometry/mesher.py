@@ -1,22 +1,24 @@
 """Mesh throws in a process of its own, so that no throw can take this one down."""
 
-import atexit
-import os
-from functools import cache
+from typing import Any
 
-from geometry.errors import MeshError
-from geometry.isolated import IsolatedProcess, ProcessLostError
-from geometry.mesh import LADDER, ThrowMesh
+from geometry.errors import InputError, MeshError
+from geometry.imported import ImportedThrow
+from geometry.imported_mesh import mesh_imported_throw, predict_imported_unknowns
+from geometry.isolated import IsolatedProcess, ProcessLostError, shared_process
+from geometry.mesh import LADDER, ThrowMesh, mesh_throw
 from geometry.sizes import predict_unknowns
 from geometry.throw import CrankThrow
 
+# Given by dimensions, or by a CAD part.
+Throw = CrankThrow | ImportedThrow
 # Seconds that one way of meshing may take, and more for each unknown; an ordinary quarter takes 0.2 s.
 TIME_LIMIT = 60.0
 SECONDS_PER_UNKNOWN = 2e-4
 
 
 def mesh_isolated(
-    throw: CrankThrow,
+    throw: Throw,
     size_factor: float = 1.0,
     part: str = "auto",
     *,
@@ -42,9 +44,11 @@ def mesh_isolated(
         Also if gmsh crashes, or takes too long, in every way of meshing.
     """
     process = shared_process() if process is None else process
-    limit = time_limit + SECONDS_PER_UNKNOWN * predict_unknowns(
-        throw.parts, size_factor, throw.symmetry
-    )
+    if isinstance(throw, ImportedThrow) and part not in ("auto", "full"):
+        raise InputError(
+            f"part: given {part!r}; allowed is 'full' or 'auto', for an imported throw is meshed whole."
+        )
+    limit = time_limit + SECONDS_PER_UNKNOWN * expected_unknowns(throw, size_factor)
     attempts: tuple[str, ...] = ()
 
     def note(made: tuple[str, ...]) -> None:
@@ -54,10 +58,7 @@ def mesh_isolated(
     while len(attempts) < len(LADDER):
         try:
             mesh: ThrowMesh = process.call(
-                "geometry.mesh:mesh_throw_from",
-                throw,
-                size_factor,
-                part,
+                *_function(throw, size_factor, part),
                 attempts,
                 time_limit=limit,
                 on_remark=note,
@@ -71,13 +72,22 @@ def mesh_isolated(
     )
 
 
-@cache
-def _process_of(_owner: int) -> IsolatedProcess:
-    process = IsolatedProcess()
-    atexit.register(process.close)
-    return process
+def mesh_here(throw: Throw, size_factor: float = 1.0, part: str = "auto") -> ThrowMesh:
+    """Mesh any throw in this process; parameters, results and errors as for `mesh_throw`."""
+    if isinstance(throw, ImportedThrow):
+        return mesh_imported_throw(throw, size_factor)
+    return mesh_throw(throw, size_factor, part)
 
 
-def shared_process() -> IsolatedProcess:
-    """Return the process that all calls from this one share; a forked child gets one of its own."""
-    return _process_of(os.getpid())
+def _function(throw: Throw, size_factor: float, part: str) -> tuple[Any, ...]:
+    """What to call in the process, and its first arguments."""
+    if isinstance(throw, ImportedThrow):
+        return "geometry.imported_mesh:mesh_imported_from", throw, size_factor
+    return "geometry.mesh:mesh_throw_from", throw, size_factor, part
+
+
+def expected_unknowns(throw: Throw, size_factor: float) -> int:
+    """Predict the number of unknowns that analyzing a throw takes with a size factor."""
+    if isinstance(throw, ImportedThrow):
+        return predict_imported_unknowns(throw, size_factor)
+    return predict_unknowns(throw.parts, size_factor, throw.symmetry)

@@ -222,6 +222,11 @@ class CrankThrow(InputModel):
         return throw_parts(self)
 
     @property
+    def pin_axes(self) -> tuple[tuple[float, float], ...]:
+        """Places (x, y) of the pins' axes [m]."""
+        return tuple(pin.axis for pin in self.parts.pins)
+
+    @property
     def length(self) -> float:
         """Length of the throw along the shaft, the distance of the main bearings [m]."""
         return self.parts.length

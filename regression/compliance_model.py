@@ -353,11 +353,10 @@ class ComplianceModel(InputModel):
         for name in response.factors:
             if name not in dimensions:
                 raise InputError(f"{name}: missing; the model needs its factors {needed}.")
-        may_be_zero = {
-            name for name, low in zip(response.factors, response.lowest, strict=True) if low == 0.0
-        } | {name for name, value in self.fixed.items() if value == 0.0}
+        # Features may be absent (0), and offsets of bores negative.
+        least = dict(zip(response.factors, response.lowest, strict=True)) | self.fixed
         arrays = {
-            name: _positive_array(name, value, name in may_be_zero)
+            name: _checked_array(name, value, least[name])
             for name, value in dimensions.items()
         }
         for name, array in arrays.items():
@@ -485,9 +484,11 @@ def _span(fitted: FittedForm) -> tuple[dict[str, float], dict[str, float]]:
     return low, high
 
 
-def _positive_array(name: str, value: object, may_be_zero: bool) -> NDArray[np.float64]:
-    zero = " (or 0)" if may_be_zero else ""
-    allowed = f"allowed are positive finite numbers{zero} in SI units (m for a length)"
+def _checked_array(name: str, value: object, least: float) -> NDArray[np.float64]:
+    """Return finite numbers, positive ones unless the least of the model says otherwise."""
+    sign = "positive finite numbers" if least > 0.0 else "positive finite numbers (or 0)"
+    sign = "finite numbers" if least < 0.0 else sign
+    allowed = f"allowed are {sign} in SI units (m for a length)"
     try:
         raw = np.asarray(value)
         if raw.dtype.kind not in "iuf":
@@ -497,8 +498,10 @@ def _positive_array(name: str, value: object, may_be_zero: bool) -> NDArray[np.f
         raise InputError(f"{name}: given {value!r}; {allowed}.") from None
     if array.size == 0:
         raise InputError(f"{name}: given an empty array; {allowed}.")
-    wrong = ~np.isfinite(array) | (array < 0.0)
-    if not may_be_zero:
+    wrong = ~np.isfinite(array)
+    if least >= 0.0:
+        wrong |= array < 0.0
+    if least > 0.0:
         wrong |= array == 0.0
     if np.any(wrong):
         raise InputError(f"{name}: given {float(array[wrong].flat[0]):g}; {allowed}.")

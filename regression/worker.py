@@ -13,7 +13,7 @@ from typing import Any, TextIO
 
 from fem.analysis import throw_responses
 from fem.material import Material
-from geometry.mesh import mesh_throw
+from geometry.mesher import mesh_here
 from geometry.throw import CrankThrow
 
 
@@ -32,7 +32,7 @@ def evaluate_design(inputs: dict[str, Any]) -> dict[str, float]:
     """
     throw, material = CrankThrow(**inputs["throw"]), Material(**inputs["material"])
     # This process is expendable: gmsh needs none of its own.
-    return throw_responses(throw, material, inputs["accuracy"], mesher=mesh_throw)
+    return throw_responses(throw, material, inputs["accuracy"], mesher=mesh_here)
 
 
 def _numbers_only(responses: dict[str, float]) -> dict[str, float]:

@@ -5,11 +5,13 @@ import pytest
 from geometry.crankshaft import Crankshaft
 from geometry.errors import InputError
 from geometry.gmsh_session import gmsh_session
+from geometry.imported import import_throw
 from geometry.mesh import element_volumes, mesh_throw
 from geometry.mesh_files import ENDINGS, write_mesh
 from geometry.shaft_ends import ShaftEnds
 from geometry.solid_files import write_step
 from geometry.throw import CrankThrow
+from geometry.throw_sections import FurtherPin
 
 
 @pytest.fixture(scope="module")
@@ -105,6 +107,27 @@ def test_step_of_a_throw_and_of_a_shaft_come_back_in_metres(dimensions, tmp_path
     assert len(shapes) == 1
     assert volume == pytest.approx(shaft.masses(1.0).mass, rel=1e-6)
     assert box[5] - box[2] == pytest.approx(shaft.length, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"pin_bore": 0.06},
+        {"fillet_radius": 0.0, "pin_diameter": 0.22},
+        {"further_pins": (FurtherPin(angle=0.6, web_thickness=0.0),)},
+        {"further_pins": (FurtherPin(angle=np.pi),)},
+    ],
+)
+def test_a_written_throw_is_read_by_its_names(dimensions, tmp_path, changes):
+    throw = CrankThrow(**{**dimensions, **changes})
+    path = write_step(throw, tmp_path / "throw.step")
+    names = [pin.name for pin in throw.parts.pins]
+    read = import_throw(path, pins=names)
+    assert read.remarks == ()
+    assert read.volume == pytest.approx(throw.volume, rel=1e-6)
+    assert read.length == pytest.approx(throw.length, rel=1e-9)
+    assert np.array(read.pin_axes) == pytest.approx(np.array(throw.pin_axes), abs=1e-9)
+    assert [pin.name for pin in read.pins] == names
 
 
 def test_step_errors(dimensions, tmp_path):

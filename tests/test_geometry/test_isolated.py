@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from geometry.errors import InputError, MeshError
-from geometry.isolated import IsolatedProcess, ProcessLostError
+from geometry.isolated import IsolatedProcess, ProcessLostError, shared_process
 from geometry.mesh import LADDER, mesh_throw
-from geometry.mesher import mesh_isolated, shared_process
+from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
 
 

@@ -1,0 +1,241 @@
+"""A throw from a STEP file, and how to name its ends and pins."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import InputError
+from geometry.isolated import IsolatedProcess, ProcessLostError, shared_process
+from geometry.parts import Cylinder
+from geometry.sizes import (
+    SizePlan,
+)
+from geometry.solid import (
+    LEFT_END,
+    PIN,
+    RIGHT_END,
+    Zone,
+)
+from geometry.step_file import CYLINDER, PLANE, StepFace, read_step
+
+Array = NDArray[np.float64]
+# Seconds for reading a part; one of a hundred faces takes a fifth of a second.
+TIME_LIMIT = 300.0
+MOST_NAMES = 20
+
+
+@dataclass(frozen=True)
+class ImportedPin:
+    """A crankpin of an imported throw.
+
+    Attributes
+    ----------
+    name : str
+        "pin", "pin 2" ... from the left.
+    axis : (x, y)
+        In the throw frame [m].
+    radius : float
+        [m]
+    start, end : float
+        Reach along z, fillets included [m].
+    """
+
+    name: str
+    axis: tuple[float, float]
+    radius: float
+    start: float
+    end: float
+
+
+@dataclass(frozen=True)
+class ImportedThrow:
+    """A throw whose shape is in a STEP file.
+
+    Attributes
+    ----------
+    path : str
+        The file.
+    digest : str
+        SHA-256 of its content.
+    length : float
+        Distance of the end planes [m].
+    pins : tuple of ImportedPin
+        From the left.
+    journal_radii : (left, right)
+        Of the main journals at the ends [m].
+    volume, area : float
+        Of the solid [m^3, m^2].
+    filleted : bool
+        Whether main journals and pins meet the webs without a sharp corner.
+    turned, shifted : float
+        What brings the part into the throw frame: a turn about +z [rad] that puts the first pin at
+        +y, and then a shift along z [m] that puts the left end at 0.
+    remarks : tuple of str
+        What was found by shape, not by name, and how the part was moved.
+    surfaces : tuple of (name, tags)
+        Numbers of the surfaces in gmsh; all of the solid's.
+    plan : SizePlan
+        Element sizes at factor 1.
+    smallest : float
+        Size that curved surfaces do not go below at factor 1 [m].
+    holes : tuple of Cylinder
+        Along the shaft, each as the bore of a cylinder; `plan` numbers them from zero.
+    curved : tuple of (radius, area)
+        Of all other curved surfaces: smallest radius of curvature and area [m, m^2].
+    fillets, corners : tuple of (zone, tags)
+        Surfaces and curves where elements are small; cylinders are numbered from the left main
+        journal.
+    """
+
+    path: str
+    digest: str
+    length: float
+    pins: tuple[ImportedPin, ...]
+    journal_radii: tuple[float, float]
+    volume: float
+    area: float
+    filleted: bool
+    turned: float
+    shifted: float
+    remarks: tuple[str, ...]
+    surfaces: tuple[tuple[str, tuple[int, ...]], ...]
+    plan: SizePlan
+    smallest: float
+    holes: tuple[Cylinder, ...]
+    curved: tuple[tuple[float, float], ...]
+    fillets: tuple[tuple[Zone, tuple[int, ...]], ...]
+    corners: tuple[tuple[Zone, tuple[int, ...]], ...]
+
+    @property
+    def symmetry(self) -> str:
+        """An imported throw is meshed whole, whatever symmetry it has."""
+        return "full"
+
+    @property
+    def pin_axes(self) -> tuple[tuple[float, float], ...]:
+        """Places (x, y) of the pins' axes [m]."""
+        return tuple(pin.axis for pin in self.pins)
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Faces by their names in the file; None for those to be found by shape."""
+
+    left: tuple[StepFace, ...] | None
+    right: tuple[StepFace, ...] | None
+    pins: tuple[tuple[StepFace, ...], ...] | None
+
+
+def import_throw(
+    path: str | Path,
+    left_end: str | None = LEFT_END,
+    right_end: str | None = RIGHT_END,
+    pins: Sequence[str] | None = (PIN,),
+    *,
+    process: IsolatedProcess | None = None,
+) -> ImportedThrow:
+    """Read a throw from a STEP file.
+
+    The shaft axis must be the z axis, with the left end at the smaller z; the part may stand anywhere
+    along it and be turned about it. The file's unit of length is taken into account. Names may differ
+    in case, and have underscores or hyphens for spaces. If no face has a name, ends and pins are found
+    by shape: the plane faces at the smallest and the largest z, and round cylinders parallel to z off
+    the shaft axis.
+
+    Parameters
+    ----------
+    path : str or Path
+        A STEP file with one solid: the throw from the middle of one main journal to the middle of the
+        next.
+    left_end, right_end : str or None
+        Names of the end faces; None finds them by shape although faces have names.
+    pins : sequence of str or None
+        Names of the pins' cylindrical faces, in any order; None finds them by shape.
+    process : IsolatedProcess, optional
+        Where to read it; the one that this process shares by default.
+
+    Raises
+    ------
+    InputError
+        If the file or the part in it cannot be used.
+
+    Examples
+    --------
+    >>> throw = import_throw("throw.step", pins=("pin",))  # doctest: +SKIP
+    """
+    path = Path(path).resolve()
+    content = file_content(path)
+    step = read_step(content, str(path))
+    if isinstance(pins, str):
+        pins = (pins,)
+    if not step.faces:
+        wanted = Wanted(None, None, None)
+    else:
+        wanted = Wanted(
+            _named(step.faces, "left_end", left_end, PLANE),
+            _named(step.faces, "right_end", right_end, PLANE),
+            None if pins is None else _named_pins(step.faces, pins),
+        )
+    process = shared_process() if process is None else process
+    try:
+        found: ImportedThrow = process.call(
+            "geometry.recognition:recognize",
+            str(path),
+            hashlib.sha256(content).hexdigest(),
+            wanted,
+            time_limit=TIME_LIMIT,
+        )
+    except ProcessLostError as error:
+        raise InputError(f"{path}: given a file that cannot be read: {error}.") from None
+    return found
+
+
+def file_content(path: Path) -> bytes:
+    """Read a file, or say in one sentence why not."""
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: given the name of no file; allowed is a STEP file.") from None
+    except OSError as error:
+        raise InputError(f"{path}: given a file that cannot be read: {error.strerror}.") from None
+
+
+def _plain(name: str) -> str:
+    """A name without what programs change in it."""
+    return " ".join(name.casefold().replace("_", " ").replace("-", " ").split())
+
+
+def _named(
+    faces: tuple[StepFace, ...], field: str, name: str | None, kind: str
+) -> tuple[StepFace, ...] | None:
+    """Faces of a name, all of which must have the wanted kind of surface."""
+    if name is None:
+        return None
+    found = tuple(face for face in faces if _plain(face.name) == _plain(name))
+    if not found:
+        names = list(dict.fromkeys(face.name for face in faces))
+        listed = ", ".join(map(repr, names[:MOST_NAMES]))
+        more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+        raise InputError(
+            f"{field}: given {name!r}; allowed are the names of faces in the file, {listed}{more}, or "
+            "None to find it by shape."
+        )
+    for face in found:
+        if face.kind != kind:
+            allowed = "a plane" if kind == PLANE else "a cylinder"
+            raise InputError(
+                f"{field}: given {name!r}, which names a face on a {face.kind}; allowed is {allowed}."
+            )
+    return found
+
+
+def _named_pins(
+    faces: tuple[StepFace, ...], names: Sequence[str]
+) -> tuple[tuple[StepFace, ...], ...]:
+    if len(names) == 0:
+        raise InputError("pins: given no names; allowed is one for each crankpin.")
+    return tuple(_named(faces, "pins", name, CYLINDER) or () for name in names)

@@ -1,0 +1,211 @@
+"""Mesh a throw from a STEP file, like one given by dimensions."""
+
+import hashlib
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.cad_faces import opened_part
+from geometry.errors import InputError, MeshError
+from geometry.imported import ImportedThrow, file_content
+from geometry.mending import mend
+from geometry.mesh import (
+    LADDER,
+    MOST_UNKNOWNS,
+    Rung,
+    ThrowMesh,
+    check_quality,
+    check_volume,
+    read_mesh,
+    solid_properties,
+)
+from geometry.parts import ThrowParts
+from geometry.recognition import PLACE_TOLERANCE
+from geometry.size_field import set_sizes
+from geometry.sizes import (
+    GROWTH,
+    ROOT_PER_FILLET,
+    SIZE_PER_BORE,
+    SizePlan,
+)
+from geometry.solid import (
+    BORE,
+    LEFT_END,
+    RIGHT_END,
+    NamedSolid,
+)
+
+Array = NDArray[np.float64]
+# Nodes per volume of a cubed element size and per area of a squared one.
+NODES_PER_CELL = 8.0
+NODES_PER_FACE = 2.5
+# Of rounded edges, with the nodes that their small elements bring with them on both sides.
+NODES_PER_ROUNDED_FACE = 10.0
+LAYERS = 100
+
+
+def predict_imported_unknowns(throw: ImportedThrow, factor: float) -> int:
+    """Predict the number of displacement unknowns, as `predict_unknowns` does but more roughly.
+
+    Parameters
+    ----------
+    throw : ImportedThrow
+    factor : float
+        Scales all element sizes.
+    """
+    plan = _scaled(throw.plan, factor)
+    share = (np.arange(LAYERS) + 0.5) / LAYERS
+    cells, near, faces = 0.0, 0.0, throw.area / plan.bulk**2
+    for zone in plan.zones:
+        distance = plan.reach(zone) * share
+        layers = (zone.area + 1.5 * math.pi * zone.length * distance) * plan.reach(zone) / LAYERS
+        cells += float(np.sum(layers / (zone.size + GROWTH * distance) ** 3))
+        near += float(np.sum(layers))
+        faces += zone.area / zone.size**2
+    cells += max(throw.volume - near, 0.0) / plan.bulk**3
+    for radius, area in throw.curved:
+        size = factor * max(ROOT_PER_FILLET * radius, throw.smallest)
+        if size < plan.bulk:
+            faces += NODES_PER_ROUNDED_FACE / NODES_PER_FACE * area / size**2
+    return round(3.0 * (NODES_PER_CELL * cells + NODES_PER_FACE * faces))
+
+
+def _scaled(plan: SizePlan, factor: float) -> SizePlan:
+    """Sizes at another factor; elements larger than a hole's radius would not fill the part round it."""
+    zones = tuple(
+        replace(
+            zone,
+            size=zone.size * (min(factor, 1.0 / SIZE_PER_BORE) if zone.zone[1] == BORE else factor),
+        )
+        for zone in plan.zones
+    )
+    return SizePlan(factor * plan.bulk, zones)
+
+
+def mesh_imported_throw(throw: ImportedThrow, size_factor: float = 1.0) -> ThrowMesh:
+    """Mesh an imported throw in this process.
+
+    Parameters
+    ----------
+    throw : ImportedThrow
+    size_factor : float
+        Scales all element sizes; 1 gives about 1 % accuracy of the axial compliance.
+
+    Returns
+    -------
+    ThrowMesh
+        Of the whole part, in the throw frame. All faces that are neither ends nor pins, main journals,
+        fillets or bores are "web".
+
+    Raises
+    ------
+    InputError
+        If the file is not as it was when imported, or the mesh would have too many unknowns.
+    MeshError
+        If all ways fail; the message names the last reason.
+    """
+    return mesh_imported_from(throw, size_factor)
+
+
+def mesh_imported_from(
+    throw: ImportedThrow,
+    size_factor: float,
+    attempts: tuple[str, ...] = (),
+    on_remark: Callable[[tuple[str, ...]], None] | None = None,
+) -> ThrowMesh:
+    """Mesh as `mesh_imported_throw` does, passing over as many ways as `attempts` failed elsewhere.
+
+    `on_remark` is told of all failed attempts before each way is tried.
+    """
+    if hashlib.sha256(file_content(Path(throw.path))).hexdigest() != throw.digest:
+        raise InputError(
+            f"{throw.path}: given a file that has changed since it was imported; allowed is the same, "
+            "or import it again."
+        )
+    expected = predict_imported_unknowns(throw, size_factor)
+    if expected > MOST_UNKNOWNS:
+        raise InputError(
+            f"size_factor: given {size_factor:.3g}, which would make about {expected:,} unknowns; allowed "
+            f"are {MOST_UNKNOWNS:,}, for more do not fit into an ordinary computer's memory."
+        )
+    for rung in LADDER[len(attempts) :]:
+        if on_remark is not None:
+            on_remark(attempts)
+        try:
+            return _mesh_once(throw, size_factor, rung, attempts)
+        except MeshError as error:
+            attempts = (*attempts, f"{rung.what}: {error}")
+    raise MeshError(
+        f"{len(attempts)} ways of meshing the throw failed, the last one ({attempts[-1]})."
+    )
+
+
+def _mesh_once(
+    throw: ImportedThrow, size_factor: float, rung: Rung, attempts: tuple[str, ...]
+) -> ThrowMesh:
+    factor = size_factor * rung.share
+    surfaces = {name: list(tags) for name, tags in throw.surfaces}
+    with opened_part(throw.path) as (gmsh, tag):
+        for option, value in rung.options:
+            gmsh.option.setNumber(option, value)
+        try:
+            occ = gmsh.model.occ
+            occ.rotate([(3, tag)], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, throw.turned)
+            occ.translate([(3, tag)], 0.0, 0.0, throw.shifted)
+            occ.synchronize()
+            solid = solid_properties(gmsh)
+            _set_sizes(gmsh, throw, factor)
+            gmsh.model.mesh.generate(3)
+            gmsh.model.mesh.setOrder(2)
+        except MeshError:
+            raise
+        except Exception as error:  # gmsh raises bare Exception
+            raise MeshError(f"gmsh could not mesh the throw: {error}") from error
+        points, elements, facets = read_mesh(gmsh, surfaces)
+    _check_ends(throw, points, facets)
+    points, mended = mend(points, elements)
+    check_volume(points, elements, solid)
+    check_quality(points, elements)
+    return ThrowMesh(
+        part="full",
+        length=throw.length,
+        pins=tuple(pin.name for pin in throw.pins),
+        points=points,
+        elements=elements,
+        surfaces=facets,
+        size_factor=factor,
+        mended_elements=mended,
+        solid=solid,
+        attempts=attempts,
+    )
+
+
+def _set_sizes(gmsh: Any, throw: ImportedThrow, factor: float) -> None:
+    """Sizes at fillets and corners by a field, elsewhere by curvature."""
+    plan = _scaled(throw.plan, factor)
+    # Elements round a circle, as long beside its radius as at fillets.
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 2.0 * math.pi / ROOT_PER_FILLET / factor)
+    gmsh.option.setNumber("Mesh.MeshSizeMin", factor * throw.smallest)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", plan.bulk)
+    if not plan.zones:
+        return
+    surfaces = {name: list(tags) for name, tags in throw.surfaces}
+    named = NamedSolid(
+        surfaces,
+        {zone: list(tags) for zone, tags in throw.fillets},
+        {zone: list(tags) for zone, tags in throw.corners},
+    )
+    set_sizes(gmsh, ThrowParts(throw.holes, ()), named, plan)
+
+
+def _check_ends(throw: ImportedThrow, points: Array, facets: dict[str, NDArray[np.int64]]) -> None:
+    """The surfaces' numbers must mean what they did when the part was read."""
+    for name, place in ((LEFT_END, 0.0), (RIGHT_END, throw.length)):
+        off = np.abs(points[facets[name], 2] - place)
+        if off.size == 0 or off.max() > 10.0 * PLACE_TOLERANCE * throw.length:
+            raise MeshError(f"the surface {name!r} of the file is not where it was.")

@@ -1,0 +1,450 @@
+"""Find ends, journals, pins, fillets and bores of a CAD part."""
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.cad_faces import (
+    Face,
+    Round,
+    curvature_radius,
+    measured_face,
+    middle_point,
+    opened_part,
+    rounds_along,
+    same_surface,
+)
+from geometry.errors import InputError
+from geometry.imported import ImportedPin, ImportedThrow, Wanted
+from geometry.parts import Cylinder
+from geometry.quantity import show_quantity
+from geometry.sizes import (
+    FILLET_ROOT_PER_WEB,
+    ROOT_PER_FILLET,
+    ROOT_PER_WEB,
+    SIZE_PER_BORE,
+    SizePlan,
+    SizeZone,
+)
+from geometry.solid import (
+    BORE,
+    FILLET,
+    LEFT_END,
+    MAIN_JOURNAL,
+    PIN,
+    RIGHT_END,
+    WEB,
+    Zone,
+)
+from geometry.step_file import PLANE, StepFace
+
+Array = NDArray[np.float64]
+# A length outside these is taken for an error of the unit [m].
+SHORTEST, LONGEST = 0.005, 20.0
+# Places are told apart to this share of the part's length, directions to this sine.
+PLACE_TOLERANCE = 1e-5
+# Of cylinders found by shape, those thinner than this share of the thickest are bolts and the like.
+THINNEST_PIN = 0.5
+# Faces that meet at less than this angle meet smoothly [rad].
+SMOOTH = math.radians(20.0)
+# Rounded edges get no smaller elements than sharp corners do, and holes none smaller than the second:
+# elements larger than a hole is wide overlap in it.
+ROUNDED_PER_BULK, HOLE_PER_BULK = 0.1, 0.02
+
+
+def recognize(path: str, digest: str, wanted: Wanted) -> ImportedThrow:
+    """Find ends, pins and everything else that matters in a file's solid.
+
+    Parameters
+    ----------
+    path, digest : str
+    wanted : Wanted
+
+    Returns
+    -------
+    ImportedThrow
+
+    Raises
+    ------
+    InputError
+    """
+    with opened_part(path) as (gmsh, solid):
+        gmsh.model.occ.synchronize()
+        box = gmsh.model.getBoundingBox(3, solid)
+        _check_length(path, box[5] - box[2])
+        return _Recognition(gmsh, solid, wanted, box).throw(path, digest)
+
+
+def _check_length(path: str, length: float) -> None:
+    if not SHORTEST <= length <= LONGEST:
+        raise InputError(
+            f"{path}: given a part {length:.3g} m long; allowed is {SHORTEST:g} m to {LONGEST:g} m, so the "
+            "file's unit of length is probably wrong."
+        )
+
+
+class _Recognition:
+    """What is found in one solid, in the file's frame."""
+
+    def __init__(self, gmsh: Any, solid: int, wanted: Wanted, box: Sequence[float]) -> None:
+        self._gmsh, self._solid, self._box = gmsh, solid, box
+        self._tolerance = PLACE_TOLERANCE * (box[5] - box[2])
+        self._remarks: list[str] = []
+        self._faces = [measured_face(gmsh, tag) for _, tag in gmsh.model.getEntities(2)]
+        self._rounds = rounds_along(self._faces, self._tolerance)
+        self._left = self._end("left_end", wanted.left, box[2])
+        self._right = self._end("right_end", wanted.right, box[5])
+        self._low = self._left[0].low
+        self._high = self._right[0].high
+        self._journals = self._journal("left", self._low), self._journal("right", self._high)
+        self._pins = self._find_pins(wanted.pins)
+
+    def throw(self, path: str, digest: str) -> ImportedThrow:
+        """Say it in the throw frame."""
+        gmsh = self._gmsh
+        x, y = self._pins[0].axis
+        turn = math.atan2(x, y)
+        turn = 0.0 if abs(turn) < 1e-9 else turn
+        shift = 0.0 - self._low  # not minus zero
+        if turn != 0.0:
+            self._remarks.append(
+                f"The part was turned by {math.degrees(turn):.6g} deg about the shaft axis, so that its "
+                "first pin points to +y."
+            )
+        row = [self._journals[0], *self._pins, self._journals[1]]
+        ends = {face.tag for face in (*self._left, *self._right)}
+        fillets, corners, radii = self._meetings(row, ends)
+        reaches = [self._reach(number, item, fillets) for number, item in enumerate(row)]
+        holes = tuple(
+            _hole(item, turn, shift) for item in self._rounds if item.radius < 0.0 and item.whole
+        )
+        plan = _plan(row, reaches, fillets, corners, radii, holes)
+        pins = tuple(
+            ImportedPin(
+                _pin_name(number),
+                _turned(pin.axis, turn) if number else (0.0, math.hypot(*pin.axis)),
+                pin.radius,
+                low + shift,
+                high + shift,
+            )
+            for number, (pin, (low, high)) in enumerate(zip(self._pins, reaches[1:-1], strict=True))
+        )
+        return ImportedThrow(
+            path=path,
+            digest=digest,
+            length=self._high - self._low,
+            pins=pins,
+            journal_radii=(self._journals[0].radius, self._journals[1].radius),
+            volume=float(gmsh.model.occ.getMass(3, self._solid)),
+            area=sum(float(gmsh.model.occ.getMass(2, face.tag)) for face in self._faces),
+            filleted=not corners,
+            turned=turn,
+            shifted=shift,
+            remarks=tuple(self._remarks),
+            surfaces=self._named_surfaces(fillets),
+            plan=plan,
+            smallest=self._smallest(plan),
+            holes=holes,
+            curved=self._curved(fillets),
+            fillets=tuple((zone, tuple(tags)) for zone, tags in fillets.items()),
+            corners=tuple((zone, tuple(tags)) for zone, tags in corners.items()),
+        )
+
+    def _end(self, field: str, named: tuple[StepFace, ...] | None, extreme: float) -> list[Face]:
+        """Plane faces of one end; all of them, for programs may cut it into several."""
+        tolerance = 10.0 * self._tolerance
+        for face in named or ():
+            self._check_end(field, face.name, self._matching(field, face), extreme, tolerance)
+        found = [
+            face
+            for face in self._faces
+            if face.kind == "Plane" and face.along and abs(face.low - extreme) < tolerance
+        ]
+        if not found:
+            raise InputError(
+                f"{field}: given a part without a plane face normal to z at its "
+                f"{'smallest' if field == 'left_end' else 'largest'} z; allowed is a throw that stands "
+                "along z, cut off square in the middles of its main journals."
+            )
+        if named is None:
+            end = field.replace("_", " ")
+            self._remarks.append(
+                f"The {end} was found by shape, as the plane at the end of the part."
+            )
+        return found
+
+    def _check_end(
+        self, field: str, name: str, face: Face, extreme: float, tolerance: float
+    ) -> None:
+        if not face.along:
+            raise InputError(
+                f"{field}: given {name!r}, a plane that is not normal to z; allowed is one that is, for "
+                "the shaft must stand along z."
+            )
+        if abs(face.low - extreme) > tolerance:
+            raise InputError(
+                f"{field}: given {name!r} at z = {face.low:.6g} m; allowed is the end of the part at z = "
+                f"{extreme:.6g} m (left end at the smallest, right end at the largest z)."
+            )
+
+    def _matching(self, field: str, wanted: StepFace) -> Face:
+        """Find the face in gmsh by its surface and, among several on it, by its corners."""
+        kind = "Plane" if wanted.kind == PLANE else "Cylinder"
+        found = [
+            face
+            for face in self._faces
+            if face.kind == kind and same_surface(face, wanted, self._tolerance)
+        ]
+        if not found:
+            raise InputError(
+                f"{field}: given {wanted.name!r}, a face that is not where the file's text has it; allowed "
+                "is a file of the part itself, not of an assembly that moves it."
+            )
+        return min(found, key=lambda face: self._distance(face, wanted))
+
+    def _distance(self, face: Face, wanted: StepFace) -> float:
+        """How far the file's corners of a face are from those in gmsh at most."""
+        model = self._gmsh.model
+        points = model.getBoundary([(2, face.tag)], combined=False, oriented=False, recursive=True)
+        if not points or not wanted.corners:
+            return math.inf
+        here = np.array([model.getValue(0, tag, []) for _, tag in points])
+        there = np.array(wanted.corners)
+        apart = np.linalg.norm(here[:, None] - there[None], axis=2)
+        return float(apart.min(axis=0).max())
+
+    def _journal(self, side: str, end: float) -> Round:
+        """The main journal that an end cuts."""
+        found = [
+            item
+            for item in self._rounds
+            if item.radius > 0.0
+            and math.hypot(*item.axis) < self._tolerance
+            and abs((item.low if side == "left" else item.high) - end) < self._tolerance
+        ]
+        if not found:
+            raise InputError(
+                f"{side}_end: given a part without a cylinder about the z axis at its {side} end; allowed "
+                "is one whose main journals lie on the z axis."
+            )
+        return max(found, key=lambda item: item.radius)
+
+    def _find_pins(self, named: tuple[tuple[StepFace, ...], ...] | None) -> list[Round]:
+        """The pins from the left."""
+        if named is None:
+            found = self._pins_by_shape()
+        else:
+            found = [self._pin(faces) for faces in named]
+            if len(set(found)) < len(found):
+                raise InputError("pins: given two names for one pin; allowed is one for each pin.")
+        return sorted(found, key=lambda item: (item.low, item.axis))
+
+    def _pins_by_shape(self) -> list[Round]:
+        found = [
+            item
+            for item in self._rounds
+            if item.radius > 0.0 and item.whole and math.hypot(*item.axis) > self._tolerance
+        ]
+        thickest = max((item.radius for item in found), default=0.0)
+        found = [item for item in found if item.radius >= THINNEST_PIN * thickest]
+        if not found:
+            raise InputError(
+                "pins: given a part without a round cylinder parallel to z beside the z axis; allowed is "
+                "a throw with a crankpin."
+            )
+        sizes = [(show_quantity(2.0 * item.radius, "m"), item.axis) for item in found]
+        where = "; ".join(
+            f"diameter {size} at {show_quantity(math.hypot(*axis), 'm')}" for size, axis in sizes
+        )
+        self._remarks.append(
+            f"The pins were found by shape, as round cylinders beside the shaft axis: {where}."
+        )
+        return found
+
+    def _pin(self, named: tuple[StepFace, ...]) -> Round:
+        """The whole of a pin of which at least one face is named."""
+        name = named[0].name
+        tags = {self._checked_pin(name, self._matching("pins", face)) for face in named}
+        found = [item for item in self._rounds if tags & set(item.tags)]
+        if len(found) > 1:
+            raise InputError(
+                f"pins: given {name!r} for {len(found)} different cylinders; allowed is one name for each "
+                "pin."
+            )
+        return found[0]
+
+    def _checked_pin(self, name: str, face: Face) -> int:
+        if not face.along:
+            given, allowed = "that is not parallel to z", "one that is"
+        elif face.radius < 0.0:
+            given, allowed = "that is a hole", "the outside of a crankpin"
+        elif math.hypot(face.point[0], face.point[1]) < self._tolerance:
+            given, allowed = "about the shaft axis", "one beside it"
+        else:
+            return face.tag
+        raise InputError(f"pins: given {name!r}, a cylinder {given}; allowed is {allowed}.")
+
+    def _meetings(
+        self, row: list[Round], ends: set[int]
+    ) -> tuple[dict[Zone, list[int]], dict[Zone, list[int]], dict[Zone, float]]:
+        """Fillets (with their radii) and sharp corners at the ends of journals and pins."""
+        fillets: dict[Zone, list[int]] = {}
+        corners: dict[Zone, list[int]] = {}
+        radii: dict[Zone, float] = {}
+        for number, item in enumerate(row):
+            for tag in item.tags:
+                for curve, other in self._neighbors(tag, {*item.tags, *ends}):
+                    point = middle_point(self._gmsh, 1, curve)
+                    first = point[2] - item.low < item.high - point[2]
+                    zone = (number, "start" if first else "end")
+                    out = self._normal(other, point)
+                    own = self._normal(tag, point)
+                    if float(out @ own) > math.cos(SMOOTH):
+                        where = middle_point(self._gmsh, 2, other)
+                        if math.dist(where[:2], item.axis) > item.radius + self._tolerance:
+                            fillets.setdefault(zone, []).append(other)
+                            radius = curvature_radius(self._gmsh, other)
+                            radii[zone] = min(radius, radii.get(zone, math.inf))
+                    elif self._concave(point, own, out, 1e-3 * item.radius):
+                        corners.setdefault(zone, []).append(curve)
+        return {zone: sorted(set(tags)) for zone, tags in fillets.items()}, corners, radii
+
+    def _neighbors(self, tag: int, besides: set[int]) -> Iterator[tuple[int, int]]:
+        """Curves round a face, each with the face beyond it."""
+        model = self._gmsh.model
+        for _, curve in model.getBoundary([(2, tag)], combined=False, oriented=False):
+            for other in model.getAdjacencies(1, curve)[0]:
+                if other not in besides:
+                    yield int(curve), int(other)
+
+    def _normal(self, tag: int, point: Array) -> Array:
+        """Normal of a face out of the solid."""
+        model = self._gmsh.model
+        where = model.getParametrization(2, tag, point.tolist())
+        return np.asarray(model.getNormal(tag, where), dtype=float)
+
+    def _concave(self, point: Array, first: Array, second: Array, step: float) -> bool:
+        """Whether two faces meet in an inner corner: along one's normal then lies the other's solid."""
+        probe = point + step * (first - second) / np.linalg.norm(first - second)
+        return bool(self._gmsh.model.isInside(3, self._solid, probe.tolist()))
+
+    def _reach(
+        self, number: int, item: Round, fillets: dict[Zone, list[int]]
+    ) -> tuple[float, float]:
+        """Where a journal or pin begins and ends, fillets included."""
+        tags = {tag for end in ("start", "end") for tag in fillets.get((number, end), [])} | set(
+            item.tags
+        )
+        faces = [face for face in self._faces if face.tag in tags]
+        return min(face.low for face in faces), max(face.high for face in faces)
+
+    def _smallest(self, plan: SizePlan) -> float:
+        """Smallest element size on curved surfaces."""
+        holes = [
+            -face.radius
+            for face in self._faces
+            if face.kind == "Cylinder" and face.radius < 0.0 and face.turn > 3.0
+        ]
+        hole = max(HOLE_PER_BULK * plan.bulk, ROOT_PER_FILLET * min(holes, default=math.inf))
+        return min(ROUNDED_PER_BULK * plan.bulk, hole, *(zone.size for zone in plan.zones))
+
+    def _curved(self, fillets: dict[Zone, list[int]]) -> tuple[tuple[float, float], ...]:
+        """Radii and areas of curved faces for which there are no zones."""
+        zones = {tag for tags in fillets.values() for tag in tags}
+        zones |= {tag for item in self._rounds if item.radius < 0.0 for tag in item.tags}
+        area = self._gmsh.model.occ.getMass
+        return tuple(
+            (curvature_radius(self._gmsh, face.tag), float(area(2, face.tag)))
+            for face in self._faces
+            if face.kind != "Plane" and face.tag not in zones
+        )
+
+    def _named_surfaces(
+        self, fillets: dict[Zone, list[int]]
+    ) -> tuple[tuple[str, tuple[int, ...]], ...]:
+        """Give every face of the solid a name."""
+        names = {face.tag: LEFT_END for face in self._left}
+        names |= {face.tag: RIGHT_END for face in self._right}
+        for number, pin in enumerate(self._pins):
+            names |= dict.fromkeys(pin.tags, _pin_name(number))
+        for item in self._rounds:
+            if item.radius < 0.0 and item.whole:
+                names |= dict.fromkeys(item.tags, BORE)
+        for journal in self._journals:
+            names |= dict.fromkeys(journal.tags, MAIN_JOURNAL)
+        names |= {tag: FILLET for tags in fillets.values() for tag in tags}
+        for face in self._faces:
+            names.setdefault(face.tag, FILLET if face.kind == "Torus" else WEB)
+        order = [
+            LEFT_END,
+            RIGHT_END,
+            *(_pin_name(number) for number in range(len(self._pins))),
+            MAIN_JOURNAL,
+            FILLET,
+            WEB,
+            BORE,
+        ]
+        return tuple(
+            (name, tuple(sorted(tag for tag, own in names.items() if own == name)))
+            for name in order
+            if name != BORE or BORE in names.values()
+        )
+
+
+def _pin_name(number: int) -> str:
+    return PIN if number == 0 else f"{PIN} {number + 1}"
+
+
+def _turned(axis: tuple[float, float], turn: float) -> tuple[float, float]:
+    sine, cosine = math.sin(turn), math.cos(turn)
+    return (cosine * axis[0] - sine * axis[1], sine * axis[0] + cosine * axis[1])
+
+
+def _hole(item: Round, turn: float, shift: float) -> Cylinder:
+    """A hole in the throw frame, as the bore of a cylinder that `set_sizes` knows."""
+    axis, radius = _turned(item.axis, turn), -item.radius
+    start, end = item.low + shift, item.high + shift
+    return Cylinder(BORE, axis, radius, start, end, 0.0, 0.0, radius, axis, start, end)
+
+
+def _plan(
+    row: list[Round],
+    reaches: list[tuple[float, float]],
+    fillets: dict[Zone, list[int]],
+    corners: dict[Zone, list[int]],
+    radii: dict[Zone, float],
+    holes: tuple[Cylinder, ...],
+) -> SizePlan:
+    """Choose element sizes by the rules for throws given by dimensions.
+
+    A web is as thick as the gap between the journal or pin before it and the one after it.
+    """
+    thinnest_pin = min(pin.radius for pin in row[1:-1])
+    gaps = [after[0] - before[1] for before, after in pairwise(reaches)]
+    webs = [gap for gap in gaps if gap > 0.02 * thinnest_pin]
+    thinnest = min(webs, default=thinnest_pin)
+    bulk = min(thinnest, thinnest_pin)
+    zones = []
+    for zone in [*fillets, *corners]:
+        number, end = zone
+        gap = gaps[number - 1 if end == "start" else number]
+        beside = gap if gap in webs else thinnest
+        radius = row[number].radius
+        sharp = zone not in fillets
+        if sharp:
+            size, area = ROOT_PER_WEB * beside, 0.0
+        else:
+            fillet = radii[zone]
+            size = min(ROOT_PER_FILLET * fillet, FILLET_ROOT_PER_WEB * beside)
+            area = math.pi * math.pi * fillet * (radius + 0.36 * fillet)
+        zones.append(SizeZone(zone, sharp, min(bulk, size), 2.0 * math.pi * radius, area))
+    for number, hole in enumerate(holes):
+        length = 2.0 * math.pi * hole.bore_radius
+        area = length * (hole.bore_end - hole.bore_start)
+        size = min(bulk, SIZE_PER_BORE * hole.bore_radius)
+        zones.append(SizeZone((number, BORE), False, size, length, area))
+    return SizePlan(bulk, tuple(zones))

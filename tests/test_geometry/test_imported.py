@@ -1,0 +1,707 @@
+import pickle
+import re
+from dataclasses import fields, is_dataclass, replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fem.assembly import assemble_stiffness
+from fem.class_compliances import axial_answers
+from fem.condensation import condense
+from fem.loads import uniform_pin_loads
+from fem.material import STEEL
+from fem.symmetry import axial_class
+from geometry.errors import InputError, MeshError
+from geometry.gmsh_session import gmsh_session
+from geometry.imported import import_throw
+from geometry.imported_mesh import (
+    mesh_imported_from,
+    mesh_imported_throw,
+    predict_imported_unknowns,
+)
+from geometry.isolated import IsolatedProcess, shared_process
+from geometry.mass import mass_properties
+from geometry.mesh import LADDER, element_volumes, mesh_throw
+from geometry.solid import (
+    BORE,
+    FILLET,
+    LEFT_END,
+    MAIN_JOURNAL,
+    PIN,
+    RIGHT_END,
+    WEB,
+    make_solid,
+    remove_loose,
+)
+from geometry.step_file import decode_string, read_step
+from geometry.throw import CrankThrow
+
+METER = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT($,.METRE.) )"
+MILLIMETER = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.) )"
+CONVERTED = "(CONVERSION_BASED_UNIT('{name}',#900002) LENGTH_UNIT() NAMED_UNIT(#900003))"
+CONVERSION = (
+    f"#900001={MILLIMETER};\n#900002=LENGTH_MEASURE_WITH_UNIT({{measure}},#900001);\n"
+    "#900003=DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);\n"
+)
+# Name of the unit: meters of it, its entity, more entities.
+UNITS = {
+    "meter": (1.0, METER, ""),
+    "millimeter": (1e-3, MILLIMETER, ""),
+    "centimeter": (1e-2, METER.replace("$", ".CENTI."), ""),
+    "inch": (
+        0.0254,
+        CONVERTED.format(name="INCH"),
+        CONVERSION.format(measure="LENGTH_MEASURE(25.4)"),
+    ),
+    "foot": (0.3048, CONVERTED.format(name="FOOT"), CONVERSION.format(measure="304.8")),
+}
+
+
+def scaled(part, size):
+    """A part's lengths in another unit; the kernel's own scaling makes splines of all surfaces."""
+    if isinstance(part, float):
+        return part * size
+    if isinstance(part, tuple):
+        return tuple(scaled(item, size) for item in part)
+    if is_dataclass(part):
+        return replace(part, **{f.name: scaled(getattr(part, f.name), size) for f in fields(part)})
+    return part
+
+
+def step_text(throw, unit="meter", turn=0.0, shift=0.0, build=None):
+    """A throw's STEP file as gmsh writes it, in another unit, turned [rad] and shifted [m]."""
+    size, entity, more = UNITS[unit]
+    with gmsh_session("write") as gmsh:
+        occ = gmsh.model.occ
+        if build is None:
+            make_solid(gmsh, scaled(throw.parts, 1.0 / size), "full")
+        else:
+            build(gmsh)
+        remove_loose(gmsh)
+        solids = gmsh.model.getEntities(3)
+        occ.rotate(solids, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, turn)
+        occ.translate(solids, 0.0, 0.0, shift)
+        occ.synchronize()
+        gmsh.write("throw.step")
+    with open("throw.step", encoding="ascii") as file:
+        text = file.read()
+    assert MILLIMETER in text
+    return text.replace(MILLIMETER, entity).replace("ENDSEC;\nEND-", f"{more}ENDSEC;\nEND-")
+
+
+def name_faces(text, choose):
+    """Write names into a file's faces by their surface: type, numbers of its place, radius."""
+    statements = dict(re.findall(r"(#\d+) = (.*?);\n", text, re.DOTALL))
+    statements = {number: re.sub(r"\s+", "", body) for number, body in statements.items()}
+
+    def numbers(reference):
+        return [float(value) for value in re.findall(r"-?\d[\d.E+-]*", statements[reference][2:])]
+
+    def rename(found):
+        surface = statements[found[2]]
+        kind = surface.split("(")[0]
+        point = np.zeros(3)
+        if kind in ("PLANE", "CYLINDRICAL_SURFACE"):
+            place = statements[re.findall(r"#\d+", surface)[0]]
+            point = np.array(numbers(re.findall(r"#\d+", place)[0]))
+        radius = float(surface.rstrip(")").split(",")[-1]) if kind == "CYLINDRICAL_SURFACE" else 0.0
+        return f"ADVANCED_FACE('{choose(kind, point, radius)}'{found[1]},{found[2]},"
+
+    return re.sub(r"ADVANCED_FACE\(''(,\s*\([#\d,\s]*\)),\s*(#\d+),", rename, text)
+
+
+def usual_names(throw, size=1.0, shift=0.0, turn=0.0):
+    """Names of the ends and of each pin, 'pin', 'pin 2' ..."""
+    rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+
+    def choose(kind, point, radius):
+        x, y, z = point * size
+        if kind == "PLANE" and abs(z - shift) < 1e-6:
+            return LEFT_END
+        if kind == "PLANE" and abs(z - throw.length - shift) < 1e-6:
+            return RIGHT_END
+        for pin in throw.parts.pins:
+            beside = np.hypot(*(rotation @ pin.axis - (x, y)))
+            if kind != "PLANE" and beside < 1e-6 and abs(radius * size - pin.radius) < 1e-6:
+                return pin.name
+        return ""
+
+    return choose
+
+
+def write(path, text):
+    path.write_text(text, encoding="ascii")
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("step"))
+        yield tmp_path_factory.mktemp("parts")
+
+
+@pytest.fixture(scope="module")
+def throw(dimensions):
+    return CrankThrow(**dimensions)
+
+
+@pytest.fixture(scope="module")
+def plain(throw, folder):
+    """Text without names."""
+    return step_text(throw)
+
+
+@pytest.fixture(scope="module")
+def named(throw, plain):
+    """Text with the usual names."""
+    return name_faces(plain, usual_names(throw))
+
+
+@pytest.fixture(scope="module")
+def imported(named, folder):
+    return import_throw(write(folder / "named.step", named))
+
+
+@pytest.fixture(scope="module")
+def mesh(imported):
+    return mesh_imported_throw(imported, 1.5)
+
+
+def assert_same_throw(imported, throw, tolerance=1e-6):
+    assert imported.volume == pytest.approx(throw.volume, rel=tolerance)
+    assert imported.length == pytest.approx(throw.length, rel=1e-9)
+    assert imported.symmetry == "full"
+    assert imported.filleted == throw.filleted
+    assert imported.journal_radii == pytest.approx([throw.main_journal_diameter / 2.0] * 2)
+    assert [pin.name for pin in imported.pins] == [pin.name for pin in throw.parts.pins]
+    for pin, expected in zip(imported.pins, throw.parts.pins, strict=True):
+        assert pin.axis == pytest.approx(expected.axis, abs=1e-9)
+        assert pin.radius == pytest.approx(expected.radius, rel=1e-9)
+        assert (pin.start, pin.end) == pytest.approx((expected.start, expected.end), abs=1e-9)
+    assert imported.pin_axes == tuple(pin.axis for pin in imported.pins)
+
+
+# --- the text -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("left end", "left end"),
+        ("it''s", "it's"),
+        (r"\X2\00C40416\X0\x", "ÄЖx"),
+        (r"\X4\0001F600\X0\x", "\U0001f600x"),
+        (r"a\X\E4b", "aäb"),
+        (r"\S\dx", "äx"),
+        (r"\PE\\S\6", "Ж"),
+        (r"C:\\parts", r"C:\parts"),
+    ],
+)
+def test_strings_are_decoded(written, meant):
+    assert decode_string(written) == meant
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_units_and_places_of_named_faces(throw, folder, unit):
+    size = UNITS[unit][0]
+    text = name_faces(step_text(throw, unit), usual_names(throw, size))
+    step = read_step(text.encode(), "x.step")
+    assert step.unit == pytest.approx(size, rel=1e-12)
+    faces = {face.name: face for face in step.faces}
+    assert faces.keys() == {LEFT_END, RIGHT_END, PIN}
+    pin = faces[PIN]
+    assert pin.kind == "CYLINDRICAL_SURFACE"
+    assert pin.point[:2] == pytest.approx((0.0, throw.crank_radius), abs=1e-9)
+    assert pin.radius == pytest.approx(throw.pin_diameter / 2.0, rel=1e-9)
+    assert np.abs(pin.axis) == pytest.approx([0.0, 0.0, 1.0], abs=1e-12)
+    assert faces[RIGHT_END].kind == "PLANE"
+    assert faces[RIGHT_END].point[2] == pytest.approx(throw.length, rel=1e-9)
+    assert len(pin.corners) == 2
+    corners = np.array(pin.corners)
+    beside = corners[:, :2] - (0.0, throw.crank_radius)
+    assert np.hypot(*beside.T) == pytest.approx(throw.pin_diameter / 2.0, rel=1e-9)
+
+
+def test_breaks_comments_spaces_and_escapes_do_not_matter(named):
+    odd = named.replace(
+        f"ADVANCED_FACE('{PIN}'",
+        "/* a 'pin'; */ ADVANCED_FACE\r\n( 'the\r\n \\X2\\00C4\\X0\\ ''pin'';'",
+    )
+    odd = odd.replace("CYLINDRICAL_SURFACE('',", "CYLINDRICAL_SURFACE ( 'NONE' , /* */ ")
+    odd = odd.replace("ADVANCED_FACE(''", "ADVANCED_FACE ( 'NONE' ")
+    faces = {face.name: face for face in read_step(odd.encode(), "x.step").faces}
+    assert faces.keys() == {LEFT_END, RIGHT_END, "the Ä 'pin';"}
+    plain_faces = {face.name: face for face in read_step(named.encode(), "x.step").faces}
+    assert faces["the Ä 'pin';"] == replace(plain_faces[PIN], name="the Ä 'pin';")
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        (lambda text: "solid" + text, "allowed is a STEP file"),
+        (lambda text: text.replace("MANIFOLD_SOLID_BREP", "SHELL_BASED_SURFACE_MODEL"), "a solid;"),
+        (lambda text: text.replace("SI_UNIT($,.METRE.)", "SI_UNIT($,.GRAM.)"), "unit of length"),
+        (lambda text: text.replace("LENGTH_UNIT()", ""), "no unit of length"),
+        (lambda text: re.sub(r"#\d+ = CARTESIAN_POINT[^;]*;", "", text), "cannot be understood"),
+        (
+            lambda text: text.replace(METER, CONVERTED.format(name="ELL")).replace(
+                "DATA;", f"DATA;#900001={CONVERTED.format(name='INCH')};"
+                "#900002=LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(45.),#900001);", 1
+            ),
+            "unit of length ELL",
+        ),
+    ],
+)  # fmt: skip
+def test_files_that_cannot_be_used(named, change, complaint):
+    with pytest.raises(InputError, match=complaint) as raised:
+        read_step(change(named).encode(), "x.step")
+    assert str(raised.value).startswith("x.step: given ")
+    assert str(raised.value).count(". ") == 0
+
+
+def test_units_that_differ_within_a_file(named):
+    more = f"#900000={MILLIMETER};#900001=(GLOBAL_UNIT_ASSIGNED_CONTEXT((#900000)));"
+    with pytest.raises(InputError, match="2 different units of length"):
+        read_step(named.replace("DATA;", f"DATA;{more}", 1).encode(), "x.step")
+
+
+# --- import -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("unit", ["meter", "millimeter", "inch"])
+def test_a_throw_comes_back_from_its_file(throw, folder, unit):
+    text = name_faces(step_text(throw, unit), usual_names(throw, UNITS[unit][0]))
+    imported = import_throw(write(folder / f"{unit}.step", text))
+    assert_same_throw(imported, throw)
+    assert imported.remarks == ()
+    assert (imported.turned, imported.shifted) == (0.0, pytest.approx(0.0, abs=1e-12))
+
+
+def test_without_names_the_same_is_found_by_shape(throw, plain, imported, folder):
+    found = import_throw(write(folder / "plain.step", plain))
+    assert_same_throw(found, throw)
+    assert [remark.split(" was")[0].split(" were")[0] for remark in found.remarks] == [
+        "The left end",
+        "The right end",
+        "The pins",
+    ]
+    assert "diameter 180 mm at 170 mm" in found.remarks[-1]
+    kept = {"path": "", "digest": "", "remarks": ()}
+    assert replace(found, **kept) == replace(imported, **kept)
+
+
+def test_none_finds_by_shape_although_there_are_names(throw, plain, folder):
+    auto = name_faces(plain, lambda *_: "Face")
+    found = import_throw(write(folder / "auto.step", auto), None, None, None)
+    assert_same_throw(found, throw)
+    assert len(found.remarks) == 3
+
+
+def test_names_may_be_others_and_written_otherwise(throw, named, folder):
+    text = named.replace("'left end'", "'FREE_END'").replace("'pin'", "'Crank-Pin'")
+    path = write(folder / "others.step", text)
+    assert_same_throw(import_throw(path, "free end", "Right End", "crank pin"), throw)
+
+
+def test_what_is_imported_travels_and_is_hashable(imported):
+    assert pickle.loads(pickle.dumps(imported)) == imported
+    assert hash(imported) == hash(replace(imported))
+
+
+@pytest.mark.parametrize("with_names", [True, False])
+def test_a_turned_and_shifted_part_is_brought_back(throw, folder, with_names):
+    text = step_text(throw, turn=0.7, shift=-1.25)
+    if with_names:
+        text = name_faces(text, usual_names(throw, shift=-1.25, turn=0.7))
+    imported = import_throw(write(folder / f"turned{with_names}.step", text))
+    assert_same_throw(imported, throw)
+    assert imported.turned == pytest.approx(-0.7, abs=1e-9)
+    assert imported.shifted == pytest.approx(1.25, abs=1e-9)
+    assert "-40.107 deg" in imported.remarks[-1]
+    mesh = mesh_imported_throw(imported, 2.0)
+    pin = mesh.points[np.unique(mesh.surfaces[PIN])]
+    assert np.hypot(pin[:, 0], pin[:, 1] - throw.crank_radius) == pytest.approx(0.09, rel=1e-9)
+    masses = mass_properties(mesh, 1.0)
+    assert masses.mass == pytest.approx(throw.volume, rel=1e-6)
+    assert masses.center[[0, 2]] == pytest.approx([0.0, throw.length / 2.0], abs=1e-9)
+
+
+BORED = {
+    "main_journal_bore": 0.08,
+    "pin_bore": 0.06,
+    "pin_bore_offset": 0.01,
+    "main_journal_bore_offset": -0.005,
+}
+
+
+@pytest.fixture(scope="module")
+def bored(dimensions):
+    return CrankThrow(**dimensions, **BORED)
+
+
+@pytest.mark.parametrize("with_names", [True, False])
+def test_bores_are_not_taken_for_pins_or_journals(bored, folder, with_names):
+    text = step_text(bored)
+    if with_names:
+        text = name_faces(text, usual_names(bored))
+    imported = import_throw(write(folder / f"bored{with_names}.step", text))
+    assert_same_throw(imported, bored)
+    mesh = mesh_imported_throw(imported, 2.0)
+    assert mesh.solid.volume == pytest.approx(bored.volume, rel=1e-6)
+    assert element_volumes(mesh.points, mesh.elements).sum() == pytest.approx(bored.volume, 1e-3)
+    bore = mesh.points[np.unique(mesh.surfaces[BORE])]
+    off_pin = np.hypot(bore[:, 0], bore[:, 1] - 0.18)
+    off_journal = np.hypot(bore[:, 0], bore[:, 1] + 0.005)
+    nearest = np.minimum(np.abs(off_pin - 0.03), np.abs(off_journal - 0.04))
+    assert nearest.max() < 1e-6
+
+
+@pytest.fixture(scope="module")
+def two_pins(dimensions):
+    return CrankThrow(
+        **{**dimensions, "fillet_radius": 0.0},
+        further_pins=[{"angle": 2.0 * np.pi / 3.0, "diameter": 0.16, "length": 0.1}],
+    )
+
+
+def test_two_pins_in_any_order(two_pins, folder):
+    text = name_faces(step_text(two_pins), usual_names(two_pins))
+    path = write(folder / "two.step", text)
+    imported = import_throw(path, pins=("pin 2", "pin"))
+    assert_same_throw(imported, two_pins)
+    assert not imported.filleted
+    assert_same_throw(import_throw(path, pins=None), two_pins)
+    mesh = mesh_imported_throw(imported, 2.0)
+    assert mesh.pins == ("pin", "pin 2")
+    second = mesh.points[np.unique(mesh.surfaces["pin 2"])]
+    axis = two_pins.parts.pins[1].axis
+    assert np.hypot(*(second[:, :2] - axis).T) == pytest.approx(0.08, rel=1e-9)
+
+
+def test_a_pin_in_two_faces_of_which_one_is_named(throw, folder):
+    def build(gmsh):
+        """Two halves, put together without uniting their faces."""
+        gmsh.option.setNumber("Geometry.OCCUnionUnify", 0)
+        half = make_solid(gmsh, throw.parts, "half")
+        other = gmsh.model.occ.copy([half])
+        middle = throw.length / 2.0
+        gmsh.model.occ.rotate(other, 0.0, 0.0, middle, 0.0, 1.0, 0.0, np.pi)
+        gmsh.model.occ.fuse([half], other)
+
+    once = iter([PIN])
+    usual = usual_names(throw)
+
+    def choose(kind, point, radius):
+        name = usual(kind, point, radius)
+        return next(once, "") if name == PIN else name
+
+    text = name_faces(step_text(throw, build=build), choose)
+    assert text.count(f"'{PIN}'") == 1
+    assert text.count(f"'{LEFT_END}'") == 2
+    imported = import_throw(write(folder / "halves.step", text))
+    assert_same_throw(imported, throw)
+    surfaces = dict(imported.surfaces)
+    assert len(surfaces[PIN]) == len(surfaces[LEFT_END]) == 2
+    assert len(surfaces[MAIN_JOURNAL]) == 4
+
+
+def test_an_oil_hole_disturbs_nothing(throw, folder):
+    def build(gmsh):
+        occ = gmsh.model.occ
+        solid = make_solid(gmsh, throw.parts, "full")
+        occ.cut([solid], [(3, occ.addCylinder(0.0, -0.2, 0.02, 0.0, 0.6, 0.24, 0.005))])
+
+    imported = import_throw(write(folder / "oil.step", step_text(throw, build=build)))
+    assert imported.filleted
+    assert imported.pins[0].radius == pytest.approx(throw.pin_diameter / 2.0, rel=1e-9)
+    assert len(imported.fillets) == 4
+    assert imported.corners == ()
+    assert len(dict(imported.surfaces)[FILLET]) == 4
+    assert BORE not in dict(imported.surfaces)
+    mesh = mesh_imported_throw(imported, 1.5)
+    assert mesh.attempts == ()
+    assert element_volumes(mesh.points, mesh.elements).sum() == pytest.approx(
+        imported.volume, rel=1e-3
+    )
+
+
+def rename(text, old, new):
+    assert f"'{old}'" in text
+    return text.replace(f"ADVANCED_FACE('{old}'", f"ADVANCED_FACE('{new}'")
+
+
+def a_name_for(kind_wanted, where, name=PIN):
+    def choose(kind, point, radius):
+        return name if kind == kind_wanted and where(point, radius) else "other"
+
+    return choose
+
+
+@pytest.mark.parametrize(
+    ("change", "arguments", "complaint"),
+    [
+        (
+            lambda t: t,
+            {"left_end": "free end"},
+            "left_end: given 'free end'; allowed are the names",
+        ),
+        (lambda t: t, {"pins": ("pin", "pin 2")}, "pins: given 'pin 2'; .* 'pin'"),
+        (lambda t: t, {"pins": ()}, "pins: given no names"),
+        (lambda t: t, {"pins": ("pin", "PIN")}, "two names for one pin"),
+        (lambda t: t, {"left_end": "pin"}, "a face on a CYLINDRICAL_SURFACE; allowed is a plane"),
+        (lambda t: t, {"pins": ("left end",)}, "a face on a PLANE; allowed is a cylinder"),
+        (
+            lambda t: t,
+            {"left_end": "right end", "right_end": "left end"},
+            "left_end: given 'right end' at z = 0.395 m",
+        ),
+        (
+            lambda t: rename(t, LEFT_END, PIN + " side"),
+            {"left_end": None, "right_end": "pin side"},
+            "right_end: given 'pin side' at z = 0 m",
+        ),
+        (lambda t: t.replace(METER, MILLIMETER), {}, "0.000395 m long; .* unit of length"),
+        (
+            lambda t: t.replace(METER, METER.replace("$", ".KILO.")),
+            {},
+            "395 m long; .* unit of length",
+        ),
+    ],
+)
+def test_imports_that_cannot_be(named, folder, change, arguments, complaint):
+    path = write(folder / "refused.step", change(named))
+    with pytest.raises(InputError, match=complaint) as raised:
+        import_throw(path, **arguments)
+    assert str(raised.value).endswith(".")
+    assert ". " not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("choose", "field", "complaint"),
+    [
+        (
+            a_name_for("CYLINDRICAL_SURFACE", lambda p, r: np.hypot(*p[:2]) < 1e-6 and r < 0.12),
+            "pins",
+            "about the shaft axis; allowed is one beside it",
+        ),
+        (
+            a_name_for("PLANE", lambda p, _: abs(abs(p[0]) - 0.15) < 1e-6),
+            "left_end",
+            "a plane that is not normal to z",
+        ),
+        (
+            a_name_for("PLANE", lambda p, _: abs(p[2] - 0.06) < 1e-6 and abs(p[0]) < 0.1),
+            "left_end",
+            "at z = 0.06 m; allowed is the end",
+        ),
+    ],
+)
+def test_named_faces_in_wrong_places(plain, folder, choose, field, complaint):
+    path = write(folder / "wrong.step", name_faces(plain, choose))
+    arguments = {"left_end": None, "right_end": None, "pins": None}
+    arguments[field] = (PIN,) if field == "pins" else PIN
+    with pytest.raises(InputError, match=f"{field}: given 'pin'.*{complaint}"):
+        import_throw(path, **arguments)
+
+
+def test_a_bore_named_as_the_pin(bored, folder):
+    def choose(kind, point, radius):
+        return PIN if abs(radius - 0.03) < 1e-6 else ""
+
+    path = write(folder / "hole.step", name_faces(step_text(bored), choose))
+    with pytest.raises(InputError, match="a cylinder that is a hole; allowed is the outside"):
+        import_throw(path, None, None)
+
+
+def test_one_name_for_two_pins(two_pins, folder):
+    usual = usual_names(two_pins)
+    text = name_faces(step_text(two_pins), lambda *at: usual(*at).removesuffix(" 2"))
+    with pytest.raises(InputError, match="'pin' for 2 different cylinders"):
+        import_throw(write(folder / "twice.step", text))
+
+
+@pytest.mark.parametrize(
+    ("build", "complaint"),
+    [
+        (lambda occ: (occ.addBox(0, 0, 0, 1, 1, 1), occ.addBox(3, 0, 0, 1, 1, 1)), "2 solids"),
+        (
+            lambda occ: occ.addBox(0, 0, 0, 1, 1, 1),
+            "left_end: .* without a cylinder about the z axis",
+        ),
+        (lambda occ: occ.addCylinder(0, 0, 0, 0, 0, 1, 0.1), "pins: .* without a round cylinder"),
+        (lambda occ: occ.addSphere(0, 0, 0, 1), "left_end: .* without a plane face normal to z"),
+        (
+            lambda occ: occ.fuse(
+                [(3, occ.addCylinder(0, 0, 0, 0, 0, 1, 0.1))],
+                [(3, occ.addCylinder(0, 0, 0.5, 0, 0.5, 0, 0.1))],
+            ),
+            "pins: given 'pin', a cylinder that is not parallel to z",
+        ),
+    ],
+)
+def test_parts_that_are_no_throws(folder, build, complaint):
+    text = step_text(None, build=lambda gmsh: build(gmsh.model.occ))
+    names = "not parallel" in complaint
+    if names:
+        count = iter(range(100))
+        text = re.sub(r"ADVANCED_FACE\(''", lambda _: f"ADVANCED_FACE('f{next(count)}'", text)
+        faces = read_step(text.encode(), "x.step").faces
+        across = next(f for f in faces if f.kind == "CYLINDRICAL_SURFACE" and abs(f.axis[2]) < 0.5)
+        text = rename(text, across.name, PIN)
+    path = write(folder / "odd.step", text)
+    with pytest.raises(InputError, match=complaint):
+        import_throw(path, None, None) if names else import_throw(path)
+
+
+def test_an_inclined_shaft_is_refused(throw, folder):
+    def build(gmsh):
+        solid = make_solid(gmsh, throw.parts, "full")
+        gmsh.model.occ.rotate([solid], 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1e-3)
+
+    path = write(folder / "inclined.step", step_text(throw, build=build))
+    with pytest.raises(InputError, match="left_end: given a part without a plane face normal to z"):
+        import_throw(path)
+
+
+def test_a_file_that_is_not_there(folder):
+    with pytest.raises(InputError, match="the name of no file; allowed is a STEP file"):
+        import_throw(folder / "missing.step")
+    with pytest.raises(InputError, match="a file that cannot be read"):
+        import_throw(folder)
+
+
+def test_a_file_that_takes_the_process_down(imported):
+    class Lost(IsolatedProcess):
+        def call(self, *_, **__):
+            return super().call("os:abort", time_limit=60.0)
+
+    with pytest.raises(InputError, match="the process that called gmsh was ended by SIGABRT"):
+        import_throw(imported.path, process=Lost())
+
+
+# --- mesh ---------------------------------------------------------------------------------------
+
+
+def test_the_mesh_is_that_of_the_throw(throw, imported, mesh):
+    assert (mesh.part, mesh.pins, mesh.length) == ("full", (PIN,), imported.length)
+    assert mesh.size_factor == 1.5
+    assert mesh.attempts == ()
+    assert mesh.solid.volume == pytest.approx(throw.volume, rel=1e-6)
+    assert element_volumes(mesh.points, mesh.elements).sum() == pytest.approx(
+        throw.volume, rel=1e-3
+    )
+    ours = mass_properties(mesh, 7850.0)
+    theirs = mass_properties(mesh_throw(throw, 1.5), 7850.0)
+    assert ours.mass == pytest.approx(theirs.mass, rel=1e-6)
+    assert ours.center == pytest.approx(theirs.center, abs=1e-7)
+    assert ours.inertia == pytest.approx(theirs.inertia, rel=1e-5, abs=1e-5)
+    assert 0.5 < mesh.unknowns / predict_imported_unknowns(imported, 1.5) < 1.5
+
+
+def test_surfaces_of_the_mesh_are_where_their_names_say(throw, mesh):
+    assert list(mesh.surfaces) == [LEFT_END, RIGHT_END, PIN, MAIN_JOURNAL, FILLET, WEB]
+    x, y, z = mesh.points.T
+
+    def nodes(name):
+        return np.unique(mesh.surfaces[name])
+
+    assert np.abs(z[nodes(LEFT_END)]).max() < 1e-9
+    assert np.abs(z[nodes(RIGHT_END)] - throw.length).max() < 1e-9
+    pin, journal = nodes(PIN), nodes(MAIN_JOURNAL)
+    assert np.hypot(x[pin], y[pin] - throw.crank_radius) == pytest.approx(0.09, rel=1e-9)
+    assert np.hypot(x[journal], y[journal]) == pytest.approx(0.11, rel=1e-9)
+    facets = np.concatenate(list(mesh.surfaces.values()))
+    corners = mesh.elements[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
+    _, counts = np.unique(np.sort(corners, axis=1), axis=0, return_counts=True)
+    assert len(facets) == (counts == 1).sum()
+
+
+def test_the_mesh_is_the_same_in_another_process(imported, mesh):
+    remarks = []
+    away = shared_process().call(
+        "geometry.imported_mesh:mesh_imported_from",
+        imported,
+        1.5,
+        (),
+        time_limit=120.0,
+        on_remark=remarks.append,
+    )
+    assert remarks == [()]
+    assert np.array_equal(away.points, mesh.points)
+    assert np.array_equal(away.elements, mesh.elements)
+
+
+def test_failed_ways_are_passed_over_and_recorded(imported):
+    mesh = mesh_imported_from(imported, 2.5, ("as planned: it took too long",))
+    assert mesh.attempts == ("as planned: it took too long",)
+    assert mesh.size_factor == pytest.approx(2.5 * LADDER[1].share)
+    with pytest.raises(MeshError, match="6 ways of meshing the throw failed"):
+        mesh_imported_from(imported, 2.5, ("no",) * len(LADDER))
+
+
+def test_too_fine_a_mesh_is_refused(imported):
+    with pytest.raises(InputError, match=r"size_factor: given 0\.1, which would make about"):
+        mesh_imported_throw(imported, 0.1)
+
+
+def test_a_changed_file_is_refused(named, folder):
+    path = write(folder / "changed.step", named)
+    imported = import_throw(path)
+    write(path, named.replace("Author", "Other"))
+    with pytest.raises(InputError, match="a file that has changed since it was imported"):
+        mesh_imported_throw(imported)
+    path.unlink()
+    with pytest.raises(InputError, match="the name of no file"):
+        mesh_imported_throw(imported)
+
+
+def test_surfaces_that_are_elsewhere_are_noticed(imported):
+    names = dict(imported.surfaces)
+    names |= {LEFT_END: names[RIGHT_END], RIGHT_END: names[LEFT_END]}
+    wrong = replace(imported, surfaces=tuple(names.items()))
+    with pytest.raises(MeshError, match="'left end' of the file is not where it was"):
+        mesh_imported_from(wrong, 3.0, ("no",) * (len(LADDER) - 1))
+
+
+def test_nothing_is_left_behind_in_this_process(throw, plain, imported):
+    """Neither in the options of a running gmsh nor in the kernel, which also writes files."""
+    with gmsh_session("outer") as gmsh:
+        before = gmsh.option.getString("Geometry.OCCTargetUnit")
+        curvature = gmsh.option.getNumber("Mesh.MeshSizeFromCurvature")
+        mesh_imported_throw(imported, 3.0)
+        assert gmsh.option.getString("Geometry.OCCTargetUnit") == before
+        assert gmsh.option.getNumber("Mesh.MeshSizeFromCurvature") == curvature
+    points = r"CARTESIAN_POINT\([^;]*;"
+    assert re.findall(points, step_text(throw)) == re.findall(points, plain)
+
+
+# --- analysis -----------------------------------------------------------------------------------
+
+
+def axial_compliance(mesh):
+    matrix = assemble_stiffness(mesh.points, mesh.elements, STEEL)
+    part = condense(mesh, matrix, uniform_pin_loads(mesh), axial_class(mesh.part))
+    return SimpleNamespace(value=axial_answers(part, "pinned")[0], factor=mesh.size_factor)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("change", "order"), [({}, 1.6), ({"fillet_radius": 0.0}, 1.0), (BORED, 1.6)]
+)
+def test_the_compliance_is_that_of_the_throw(dimensions, folder, change, order):
+    """Both converge to one value: their errors, estimated from two meshes each, cover the rest."""
+    throw = CrankThrow(**{**dimensions, **change})
+    imported = import_throw(write(folder / "analyzed.step", step_text(throw)))
+    results = []
+    for make in (lambda f: mesh_imported_throw(imported, f), lambda f: mesh_throw(throw, f)):
+        coarse, fine = (axial_compliance(make(factor)) for factor in (1.2, 0.8))
+        ratio = coarse.factor / fine.factor
+        results.append((fine.value, (fine.value - coarse.value) / (ratio**order - 1.0)))
+    (ours, our_error), (theirs, their_error) = results
+    assert 0.0 < our_error < 0.02 * ours
+    # Meshed to the same sizes, the two differ by less than their distance from the limit.
+    close = 0.5 * max(our_error, their_error)
+    assert ours == pytest.approx(theirs, abs=close)
+    assert ours + our_error == pytest.approx(theirs + their_error, abs=close)
