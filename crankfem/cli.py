@@ -128,6 +128,37 @@ def check(engine: EngineArgument, json: JsonOption = False) -> None:
     )
 
 
+@app.command(epilog="Example: crankfem fields throw")
+def fields(
+    section: Annotated[
+        str | None,
+        typer.Argument(help="Section of an engine file, such as throw; all if not given."),
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Say what every field of an engine file means: unit, allowed range, default."""
+    from dataclasses import asdict
+
+    from crankfem.field_tables import section_tables
+
+    found = section_tables(section)
+    if json:
+        print_json({"sections": [asdict(table) for table in found]})
+        return
+    for table in found:
+        print_table(
+            f"{table.title} ({table.need})",
+            ["field", "unit:", "allowed:", "meaning:"],
+            rows_of(
+                table.rows,
+                lambda r: r.name,
+                lambda r: r.unit,
+                lambda r: r.allowed,
+                lambda r: r.meaning,
+            ),
+        )
+
+
 def _shape_record(throw: "CrankThrow") -> dict[str, Any]:
     """What the dimensions make: sizes that follow, and how much of the throw must be solved."""
     return {

@@ -4,33 +4,8 @@ Run by hand after a change of a field: ``python docs/build_engine_files.py``; a 
 """
 
 from pathlib import Path
-from typing import Literal, get_args, get_origin
 
-from pydantic_core import PydanticUndefined
-
-from crankfem import engine_sections
-from fem.material import Material
-from geometry.model import InputModel, field_extra, part_kind
-from geometry.quantity import DISPLAY_UNITS, show_quantity
-from geometry.shaft_ends import ShaftEnds
-from geometry.throw import CrankThrow
-
-SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
-    (engine_sections.Engine, "required"),
-    (CrankThrow, "required"),
-    (engine_sections.ShaftLayout, "optional"),
-    (ShaftEnds, "optional"),
-    (Material, "optional, steel by default"),
-    (engine_sections.Rod, "required"),
-    (engine_sections.Piston, "required"),
-    (engine_sections.Flywheel, "required"),
-    (engine_sections.FreeEnd, "optional"),
-    (engine_sections.ThrustBearing, "required"),
-    (engine_sections.Gas, "optional; without it reactions are given for 100 kN"),
-    (engine_sections.VibrationSettings, "optional"),
-    (engine_sections.TorqueTable, "optional"),
-    (engine_sections.TwoMassInput, "optional"),
-)
+from crankfem.field_tables import section_tables
 
 INTRODUCTION = """# Engine files
 
@@ -48,7 +23,8 @@ fillet_radius = { value = "12 mm", assumed = "usual for this size" }
 the section `[sources]`: `name = "full citation"`. Unknown sections and fields are refused.
 
 Files of a study need only `[throw]` and `[study]`. `crankfem new MY.toml --from 6chn25-34` copies a
-complete file to start from.
+complete file to start from; `crankfem fields throw` prints a section of this page. What the dimensions of
+a throw mean is shown in [throws.md](throws.md).
 """
 
 STUDY = """
@@ -74,49 +50,13 @@ pin_length = ["120 mm", "139 mm", "158 mm"]
 def page() -> str:
     """Return the text of the page."""
     parts = [INTRODUCTION]
-    for model, need in SECTIONS:
-        parts += _section(model, f"[{model.section}]", need)
+    for table in section_tables():
+        parts.append(f"\n## {table.title} ({table.need})\n")
+        parts.append("| field | unit | allowed | meaning |\n|---|---|---|---|")
+        parts += [
+            f"| {row.name} | {row.unit} | {row.allowed} | {row.meaning} |" for row in table.rows
+        ]
     return "\n".join(parts) + "\n" + STUDY
-
-
-def _section(model: type[InputModel], title: str, need: str) -> list[str]:
-    """Describe a section and the tables in it."""
-    parts = [
-        f"\n## {title} ({need})\n",
-        "| field | unit | allowed | meaning |\n|---|---|---|---|",
-    ]
-    tables: list[str] = []
-    described: set[type[InputModel]] = set()
-    for name, info in model.model_fields.items():
-        kind = part_kind(info)
-        if kind is None:
-            unit = field_extra(info, "unit")
-            shown = "" if unit is None else DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
-            symbol = field_extra(info, "symbol")
-            meaning = (info.description or "") + (f" ({symbol})" if symbol else "")
-            parts.append(f"| {name} | {shown} | {_allowed(info)} | {meaning} |")
-            continue
-        inner = f"{title[1:-1]}.{name}"
-        inner = f"[[{inner}]]" if field_extra(info, "many") else f"[{inner}]"
-        parts.append(f"| {name} | | a table {inner} | {info.description} |")
-        if kind not in described:
-            tables += _section(kind, inner, "optional")
-            described.add(kind)
-    return parts + tables
-
-
-def _allowed(info: object) -> str:
-    unit, low, high = (field_extra(info, key) for key in ("unit", "minimum_si", "maximum_si"))
-    allowed = ""
-    if unit is not None and low is not None and high is not None:
-        allowed = f"{show_quantity(low, unit)} to {show_quantity(high, unit)}"
-    if get_origin(info.annotation) is Literal:
-        allowed = " or ".join(get_args(info.annotation))
-    default = info.default
-    if default is not PydanticUndefined and default is not ... and default is not None:
-        text = show_quantity(default, unit) if unit and isinstance(default, float) else f"{default}"
-        allowed += f"{', ' if allowed else ''}default {text}"
-    return allowed
 
 
 if __name__ == "__main__":

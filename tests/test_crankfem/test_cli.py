@@ -120,6 +120,20 @@ def test_a_throw_alone_is_no_engine(call):
     assert "describes a throw, not an engine; add the sections [engine], [rod]" in answer.err
 
 
+def test_fields_are_explained(call):
+    answer = call("fields", "throw")
+    assert (answer.code, answer.err) == (0, "")
+    for word in ("[throw] (required)", "[[throw.further_pins]]", "web_tip_thickness", "D_shm"):
+        assert word in answer.out
+    assert "[rod]" not in answer.out
+    content = call("fields", "--json").json()
+    titles = [table["title"] for table in content["sections"]]
+    assert {"[engine]", "[throw.counterweight]", "[rod]"} <= set(titles)
+    wrong = call("fields", "throws")
+    assert wrong.code == 2
+    assert "section: given 'throws'; allowed are engine, throw" in " ".join(wrong.err.split())
+
+
 def test_export_of_solid_mesh_and_shaft(call, tmp_path):
     for file, options in (("a.step", ()), ("shaft.stp", ("--shaft",)), ("m.vtu", ("--size", "2"))):
         answer = call("export", "6chn25-34", file, *options)
