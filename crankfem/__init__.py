@@ -12,7 +12,9 @@ from crankfem._packages import check_packages
 check_packages()
 
 if TYPE_CHECKING:
-    from crankfem.engine_file import EngineFile, load_engine
+    from crankfem.engine_file import EngineFile, load_crankshaft, load_engine, load_throw
+    from crankfem.pictures.drawing import draw_throw
+    from crankfem.pictures.solid_picture import picture_shaft, picture_throw
     from crankfem.pipeline import RunResult, run_engine
     from crankfem.studies import StudyResult, run_study
     from dynamics.chain import Chain, Modes
@@ -48,7 +50,14 @@ _HOMES = {
     for home, names in {
         "crankfem.engine_file": (
             "EngineFile",
+            "load_crankshaft",
+            "load_throw",
             "load_engine",
+        ),
+        "crankfem.pictures.drawing": ("draw_throw",),
+        "crankfem.pictures.solid_picture": (
+            "picture_shaft",
+            "picture_throw",
         ),
         "crankfem.pipeline": (
             "RunResult",
@@ -183,11 +192,16 @@ __all__ = [
     "axial_formula",
     "axial_formulas",
     "critical_speeds",
+    "draw_throw",
     "engine_orders",
     "harmonics",
     "import_throw",
+    "load_crankshaft",
     "load_engine",
+    "load_throw",
     "mesh_throw",
+    "picture_shaft",
+    "picture_throw",
     "read_torque_table",
     "run_engine",
     "run_study",

@@ -149,13 +149,7 @@ def fields(
         print_table(
             f"{table.title} ({table.need})",
             ["field", "unit:", "allowed:", "meaning:"],
-            rows_of(
-                table.rows,
-                lambda r: r.name,
-                lambda r: r.unit,
-                lambda r: r.allowed,
-                lambda r: r.meaning,
-            ),
+            [[row.name, row.unit, row.allowed, row.meaning] for row in table.rows],
         )
 
 
@@ -167,6 +161,7 @@ def _shape_record(throw: "CrankThrow") -> dict[str, Any]:
         "volume": throw.volume,
         "pins": len(throw.parts.pins),
         "solved_part": throw.symmetry,
+        "remarks": list(throw.remarks),
     }
 
 

@@ -14,6 +14,7 @@ from crankfem.engine_file import EngineFile, load_engine
 from crankfem.export import write_vtu
 from crankfem.fitting import ResponseFits
 from crankfem.pictures import plots
+from crankfem.pictures.drawing import write_drawing
 from crankfem.pictures.render import DEFORMED, MESH, Rendering
 from crankfem.pictures.surface import stretched_surface
 from crankfem.report import write_report
@@ -35,7 +36,7 @@ from regression.store import Outcome
 from regression.study import StudyTable, check_workers, run_plan
 
 RESULTS, REPORT, MODEL, STORE = "results.json", "report.html", "model.json", "study.sqlite"
-MESH_FILE = "throw.vtu"
+MESH_FILE, DRAWING = "throw.vtu", "drawing.svg"
 # Without a gas pressure in the engine file, reactions are given for this radial force.
 UNIT_RADIAL_FORCE = 1e5
 ANGLES_SHOWN_DEG = np.arange(0.0, 181.0, 15.0)
@@ -141,6 +142,7 @@ def run_engine(
             "formulas": records.formula_records(engine_file.throw, engine_file.material),
             "angle_law": _angle_record(engine_file, analysis),
             "shaft": records.shaft_record(shaft, analysis),
+            "balance": records.balance_record(engine_file),
             "study": None,
             "harmonics": None,
             "two_mass": None,
@@ -169,6 +171,8 @@ def run_engine(
         _add_torque(engine_file, torque, found, pictures)
 
         told.step("Drawing pictures")
+        write_drawing(engine_file.throw, pictures / DRAWING, engine_file.engine.name)
+        found["pictures"]["drawing"] = DRAWING
         _plot_vibration(pictures, found, engine_file, (axial, torsional))
         _plot_angles(pictures, found)
         try:

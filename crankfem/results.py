@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crankfem.engine_file import EngineFile, ThrowFile
 from crankfem.fitting import ResponseFits, crankfem_version
@@ -17,6 +18,7 @@ from fem.material import Material
 from fem.shaft import ShaftCompliances
 from fem.supports import Support
 from geometry.balance import unbalance
+from geometry.crankshaft import Crankshaft
 from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 from regression.axial_formulas import axial_formulas
@@ -92,6 +94,7 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
         "accuracy_met": analysis.accuracy_met,
         "unknowns": analysis.mesh.unknowns,
         "model": f"{analysis.mesh.part}, second-order tetrahedra, end sections rigid",
+        "remarks": list(analysis.throw.remarks),
         "meshing_attempts": list(analysis.mesh.attempts),
         "mended_elements": analysis.mesh.mended_elements,
         "solver": analysis.solver,
@@ -210,6 +213,28 @@ def shaft_record(shaft: ShaftCompliances, analysis: ThrowAnalysis) -> Record:
         ).tolist(),
         "influence": shaft.influence.tolist(),
     }
+
+
+def balance_record(engine_file: EngineFile) -> Record:
+    """Masses and unbalance of the whole crankshaft, about the middle of its throws; no rods."""
+    throws = [engine_file.throw] * engine_file.engine.cylinders
+    shaft = Crankshaft(throws, engine_file.engine.crank_angles, engine_file.shaft_ends)
+    masses = shaft.masses(engine_file.material.density)
+    middle = 0.5 * float(shaft.starts[-1])
+    found = unbalance(masses, middle)
+    # What would be there if all throws pointed one way: beside it, round-off is nothing.
+    one = engine_file.throw.crank_radius * masses.mass
+    return {
+        "mass": masses.mass,
+        "length": shaft.length,
+        "inertia_about_shaft": masses.inertia_about_shaft,
+        "static": _without_round_off(found.static, one),
+        "dynamic": _without_round_off(found.dynamic, one * shaft.length),
+    }
+
+
+def _without_round_off(values: NDArray[np.float64], scale: float) -> list[float]:
+    return [0.0 if abs(value) < 1e-9 * scale else float(value) for value in values]
 
 
 def vibration_record(vibration: Vibration) -> Record:

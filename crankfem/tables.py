@@ -54,6 +54,9 @@ def print_shape(record: dict[str, Any]) -> None:
         highlight=False,
     )
 
+    for remark in record["remarks"]:
+        console.output.print(f"Note: {remark}", soft_wrap=True, highlight=False)
+
 
 _PARTS = {
     "quarter": "symmetric about two planes, a quarter is solved",

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from geometry.errors import InputError
 from geometry.model import InputModel, part_field, quantity_field
 from geometry.parts import ThrowParts, throw_parts
-from geometry.throw_checks import check_throw
+from geometry.throw_checks import check_throw, throw_remarks
 from geometry.throw_sections import Counterweight, FurtherPin, Outline, Web
 from geometry.volume import throw_volume
 
@@ -258,6 +258,11 @@ class CrankThrow(InputModel):
         if not self.parts.planar:
             return "full"
         return "quarter" if self.parts.mirrored and not self.further_pins else "half"
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What can be built but is hardly meant, one sentence each."""
+        return throw_remarks(self.parts)
 
     def reversed(self) -> "CrankThrow":
         """Return the same throw described from its other end (turned by half a turn about y)."""

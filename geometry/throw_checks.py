@@ -71,6 +71,30 @@ def check_throw(throw: "CrankThrow", parts: ThrowParts) -> None:
         _check_bore(throw, parts, cylinder)
 
 
+def throw_remarks(parts: ThrowParts) -> tuple[str, ...]:
+    """What can be built but is hardly meant: bores that come out in another journal's fillet.
+
+    Parameters
+    ----------
+    parts : ThrowParts
+    """
+    remarks = []
+    for place, web in enumerate(parts.webs):
+        joined = parts.cylinders[place : place + 2]
+        for bored, other in (joined, joined[::-1]):
+            if bored.bore_radius == 0.0 or web.end == web.start:
+                continue
+            apart = math.dist(bored.bore_axis, other.axis)
+            if abs(other.collar - apart) < bored.bore_radius:
+                remarks.append(
+                    f"The bore of the {_label(bored)} cuts the fillet or the surface of the "
+                    f"{_label(other)} at the {web.name}: it comes out {_mm(apart - bored.bore_radius)} to "
+                    f"{_mm(apart + bored.bore_radius)} from that axis, and the fillet's foot is at "
+                    f"{_mm(other.collar)}."
+                )
+    return tuple(dict.fromkeys(remarks))
+
+
 def _mm(value: float) -> str:
     return show_quantity(value, "m")
 

@@ -356,8 +356,7 @@ class ComplianceModel(InputModel):
         # Features may be absent (0), and offsets of bores negative.
         least = dict(zip(response.factors, response.lowest, strict=True)) | self.fixed
         arrays = {
-            name: _checked_array(name, value, least[name])
-            for name, value in dimensions.items()
+            name: _checked_array(name, value, least[name]) for name, value in dimensions.items()
         }
         for name, array in arrays.items():
             if name in self.fixed and not np.all(

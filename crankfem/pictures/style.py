@@ -6,7 +6,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+# Files that are the same bit for bit for the same picture, with no need of the reader's fonts.
+REPRODUCIBLE: dict[Any, Any] = {"svg.fonttype": "path", "svg.hashsalt": "crankfem"}
 STYLE: dict[Any, Any] = {
+    **REPRODUCIBLE,
     "font.size": 10,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -15,8 +18,6 @@ STYLE: dict[Any, Any] = {
     "grid.linewidth": 0.8,
     "axes.axisbelow": True,
     "legend.frameon": False,
-    "svg.fonttype": "path",
-    "svg.hashsalt": "crankfem",
     "axes.titlesize": 11,
     "axes.titlelocation": "left",
 }

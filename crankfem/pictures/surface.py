@@ -7,15 +7,14 @@ from numpy.typing import NDArray
 
 from fem.analysis import ThrowAnalysis
 from fem.fields import displacement_field, images
-from fem.loads import six_node_triangles
 from fem.superelement import RZ, UZ
 from fem.supports import end_motions
+from geometry.facets import SUBTRIANGLES, six_node_triangles
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
 
 Array = NDArray[np.float64]
 
-# A six-node triangle (corners 0 1 2, edge middles 3 4 5 on 01 12 02) as four flat ones.
-SUBTRIANGLES = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+# The edges of a six-node triangle: corner, middle, corner.
 EDGE_PATHS = ((0, 3, 1), (1, 4, 2), (2, 5, 0))
 
 

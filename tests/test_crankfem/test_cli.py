@@ -145,6 +145,31 @@ def test_export_of_solid_mesh_and_shaft(call, tmp_path):
     assert record["surfaces"]["middle plane"] > 0
 
 
+@pytest.mark.slow
+def test_a_throw_from_cad_has_the_compliance_of_its_dimensions(call):
+    assert call("export", "6chn25-34", "part.step").code == 0
+    cad = call("throw", "part.step", "--accuracy", "0.02", "--json")
+    assert (cad.code, cad.err) == (0, "")
+    own = call("throw", "6chn25-34", "--accuracy", "0.02", "--json").json()
+    found = cad.json()
+    assert found["model"].startswith("full")
+    assert found["dimensions"]["pins"][0]["diameter"] == pytest.approx(0.180)
+    error = found["error_estimate"] + own["error_estimate"]
+    for support in ("pinned", "guided"):
+        expected = own["supports"][support]
+        for name in ("axial_compliance", "torsional_compliance", "influence_coefficient"):
+            assert found["supports"][support][name] == pytest.approx(expected[name], rel=error)
+    assert found["mass"] == pytest.approx(own["mass"], rel=1e-6)
+
+
+def test_cad_parts_that_cannot_be_used(call, tmp_path):
+    (tmp_path / "prose.step").write_text("this is no part")
+    assert "allowed is a STEP file" in call("throw", "prose.step").err
+    assert "given the name of no file" in call("throw", "nowhere.step").err
+    answer = call("throw", "6chn25-34", "--pin", "a")
+    assert "--pin: given 'a'; allowed only with a STEP file" in " ".join(answer.err.split())
+
+
 EXPORTS_REFUSED = {
     "ending": (("m.foo",), "allowed for a mesh are .msh"),
     "part": (("m.vtu", "--part", "eighth"), "allowed are auto, quarter"),

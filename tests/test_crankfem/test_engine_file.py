@@ -1,10 +1,11 @@
 import math
 
+import numpy as np
 import pytest
 
 import crankfem as cf
-from crankfem.data_files import shipped_engines
-from crankfem.engine_file import load_engine, load_study, load_throw
+from crankfem.data_files import engine_path, shipped_engines
+from crankfem.engine_file import load_crankshaft, load_engine, load_study, load_throw
 from geometry.errors import InputError
 
 SIX_LEVELS = '["60 mm", "68 mm", "76 mm"]'
@@ -97,6 +98,29 @@ def test_a_throw_and_a_study_can_stand_alone(tmp_path, six_cylinders, edit):
         InputError, match=r"describes a throw, not an engine; add the sections \[engine\]"
     ):
         load_engine(path)
+
+
+def test_the_crankshaft_of_an_engine_and_of_a_throw_file(tmp_path):
+    six = load_crankshaft("6chn25-34")
+    assert len(six.throws) == 6
+    assert np.degrees(six.crank_angles) == pytest.approx([0, 120, 240, 240, 120, 0])
+    assert six.length == pytest.approx(6 * 0.410)
+    buick = load_crankshaft("buick-3800")
+    assert np.degrees(buick.crank_angles) == pytest.approx([0, 120, 240])
+    assert buick.length == pytest.approx(3 * 0.1077 + 0.070 + 0.014)
+    text = engine_path("buick-3800").read_text(encoding="utf-8")
+    path = tmp_path / "other.toml"
+    path.write_text(text.replace("[shaft]\nthrow_angles", "[nothing]\nx"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"\[nothing\] is an unknown section"):
+        load_crankshaft(path)
+    path.write_text(
+        text[: text.index("[shaft]")] + text[text.index("[sources]") :]
+        if "[sources]" in text
+        else text[: text.index("[shaft]")],
+        encoding="utf-8",
+    )
+    with pytest.raises(InputError, match=r"allowed is throw_angles in a section \[shaft\]"):
+        load_crankshaft(path)
 
 
 # What is changed in the shipped file, and what the refusal must say.

@@ -268,3 +268,13 @@ def test_what_cannot_be_built_is_refused_with_its_reason(build, case):
     assert "\n" not in message
     for word in words:
         assert word in message
+
+
+def test_a_bore_that_comes_out_in_the_other_fillet_is_remarked(build):
+    assert build(pin_bore=0.05, pin_bore_offset=0.02).remarks == ()
+    # The pin's collar reaches to 170 - 90 - 12 = 68 mm from the shaft axis.
+    assert build(main_journal_bore=0.130).remarks == ()
+    (left, right) = build(main_journal_bore=0.140).remarks
+    assert "bore of the main journal cuts the fillet or the surface of the crankpin" in left
+    assert "at the left web" in left
+    assert "at the right web" in right

@@ -1,0 +1,317 @@
+"""A view of a technical drawing: outlines, center lines, and dimensions that keep clear of each other.
+
+Lengths in meters are the drawing's own coordinates; sizes of arrows, gaps and letters are in points
+on paper, so that every drawing reads alike whatever is drawn.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from crankfem.pictures.style import BLUE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+Point = tuple[float, float]
+Box = tuple[float, float, float, float]
+Side = Literal["left", "center", "right"]
+Place = tuple[float, float, Side]
+Style = Mapping[str, Any]
+
+FONT = "DejaVu Sans"  # comes with matplotlib and has all signs
+TEXT_SIZE = 8.0
+LINE_HEIGHT = 1.35  # of the text size
+LANE = 19.0  # from one dimension line to the next
+ARROW, ARROW_HALF_WIDTH = 6.5, 1.3
+
+INK = "#1b2733"
+OUTLINE: Style = {"color": INK, "linewidth": 1.4, "solid_joinstyle": "round"}
+EDGE: Style = {"color": INK, "linewidth": 0.6}
+HIDDEN: Style = {"color": INK, "linewidth": 0.7, "dashes": (5.0, 2.5)}
+CENTER: Style = {"color": "#8a6d3b", "linewidth": 0.6, "dashes": (12.0, 2.5, 2.0, 2.5)}
+THIN_CENTER: Style = {**CENTER, "linewidth": 0.4}
+DIMENSION: Style = {"color": BLUE, "linewidth": 0.6}
+JOURNAL_COLOR, WEB_COLOR, OPEN = "#e9eef3", "#d5dee7", "white"
+BEYOND = 8.0  # of a center line past what it is the center of [points]
+ABOVE_SURFACES, ABOVE_LINES = 3.0, 5.0
+
+
+@dataclass(frozen=True)
+class Linear:
+    """A distance along one axis, between the points where its extension lines start."""
+
+    start: Point
+    end: Point
+    text: str
+
+
+@dataclass(frozen=True)
+class Callout:
+    """A text beside the view with a leader to a circle, or to a point if the radius is 0."""
+
+    center: Point
+    radius: float
+    text: str
+    wish: float  # height at which the text would stand best
+
+
+@cache
+def text_size(text: str, size: float = TEXT_SIZE) -> Point:
+    """Width and height of a text on paper [points]."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextPath
+
+    lines = text.split("\n")
+    width = 0.0
+    for line in lines:
+        path = TextPath((0.0, 0.0), line, size=size, prop=FontProperties(family=FONT))
+        width = max(width, float(path.get_extents().x1) if len(path.vertices) else 0.0)
+    return width + 2.0, LINE_HEIGHT * size * len(lines)
+
+
+class View:
+    """One view, drawn to scale.
+
+    Parameters
+    ----------
+    axes : matplotlib axes
+    point : float
+        What one point on paper stands for [m].
+    """
+
+    def __init__(self, axes: "Axes", point: float) -> None:
+        self.axes, self.point = axes, point
+        self.low, self.high = np.full(2, np.inf), np.full(2, -np.inf)
+        self._taken: list[Box] = []
+        self._angles: list[tuple[str, list[Place]]] = []
+
+    def stroke(self, points: ArrayLike, style: Style = OUTLINE, closed: bool = False) -> None:
+        """Draw a line through points, above the surfaces unless the style says otherwise."""
+        path = np.asarray(points, dtype=float)
+        path = np.vstack([path, path[:1]]) if closed else path
+        self.axes.plot(*path.T, **{"zorder": ABOVE_SURFACES, **style})
+        self._reach(path)
+
+    def surface(self, points: ArrayLike, color: str, edge: float = 1.0) -> None:
+        """Fill a polygon that later ones cover; its edge as a share of an outline's width."""
+        from matplotlib.patches import Polygon
+
+        path = np.asarray(points, dtype=float)
+        self.axes.add_patch(
+            Polygon(
+                path,
+                facecolor=color,
+                edgecolor=OUTLINE["color"],
+                linewidth=edge * OUTLINE["linewidth"],
+                joinstyle="round",
+                zorder=1.0,
+            )
+        )
+        self._reach(path)
+
+    def arrow(self, tip: Point, towards: Point, length: float = ARROW) -> None:
+        """Draw an arrowhead that points in a direction, `length` in points."""
+        from matplotlib.patches import Polygon
+
+        direction = np.array(towards) / math.hypot(*towards)
+        across = np.array([-direction[1], direction[0]])
+        back = np.array(tip) - length * self.point * direction
+        wing = ARROW_HALF_WIDTH / ARROW * length * self.point * across
+        self.axes.add_patch(
+            Polygon(
+                np.array([tip, back + wing, back - wing]),
+                facecolor=DIMENSION["color"],
+                linewidth=0.0,
+                zorder=ABOVE_SURFACES,
+            )
+        )
+
+    def write(
+        self,
+        text: str,
+        *places: Place,
+        upright: bool = False,
+        paper: str = "white",
+        **style: Any,
+    ) -> int:
+        """Write at the first place (x, y, side) where the text is clear of others; return which."""
+        boxes = [
+            self._box(text, place, upright, style.get("fontsize", TEXT_SIZE)) for place in places
+        ]
+        free = [i for i, box in enumerate(boxes) if not any(_meet(box, b) for b in self._taken)]
+        chosen = free[0] if free else len(places) - 1
+        x, y, side = places[chosen]
+        given: dict[str, Any] = {"fontsize": TEXT_SIZE, "color": INK, "family": FONT, **style}
+        background = {"facecolor": paper, "edgecolor": "none", "pad": 0.6, "alpha": 0.85}
+        self.axes.text(
+            x, y, text, ha=side, va="center", rotation=90.0 if upright else 0.0,
+            zorder=ABOVE_LINES, linespacing=1.15, bbox=background, **given,
+        )  # fmt: skip
+        self._taken.append(boxes[chosen])
+        self._reach(np.reshape(boxes[chosen], (2, 2)))
+        return chosen
+
+    def stack(self, dimensions: Sequence[Linear], axis: int, side: int) -> None:
+        """Draw distances along an axis in lanes outside all that is drawn, on side +1 or -1."""
+        lanes: list[list[Linear]] = []
+        for dimension in dimensions:
+            for lane in lanes:
+                if not any(self._side_by_side(dimension, other, axis) for other in lane):
+                    lane.append(dimension)
+                    break
+            else:
+                lanes.append([dimension])
+        for lane in lanes:
+            level = self._bound(1 - axis, side) + side * LANE * self.point
+            for dimension in lane:
+                self._linear(dimension, axis, level, side)
+
+    def angle(self, center: Point, radius: float, first: float, last: float, text: str) -> None:
+        """Draw an arc with arrowheads from one direction to another [rad]; the text comes later."""
+        angles = np.linspace(first, last, 61)
+        unit = np.column_stack([np.cos(angles), np.sin(angles)])
+        self.stroke(np.array(center) + radius * unit, DIMENSION)
+        turn = 1.0 if last > first else -1.0
+        lean = turn * 0.5 * ARROW * self.point / radius  # an arrowhead is straight, the arc is not
+        for end, sign in ((first + lean, -turn), (last - lean, turn)):
+            tip = np.array(center) + radius * np.array(
+                [math.cos(end + sign * abs(lean)), math.sin(end + sign * abs(lean))]
+            )
+            self.arrow((tip[0], tip[1]), (-sign * math.sin(end), sign * math.cos(end)))
+        width, height = text_size(text)
+        places: list[Place] = []
+        for share in (0.5, 0.35, 0.65, 0.2, 0.8):
+            middle = first + share * (last - first)
+            cosine, sine = math.cos(middle), math.sin(middle)
+            clear = 0.5 * (abs(cosine) * width + abs(sine) * height) + 1.5
+            reach = radius + clear * self.point
+            places.append((center[0] + reach * cosine, center[1] + reach * sine, "center"))
+        self._angles.append((text, places))
+
+    def write_angles(self) -> None:
+        """Write the texts of angles, which may stand anywhere along their arcs, after all others."""
+        for text, places in self._angles:
+            self.write(text, *places)
+        self._angles.clear()
+
+    def leader(self, tip: Point, step: Point, text: str) -> None:
+        """Draw a leader from a text to a point; `step` leads from the point to the text [points]."""
+        places: list[Place] = []
+        for longer in (1.0, 1.4, 1.8, 2.2, 2.6):
+            x, y = (tip[k] + longer * step[k] * self.point for k in (0, 1))
+            x += math.copysign(6.0 * self.point, step[0])
+            places.append((x, y, "left" if step[0] > 0.0 else "right"))
+        x, y, _ = places[self.write(text, *places)]
+        elbow = (x - math.copysign(5.0 * self.point, step[0]), y)
+        self.stroke([tip, elbow, (x, y)], DIMENSION)
+        self.arrow(tip, (tip[0] - elbow[0], tip[1] - elbow[1]))
+
+    def callouts(self, texts: Sequence[Callout]) -> None:
+        """Write texts in a column right of all that is drawn, each with a leader."""
+        column = self.high[0] + 10.0 * self.point
+        wished = sorted(texts, key=lambda one: -one.wish)
+        heights = [text_size(one.text)[1] + 3.0 for one in wished]
+        levels = _spread([one.wish for one in wished], [h * self.point for h in heights])
+        for one, level in zip(wished, levels, strict=True):
+            elbow = np.array([column, level])
+            away = elbow - one.center
+            tip = np.array(one.center) + one.radius * away / np.linalg.norm(away)
+            shelf = (column + 5.0 * self.point, level)
+            self.stroke(np.array([tip, elbow, shelf]), DIMENSION)
+            self.keep_clear(tip, elbow)
+            self.arrow((tip[0], tip[1]), (tip[0] - elbow[0], tip[1] - elbow[1]))
+            self.write(one.text, (shelf[0] + 1.5 * self.point, level, "left"))
+
+    def keep_clear(self, start: Array, end: Array) -> None:
+        """Let no later text stand on a line."""
+        half = 1.5 * self.point
+        count = int(np.linalg.norm(end - start) / half) + 1
+        for x, y in np.linspace(start, end, count):
+            self._taken.append((x - half, y - half, x + half, y + half))
+
+    def _linear(self, dimension: Linear, axis: int, level: float, side: int) -> None:
+        """Draw one distance with its line at a level."""
+
+        def place(along: float, across: float) -> Point:
+            return (along, across) if axis == 0 else (across, along)
+
+        points = sorted((dimension.start, dimension.end), key=lambda p: p[axis])
+        (low, high), point = (p[axis] for p in points), self.point
+        for at in points:
+            gap = math.copysign(2.0 * point, level - at[1 - axis])
+            overshoot = side * 2.5 * point
+            self.stroke(
+                [place(at[axis], at[1 - axis] + gap), place(at[axis], level + overshoot)], DIMENSION
+            )
+        inside = high - low > 1.5 * ARROW * point
+        tail = 0.0 if inside else 1.8 * ARROW * point
+        self.stroke([place(low - tail, level), place(high + tail, level)], DIMENSION)
+        length = min(ARROW, 0.42 * (high - low) / point) if inside else ARROW
+        outward = 1.0 if inside else -1.0
+        self.arrow(place(low, level), place(-outward, 0.0), length)
+        self.arrow(place(high, level), place(outward, 0.0), length)
+
+        width, height = text_size(dimension.text)
+        middle, off = 0.5 * (low + high), (0.5 * height + 0.5) * point
+        fits = width * point <= high - low - (0.0 if inside else np.inf)
+        if axis == 1:
+            if fits:
+                self.write(dimension.text, (level - off, middle, "center"), upright=True)
+            else:
+                away: Side = "right" if side < 0 else "left"
+                self.write(dimension.text, (level + side * 2.5 * point, middle, away))
+            return
+        rows = [level + off] if fits else []
+        rows += [level + side * (off + 1.01 * k * height * point) for k in range(7)]
+        chosen = self.write(dimension.text, *((middle, row, "center") for row in rows))
+        if chosen > int(fits):
+            stop = rows[chosen] - side * 0.5 * height * point
+            self.stroke([place(middle, level), place(middle, stop)], DIMENSION)
+
+    def _side_by_side(self, one: Linear, other: Linear, axis: int) -> bool:
+        """Whether two distances overlap and so need lanes of their own."""
+        (a, b), (c, d) = (sorted((x.start[axis], x.end[axis])) for x in (one, other))
+        return min(b, d) - max(a, c) > 0.1 * self.point
+
+    def _bound(self, axis: int, side: int) -> float:
+        return float((self.high if side > 0 else self.low)[axis])
+
+    def _box(self, text: str, place: Place, upright: bool, size: float) -> Box:
+        width, height = (extent * self.point for extent in text_size(text, size))
+        if upright:
+            width, height = height, width
+        x = place[0] - {"left": 0.0, "center": 0.5, "right": 1.0}[place[2]] * width
+        return (x, place[1] - 0.5 * height, x + width, place[1] + 0.5 * height)
+
+    def _reach(self, points: Array) -> None:
+        self.low = np.fmin(self.low, np.nanmin(points, axis=0))
+        self.high = np.fmax(self.high, np.nanmax(points, axis=0))
+
+
+def _meet(one: Box, other: Box) -> bool:
+    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
+
+
+def _spread(wishes: Sequence[float], heights: Sequence[float]) -> list[float]:
+    """Levels near the wished ones, descending, with room for the heights."""
+    groups: list[tuple[list[float], list[float]]] = []  # wishes and heights of touching texts
+    for wish, height in zip(wishes, heights, strict=True):
+        groups.append(([wish], [height]))
+        while len(groups) > 1 and _levels(*groups[-2])[1][1] < _levels(*groups[-1])[1][0]:
+            (first, first_heights), (second, second_heights) = groups[-2:]
+            groups[-2:] = [(first + second, first_heights + second_heights)]
+    return [level for group in groups for level in _levels(*group)[0]]
+
+
+def _levels(wishes: Sequence[float], heights: Sequence[float]) -> tuple[list[float], Point]:
+    """Levels of touching texts about the mean of their wishes, and their upper and lower bound."""
+    top = sum(wishes) / len(wishes) + 0.5 * sum(heights)
+    edges = top - np.concatenate([[0.0], np.cumsum(heights)])
+    return [float(level) for level in 0.5 * (edges[1:] + edges[:-1])], (edges[0], edges[-1])
