@@ -284,6 +284,10 @@ def _solve_to(
     throw: Throw, material: Material, accuracy: float, solver: str, mesher: Mesher
 ) -> tuple["_Level", float]:
     """Refine until the estimated error of the axial compliance meets the accuracy."""
+    if not isinstance(throw, Throw):
+        raise InputError(
+            f"throw: given {throw!r}; allowed is a CrankThrow, or what import_throw returns."
+        )
     if not isinstance(material, Material):
         raise InputError(f"material: given {material!r}; allowed is a Material, like STEEL.")
     if not isinstance(accuracy, int | float) or not 0.001 <= accuracy <= 0.1:

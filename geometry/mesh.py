@@ -14,14 +14,14 @@ from geometry.mending import corner_quality, mend
 from geometry.parts import ThrowParts
 from geometry.shapes import jacobians, shapes_for_quadrature
 from geometry.size_field import set_sizes
-from geometry.sizes import predict_unknowns, size_plan
+from geometry.sizes import SHARES, predict_unknowns, size_plan
 from geometry.solid import build_solid
 from geometry.throw import CrankThrow
 from geometry.volume import throw_volume
 
 # gmsh numbers the edges of a 10-node tetrahedron in another order than scikit-fem.
 GMSH_TO_SKFEM = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
-PARTS = ("quarter", "half", "full")
+PARTS = tuple(SHARES)
 # More unknowns than this are not tried: their factorization needs 20 GiB and minutes.
 MOST_UNKNOWNS = 1_500_000
 # The mesh may differ from the solid by this share of the volume, the solid from its description.
@@ -252,8 +252,7 @@ def solid_properties(gmsh: Any) -> SolidProperties:
 
 def _check_solid(parts: ThrowParts, part: str, solid: SolidProperties) -> None:
     """The solid must be what was described: booleans may lose a part without a word."""
-    share = {"quarter": 0.25, "half": 0.5, "full": 1.0}[part]
-    expected = share * throw_volume(parts)
+    expected = SHARES[part] * throw_volume(parts)
     if not math.isclose(solid.volume, expected, rel_tol=SOLID_VOLUME_TOLERANCE):
         raise MeshError(
             f"the solid has a volume of {solid.volume:.8g} m^3, its parts {expected:.8g} m^3."

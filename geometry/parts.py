@@ -4,6 +4,7 @@ Everything that draws, builds, checks or weighs a throw reads these, never the i
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.outline import Outline, obround, rectangle
-from geometry.throw_sections import Web
+from geometry.throw_sections import FurtherPin, Web
 
 if TYPE_CHECKING:
     from geometry.throw import CrankThrow
@@ -189,106 +190,128 @@ def throw_parts(throw: "CrankThrow") -> ThrowParts:
     InputError
         If a web has no outline.
     """
-    journal_fillet = throw.main_journal_fillet_radius
-    pin_fillet = throw.pin_fillet_radius
-    journal_fillet = throw.fillet_radius if journal_fillet is None else journal_fillet
-    pin_fillet = throw.fillet_radius if pin_fillet is None else pin_fillet
-
-    pins = [(throw.crank_radius, 0.0, throw.pin_diameter, throw.pin_length, pin_fillet)]
-    bores = [(throw.pin_bore, throw.pin_bore_offset)]
-    between = []
-    for further in throw.further_pins:
-        pins.append(
-            (
-                _or(further.crank_radius, throw.crank_radius),
-                further.angle,
-                _or(further.diameter, throw.pin_diameter),
-                _or(further.length, throw.pin_length),
-                _or(further.fillet_radius, pin_fillet),
-            )
-        )
-        bores.append(
-            (_or(further.bore, throw.pin_bore), _or(further.bore_offset, throw.pin_bore_offset))
-        )
-        between.append(
-            (
-                _or(further.web_thickness, throw.web_thickness),
-                _or(further.web_width, throw.web_width),
-            )
-        )
-    axes = [_crank_axis(radius, angle) for radius, angle, *_ in pins]
-
+    pins = pin_tables(throw)
+    axes = [_crank_axis(_given(pin.crank_radius), pin.angle) for pin in pins]
     left, right = throw.left_web or Web(), throw.right_web or Web()
     thicknesses = [
         _or(left.thickness, throw.web_thickness),
-        *(thickness for thickness, _ in between),
+        *(_given(pin.web_thickness) for pin in pins[1:]),
         _or(right.thickness, throw.web_thickness),
     ]
-    half = throw.main_journal_length / 2.0
-    edges = [0.0, half]
-    for thickness, (_, _, _, length, _) in zip(thicknesses, pins, strict=False):
-        edges += [edges[-1] + thickness, edges[-1] + thickness + length]
-    edges += [edges[-1] + thicknesses[-1], edges[-1] + thicknesses[-1] + half]
-
-    journal = (throw.main_journal_diameter / 2.0, throw.main_journal_bore / 2.0)
-    journal_bores = [
-        (
-            direction[0] * throw.main_journal_bore_offset,
-            direction[1] * throw.main_journal_bore_offset,
-        )
-        for direction in (_direction(axes[0]), _direction(axes[-1]))
-    ]
-    cylinders = [
-        Cylinder(
-            LEFT_JOURNAL, (0.0, 0.0), journal[0], 0.0, half, 0.0, journal_fillet,
-            journal[1], journal_bores[0], 0.0, edges[2],
-        )
-    ]  # fmt: skip
-    for place, ((radius, _, diameter, length, fillet), (bore, offset)) in enumerate(
-        zip(pins, bores, strict=True)
-    ):
-        start = edges[2 * place + 2]
-        x, y = axes[place]
-        share = offset / radius
-        cylinders.append(
-            Cylinder(
-                "pin" if place == 0 else f"pin {place + 1}",
-                (x, y),
-                diameter / 2.0,
-                start,
-                start + length,
-                fillet if thicknesses[place] > 0.0 else 0.0,
-                fillet if thicknesses[place + 1] > 0.0 else 0.0,
-                bore / 2.0,
-                (x * (1.0 + share), y * (1.0 + share)),
-                edges[2 * place + 1],
-                start + length + thicknesses[place + 1],
-            )
-        )
-    cylinders.append(
-        Cylinder(
-            RIGHT_JOURNAL, (0.0, 0.0), journal[0], edges[-2], edges[-1], journal_fillet, 0.0,
-            journal[1], journal_bores[1], edges[-3], edges[-1],
-        )
+    edges = _web_edges(throw, pins, thicknesses)
+    cylinders = (
+        _journal(throw, LEFT_JOURNAL, axes[0], 0.0, *edges[0]),
+        *(
+            _pin(pin, axis, number, *edges[number : number + 2])
+            for number, (pin, axis) in enumerate(zip(pins, axes, strict=True))
+        ),
+        _journal(throw, RIGHT_JOURNAL, axes[-1], edges[-1][1] + throw.main_journal_length / 2.0,
+                 *edges[-1][::-1]),
     )  # fmt: skip
-
-    webs = [_end_web(throw, left, "left web", edges[1], edges[2], axes[0], cylinders[:2], -1.0)]
-    for place, (_, width) in enumerate(between):
-        first, second = axes[place], axes[place + 1]
-        webs.append(
-            WebPlate(
-                f"web {place + 2}",
-                edges[2 * place + 3],
-                edges[2 * place + 4],
-                first,
-                second,
-                obround(width, width / 2.0, width / 2.0, math.dist(first, second)),
+    webs = (
+        _end_web(throw, left, "left web", *edges[0], axes[0], cylinders[:2], -1.0),
+        *(
+            _web_between(
+                _given(pin.web_width), number, edges[number - 1], *axes[number - 2 : number]
             )
-        )
-    webs.append(
-        _end_web(throw, right, "right web", edges[-3], edges[-2], axes[-1], cylinders[-2:], 1.0)
+            for number, pin in enumerate(pins[1:], start=2)
+        ),
+        _end_web(throw, right, "right web", *edges[-1], axes[-1], cylinders[-2:], 1.0),
     )
-    return ThrowParts(tuple(cylinders), tuple(webs))
+    return ThrowParts(cylinders, webs)
+
+
+def pin_tables(throw: "CrankThrow") -> list[FurtherPin]:
+    """Every pin of a throw with all of its dimensions; `angle` counts from the first."""
+    first = FurtherPin(
+        angle=0.0,
+        crank_radius=throw.crank_radius,
+        diameter=throw.pin_diameter,
+        length=throw.pin_length,
+        fillet_radius=_or(throw.pin_fillet_radius, throw.fillet_radius),
+        bore=throw.pin_bore,
+        bore_offset=throw.pin_bore_offset,
+        web_thickness=throw.web_thickness,
+        web_width=throw.web_width,
+    )
+    return [
+        first,
+        *(first.model_copy(update=pin.model_dump(exclude_none=True)) for pin in throw.further_pins),
+    ]
+
+
+def _web_edges(
+    throw: "CrankThrow", pins: list[FurtherPin], thicknesses: list[float]
+) -> list[tuple[float, float]]:
+    """Where each web begins and ends along z [m]."""
+    edges = []
+    z = throw.main_journal_length / 2.0
+    for thickness, pin in zip(thicknesses, [*pins, None], strict=True):
+        edges.append((z, z + thickness))
+        z += thickness + (0.0 if pin is None else _given(pin.length))
+    return edges
+
+
+def _journal(
+    throw: "CrankThrow", name: str, pin: Point, end: float, face: float, far_face: float
+) -> Cylinder:
+    """A half of a main journal between its free end and its web's face; the bore ends at the far one."""
+    fillet = _or(throw.main_journal_fillet_radius, throw.fillet_radius)
+    x, y = _direction(pin)
+    offset = throw.main_journal_bore_offset
+    left = end < face
+    return Cylinder(
+        name=name,
+        axis=(0.0, 0.0),
+        radius=throw.main_journal_diameter / 2.0,
+        start=min(end, face),
+        end=max(end, face),
+        start_fillet=0.0 if left else fillet,
+        end_fillet=fillet if left else 0.0,
+        bore_radius=throw.main_journal_bore / 2.0,
+        bore_axis=(x * offset, y * offset),
+        bore_start=min(end, far_face),
+        bore_end=max(end, far_face),
+    )
+
+
+def _pin(
+    pin: FurtherPin,
+    axis: Point,
+    number: int,
+    before: tuple[float, float],
+    after: tuple[float, float],
+) -> Cylinder:
+    """A crankpin between two webs; where one has no thickness, there is no fillet."""
+    fillet = _given(pin.fillet_radius)
+    share = 1.0 + _given(pin.bore_offset) / _given(pin.crank_radius)
+    return Cylinder(
+        name="pin" if number == 0 else f"pin {number + 1}",
+        axis=axis,
+        radius=_given(pin.diameter) / 2.0,
+        start=before[1],
+        end=after[0],
+        start_fillet=fillet if before[1] > before[0] else 0.0,
+        end_fillet=fillet if after[1] > after[0] else 0.0,
+        bore_radius=_given(pin.bore) / 2.0,
+        bore_axis=(axis[0] * share, axis[1] * share),
+        bore_start=before[0],
+        bore_end=after[1],
+    )
+
+
+def _web_between(
+    width: float, number: int, edges: tuple[float, float], first: Point, second: Point
+) -> WebPlate:
+    """The obround web before pin `number`."""
+    outline = obround(width, width / 2.0, width / 2.0, math.dist(first, second))
+    return WebPlate(f"web {number}", *edges, first, second, outline)
+
+
+def _given(value: float | None) -> float:
+    """A dimension of a pin of `pin_tables`, all of which are there."""
+    assert value is not None
+    return value
 
 
 def _or(own: float | None, common: float) -> float:
@@ -316,7 +339,7 @@ def _end_web(
     start: float,
     end: float,
     tip: Point,
-    joined: list[Cylinder],
+    joined: Sequence[Cylinder],
     outer: float,
 ) -> WebPlate:
     """Lay out a web between a main journal and a pin; `outer` is the z direction of the journal."""

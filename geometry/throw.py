@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from geometry.errors import InputError
 from geometry.model import InputModel, part_field, quantity_field
-from geometry.parts import ThrowParts, throw_parts
+from geometry.parts import ThrowParts, pin_tables, throw_parts
 from geometry.throw_checks import check_throw, throw_remarks
 from geometry.throw_sections import Counterweight, FurtherPin, Outline, Web
 from geometry.volume import throw_volume
@@ -266,7 +266,7 @@ class CrankThrow(InputModel):
 
     def reversed(self) -> "CrankThrow":
         """Return the same throw described from its other end (turned by half a turn about y)."""
-        pins = self._pin_tables()
+        pins = pin_tables(self)
         last = pins[-1].angle
         turned = [
             pin.model_copy(
@@ -294,29 +294,6 @@ class CrankThrow(InputModel):
                 "further_pins": tuple(turned),
             }
         )
-
-    def _pin_tables(self) -> list[FurtherPin]:
-        """Every pin with all of its dimensions."""
-        common = FurtherPin(
-            angle=0.0,
-            crank_radius=self.crank_radius,
-            diameter=self.pin_diameter,
-            length=self.pin_length,
-            fillet_radius=(
-                self.fillet_radius if self.pin_fillet_radius is None else self.pin_fillet_radius
-            ),
-            bore=self.pin_bore,
-            bore_offset=self.pin_bore_offset,
-            web_thickness=self.web_thickness,
-            web_width=self.web_width,
-        )
-        return [
-            common,
-            *(
-                common.model_copy(update=pin.model_dump(exclude_none=True))
-                for pin in self.further_pins
-            ),
-        ]
 
 
 def _whole_turn(angle: float) -> float:
