@@ -14,7 +14,7 @@ from geometry.errors import InputError
 
 # Residual that the modes must keep, relative to the largest eigenvalue; round-off leaves 1e-14.
 RESIDUAL_LIMIT = 1e-10
-# A displacement below this share of the larger one next to it is zero.
+# A displacement below this share of both next to it is zero.
 ZERO_DISPLACEMENT = 1e-11
 # Displacements within this share of the largest one count as equally large.
 EQUAL_DISPLACEMENT = 1e-9
@@ -220,10 +220,11 @@ def _scaled(shapes: FloatArray) -> FloatArray:
 def _zero_crossings(shape: FloatArray) -> tuple[float, ...]:
     """Return where a mode shape crosses zero, in element indices, by linear interpolation.
 
-    A displacement of zero at a node, between neighbors that move, counts once, at that node.
+    A displacement of zero at a node, between neighbors that move, counts once, at that node. One
+    that is small beside one neighbor only belongs to a mode that dies out there, and has a sign.
     """
     size = np.pad(np.abs(shape), 1)
-    moving = np.flatnonzero(size[1:-1] > ZERO_DISPLACEMENT * np.maximum(size[:-2], size[2:]))
+    moving = np.flatnonzero(size[1:-1] > ZERO_DISPLACEMENT * np.minimum(size[:-2], size[2:]))
     positions: list[float] = []
     for left, right in pairwise(moving.tolist()):
         if shape[left] * shape[right] > 0.0:

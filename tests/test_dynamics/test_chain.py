@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.linalg import eigh
 
@@ -123,6 +123,7 @@ def test_mode_number_counts_the_nodes(values):
     st.lists(st.tuples(st.floats(-4.0, 2.0), st.floats(3.0, 9.0)), min_size=2, max_size=10),
     st.floats(3.0, 9.0) | st.none(),
 )
+@example([(0.0, 3.0), (-3.0, 9.0), (2.0, 3.0)], None)
 def test_mode_number_counts_the_nodes_where_modes_die_out(exponents, ground):
     inertia = [10.0**first for first, _ in exponents]
     stiffness = [10.0**second for _, second in exponents[1:]]
