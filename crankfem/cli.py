@@ -183,22 +183,29 @@ def export(
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
     from crankfem.engine_file import load_crankshaft, load_throw
-    from geometry.mesh_files import check_ending, write_mesh
+    from geometry.mesh_files import ENDINGS as MESH_ENDINGS
+    from geometry.mesh_files import SOLID_ENDINGS, SURFACE_ENDINGS, write_mesh
     from geometry.mesher import mesh_isolated
     from geometry.solid_files import ENDINGS, write_step
 
     throw, _ = load_throw(engine)
     record: dict[str, Any] = {"file": str(file)}
     if shaft or file.suffix.lower() in ENDINGS:
-        chosen = throw.symmetry if part == "auto" else part
-        write_step(load_crankshaft(engine) if shaft else throw, file, chosen)
+        if size != 1.0:
+            raise InputError(f"--size: given {size:g}; allowed only for meshes, not for solids.")
+        write_step(load_crankshaft(engine) if shaft else throw, file, part)
     else:
-        check_ending(file)
+        if file.suffix.lower() not in MESH_ENDINGS:
+            raise InputError(
+                f"{file.name}: given the ending {file.suffix!r}; allowed are {', '.join(ENDINGS)} (solid), "
+                f"{', '.join(SOLID_ENDINGS)} (mesh) and {', '.join(SURFACE_ENDINGS)} (surface)."
+            )
         if not 0.05 <= size <= 10.0:
             raise InputError(f"--size: given {size:g}; allowed is 0.05 to 10.")
         mesh = mesh_isolated(throw, size, part)
         write_mesh(mesh, file)
         record |= {
+            "kind": "surface" if file.suffix.lower() in SURFACE_ENDINGS else "mesh",
             "nodes": len(mesh.points),
             "elements": len(mesh.elements),
             "surfaces": {name: len(facets) for name, facets in mesh.surfaces.items()},
@@ -207,9 +214,9 @@ def export(
     if json:
         print_json(record)
         return
-    mesh_text = (
-        f": {record['nodes']} nodes, {record['elements']} elements" if "nodes" in record else ""
-    )
+    mesh_text = ""
+    if record.get("kind") == "mesh":
+        mesh_text = f": {record['nodes']} nodes, {record['elements']} elements"
     console.output.print(f"{file} written{mesh_text}; lengths in m.", soft_wrap=True)
 
 

@@ -12,11 +12,11 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.progress import TimeElapsedColumn as Elapsed
 from rich.table import Table
 
+from crankfem.entry import EXIT_INTERRUPTED, interrupted_sentence
 from geometry.errors import InputError, MeshError, MissingLibraryError
 from regression.store import Outcome
 
-EXIT_INPUT, EXIT_FAILED, EXIT_INTERRUPTED = 2, 1, 130
-INTERRUPTED = "Stopped. Finished designs are kept; the same command continues where it stopped."
+EXIT_INPUT, EXIT_FAILED = 2, 1
 
 errors = Console(stderr=True)
 # Brackets in units and file names are text, not markup.
@@ -58,12 +58,12 @@ def clear_errors() -> Iterator[None]:
     except OSError as error:
         _stop(f"{error.filename or 'file'}: {error.strerror or error}.", EXIT_FAILED)
     except KeyboardInterrupt:
-        errors.print(INTERRUPTED, soft_wrap=True)
+        errors.print(interrupted_sentence(), soft_wrap=True)
         raise SystemExit(EXIT_INTERRUPTED) from None
     except SystemExit as end:
         # Typer turns an interrupt of a command into this code, without a word.
         if end.code == EXIT_INTERRUPTED:
-            errors.print(INTERRUPTED, soft_wrap=True)
+            errors.print(interrupted_sentence(), soft_wrap=True)
         raise
 
 

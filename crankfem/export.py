@@ -4,6 +4,7 @@ from pathlib import Path
 
 from crankfem.pictures.surface import stretched_part
 from fem.analysis import ThrowAnalysis
+from geometry.mesh_files import write_mesh
 
 
 def write_vtu(analysis: ThrowAnalysis, path: str | Path) -> Path:
@@ -13,19 +14,16 @@ def write_vtu(analysis: ThrowAnalysis, path: str | Path) -> Path:
     ----------
     analysis : ThrowAnalysis
     path : path
-        File whose ending meshio knows, such as ``.vtu`` for ParaView.
+        File ending in ``.vtu`` or another format of `write_mesh` that carries values at nodes.
 
     Returns
     -------
     Path
         The file.
-    """
-    import meshio
 
-    mesh = meshio.Mesh(
-        analysis.mesh.points,
-        [("tetra10", analysis.mesh.elements)],
-        point_data={"displacement": stretched_part(analysis)},
-    )
-    mesh.write(path)
-    return Path(path)
+    Raises
+    ------
+    InputError
+        If the ending is unknown, or the file cannot be written.
+    """
+    return write_mesh(analysis.mesh, path, {"displacement": stretched_part(analysis)})

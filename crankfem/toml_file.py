@@ -134,6 +134,10 @@ def read_toml(path: Path) -> TomlFile:
     InputError
         If it cannot be read, is not TOML, or has values outside sections.
     """
+    if path.suffix.lower() in (".step", ".stp"):
+        raise InputError(
+            f"{path}: is a STEP file; allowed is a TOML file here, for only `crankfem throw` takes STEP."
+        )
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError) as error:

@@ -1,5 +1,7 @@
 """The whole crankshaft: throws at their crank angles, free end, flange."""
 
+import cmath
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -17,7 +19,12 @@ from geometry.mass import (
     solid_mass_properties,
     together,
 )
-from geometry.mesh import SolidProperties, solid_properties
+from geometry.mesh import (
+    SOLID_VOLUME_TOLERANCE,
+    SolidProperties,
+    check_solid,
+    solid_properties,
+)
 from geometry.mesher import TIME_LIMIT
 from geometry.quantity import show_quantity
 from geometry.shaft_ends import ShaftEnds
@@ -74,6 +81,26 @@ class Crankshaft:
                         f"{show_quantity(right, 'm')} in throw {number + 1}; allowed is one value, for "
                         "they share a main journal."
                     )
+
+        for number in range(1, len(self.throws)):
+            self._check_bores(number)
+
+    def _check_bores(self, number: int) -> None:
+        """The bores of two throws must meet in the main journal that they share."""
+        left, right = self.throws[number - 1 : number + 1]
+        if left.main_journal_bore == 0.0:
+            return
+        ends = (left.parts.cylinders[-1].bore_axis, right.parts.cylinders[0].bore_axis)
+        first, second = (
+            complex(*axis) * cmath.exp(1j * angle)
+            for axis, angle in zip(ends, self.crank_angles[number - 1 : number + 1], strict=True)
+        )
+        if abs(first - second) > 1e-9 * left.main_journal_diameter:
+            raise InputError(
+                f"throws: given main_journal_bore_offset so that the bores of throws {number} and "
+                f"{number + 1} are {show_quantity(abs(first - second), 'm')} apart in the main journal "
+                "they share; allowed are bores that meet there, such as concentric ones."
+            )
 
     @property
     def starts(self) -> NDArray[np.float64]:
@@ -164,20 +191,22 @@ def throw_solid(throw: CrankThrow) -> SolidProperties:
         try:
             make_solid(gmsh, throw.parts, throw.symmetry)
             remove_loose(gmsh)
-            return solid_properties(gmsh)
+            solid = solid_properties(gmsh)
+            check_solid(throw.parts, throw.symmetry, solid)
+            return solid
         except MeshError:
             raise
         except Exception as error:  # gmsh raises bare Exception
             raise MeshError(f"gmsh could not build the throw: {error}") from error
 
 
-def make_shaft(gmsh: Any, shaft: Crankshaft) -> list[Entity]:
+def make_shaft(gmsh: Any, shaft: Crankshaft) -> None:
     """Build a crankshaft's solid in the current gmsh model, x, y, z as in `Crankshaft`.
 
-    Returns
-    -------
-    list of (dimension, tag)
-        Its volumes: one, if the kernel united all.
+    Raises
+    ------
+    MeshError
+        If the kernel lost a part, or did not unite all.
     """
     occ = gmsh.model.occ
     pieces: list[Entity] = []
@@ -197,5 +226,13 @@ def make_shaft(gmsh: Any, shaft: Crankshaft) -> list[Entity]:
     occ.remove(list(made.values()), recursive=True)
     if len(pieces) > 1:
         pieces, _ = occ.fuse(pieces[:1], pieces[1:])
-    occ.synchronize()
-    return [(3, int(tag)) for dimension, tag in pieces if dimension == 3]
+    remove_loose(gmsh)
+    solid = solid_properties(gmsh)
+    expected = sum(throw.volume for throw in shaft.throws)
+    expected += sum(
+        math.pi / 4.0 * diameter**2 * (high - low) for diameter, low, high in shaft.end_cylinders
+    )
+    if not math.isclose(solid.volume, expected, rel_tol=SOLID_VOLUME_TOLERANCE):
+        raise MeshError(
+            f"the shaft's solid has a volume of {solid.volume:.8g} m^3, its parts {expected:.8g} m^3."
+        )

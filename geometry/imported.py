@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import count, takewhile
 from pathlib import Path
 
 import numpy as np
@@ -154,7 +155,8 @@ def import_throw(
     left_end, right_end : str or None
         Names of the end faces; None finds them by shape although faces have names.
     pins : sequence of str or None
-        Names of the pins' cylindrical faces, in any order; None finds them by shape.
+        Names of the pins' cylindrical faces, in any order; None finds them by shape. By default "pin",
+        and "pin 2", "pin 3" ... where there are such.
     process : IsolatedProcess, optional
         Where to read it; the one that this process shares by default.
 
@@ -172,6 +174,8 @@ def import_throw(
     step = read_step(content, str(path))
     if isinstance(pins, str):
         pins = (pins,)
+    if pins is not None and tuple(pins) == (PIN,):
+        pins = _all_pins(step.faces)
     if not step.faces:
         wanted = Wanted(None, None, None)
     else:
@@ -192,6 +196,13 @@ def import_throw(
     except ProcessLostError as error:
         raise InputError(f"{path}: given a file that cannot be read: {error}.") from None
     return found
+
+
+def _all_pins(faces: tuple[StepFace, ...]) -> tuple[str, ...]:
+    """The names "pin", "pin 2", "pin 3" ... as far as they are there."""
+    names = {_plain(face.name) for face in faces}
+    further = (f"{PIN} {number}" for number in count(2))
+    return (PIN, *takewhile(lambda name: name in names, further))
 
 
 def file_content(path: Path) -> bytes:

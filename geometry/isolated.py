@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module
@@ -86,20 +87,25 @@ class IsolatedProcess:
         InputError, MeshError, MissingLibraryError
             As raised by the function.
         """
+        request = pickle.dumps((function, arguments, on_remark is not None))
         with self._lock:
             try:
-                return self._exchange(function, arguments, time_limit, on_remark)
-            except (KeyboardInterrupt, ProcessLostError):
+                answered, result = self._exchange(request, time_limit, on_remark)
+            except BaseException:
+                # An answer may still be on its way: it must not be taken for that of the next call.
                 self.close()
                 raise
+            if not answered:
+                raise result
+            return result
 
     def _exchange(
         self,
-        function: str,
-        arguments: tuple[Any, ...],
+        request: bytes,
         time_limit: float,
         on_remark: Callable[[Any], None] | None,
-    ) -> Any:
+    ) -> tuple[bool, Any]:
+        """Send a request and wait: (True, the result) or (False, the error that the function raised)."""
         self.start()
         process = self._process
         assert process is not None
@@ -112,7 +118,7 @@ class IsolatedProcess:
             process.kill()
 
         try:
-            pickle.dump((function, arguments, on_remark is not None), process.stdin)
+            process.stdin.write(request)
             process.stdin.flush()
             while True:
                 timer = threading.Timer(time_limit, end)
@@ -122,10 +128,12 @@ class IsolatedProcess:
                     kind, content = pickle.load(process.stdout)
                 finally:
                     timer.cancel()
+                if late.is_set():  # killed while the answer was read
+                    self.close()
                 if kind == RESULT:
-                    return content
+                    return True, content
                 if kind != REMARK:
-                    raise ERRORS.get(kind, RuntimeError)(content)
+                    return False, ERRORS.get(kind, RuntimeError)(content)
                 if on_remark is not None:
                     on_remark(content)
         except (EOFError, BrokenPipeError, pickle.UnpicklingError):
@@ -177,8 +185,16 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> None:
             send(RESULT, result)
 
 
+def _end_with_owner(owner: int) -> None:
+    """End even in the middle of a call when the owner is gone, whose time limit is gone with it."""
+    while os.getppid() == owner:
+        time.sleep(1.0)
+    os._exit(1)
+
+
 def main() -> None:
     """Serve on standard input and output, whatever gmsh may print."""
+    threading.Thread(target=_end_with_owner, args=(os.getppid(),), daemon=True).start()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the owner decides what an interrupt means
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)

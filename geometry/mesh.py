@@ -174,7 +174,7 @@ def mesh_throw_from(
 
     `on_remark` is told of all failed attempts before each way is tried.
     """
-    part = _checked_part(throw, part)
+    part = checked_part(throw, part)
     parts = throw.parts
     _check_budget(parts, size_factor, part)
     for rung in LADDER[len(attempts) :]:
@@ -189,7 +189,13 @@ def mesh_throw_from(
     )
 
 
-def _checked_part(throw: CrankThrow, part: str) -> str:
+def checked_part(throw: CrankThrow, part: str) -> str:
+    """Return the part that is meant, which the throw's symmetry must allow.
+
+    Raises
+    ------
+    InputError
+    """
     smallest = throw.symmetry
     if part == "auto":
         return smallest
@@ -221,7 +227,7 @@ def _mesh_once(
         try:
             named = build_solid(gmsh, parts, part)
             solid = solid_properties(gmsh)
-            _check_solid(parts, part, solid)
+            check_solid(parts, part, solid)
             set_sizes(gmsh, parts, named, size_plan(parts, factor))
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
@@ -230,6 +236,8 @@ def _mesh_once(
         except Exception as error:  # gmsh raises bare Exception
             raise MeshError(f"gmsh could not mesh the throw: {error}") from error
         points, elements, facets = read_mesh(gmsh, named.surfaces)
+    if 3 * len(points) > 1.5 * MOST_UNKNOWNS:
+        raise MeshError(f"the mesh has {3 * len(points):,} unknowns, far more than predicted.")
     points, mended = mend(points, elements)
     check_volume(points, elements, solid)
     check_quality(points, elements)
@@ -250,8 +258,13 @@ def solid_properties(gmsh: Any) -> SolidProperties:
     return SolidProperties(volume, center, 0.5 * np.trace(inertia) * np.eye(3) - inertia)
 
 
-def _check_solid(parts: ThrowParts, part: str, solid: SolidProperties) -> None:
-    """The solid must be what was described: booleans may lose a part without a word."""
+def check_solid(parts: ThrowParts, part: str, solid: SolidProperties) -> None:
+    """Refuse a solid that is not what was described: booleans may lose a part without a word.
+
+    Raises
+    ------
+    MeshError
+    """
     expected = SHARES[part] * throw_volume(parts)
     if not math.isclose(solid.volume, expected, rel_tol=SOLID_VOLUME_TOLERANCE):
         raise MeshError(

@@ -1,7 +1,7 @@
 """The base of all validated input: pydantic models whose errors are one clear sentence each."""
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Self, get_args
+from typing import Any, ClassVar, Self, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
@@ -115,7 +115,7 @@ class InputModel(BaseModel):
                 converted[key] = _parts_from_text(part, info, text, f"{prefix}{key}")
             elif unit is None:
                 converted[key] = text
-            elif isinstance(text, list):
+            elif isinstance(text, list) and get_origin(info.annotation) is tuple:
                 converted[key] = tuple(
                     parse_quantity(item, unit, f"{prefix}{key}[{number}]", _range(info))
                     for number, item in enumerate(text)

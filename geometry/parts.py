@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.errors import InputError
 from geometry.outline import Outline, obround, rectangle
 from geometry.throw_sections import FurtherPin, Web
 
@@ -347,17 +348,19 @@ def _end_web(
     foot_end = _or(own.journal_end, _or(throw.web_journal_end, width / 2.0))
     tip_end = _or(own.pin_end, _or(throw.web_pin_end, width / 2.0))
     distance = math.hypot(*tip)
-    if (own.outline or throw.web_outline) == "obround":
-        outline = obround(width, foot_end, tip_end, distance)
-    else:
-        outline = rectangle(
-            width,
-            foot_end,
-            tip_end,
-            distance,
-            _or(own.corner_radius, throw.web_corner_radius),
-            _or(own.corner_chamfer, throw.web_corner_chamfer),
+    radius = _or(own.corner_radius, throw.web_corner_radius)
+    chamfer = _or(own.corner_chamfer, throw.web_corner_chamfer)
+    obround_wanted = (own.outline or throw.web_outline) == "obround"
+    try:
+        outline = (
+            obround(width, foot_end, tip_end, distance)
+            if obround_wanted
+            else rectangle(width, foot_end, tip_end, distance, radius, chamfer)
         )
+    except InputError as error:
+        corner = "corner_radius" if radius > 0.0 else "corner_chamfer"
+        field = "journal_end" if obround_wanted else corner
+        raise InputError(f"throw.web_{field}: in the {name} {error}") from None
     journal, pin = joined if outer < 0.0 else joined[::-1]
     thickness = end - start
     tip_thickness = _or(own.tip_thickness, _or(throw.web_tip_thickness, thickness))

@@ -8,6 +8,7 @@ from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_session
 from geometry.isolated import ProcessLostError, shared_process
+from geometry.mesh import check_solid, checked_part, solid_properties
 from geometry.mesher import TIME_LIMIT
 from geometry.parts import ThrowParts
 from geometry.solid import LEFT_END, RIGHT_END, make_solid, remove_loose
@@ -27,7 +28,7 @@ def write_step(solid: CrankThrow | Crankshaft, path: str | Path, part: str = "fu
     solid : CrankThrow or Crankshaft
     path : path
         A file ending in ``.step`` or ``.stp``.
-    part : {"full", "half", "quarter"}
+    part : {"full", "half", "quarter", "auto"}
         Of a throw; only what its symmetry allows.
 
     Returns
@@ -38,7 +39,7 @@ def write_step(solid: CrankThrow | Crankshaft, path: str | Path, part: str = "fu
     Raises
     ------
     InputError
-        If the ending is another, or the file cannot be written.
+        If the ending is another, the throw has not that symmetry, or the file cannot be written.
     MeshError
         If the kernel cannot build the solid.
     """
@@ -46,6 +47,12 @@ def write_step(solid: CrankThrow | Crankshaft, path: str | Path, part: str = "fu
     if path.suffix.lower() not in ENDINGS:
         raise InputError(
             f"{path.name}: given the ending {path.suffix!r}; allowed are {', '.join(ENDINGS)}."
+        )
+    if isinstance(solid, CrankThrow):
+        part = checked_part(solid, part)
+    elif part not in ("full", "auto"):
+        raise InputError(
+            f"part: given {part!r}; allowed is 'full', for a crankshaft is written whole."
         )
     try:
         text = shared_process().call(
@@ -65,13 +72,19 @@ def step_text(solid: CrankThrow | Crankshaft, part: str) -> str:
     import tempfile
 
     with gmsh_session("export") as gmsh, tempfile.TemporaryDirectory() as folder:
-        if isinstance(solid, CrankThrow):
-            make_solid(gmsh, solid.parts, part)
-        else:
-            make_shaft(gmsh, solid)
-        remove_loose(gmsh)
-        file = Path(folder) / "solid.step"
-        gmsh.write(str(file))
+        try:
+            if isinstance(solid, CrankThrow):
+                make_solid(gmsh, solid.parts, part)
+                remove_loose(gmsh)
+                check_solid(solid.parts, part, solid_properties(gmsh))
+            else:
+                make_shaft(gmsh, solid)
+            file = Path(folder) / "solid.step"
+            gmsh.write(str(file))
+        except MeshError:
+            raise
+        except Exception as error:  # gmsh raises bare Exception
+            raise MeshError(f"gmsh could not build the solid: {error}") from error
         text = file.read_text(encoding="ascii")
     # gmsh writes the numbers as they are, in m, and says that they are mm.
     text = text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)")

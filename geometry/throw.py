@@ -5,7 +5,6 @@ from typing import ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from geometry.errors import InputError
 from geometry.model import InputModel, part_field, quantity_field
 from geometry.parts import ThrowParts, pin_tables, throw_parts
 from geometry.throw_checks import check_throw, throw_remarks
@@ -209,11 +208,7 @@ class CrankThrow(InputModel):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        try:
-            parts = self.parts
-        except InputError as error:
-            raise InputError(f"throw.web_width: {error}") from None
-        check_throw(self, parts)
+        check_throw(self, self.parts)
         return self
 
     @property

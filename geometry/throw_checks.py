@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from geometry.errors import InputError
 from geometry.parts import Cylinder, Sector, ThrowParts, WebPlate
 from geometry.quantity import show_quantity
+from geometry.throw_sections import Web
 
 if TYPE_CHECKING:
     from geometry.throw import CrankThrow
@@ -18,6 +19,12 @@ FILLET_SHARE_OF_LENGTH = 0.45
 SMALLEST_FILLET_SHARE = 0.01
 # A web must reach beyond an unfilleted journal by this share of its diameter.
 SMALLEST_LEDGE = 1e-3
+# A fillet's foot may lie on the web's edge, or this share of the journal's diameter inside it.
+SMALLEST_FOOT_LEDGE = 2e-4
+# Shares of a web's width: its smallest corner, and how far an end's radius may be from half of it.
+SMALLEST_CORNER, SMALLEST_END_STEP = 0.01, 1e-3
+# Two pins lie on one axis, or this share of their diameter apart.
+SMALLEST_PIN_STEP = 5e-3
 # Shares of a journal's diameter: the wall that a bore must leave, and the smallest bore.
 SMALLEST_WALL = 0.05
 SMALLEST_BORE = 0.05
@@ -54,6 +61,7 @@ def check_throw(throw: "CrankThrow", parts: ThrowParts) -> None:
     """
     _check_proportions(throw, parts)
     _check_corners(throw)
+    _check_outlines(throw)
     for place, web in enumerate(parts.webs):
         before, after = parts.cylinders[place : place + 2]
         if web.end == web.start:
@@ -61,11 +69,18 @@ def check_throw(throw: "CrankThrow", parts: ThrowParts) -> None:
             continue
         for cylinder, axis in _seats(web, before, after):
             _check_seat(throw, parts, web, cylinder, axis)
+        if 1e-9 * web.outline.width < web.distance < SMALLEST_PIN_STEP * 2.0 * after.radius:
+            raise InputError(
+                f"throw.further_pins: given pins whose axes are {_mm(web.distance)} apart; allowed is 0 or "
+                f"{_mm(SMALLEST_PIN_STEP * 2.0 * after.radius)} or more, for a smaller step cannot be meshed."
+            )
         _check_wall_between(web, before, after)
         _check_slopes(throw, web)
         if web.sector is not None:
             journal, pin = (before, after) if place == 0 else (after, before)
-            _check_counterweight(web, web.sector, journal, pin, outer=-1.0 if place == 0 else 1.0)
+            _check_counterweight(
+                throw, web, web.sector, journal, pin, outer=-1.0 if place == 0 else 1.0
+            )
     _check_fillets(throw, parts)
     for cylinder in parts.cylinders:
         _check_bore(throw, parts, cylinder)
@@ -176,6 +191,44 @@ def _check_corners(throw: "CrankThrow") -> None:
             raise _refuse(name, value, "only 0", "because an obround web has no corners")
 
 
+def _check_outlines(throw: "CrankThrow") -> None:
+    """Steps and corners of an outline must be absent or large enough to mesh."""
+    for table, web in (("left_web", throw.left_web), ("right_web", throw.right_web)):
+
+        def dimension(
+            kind: str, web: Web | None = web, table: str = table
+        ) -> tuple[str, float | None]:
+            own = None if web is None else getattr(web, kind)
+            if own is not None:
+                return f"{table}.{kind}", own
+            return f"web_{kind}", getattr(throw, f"web_{kind}")
+
+        width = dimension("width")[1]
+        assert width is not None
+        smallest = SMALLEST_CORNER * width
+        for kind in ("corner_radius", "corner_chamfer"):
+            name, value = dimension(kind)
+            if value and value < smallest:
+                raise _refuse(
+                    name,
+                    value,
+                    f"0, or {_mm(smallest)} or more",
+                    "because a smaller one acts as a sharp corner",
+                )
+        if ((web and web.outline) or throw.web_outline) == "rectangle":
+            continue
+        step = SMALLEST_END_STEP * width
+        for kind in ("journal_end", "pin_end"):
+            name, value = dimension(kind)
+            if value is not None and 1e-9 * width < abs(value - 0.5 * width) < step:
+                raise _refuse(
+                    name,
+                    value,
+                    f"{_mm(0.5 * width)}, or a value {_mm(step)} or more off it",
+                    "because a smaller step from half the web's width cannot be meshed",
+                )
+
+
 def _seats(web: WebPlate, before: Cylinder, after: Cylinder) -> list[tuple[Cylinder, float]]:
     """The two cylinders on a web with the heights of their axes in its coordinates."""
     return [
@@ -234,7 +287,18 @@ def _check_fillets(throw: "CrankThrow", parts: ThrowParts) -> None:
                     f"the {_which(throw, web)} of {_mm(web.outline.width)} is too narrow for a larger one "
                     f"round the {_label(cylinder)} of {_mm(2.0 * cylinder.radius)}"
                 )
-                limits[name].append((web.outline.distance(axis) - cylinder.radius, reason))
+                room = web.outline.distance(axis) - cylinder.radius
+                limits[name].append((room, reason))
+                ledge = room - _fillet_on(web, cylinder)
+                smallest = SMALLEST_FOOT_LEDGE * 2.0 * cylinder.radius
+                if 1e-9 * room < ledge < smallest:
+                    raise _refuse(
+                        name,
+                        _fillet_on(web, cylinder),
+                        f"at most {_mm(room - smallest)}, or {show_quantity(room, 'm', 9)} exactly",
+                        f"because its foot is {_mm(ledge)} inside the edge of the {_which(throw, web)}, too "
+                        "close to be meshed",
+                    )
     for name, radius in given.items():
         highest, reason = min(limits[name], key=lambda limit: limit[0])
         allowed = f"0, or {_mm(lowest[name])} to {_mm(highest)}"
@@ -313,10 +377,17 @@ def _check_slopes(throw: "CrankThrow", web: WebPlate) -> None:
 
 
 def _check_counterweight(
-    web: WebPlate, sector: Sector, journal: Cylinder, pin: Cylinder, outer: float
+    throw: "CrankThrow",
+    web: WebPlate,
+    sector: Sector,
+    journal: Cylinder,
+    pin: Cylinder,
+    outer: float,
 ) -> None:
     """A counterweight must be one piece with its web and clear bearing and rod."""
-    name = "counterweight"
+    own = getattr(throw, web.name.replace(" ", "_"))
+    table = f"{web.name.replace(' ', '_')}." if own is not None and own.counterweight else ""
+    name = f"{table}counterweight"
     reach = -web.outline.foot
     if sector.outer_radius < COUNTERWEIGHT_STANDS_OUT * reach:
         raise _refuse(
@@ -342,7 +413,7 @@ def _check_counterweight(
         raise _refuse(
             f"{name}.offset",
             0.5 * (sector.start + sector.end - web.start - web.end) * -outer,
-            "one that leaves it on its web",
+            f"one that puts more of its {_mm(sector.end - sector.start)} on the web",
             f"because {_mm(lowest)} of the thickness must be shared with the {web.name}, not "
             f"{_mm(max(shared, 0.0))}",
         )

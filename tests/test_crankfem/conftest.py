@@ -16,7 +16,7 @@ from regression.designs import full_factorial, latin_hypercube
 from regression.fits import fit_form
 
 ROOT = Path(__file__).resolve().parents[2]
-ENTRY = [sys.executable, "-c", "from crankfem.cli import main; main()"]
+ENTRY = [sys.executable, "-c", "from crankfem.entry import main; main()"]
 
 
 @dataclass(frozen=True)

@@ -171,8 +171,11 @@ def test_cad_parts_that_cannot_be_used(call, tmp_path):
 
 
 EXPORTS_REFUSED = {
-    "ending": (("m.foo",), "allowed for a mesh are .msh"),
+    "ending": (("m.foo",), "allowed are .step, .stp (solid), .msh"),
     "part": (("m.vtu", "--part", "eighth"), "allowed are auto, quarter"),
+    "part of a solid": (("m.step", "--part", "third"), "allowed are auto, quarter"),
+    "part of a shaft": (("m.step", "--shaft", "--part", "half"), "a crankshaft is written whole"),
+    "size of a solid": (("m.step", "--size", "2"), "allowed only for meshes"),
     "size": (("m.vtu", "--size", "0"), "--size: given 0; allowed is 0.05 to 10."),
     "shaft as a mesh": (("m.vtu", "--shaft"), "allowed are .step, .stp"),
     "folder": (("nowhere/m.step",), "cannot be written"),

@@ -302,7 +302,7 @@ def test_run_refuses_a_folder_that_cannot_be(call, quick_six, tmp_path):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signal")
 def test_an_interrupted_study_says_how_to_go_on(spawn_environment, tmp_path):
-    command = [sys.executable, "-c", "from crankfem.cli import main; main()", "doe", "6chn25-34"]
+    command = [sys.executable, "-c", "from crankfem.entry import main; main()", "doe", "6chn25-34"]
     process = subprocess.Popen(
         command,
         cwd=tmp_path,

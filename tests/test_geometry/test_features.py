@@ -214,7 +214,7 @@ REFUSED = {
     "narrow end": ({"web_pin_end": 0.08}, ["pin_diameter", "outside the web"]),
     "ends narrower than the width": (
         {"web_journal_end": 0.14, "web_pin_end": 0.14},
-        ["web_width", "150 mm or more"],
+        ["web_journal_end: in the left web", "150 mm or more"],
     ),
     "thick tip": ({"web_tip_thickness": 0.07}, ["web_tip_thickness", "20.4 mm to 68 mm"]),
     "no room for a slope": (
@@ -250,6 +250,22 @@ REFUSED = {
         ["split pin", "hold together"],
     ),
     "thin web of its own": ({"left_web": Web(thickness=0.005)}, ["left_web.thickness", "thinner"]),
+    "fillet's foot hardly inside the web": (
+        {"web_width": 0.264001, "fillet_radius": 0.022, "pin_diameter": 0.18},
+        ["throw.fillet_radius", "exactly", "too close to be meshed"],
+    ),
+    "hardly a corner": (
+        {"web_outline": "rectangle", "web_corner_radius": 1e-5},
+        ["web_corner_radius", "0, or 3 mm or more"],
+    ),
+    "end hardly off half the width": (
+        {"right_web": Web(pin_end=0.150001)},
+        ["right_web.pin_end", "150 mm, or a value 0.3 mm or more off it"],
+    ),
+    "pins hardly apart": (
+        {"further_pins": (FurtherPin(angle=1e-7),)},
+        ["further_pins", "0 or 0.9 mm or more"],
+    ),
     "pin of its own": (
         {"further_pins": (FurtherPin(angle=2.0, diameter=0.35),)},
         ["further_pins[0].diameter", "outside the"],

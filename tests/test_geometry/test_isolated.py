@@ -1,7 +1,10 @@
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +13,7 @@ from geometry.errors import InputError, MeshError
 from geometry.isolated import IsolatedProcess, ProcessLostError, shared_process
 from geometry.mesh import LADDER, mesh_throw
 from geometry.mesher import mesh_isolated
+from geometry.processes import package_environment
 from geometry.throw import CrankThrow
 
 
@@ -64,6 +68,57 @@ def test_a_hang_is_ended_and_the_next_call_served(process):
         process.call("time:sleep", 60.0, time_limit=1.0)
     assert time.monotonic() - start < 10.0
     assert process.call("operator:add", 1, 2, time_limit=10.0) == 3
+
+
+@pytest.mark.parametrize("disturbance", [ValueError, KeyboardInterrupt, MemoryError])
+def test_a_disturbed_call_leaves_no_answer_behind(dimensions, process, disturbance):
+    """The answer of a call that was given up must not be taken for that of the next one."""
+
+    def disturb(_):
+        raise disturbance
+
+    large = CrankThrow(**{**dimensions, "crank_radius": 0.2})
+    with pytest.raises(disturbance):
+        process.call(
+            "geometry.mesh:mesh_throw_from",
+            large, 2.0, "auto", (),
+            time_limit=60.0,
+            on_remark=disturb,
+        )  # fmt: skip
+    throw = CrankThrow(**dimensions)
+    assert same(mesh_isolated(throw, 2.0, process=process), mesh_throw(throw, 2.0))
+    with pytest.raises((TypeError, AttributeError)):
+        process.call("operator:add", lambda: 0, 1, time_limit=10.0)
+    assert process.call("operator:add", 1, 2, time_limit=10.0) == 3
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
+def test_a_call_ends_when_its_owner_is_killed(tmp_path):
+    code = (
+        "from geometry.isolated import IsolatedProcess\n"
+        "p = IsolatedProcess(); print(p.call('os:getpid', time_limit=10.0), flush=True)\n"
+        "p.call('time:sleep', 60.0, time_limit=100.0)\n"
+    )
+    owner = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, env=package_environment(), text=True
+    )
+    child = int(owner.stdout.readline())
+    owner.kill()
+    owner.wait()
+    owner.stdout.close()
+    deadline = time.monotonic() + 15.0
+    while _lives(child) and time.monotonic() < deadline:
+        time.sleep(0.2)
+    assert not _lives(child)
+
+
+def _lives(number):
+    """Whether a process runs; one that ended and was not waited for does not."""
+    try:
+        state = Path(f"/proc/{number}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except OSError:
+        return False
+    return state != "Z"
 
 
 def test_a_crash_costs_one_call(process):
