@@ -260,7 +260,10 @@ class CrankThrow(InputModel):
         return throw_remarks(self.parts)
 
     def reversed(self) -> "CrankThrow":
-        """Return the same throw described from its other end (turned by half a turn about y)."""
+        """Return the same throw described from its other end.
+
+        It is turned by half a turn about y, and about z until its last pin, now the first, is at +y.
+        """
         pins = pin_tables(self)
         last = pins[-1].angle
         turned = [
