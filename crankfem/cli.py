@@ -189,6 +189,7 @@ def export(
     from geometry.solid_files import ENDINGS, write_step
 
     throw, _ = load_throw(engine)
+    console.check_folder(file)
     record: dict[str, Any] = {"file": str(file)}
     if shaft or file.suffix.lower() in ENDINGS:
         if size != 1.0:
@@ -288,6 +289,8 @@ def draw(
     check_drawing_ending(drawing)
     for file in filter(None, (picture, shaft)):
         check_picture_ending(file)
+    for file in filter(None, (drawing, picture, shaft)):
+        console.check_folder(file)
     dimensions, _ = load_throw(engine)
     crankshaft = load_crankshaft(engine) if shaft else None
     files = [write_drawing(dimensions, drawing, name)]

@@ -4,6 +4,7 @@ import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, NoReturn
 
 from rich.console import Console
@@ -39,6 +40,17 @@ def print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
     for row in rows:
         table.add_row(*row)
     output.print(table)
+
+
+def check_folder(file: Path) -> None:
+    """Refuse a file in a folder that is not there, before anything is computed for it.
+
+    Raises
+    ------
+    InputError
+    """
+    if not file.parent.is_dir():
+        raise InputError(f"{file}: cannot be written; there is no folder {file.parent}.")
 
 
 @contextmanager

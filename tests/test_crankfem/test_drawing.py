@@ -321,7 +321,7 @@ def test_draw_tells_the_files_as_json(call, tmp_path, monkeypatch):
         (("--output", "a.gif"), "a.gif: given the ending '.gif'; allowed for a drawing are .svg, "),
         (("--picture", "a.jpg"), "a.jpg: given the ending '.jpg'; allowed for a picture is .png."),
         (("--shaft", "a"), "a: given the ending ''; allowed for a picture is .png."),
-        (("--output", "no/a.svg"), "a.svg: cannot be written (No such file or directory)."),
+        (("--output", "no/a.svg"), "no/a.svg: cannot be written; there is no folder no."),
     ],
 )
 def test_draw_refuses_what_it_cannot_write(call, tmp_path, options, sentence):
