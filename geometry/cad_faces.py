@@ -84,13 +84,6 @@ def opened_part(path: str) -> Iterator[tuple[Any, int]]:
         yield gmsh, solids[0]
 
 
-def middle_point(gmsh: Any, dimension: int, tag: int) -> Array:
-    """Return a point on a curve or surface, in the middle of its parameters."""
-    low, high = gmsh.model.getParametrizationBounds(dimension, tag)
-    middle = 0.5 * (np.asarray(low) + np.asarray(high))
-    return np.asarray(gmsh.model.getValue(dimension, tag, middle.tolist()), dtype=float)
-
-
 def measured_face(gmsh: Any, tag: int) -> Face:
     """Measure a face through points and normals on it, which every version of gmsh gives."""
     model = gmsh.model

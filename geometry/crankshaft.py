@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from geometry.balance import Unbalance, unbalance
 from geometry.errors import InputError, MeshError
-from geometry.gmsh_session import gmsh_session
+from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.isolated import ProcessLostError, shared_process
 from geometry.mass import (
     MassProperties,
@@ -187,17 +187,12 @@ def throw_masses(throw: CrankThrow, density: float) -> MassProperties:
 
 def throw_solid(throw: CrankThrow) -> SolidProperties:
     """Properties of the solid of the part of a throw that its symmetry leaves, in this process."""
-    with gmsh_session("throw") as gmsh:
-        try:
-            make_solid(gmsh, throw.parts, throw.symmetry)
-            remove_loose(gmsh)
-            solid = solid_properties(gmsh)
-            check_solid(throw.parts, throw.symmetry, solid)
-            return solid
-        except MeshError:
-            raise
-        except Exception as error:  # gmsh raises bare Exception
-            raise MeshError(f"gmsh could not build the throw: {error}") from error
+    with gmsh_session("throw") as gmsh, gmsh_errors("build the throw"):
+        make_solid(gmsh, throw.parts, throw.symmetry)
+        remove_loose(gmsh)
+        solid = solid_properties(gmsh)
+        check_solid(throw.parts, throw.symmetry, solid)
+        return solid
 
 
 def make_shaft(gmsh: Any, shaft: Crankshaft) -> None:

@@ -5,7 +5,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from geometry.errors import MissingLibraryError
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import InputError, MeshError, MissingLibraryError
 
 # The Debian and Ubuntu packages of the system libraries that gmsh's wheel loads.
 DEBIAN_PACKAGES = {
@@ -117,3 +120,21 @@ def gmsh_session(name: str) -> Iterator[Any]:
             for option, value in before.items():
                 gmsh.option.setNumber(option, value)
             gmsh.model.setCurrent(current)
+
+
+@contextmanager
+def gmsh_errors(what: str) -> Iterator[None]:
+    """Turn what gmsh raises, which is a bare Exception, into a MeshError "gmsh could not `what`"."""
+    try:
+        yield
+    except (InputError, MeshError):
+        raise
+    except Exception as error:
+        raise MeshError(f"gmsh could not {what}: {error}") from error
+
+
+def middle_point(gmsh: Any, dimension: int, tag: int) -> NDArray[np.float64]:
+    """Return a point on a curve or surface, in the middle of its parameters."""
+    low, high = gmsh.model.getParametrizationBounds(dimension, tag)
+    middle = 0.5 * (np.asarray(low) + np.asarray(high))
+    return np.asarray(gmsh.model.getValue(dimension, tag, middle.tolist()), dtype=float)

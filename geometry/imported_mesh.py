@@ -12,15 +12,16 @@ from numpy.typing import NDArray
 
 from geometry.cad_faces import opened_part
 from geometry.errors import InputError, MeshError
+from geometry.gmsh_session import gmsh_errors
 from geometry.imported import ImportedThrow, file_content
 from geometry.mending import mend
 from geometry.mesh import (
-    LADDER,
-    MOST_UNKNOWNS,
     Rung,
     ThrowMesh,
+    check_budget,
     check_quality,
     check_volume,
+    climb,
     read_mesh,
     solid_properties,
 )
@@ -127,21 +128,9 @@ def mesh_imported_from(
             f"{throw.path}: given a file that has changed since it was imported; allowed is the same, "
             "or import it again."
         )
-    expected = predict_imported_unknowns(throw, size_factor)
-    if expected > MOST_UNKNOWNS:
-        raise InputError(
-            f"size_factor: given {size_factor:.3g}, which would make about {expected:,} unknowns; allowed "
-            f"are {MOST_UNKNOWNS:,}, for more do not fit into an ordinary computer's memory."
-        )
-    for rung in LADDER[len(attempts) :]:
-        if on_remark is not None:
-            on_remark(attempts)
-        try:
-            return _mesh_once(throw, size_factor, rung, attempts)
-        except MeshError as error:
-            attempts = (*attempts, f"{rung.what}: {error}")
-    raise MeshError(
-        f"{len(attempts)} ways of meshing the throw failed, the last one ({attempts[-1]})."
+    check_budget(predict_imported_unknowns(throw, size_factor), size_factor)
+    return climb(
+        lambda rung, failed: _mesh_once(throw, size_factor, rung, failed), attempts, on_remark
     )
 
 
@@ -153,7 +142,7 @@ def _mesh_once(
     with opened_part(throw.path) as (gmsh, tag):
         for option, value in rung.options:
             gmsh.option.setNumber(option, value)
-        try:
+        with gmsh_errors("mesh the throw"):
             occ = gmsh.model.occ
             occ.rotate([(3, tag)], 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, throw.turned)
             occ.translate([(3, tag)], 0.0, 0.0, throw.shifted)
@@ -162,10 +151,6 @@ def _mesh_once(
             _set_sizes(gmsh, throw, factor)
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
-        except MeshError:
-            raise
-        except Exception as error:  # gmsh raises bare Exception
-            raise MeshError(f"gmsh could not mesh the throw: {error}") from error
         points, elements, facets = read_mesh(gmsh, surfaces)
     _check_ends(throw, points, facets)
     points, mended = mend(points, elements)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.errors import InputError, MeshError
-from geometry.gmsh_session import gmsh_session
+from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.mending import corner_quality, mend
 from geometry.parts import ThrowParts
 from geometry.shapes import jacobians, shapes_for_quadrature
@@ -176,12 +176,29 @@ def mesh_throw_from(
     """
     part = checked_part(throw, part)
     parts = throw.parts
-    _check_budget(parts, size_factor, part)
+    check_budget(predict_unknowns(parts, size_factor, part), size_factor)
+    return climb(
+        lambda rung, failed: _mesh_once(parts, size_factor, part, rung, failed), attempts, on_remark
+    )
+
+
+def climb(
+    mesh_by: Callable[[Rung, tuple[str, ...]], ThrowMesh],
+    attempts: tuple[str, ...],
+    on_remark: Callable[[tuple[str, ...]], None] | None,
+) -> ThrowMesh:
+    """Try one way of `LADDER` after the other, passing over as many as `attempts` failed before.
+
+    Raises
+    ------
+    MeshError
+        If all fail.
+    """
     for rung in LADDER[len(attempts) :]:
         if on_remark is not None:
             on_remark(attempts)
         try:
-            return _mesh_once(parts, size_factor, part, rung, attempts)
+            return mesh_by(rung, attempts)
         except MeshError as error:
             attempts = (*attempts, f"{rung.what}: {error}")
     raise MeshError(
@@ -208,8 +225,13 @@ def checked_part(throw: CrankThrow, part: str) -> str:
     return part
 
 
-def _check_budget(parts: ThrowParts, size_factor: float, part: str) -> None:
-    expected = predict_unknowns(parts, size_factor, part)
+def check_budget(expected: int, size_factor: float) -> None:
+    """Refuse a mesh of too many expected unknowns.
+
+    Raises
+    ------
+    InputError
+    """
     if expected > MOST_UNKNOWNS:
         raise InputError(
             f"size_factor: given {size_factor:.3g}, which would make about {expected:,} unknowns; allowed "
@@ -224,17 +246,13 @@ def _mesh_once(
     with gmsh_session("throw") as gmsh:
         for option, value in rung.options:
             gmsh.option.setNumber(option, value)
-        try:
+        with gmsh_errors("mesh the throw"):
             named = build_solid(gmsh, parts, part)
             solid = solid_properties(gmsh)
             check_solid(parts, part, solid)
             set_sizes(gmsh, parts, named, size_plan(parts, factor))
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
-        except MeshError:
-            raise
-        except Exception as error:  # gmsh raises bare Exception
-            raise MeshError(f"gmsh could not mesh the throw: {error}") from error
         points, elements, facets = read_mesh(gmsh, named.surfaces)
     if 3 * len(points) > 1.5 * MOST_UNKNOWNS:
         raise MeshError(f"the mesh has {3 * len(points):,} unknowns, far more than predicted.")

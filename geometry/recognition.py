@@ -13,12 +13,12 @@ from geometry.cad_faces import (
     Round,
     curvature_radius,
     measured_face,
-    middle_point,
     opened_part,
     rounds_along,
     same_surface,
 )
 from geometry.errors import InputError
+from geometry.gmsh_session import middle_point
 from geometry.imported import ImportedPin, ImportedThrow, Wanted
 from geometry.parts import Cylinder
 from geometry.quantity import show_quantity

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from geometry.gmsh_session import middle_point
 from geometry.outline import Arc, Line
 from geometry.parts import Cylinder, Sector, Slope, ThrowParts, WebPlate
 
@@ -300,7 +301,7 @@ def _name(gmsh: Any, parts: ThrowParts, part: str) -> NamedSolid:
     last = parts.length / 2.0 if part == "quarter" else parts.length
     for _, tag in gmsh.model.getEntities(2):
         kind = gmsh.model.getType(2, tag)
-        point = _point_on(gmsh, 2, tag)
+        point = middle_point(gmsh, 2, tag)
         if kind == "Plane":
             _, _, z_low, x_high, _, z_high = gmsh.model.getBoundingBox(2, tag)
             if z_high < tolerance:
@@ -317,13 +318,6 @@ def _name(gmsh: Any, parts: ThrowParts, part: str) -> NamedSolid:
                 fillets.setdefault(zone, []).append(tag)
         surfaces.setdefault(name, []).append(tag)
     return NamedSolid(surfaces, fillets, _corners(gmsh, parts, tolerance))
-
-
-def _point_on(gmsh: Any, dimension: int, tag: int) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Return a point on a surface or curve, in the middle of its parameters."""
-    low, high = gmsh.model.getParametrizationBounds(dimension, tag)
-    middle = 0.5 * (np.asarray(low) + np.asarray(high))
-    return np.asarray(gmsh.model.getValue(dimension, tag, middle.tolist()), dtype=float)
 
 
 def _round_surface(
@@ -382,7 +376,7 @@ def _corners(gmsh: Any, parts: ThrowParts, tolerance: float) -> dict[Zone, list[
     for _, tag in gmsh.model.getEntities(1):
         if gmsh.model.getType(1, tag) != "Circle":
             continue
-        x, y, z = _point_on(gmsh, 1, tag)
+        x, y, z = middle_point(gmsh, 1, tag)
         for zone, cylinder, junction in sought:
             off = abs(math.dist((x, y), cylinder.axis) - cylinder.radius)
             if abs(z - junction) < tolerance and off < 1e-6 * cylinder.radius:

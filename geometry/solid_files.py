@@ -6,7 +6,7 @@ from pathlib import Path
 
 from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.errors import InputError, MeshError
-from geometry.gmsh_session import gmsh_session
+from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.isolated import ProcessLostError, shared_process
 from geometry.mesh import check_solid, checked_part, solid_properties
 from geometry.mesher import TIME_LIMIT
@@ -72,7 +72,7 @@ def step_text(solid: CrankThrow | Crankshaft, part: str) -> str:
     import tempfile
 
     with gmsh_session("export") as gmsh, tempfile.TemporaryDirectory() as folder:
-        try:
+        with gmsh_errors("build the solid"):
             if isinstance(solid, CrankThrow):
                 make_solid(gmsh, solid.parts, part)
                 remove_loose(gmsh)
@@ -81,10 +81,6 @@ def step_text(solid: CrankThrow | Crankshaft, part: str) -> str:
                 make_shaft(gmsh, solid)
             file = Path(folder) / "solid.step"
             gmsh.write(str(file))
-        except MeshError:
-            raise
-        except Exception as error:  # gmsh raises bare Exception
-            raise MeshError(f"gmsh could not build the solid: {error}") from error
         text = file.read_text(encoding="ascii")
     # gmsh writes the numbers as they are, in m, and says that they are mm.
     text = text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)")
