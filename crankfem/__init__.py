@@ -22,8 +22,10 @@ if TYPE_CHECKING:
     from dynamics.harmonics import Harmonics, harmonics
     from dynamics.torque_table import TorqueTable, read_torque_table
     from dynamics.two_mass import TwoMassCheck, two_mass_check
-    from fem.analysis import ThrowAnalysis, analyze_throw
+    from fem.analysis import AxialAnalysis, ThrowAnalysis, analyze_axial, analyze_throw
+    from fem.calculix import write_calculix
     from fem.material import STEEL, Material
+    from fem.pin_response import Motion, PinResponse
     from fem.shaft import ShaftCompliances, shaft_compliances
     from fem.solver import SolveError
     from fem.supports import EndReaction, Neighbors, Reactions
@@ -70,6 +72,7 @@ _HOMES = {
         "dynamics.chain": (
             "Chain",
             "Modes",
+            "Motion",
         ),
         "dynamics.critical": (
             "CriticalSpeed",
@@ -89,8 +92,15 @@ _HOMES = {
             "two_mass_check",
         ),
         "fem.analysis": (
+            "AxialAnalysis",
             "ThrowAnalysis",
+            "analyze_axial",
             "analyze_throw",
+        ),
+        "fem.calculix": ("write_calculix",),
+        "fem.pin_response": (
+            "Motion",
+            "PinResponse",
         ),
         "fem.material": (
             "STEEL",
@@ -143,6 +153,7 @@ _HOMES = {
             "ComplianceModel",
             "Lookup",
             "OutsideRangeWarning",
+            "PinResponse",
         ),
         "regression.formula_value": ("FormulaValue",),
         "regression.torsional_formulas": ("torsional_formulas",),
@@ -155,6 +166,7 @@ _OTHER_NAMES = {"mesh_throw": "mesh_isolated"}
 
 __all__ = [
     "STEEL",
+    "AxialAnalysis",
     "Chain",
     "ComplianceModel",
     "Counterweight",
@@ -174,8 +186,10 @@ __all__ = [
     "MeshError",
     "MissingLibraryError",
     "Modes",
+    "Motion",
     "Neighbors",
     "OutsideRangeWarning",
+    "PinResponse",
     "Reactions",
     "RunResult",
     "ShaftCompliances",
@@ -188,6 +202,7 @@ __all__ = [
     "TwoMassCheck",
     "Unbalance",
     "Web",
+    "analyze_axial",
     "analyze_throw",
     "axial_formula",
     "axial_formulas",
@@ -210,6 +225,7 @@ __all__ = [
     "torsional_formulas",
     "two_mass_check",
     "unbalance",
+    "write_calculix",
     "write_mesh",
     "write_step",
 ]

@@ -3,7 +3,7 @@
 import shutil
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
@@ -179,18 +179,30 @@ def export(
     part: Annotated[str, typer.Option(help="full, half, quarter, or auto.")] = "full",
     size: Annotated[float, typer.Option(help="Scale of the element sizes; 1 is usual.")] = 1.0,
     shaft: Annotated[bool, typer.Option("--shaft", help="The whole crankshaft (STEP).")] = False,
+    calculix: Annotated[
+        bool,
+        typer.Option(
+            "--calculix", help="Into .inp write a whole deck: mesh, supports, load cases."
+        ),
+    ] = False,
     json: JsonOption = False,
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
     from crankfem.engine_file import load_crankshaft, load_throw
+    from fem.calculix import write_calculix
     from geometry.mesh_files import ENDINGS as MESH_ENDINGS
     from geometry.mesh_files import SOLID_ENDINGS, SURFACE_ENDINGS, write_mesh
     from geometry.mesher import mesh_isolated
     from geometry.solid_files import ENDINGS, write_step
 
-    throw, _ = load_throw(engine)
+    throw, material = load_throw(engine)
     console.check_folder(file)
     record: dict[str, Any] = {"file": str(file)}
+    if calculix and (file.suffix.lower() != ".inp" or part != "full"):
+        raise InputError(
+            f"--calculix: given {file.name} and --part {part}; allowed is a file ending in .inp with the "
+            "whole throw, for the deck holds and loads both ends."
+        )
     if shaft or file.suffix.lower() in ENDINGS:
         if size != 1.0:
             raise InputError(f"--size: given {size:g}; allowed only for meshes, not for solids.")
@@ -204,7 +216,10 @@ def export(
         if not 0.05 <= size <= 10.0:
             raise InputError(f"--size: given {size:g}; allowed is 0.05 to 10.")
         mesh = mesh_isolated(throw, size, part)
-        write_mesh(mesh, file)
+        if calculix:
+            write_calculix(mesh, material, file)
+        else:
+            write_mesh(mesh, file)
         record |= {
             "kind": "surface" if file.suffix.lower() in SURFACE_ENDINGS else "mesh",
             "nodes": len(mesh.points),
@@ -229,6 +244,11 @@ def throw(
         list[str] | None,
         typer.Option("--pin", help="Name of a crankpin's face in a STEP file; once for each pin."),
     ] = None,
+    end_sections: Annotated[
+        str, typer.Option(help="rigid, or averaged (free to warp); the two bound the truth.")
+    ] = "rigid",
+    solver: Annotated[str, typer.Option(help="pardiso, superlu, or auto.")] = "auto",
+    profile: Annotated[bool, typer.Option("--profile", help="Print where the time goes.")] = False,
     json: JsonOption = False,
 ) -> None:
     """Analyze one throw by finite elements: compliances, reactions, masses.
@@ -242,24 +262,30 @@ def throw(
     from fem.analysis import analyze_throw
     from fem.material import STEEL
     from geometry.imported import import_throw
+    from geometry.mesher import Throw
     from geometry.solid_files import ENDINGS
 
     if Path(engine).suffix.lower() in ENDINGS:
-        part = import_throw(engine, pins=pins or ("pin",))
+        part: Throw = import_throw(engine, pins=pins or ("pin",))
         for remark in part.remarks:
             console.errors.print(remark, soft_wrap=True, highlight=False)
-        analysis = analyze_throw(part, STEEL, accuracy)
+        material = STEEL
     else:
         if pins:
             raise InputError(
                 f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
             )
-        analysis = analyze_throw(*load_throw(engine), accuracy)
+        part, material = load_throw(engine)
+    analysis = analyze_throw(
+        part, material, accuracy, solver=solver, end_sections=cast(Any, end_sections)
+    )
     record = throw_record(analysis, UNIT_RADIAL_FORCE)
     if json:
         print_json(record)
-    else:
-        tables.print_throw(record)
+        return
+    tables.print_throw(record)
+    if profile:
+        tables.print_profile(record["seconds"])
 
 
 @app.command(epilog="Example: crankfem draw 6chn25-34 --shaft crankshaft.png")

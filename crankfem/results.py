@@ -93,11 +93,12 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
         "accuracy": analysis.accuracy,
         "accuracy_met": analysis.accuracy_met,
         "unknowns": analysis.mesh.unknowns,
-        "model": f"{analysis.mesh.part}, second-order tetrahedra, end sections rigid",
+        "model": f"{analysis.mesh.part}, second-order tetrahedra, end sections {analysis.end_sections}",
         "remarks": list(analysis.throw.remarks),
         "meshing_attempts": list(analysis.mesh.attempts),
         "mended_elements": analysis.mesh.mended_elements,
         "solver": analysis.solver,
+        "seconds": dict(analysis.seconds),
     }
 
 

@@ -41,6 +41,27 @@ def print_throw(record: dict[str, Any]) -> None:
         soft_wrap=True,
         highlight=False,
     )
+    met = (
+        "" if record["accuracy_met"] else f"; the accuracy of {record['accuracy']:.2g} was not met"
+    )
+    console.output.print(
+        f"Model: {record['model']}, {record['unknowns']:,} unknowns, solver {record['solver']}{met}.",
+        soft_wrap=True,
+        highlight=False,
+    )
+
+
+def print_profile(seconds: dict[str, float]) -> None:
+    """Print where the time of an analysis went."""
+    total = sum(seconds.values())
+    print_table(
+        "Where the time went",
+        ["work", "s", "%"],
+        [
+            *([name, f"{s:.2f}", f"{100.0 * s / total:.0f}"] for name, s in seconds.items()),
+            ["all", f"{total:.2f}", "100"],
+        ],
+    )
 
 
 def print_shape(record: dict[str, Any]) -> None:

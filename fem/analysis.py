@@ -1,38 +1,41 @@
 """Analyze a throw: one call from dimensions to superelement, masses and an error estimate."""
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import sparse
 
-from fem.assembly import assemble_stiffness
+from fem.accuracy import Mesher, Problem, solve_to
 from fem.class_compliances import axial_answers, torsional_answer
-from fem.condensation import CondensedClass, condense
-from fem.loads import radial_directions, uniform_pin_loads
+from fem.condensation import CondensedClass, EndSections
+from fem.loads import Distribution, NodalLoads, pin_load, pin_surfaces, radial_directions
 from fem.material import STEEL, Material
+from fem.pin_response import (
+    PinResponse,
+    equivalent_load,
+    local_motion,
+    pin_compliance,
+    pin_response,
+)
 from fem.superelement import Superelement, combine_classes
-from fem.supports import Reactions, Support, SupportedThrow, reactions, support_throw
-from fem.symmetry import SymmetryClass, axial_class, symmetry_classes, torsional_class
+from fem.supports import (
+    STRETCH,
+    Reactions,
+    Support,
+    SupportedThrow,
+    end_motions,
+    reactions,
+    support_throw,
+)
+from fem.symmetry import symmetry_classes, torsional_class
 from geometry.errors import InputError
 from geometry.mass import MassProperties, mass_properties
 from geometry.mesh import ThrowMesh
-from geometry.mesher import Throw, expected_unknowns, mesh_isolated
+from geometry.mesher import Throw, mesh_isolated
+from geometry.stopwatch import Stopwatch
 
-# The error of the compliance falls with the element size to this power. Filleted throws show 1.6 to
-# 2.1, sharp corners 1.0 to 1.1; the lower values keep the estimate on the safe side.
-ORDER_FILLETED = 1.6
-ORDER_SHARP = 1.0
-# Size factors above these are not used: on coarser meshes the error follows no power.
-COARSEST_FILLETED = 1.0
-COARSEST_SHARP = 2.0
-COARSENING = 1.5
-MOST_REFINEMENTS = 3
-MOST_UNKNOWNS = 450_000
-
-# Makes the mesh of a throw with a size factor.
-Mesher = Callable[[Throw, float], ThrowMesh]
+NO_FORCE = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -50,10 +53,12 @@ class ThrowAnalysis:
         The solved symmetry classes with their displacement fields.
     masses : MassProperties
     error_estimate : float
-        Estimated relative discretization error of the axial compliance (pinned), from two meshes
-        and the known order of convergence; the compliance is that much too small.
+        Estimated relative discretization error of the axial compliance (pinned), from the energy of
+        the error; the compliance is about that much too small.
     accuracy : float
         The accuracy that was asked for.
+    seconds : mapping
+        Where the time went, by name.
     """
 
     throw: Throw
@@ -64,6 +69,7 @@ class ThrowAnalysis:
     masses: MassProperties
     error_estimate: float
     accuracy: float
+    seconds: Mapping[str, float] = field(default_factory=dict, repr=False)
 
     @property
     def stiffness(self) -> NDArray[np.float64]:
@@ -79,6 +85,11 @@ class ThrowAnalysis:
     def solver(self) -> str:
         """The equation solver that was used."""
         return self.classes[0].solver
+
+    @property
+    def end_sections(self) -> str:
+        """What the end sections may do: "rigid" or "averaged"."""
+        return self.classes[0].end_sections
 
     @property
     def mass(self) -> float:
@@ -119,30 +130,41 @@ class ThrowAnalysis:
         """Twist per unit torque [rad/(N m)]; parameters as for `axial_compliance`."""
         return self.supported(support).torsional
 
-    def influence_coefficient(self, support: Support = "pinned", pin: int = 0) -> float:
+    def influence_coefficient(
+        self, support: Support = "pinned", pin: int = 0, distribution: Distribution = "uniform"
+    ) -> float:
         """Influence coefficient c of P = c Z / e_n: lengthening per unit radial force Z [m/N].
 
-        Z acts on the pin towards the shaft axis, spread uniformly over the pin's surface, and opens
-        a throw of one pin, so its c > 0. Yamanin and Zhukov 2021,
-        doi 10.24143/2073-1574-2021-4-75-83.
+        Z acts on the pin towards the shaft axis and opens a throw of one pin, so its c > 0. Yamanin
+        and Zhukov 2021, doi 10.24143/2073-1574-2021-4-75-83.
 
         Parameters
         ----------
         support : "pinned", "guided" or Neighbors
         pin : int
             Which pin, from 0 at the left.
+        distribution : {"uniform", "cosine"}
+            How the force is spread over the pin; see `pin_response`.
 
         Raises
         ------
         InputError
-            If the support is none of these, or there is no such pin.
+            If an argument is none of these.
         """
-        return float(self.supported(support).influences[self._checked_pin(pin)])
+        radial = self.superelement.radials[self._checked_pin(pin)]
+        load = self._end_load(pin, radial, NO_FORCE, distribution)
+        return float(STRETCH @ end_motions(self.superelement, support, load[:, None])[:, 2])
 
     def reactions(
-        self, pin_force: ArrayLike, support: Support = "pinned", pin: int = 0
+        self,
+        pin_force: ArrayLike = NO_FORCE,
+        support: Support = "pinned",
+        pin: int = 0,
+        *,
+        pin_moment: ArrayLike = NO_FORCE,
+        distribution: Distribution = "uniform",
     ) -> Reactions:
-        """Reactions of the supports on the throw under a force on a pin, axial motion blocked.
+        """Reactions of the supports on the throw under a load on a pin, axial motion blocked.
 
         Parameters
         ----------
@@ -153,6 +175,10 @@ class ThrowAnalysis:
             The left end takes the torque.
         pin : int
             Which pin, from 0 at the left.
+        pin_moment : (3,) array_like
+            Moment on the pin about its center [N m].
+        distribution : {"uniform", "cosine"}
+            How the load is spread over the pin; see `pin_response`.
 
         Returns
         -------
@@ -162,17 +188,78 @@ class ThrowAnalysis:
         Raises
         ------
         InputError
-            If the force is not three finite numbers, the support is unknown, or there is no such pin.
+            If force or moment are not three finite numbers, the support or distribution is unknown,
+            or there is no such pin.
         """
-        try:
-            force = np.asarray(pin_force, dtype=float)
-        except (TypeError, ValueError):
-            force = np.empty(0)
-        if force.shape != (3,) or not np.all(np.isfinite(force)):
-            raise InputError(
-                f"pin_force: given {pin_force!r}; allowed are three finite numbers [N]."
-            )
-        return reactions(self.superelement, support, force, self._checked_pin(pin))
+        load = self._end_load(pin, pin_force, pin_moment, distribution)
+        return reactions(self.superelement, support, load)
+
+    def pin_response(
+        self,
+        force: ArrayLike = NO_FORCE,
+        moment: ArrayLike = NO_FORCE,
+        support: Support = "pinned",
+        pin: int = 0,
+        distribution: Distribution = "uniform",
+    ) -> PinResponse:
+        """Motions of end sections and pin under a load on the pin, the throw axially free.
+
+        Parameters
+        ----------
+        force, moment : (3,) array_like
+            On the pin, in the throw frame, the moment about the pin's center [N, N m].
+        support : "pinned", "guided" or Neighbors
+            The left end is held along and about the shaft.
+        pin : int
+            Which pin, from 0 at the left.
+        distribution : {"uniform", "cosine"}
+            ``uniform``: traction spread evenly over the pin, for moments growing linearly from its
+            center. ``cosine``: force and moment across the pin as pressures p cos(theta) on the half
+            that each presses on; force along the pin and torque about it are uniform in either case.
+
+        Returns
+        -------
+        PinResponse
+
+        Raises
+        ------
+        InputError
+            As for `reactions`.
+        """
+        load = self._pin_load(pin, force, moment, distribution)
+        local = local_motion(self.classes, load, len(self.mesh.pins))[6 * pin : 6 * pin + 6]
+        end_load = equivalent_load(self.classes, load)
+        return pin_response(self.superelement, support, end_load, local, pin)
+
+    def pin_compliance(self, support: Support = "pinned", pin: int = 0) -> NDArray[np.float64]:
+        """Mean motions (6, 6) of a pin per unit load on it, the throw axially free.
+
+        Translations along x, y, z [m] and rotations about them [rad] under unit forces [N] and moments
+        about the pin's center [N m], uniformly spread. Errors as for `axial_compliance`, also if there
+        is no such pin.
+        """
+        return pin_compliance(self.superelement, support, self._checked_pin(pin))
+
+    def _end_load(
+        self, pin: int, force: ArrayLike, moment: ArrayLike, distribution: Distribution
+    ) -> NDArray[np.float64]:
+        """End loads (12,) that a load on a pin is equivalent to."""
+        if distribution == "uniform":
+            both = [_vector("pin_force", force, "N"), _vector("pin_moment", moment, "N m")]
+            load = self.superelement.pin_loads[self._checked_pin(pin)] @ np.concatenate(both)
+            return np.asarray(load)
+        return equivalent_load(self.classes, self._pin_load(pin, force, moment, distribution))
+
+    def _pin_load(
+        self, pin: int, force: ArrayLike, moment: ArrayLike, distribution: Distribution
+    ) -> NodalLoads:
+        surface = pin_surfaces(self.mesh)[self._checked_pin(pin)]
+        return pin_load(
+            surface,
+            _vector("pin_force", force, "N"),
+            _vector("pin_moment", moment, "N m"),
+            distribution,
+        )
 
     def _checked_pin(self, pin: int) -> int:
         count = len(self.superelement.pin_loads)
@@ -182,19 +269,83 @@ class ThrowAnalysis:
         return int(pin)
 
 
+def _vector(name: str, given: ArrayLike, unit: str) -> NDArray[np.float64]:
+    """Three finite numbers."""
+    try:
+        vector = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        vector = np.empty(0)
+    if vector.shape != (3,) or not np.all(np.isfinite(vector)):
+        raise InputError(f"{name}: given {given!r}; allowed are three finite numbers [{unit}].")
+    return vector
+
+
+@dataclass(frozen=True)
+class AxialAnalysis:
+    """A throw's axial compliance alone, several times cheaper than the whole analysis.
+
+    Attributes
+    ----------
+    throw : CrankThrow or ImportedThrow
+    material : Material
+    mesh : ThrowMesh
+    part : CondensedClass
+        The symmetry class that an axial force excites.
+    error_estimate, accuracy, seconds
+        As of `ThrowAnalysis`.
+    """
+
+    throw: Throw
+    material: Material
+    mesh: ThrowMesh
+    part: CondensedClass = field(repr=False)
+    error_estimate: float
+    accuracy: float
+    seconds: Mapping[str, float] = field(default_factory=dict, repr=False)
+
+    @property
+    def accuracy_met(self) -> bool:
+        """Whether the error estimate is within the accuracy asked for."""
+        return self.error_estimate <= self.accuracy
+
+    def axial_compliance(self, support: str = "pinned") -> float:
+        """Axial compliance e_n [m/N]; `support` is "pinned" or "guided".
+
+        Raises
+        ------
+        InputError
+            If the support is neither; between neighbors every class counts, see `analyze_throw`.
+        """
+        return axial_answers(self.part, _class_support(support))[0]
+
+    def influence_coefficient(self, support: str = "pinned") -> float:
+        """Influence coefficient c of the first pin [m/N]; support and errors as for e_n."""
+        return axial_answers(self.part, _class_support(support))[1]
+
+
+def _class_support(support: str) -> str:
+    if support not in ("pinned", "guided"):
+        raise InputError(
+            f'support: given {support!r}; allowed are "pinned" and "guided", for other supports need the '
+            "whole analysis (analyze_throw)."
+        )
+    return support
+
+
 def analyze_throw(
     throw: Throw,
     material: Material = STEEL,
     accuracy: float = 0.01,
     *,
     solver: str = "auto",
+    end_sections: EndSections = "rigid",
     mesher: Mesher = mesh_isolated,
 ) -> ThrowAnalysis:
     """Compute a throw's superelement, compliances, reactions and masses by finite elements.
 
-    The throw, or the part of it that its symmetry leaves, is meshed twice; the difference and the known
-    order of convergence give the error estimate. The mesh is refined until the estimate meets
-    `accuracy`.
+    The throw, or the part of it that its symmetry leaves, is meshed coarsely and solved under an axial
+    force; the energy of the error, estimated from recovered stresses, says where the next mesh must be
+    finer, until the estimate meets `accuracy`.
 
     Parameters
     ----------
@@ -206,9 +357,11 @@ def analyze_throw(
         Wished relative accuracy of the axial compliance, 0.001 to 0.1.
     solver : {"auto", "pardiso", "superlu"}
         Equation solver.
+    end_sections : {"rigid", "averaged"}
+        Rigid discs, or sections of which only the mean motion is given; the two bound the truth.
     mesher : callable
-        How to mesh: throw and size factor to ThrowMesh. By default gmsh runs in a process of its own,
-        which a crash or a hang cannot leave.
+        How to mesh: throw, size factor, part and size map to ThrowMesh. By default gmsh runs in a
+        process of its own, which a crash or a hang cannot leave.
 
     Returns
     -------
@@ -217,7 +370,7 @@ def analyze_throw(
     Raises
     ------
     InputError
-        If `accuracy` is out of range.
+        If an argument is out of range.
     MeshError, SolveError
         If the throw cannot be meshed or solved.
 
@@ -231,21 +384,55 @@ def analyze_throw(
     ... )
     >>> analysis = cf.analyze_throw(throw, accuracy=0.02)
     >>> print(f"{analysis.axial_compliance():.2e} m/N")
-    1.27e-09 m/N
+    1.26e-09 m/N
     """
-    level, estimate = _solve_to(throw, material, accuracy, solver, mesher)
+    problem = Problem(material, solver, end_sections, Stopwatch())
+    level = solve_to(throw, accuracy, problem, mesher)
     classes = tuple(
-        level.condense(symmetry, solver) for symmetry in symmetry_classes(level.mesh.part)
+        level.condense(symmetry, problem) for symmetry in symmetry_classes(level.mesh.part)
     )
+    with problem.watch.lap("masses"):
+        masses = mass_properties(level.mesh, material.density)
     return ThrowAnalysis(
         throw=throw,
         material=material,
         superelement=combine_classes(classes, radial_directions(throw)),
         mesh=level.mesh,
         classes=classes,
-        masses=mass_properties(level.mesh, material.density),
-        error_estimate=estimate,
+        masses=masses,
+        error_estimate=level.error_estimate,
         accuracy=accuracy,
+        seconds=problem.watch.seconds,
+    )
+
+
+def analyze_axial(
+    throw: Throw,
+    material: Material = STEEL,
+    accuracy: float = 0.01,
+    *,
+    solver: str = "auto",
+    end_sections: EndSections = "rigid",
+    mesher: Mesher = mesh_isolated,
+) -> AxialAnalysis:
+    """Compute a throw's axial compliance e_n and influence coefficient c alone, pinned and guided.
+
+    Parameters and errors as for `analyze_throw`, whose axial numbers these are.
+
+    Returns
+    -------
+    AxialAnalysis
+    """
+    problem = Problem(material, solver, end_sections, Stopwatch())
+    level = solve_to(throw, accuracy, problem, mesher)
+    return AxialAnalysis(
+        throw=throw,
+        material=material,
+        mesh=level.mesh,
+        part=level.axial_part,
+        error_estimate=level.error_estimate,
+        accuracy=accuracy,
+        seconds=problem.watch.seconds,
     )
 
 
@@ -266,8 +453,9 @@ def throw_responses(
         Compliances [m/N, rad/(N m)] and the first pin's influence coefficients [m/N] pinned and guided,
         mass [kg], error estimate of the axial compliance, unknowns of the meshed part.
     """
-    level, estimate = _solve_to(throw, material, accuracy, "auto", mesher)
-    torsional = level.condense(torsional_class(level.mesh.part), "auto")
+    problem = Problem(material, "auto", "rigid", Stopwatch())
+    level = solve_to(throw, accuracy, problem, mesher)
+    torsional = level.condense(torsional_class(level.mesh.part), problem)
     responses: dict[str, float] = {}
     for support in ("pinned", "guided"):
         compliance, influence = axial_answers(level.axial_part, support)
@@ -275,75 +463,6 @@ def throw_responses(
         responses[f"torsional_compliance_{support}"] = torsional_answer(torsional, support)
         responses[f"influence_coefficient_{support}"] = influence
     responses["mass"] = mass_properties(level.mesh, material.density).mass
-    responses["error_estimate"] = estimate
+    responses["error_estimate"] = level.error_estimate
     responses["unknowns"] = float(level.mesh.unknowns)
     return responses
-
-
-def _solve_to(
-    throw: Throw, material: Material, accuracy: float, solver: str, mesher: Mesher
-) -> tuple["_Level", float]:
-    """Refine until the estimated error of the axial compliance meets the accuracy."""
-    if not isinstance(throw, Throw):
-        raise InputError(
-            f"throw: given {throw!r}; allowed is a CrankThrow, or what import_throw returns."
-        )
-    if not isinstance(material, Material):
-        raise InputError(f"material: given {material!r}; allowed is a Material, like STEEL.")
-    if not isinstance(accuracy, int | float) or not 0.001 <= accuracy <= 0.1:
-        raise InputError(
-            f"accuracy: given {accuracy!r}; allowed is 0.001 to 0.1, the relative error of e_n."
-        )
-    order = ORDER_FILLETED if throw.filleted else ORDER_SHARP
-    factor = _first_guess(accuracy, throw)
-    while expected_unknowns(throw, factor) > MOST_UNKNOWNS:
-        factor *= 1.2  # the estimate then says that the accuracy was not met
-    coarse = _Level.solve(mesher(throw, COARSENING * factor), material, solver)
-    # The coarse mesh may have been made finer than wished; the two must still differ.
-    factor = min(factor, coarse.mesh.size_factor / COARSENING)
-    for _ in range(MOST_REFINEMENTS):
-        level = _Level.solve(mesher(throw, factor), material, solver)
-        factor = level.mesh.size_factor
-        ratio = coarse.mesh.size_factor / factor
-        estimate = abs(level.axial - coarse.axial) / (ratio**order - 1.0) / level.axial
-        if estimate <= accuracy:
-            break
-        wanted = factor * max(0.4, (0.7 * accuracy / estimate) ** (1.0 / order))
-        if level.mesh.unknowns * (factor / wanted) ** 2.5 > MOST_UNKNOWNS:
-            break
-        coarse, factor = level, wanted
-    return level, float(estimate)
-
-
-def _first_guess(accuracy: float, throw: Throw) -> float:
-    """Size factor that usually meets the accuracy at once, thin webs included."""
-    if throw.filleted:
-        return min(COARSEST_FILLETED, 0.65 * float((accuracy / 0.01) ** 0.3))
-    return min(COARSEST_SHARP, max(0.25, 0.5 * float((accuracy / 0.01) ** (1.0 / ORDER_SHARP))))
-
-
-@dataclass(frozen=True)
-class _Level:
-    """One mesh with its axial class solved, which the error estimate needs first."""
-
-    mesh: ThrowMesh
-    stiffness: sparse.csr_array
-    pin_shapes: NDArray[np.float64]
-    axial_part: CondensedClass
-
-    @classmethod
-    def solve(cls, mesh: ThrowMesh, material: Material, solver: str) -> "_Level":
-        stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
-        shapes = uniform_pin_loads(mesh)
-        symmetry = axial_class(mesh.part)
-        return cls(mesh, stiffness, shapes, condense(mesh, stiffness, shapes, symmetry, solver))
-
-    @property
-    def axial(self) -> float:
-        """Axial compliance, pinned [m/N]."""
-        return axial_answers(self.axial_part, "pinned")[0]
-
-    def condense(self, symmetry: SymmetryClass, solver: str) -> CondensedClass:
-        if symmetry == self.axial_part.symmetry:
-            return self.axial_part
-        return condense(self.mesh, self.stiffness, self.pin_shapes, symmetry, solver)

@@ -22,8 +22,13 @@ def axial_answers(part: CondensedClass, support: str) -> tuple[float, float]:
     support : {"pinned", "guided"}
     """
     pull = STRETCH @ part.symmetry.ends
-    lengthening = _response(part, support, pull)
-    return float(lengthening @ pull), float(lengthening @ part.pin_loads[0] @ RADIAL)
+    lengthening = axial_motion(part, support)
+    return float(lengthening @ pull), float(lengthening @ part.pin_loads[0, :, :3] @ RADIAL)
+
+
+def axial_motion(part: CondensedClass, support: str) -> NDArray[np.float64]:
+    """Amplitudes (k,) of the class under a unit axial force; arguments as for `axial_answers`."""
+    return _response(part, support, STRETCH @ part.symmetry.ends)
 
 
 def torsional_answer(part: CondensedClass, support: str) -> float:

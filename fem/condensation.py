@@ -1,18 +1,31 @@
-"""Static condensation of a throw's meshed part to the rigid motions of its end sections."""
+"""Static condensation of a throw's meshed part to the motions of its end sections.
 
+End sections are either rigid discs, or "averaged": only their mean translations and rotations are
+given, and they warp as they like under tractions of uniform and linear distribution. A real section is
+stiffer than the second and softer than the first, so the two bound the truth.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.linalg import null_space, qr
 
 from fem.assembly import symmetric_product
-from fem.solver import solve_symmetric
+from fem.loads import NodalLoads, end_sections, rigid_motions, unit_end_loads
+from fem.solver import factorize
 from fem.symmetry import SymmetryClass
+from geometry.errors import InputError
 from geometry.mesh import ThrowMesh
 from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE, RIGHT_END
+from geometry.stopwatch import Stopwatch
 
 Array = NDArray[np.float64]
+EndSections = Literal["rigid", "averaged"]
+END_SECTIONS = ("rigid", "averaged")
 
 
 @dataclass(frozen=True)
@@ -27,26 +40,40 @@ class CondensedClass:
         Stiffness of the meshed part against the unit motions.
     fields : (n, 3, k) array
         Displacement (node, axis) for each unit motion.
-    pin_loads : (pins, k, 3) array
-        Work of a unit force on each whole pin (uniform on its surface; axis by axis) on each unit
+    pin_loads : (pins, k, 6) array
+        Work of a unit load on each whole pin (forces along x, y, z, moments about them) on each unit
         motion.
+    pin_components : (a, 2) array
+        Pins and components of the loads that this class carries.
+    pin_fields : (n, 3, a) array
+        Displacement under each of these loads on the whole pin, the end sections held.
+    pin_flexibility : (a, a) array
+        Motions of the whole pins along the loads under them, the end sections held [1/N and so on].
     solver : str
         Which solver did it.
+    end_sections : {"rigid", "averaged"}
+        What the end sections may do.
     """
 
     symmetry: SymmetryClass
     stiffness: Array
     fields: Array
     pin_loads: Array
+    pin_components: NDArray[np.int64]
+    pin_fields: Array
+    pin_flexibility: Array
     solver: str
+    end_sections: str
 
 
 def condense(
     mesh: ThrowMesh,
     stiffness: sparse.csr_array,
-    pin_shapes: Array,
+    pins: Sequence[NodalLoads],
     symmetry: SymmetryClass,
     solver: str = "auto",
+    end_sections: EndSections = "rigid",
+    watch: Stopwatch | None = None,
 ) -> CondensedClass:
     """Condense one symmetry class of a throw's meshed part.
 
@@ -56,46 +83,170 @@ def condense(
         The meshed part.
     stiffness : sparse array
         Upper triangle of its stiffness.
-    pin_shapes : (pins, n) array
-        Share of each node in a unit force spread uniformly over the meshed surface of each pin.
+    pins : sequence of NodalLoads
+        Unit loads on each pin, from `fem.loads.unit_pin_loads`.
     symmetry : SymmetryClass
         The class, one of `fem.symmetry.symmetry_classes` of the part.
     solver : str
-        See `fem.solver.solve_symmetric`.
+        See `fem.solver.factorize`.
+    end_sections : {"rigid", "averaged"}
+        Whether end sections move as rigid discs, or only their mean motions are given.
+    watch : Stopwatch, optional
+        Takes the time.
 
     Raises
     ------
+    InputError
+        If `end_sections` is neither.
     SolveError
         If the system cannot be solved.
     """
-    ends = symmetry.ends
-    count = ends.shape[1]
-    blocked = np.zeros((len(mesh.points), 3), dtype=bool)
-    for surface, axes in symmetry.blocked_axes().items():
-        blocked[np.ix_(nodes_on(mesh, surface), np.array(axes))] = True
-    fields = np.zeros((len(mesh.points), 3, count))
-    prescribed = {LEFT_END: ends[:6]}
-    if not symmetry.middle_plane:
-        prescribed[RIGHT_END] = ends[6:]
-    for surface, motions in prescribed.items():
-        section = nodes_on(mesh, surface)
-        blocked[section] = True
-        fields[section] = _rigid_motions(mesh.points[section]) @ motions
-    free = np.flatnonzero(~blocked.ravel())
-
-    columns = fields.reshape(-1, count)
-    # The meshed part's share of the prescribed motion acts as a load on the free unknowns.
-    loads = symmetric_product(stiffness, columns)[free]
-    inner = stiffness[free][:, free].tocsr()
-    columns[free], used = solve_symmetric(inner, -loads, solver)
-    energy = columns.T @ symmetric_product(stiffness, columns)
+    if end_sections not in END_SECTIONS:
+        raise InputError(
+            f'end_sections: given {end_sections!r}; allowed are "rigid" and "averaged".'
+        )
+    watch = Stopwatch() if watch is None else watch
+    pin_loads, components = _pin_loads(mesh, pins, symmetry)
+    solve = _with_rigid_ends if end_sections == "rigid" else _with_averaged_ends
+    # The meshed part carries its share of a load on the whole pin.
+    shares = pin_loads / symmetry.copies
+    fields, pin_fields, used = solve(mesh, stiffness, shares, symmetry, solver, watch)
+    count = fields.shape[1]
+    energy = fields.T @ symmetric_product(stiffness, fields)
+    works = np.zeros((len(pins), count, 6))
+    for column, (pin, component) in enumerate(components):
+        works[pin, :, component] = pin_loads[:, column] @ fields
+    flexibility = pin_loads.T @ pin_fields
     return CondensedClass(
         symmetry=symmetry,
         stiffness=0.5 * (energy + energy.T),
-        fields=fields,
-        pin_loads=np.einsum("pn,nak->pka", pin_shapes, fields) * symmetry.moves_pins,
+        fields=fields.reshape(-1, 3, count),
+        pin_loads=works,
+        pin_components=components,
+        pin_fields=pin_fields.reshape(-1, 3, len(components)),
+        pin_flexibility=0.5 * (flexibility + flexibility.T),
         solver=used,
+        end_sections=end_sections,
     )
+
+
+def _pin_loads(
+    mesh: ThrowMesh, pins: Sequence[NodalLoads], symmetry: SymmetryClass
+) -> tuple[Array, NDArray[np.int64]]:
+    """Loads (3 n, a) of the class, whose work is that on the whole throw, and what they are (a, 2)."""
+    carried = np.flatnonzero(symmetry.central_motions)
+    components = np.array([(pin, one) for pin in range(len(pins)) for one in carried])
+    loads = np.zeros((len(mesh.points), 3, len(components)))
+    for pin, unit in enumerate(pins):
+        columns = slice(pin * len(carried), (pin + 1) * len(carried))
+        loads[unit.nodes, :, columns] = unit.of_class(symmetry)[..., carried]
+    return loads.reshape(-1, len(components)), components.reshape(-1, 2)
+
+
+def blocked_unknowns(
+    mesh: ThrowMesh, symmetry: SymmetryClass, ends: bool = True
+) -> NDArray[np.bool_]:
+    """Which displacements (n, 3) the cuts block, and the end sections if `ends`."""
+    blocked = np.zeros((len(mesh.points), 3), dtype=bool)
+    for surface, axes in symmetry.blocked_axes().items():
+        blocked[np.ix_(nodes_on(mesh, surface), np.array(axes))] = True
+    if ends:
+        for section in end_sections(symmetry):
+            blocked[nodes_on(mesh, section)] = True
+    return blocked
+
+
+def _with_rigid_ends(
+    mesh: ThrowMesh,
+    stiffness: sparse.csr_array,
+    pin_loads: Array,
+    symmetry: SymmetryClass,
+    solver: str,
+    watch: Stopwatch,
+) -> tuple[Array, Array, str]:
+    """Fields (3 n, k) of unit motions of rigid end sections, and (3 n, a) of loads on the pins."""
+    ends = symmetry.ends
+    count = ends.shape[1]
+    prescribed = np.zeros((len(mesh.points), 3, count))
+    for place, section in enumerate(end_sections(symmetry)):
+        nodes = nodes_on(mesh, section)
+        arms = mesh.points[nodes] * (1.0, 1.0, 0.0)
+        prescribed[nodes] = rigid_motions(arms) @ ends[6 * place : 6 * place + 6]
+    free = np.flatnonzero(~blocked_unknowns(mesh, symmetry).ravel())
+    fields = prescribed.reshape(-1, count)
+    # What is prescribed acts as a load on the free unknowns.
+    loads = np.hstack([-symmetric_product(stiffness, fields)[free], pin_loads[free]])
+    with factorize(stiffness[free][:, free].tocsr(), solver, watch) as factors, watch.lap("solves"):
+        solution = factors.solve(loads)
+    fields[free] = solution[:, :count]
+    pin_fields = np.zeros_like(pin_loads)
+    pin_fields[free] = solution[:, count:]
+    return fields, pin_fields, factors.solver
+
+
+def _with_averaged_ends(
+    mesh: ThrowMesh,
+    stiffness: sparse.csr_array,
+    pin_loads: Array,
+    symmetry: SymmetryClass,
+    solver: str,
+    watch: Stopwatch,
+) -> tuple[Array, Array, str]:
+    """Fields (3 n, k) of unit mean motions of the end sections, and (3 n, a) of loads on the pins.
+
+    The end loads are the multipliers that keep the mean motions. As long as loads are in equilibrium
+    it does not matter where the part is held, so it is held at as many unknowns as it has rigid
+    motions; the right rigid motion is added afterwards.
+    """
+    end_loads = _end_loads(mesh, symmetry)
+    rigid = _class_rigid_motions(mesh, symmetry)
+    rigid_ends = end_loads.T @ rigid
+    free = ~blocked_unknowns(mesh, symmetry, ends=False).ravel()
+    places = np.flatnonzero(free)
+    if rigid.shape[1]:
+        _, _, order = qr(rigid[places].T, mode="economic", pivoting=True)
+        free[places[order[: rigid.shape[1]]]] = False
+        places = np.flatnonzero(free)
+    # Combinations of end loads in equilibrium, and end loads that balance the loads on the pins.
+    balanced = null_space(rigid_ends.T) if rigid.shape[1] else np.eye(end_loads.shape[1])
+    inverse = np.linalg.pinv(rigid_ends)
+    balancing = -inverse.T @ (rigid.T @ pin_loads)
+    loads = np.hstack([end_loads @ balanced, pin_loads + end_loads @ balancing])
+    solution = np.zeros_like(loads)
+    with (
+        factorize(stiffness[places][:, places].tocsr(), solver, watch) as factors,
+        watch.lap("solves"),
+    ):
+        solution[places] = factors.solve(loads[places])
+    count = balanced.shape[1]
+    elastic, pin_fields = solution[:, :count], solution[:, count:]
+
+    flexibility = balanced.T @ (end_loads.T @ elastic)
+    fields = elastic @ np.linalg.solve(flexibility, balanced.T)
+    fields += rigid @ (inverse @ (np.eye(end_loads.shape[1]) - end_loads.T @ fields))
+    pin_fields = pin_fields - fields @ (end_loads.T @ pin_fields)
+    return fields, pin_fields, factors.solver
+
+
+def _end_loads(mesh: ThrowMesh, symmetry: SymmetryClass) -> Array:
+    """Loads (3 n, k) of the class whose work is the mean motions of the meshed end sections."""
+    columns = []
+    for section in end_sections(symmetry):
+        unit = unit_end_loads(mesh, section)
+        loads = np.zeros((len(mesh.points), 3, len(symmetry.end_unknowns)))
+        loads[unit.nodes] = unit.of_class(symmetry)[..., symmetry.end_unknowns]
+        columns.append(loads.reshape(3 * len(mesh.points), -1))
+    return np.hstack(columns)
+
+
+def _class_rigid_motions(mesh: ThrowMesh, symmetry: SymmetryClass) -> Array:
+    """Displacements (3 n, r) of the rigid motions that the class has, about the throw's middle.
+
+    Rotations are divided by the throw's length, so that all are of a like size.
+    """
+    arms = mesh.points - (0.0, 0.0, 0.5 * mesh.length)
+    motions = rigid_motions(arms) / ([1.0] * 3 + [mesh.length] * 3)
+    return motions[:, :, symmetry.central_motions].reshape(3 * len(arms), -1)
 
 
 def nodes_on(mesh: ThrowMesh, surface: str) -> NDArray[np.int64]:
@@ -108,15 +259,3 @@ def nodes_on(mesh: ThrowMesh, surface: str) -> NDArray[np.int64]:
     }[surface]
     tolerance = 1e-9 * float(np.abs(mesh.points).max())
     return np.flatnonzero(np.abs(mesh.points[:, axis] - position) < tolerance)
-
-
-def _rigid_motions(points: Array) -> Array:
-    """Displacements (n, 3, 6) of a section's points for the six unit motions of its center."""
-    motions = np.zeros((len(points), 3, 6))
-    x, y = points[:, 0], points[:, 1]
-    motions[:, 0, 0] = motions[:, 1, 1] = motions[:, 2, 2] = 1.0
-    motions[:, 2, 3] = y
-    motions[:, 2, 4] = -x
-    motions[:, 0, 5] = -y
-    motions[:, 1, 5] = x
-    return motions

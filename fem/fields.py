@@ -1,14 +1,13 @@
-"""Displacement fields of a throw whose end sections are moved, under no other load."""
+"""Displacement fields of a throw whose end sections are moved and whose pins may be loaded."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.condensation import CondensedClass
-from fem.symmetry import CUTS, MIRROR_X, MIRROR_Z
+from fem.symmetry import mirror_images
 from geometry.mesh import ThrowMesh
 
 Array = NDArray[np.float64]
@@ -33,8 +32,10 @@ class Image:
     inside_out: bool
 
 
-def displacement_field(classes: Sequence[CondensedClass], motions: Array) -> Array:
-    """Displacement of the nodes of a throw's meshed part for given motions of the end sections.
+def displacement_field(
+    classes: Sequence[CondensedClass], motions: Array, pin_loads: Array | None = None
+) -> Array:
+    """Displacement of the nodes of a throw's meshed part.
 
     Parameters
     ----------
@@ -42,18 +43,30 @@ def displacement_field(classes: Sequence[CondensedClass], motions: Array) -> Arr
         All symmetry classes of the part.
     motions : (12,) or (12, k) array
         Motions of the left, then the right end section, in the throw frame, such as those that
-        `fem.supports.end_motions` finds under an axial force or a torque. Under a pin force the field
-        of its end motions is not all: the force also bends the throw between its ends.
+        `fem.supports.end_motions` finds. Under a load on a pin these do not say all: the load also
+        bends the throw between its ends.
+    pin_loads : (pins, 6) or (pins, 6, k) array, optional
+        Forces along x, y, z and moments about them on each pin, uniformly spread, if any.
 
     Returns
     -------
     (n, 3) or (n, 3, k) array
         [m]
     """
-    return np.asarray(sum(part.fields @ (part.symmetry.shares @ motions) for part in classes))
+    field = np.asarray(sum(part.fields @ (part.symmetry.shares @ motions) for part in classes))
+    if pin_loads is not None:
+        for part in classes:
+            pins, components = part.pin_components.T
+            field = field + part.pin_fields @ pin_loads[pins, components]
+    return field
 
 
-def images(mesh: ThrowMesh, classes: Sequence[CondensedClass], motions: Array) -> tuple[Image, ...]:
+def images(
+    mesh: ThrowMesh,
+    classes: Sequence[CondensedClass],
+    motions: Array,
+    pin_loads: Array | None = None,
+) -> tuple[Image, ...]:
     """Displacement of a whole throw: of its meshed part and of the mirror images of that.
 
     Parameters
@@ -64,6 +77,8 @@ def images(mesh: ThrowMesh, classes: Sequence[CondensedClass], motions: Array) -
         All its symmetry classes.
     motions : (12,) array
         Motions of both end sections.
+    pin_loads : (pins, 6) array, optional
+        Forces along x, y, z and moments about them on each pin, if any.
 
     Returns
     -------
@@ -71,16 +86,14 @@ def images(mesh: ThrowMesh, classes: Sequence[CondensedClass], motions: Array) -
         Four of a quarter, two of a half, one of a whole throw; first the meshed part itself. Nodes on
         the cuts are in each image that they belong to.
     """
-    choices = [(False, True) if cut else (False,) for cut in CUTS[mesh.part]]
     found = []
-    for mirror_x, mirror_z in product(*choices):
-        signs, shift, left, right = np.ones(6), np.zeros(3), motions[:6], motions[6:]
-        if mirror_x:
-            signs = signs * MIRROR_X
-        if mirror_z:
-            signs, shift[2], left, right = signs * MIRROR_Z, mesh.length, right, left
-        # What the image does is the mirror image of what the part would do for mirrored end motions.
-        field = displacement_field(classes, np.concatenate([signs * left, signs * right]))
-        points = mesh.points * signs[:3] + shift
-        found.append(Image(points, field * signs[:3], mirror_x != mirror_z))
+    for image in mirror_images(mesh):
+        # What the image does is the mirror image of what the part would do for mirrored motions and
+        # loads. Pins lie on the cuts.
+        ends = (motions[:6], motions[6:])
+        left, right = ends[::-1] if image.across_middle else ends
+        mirrored = np.concatenate([image.motion_signs * left, image.motion_signs * right])
+        loads = None if pin_loads is None else pin_loads * image.motion_signs
+        field = displacement_field(classes, mirrored, loads)
+        found.append(Image(image.points(mesh.points), field * image.signs, image.inside_out))
     return tuple(found)

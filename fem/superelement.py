@@ -23,31 +23,40 @@ class Superelement:
     ----------
     stiffness : (12, 12) array
         Unknowns ux uy uz rx ry rz of the left, then of the right end section, in the throw frame.
-    pin_loads : (pins, 12, 3) array
-        End loads that a unit force on each pin along x, y, z is equivalent to: with end forces F and
-        forces p on pin k the end motions q satisfy ``stiffness @ q = F + pin_loads[k] @ p``.
+    pin_loads : (pins, 12, 6) array
+        End loads that unit forces along x, y, z on each pin, and unit moments about them at its
+        center, are equivalent to: with end forces F and loads p on pin k the end motions q satisfy
+        ``stiffness @ q = F + pin_loads[k] @ p``.
+    pin_flexibility : (6 pins, 6 pins) array
+        Mean motions of the pins under these loads, the end sections held; motions of the ends add
+        ``pin_loads[k].T @ q``.
     radials : (pins, 3) array
         Direction of a radial force on each pin, towards the shaft.
     """
 
     stiffness: Array
     pin_loads: Array
+    pin_flexibility: Array
     radials: Array
 
     @property
     def pin_load(self) -> Array:
         """End loads (12, 3) of unit forces on the first pin."""
-        return np.asarray(self.pin_loads[0])
+        return np.asarray(self.pin_loads[0, :, :3])
+
+    def end_load(self, force: Array, pin: int = 0) -> Array:
+        """End loads (12,) that a force (3,) on a pin is equivalent to, uniformly spread."""
+        return np.asarray(self.pin_loads[pin, :, :3] @ force)
 
     @property
     def radial_loads(self) -> Array:
         """End loads (12, pins) of a unit radial force on each pin."""
-        return np.asarray(np.einsum("pqa,pa->qp", self.pin_loads, self.radials))
+        return np.asarray(np.einsum("pqa,pa->qp", self.pin_loads[:, :, :3], self.radials))
 
     def turned(self, angle: float) -> "Superelement":
         """Return the superelement of the throw turned by an angle [rad] about the shaft, +z.
 
-        The motions are then in the shaft frame; pin forces stay in the frame of the throw.
+        The motions are then in the shaft frame; pin loads stay in the frame of the throw.
         """
         both = np.kron(np.eye(2), section_rotation(angle))
         return replace(
@@ -78,9 +87,12 @@ def combine_classes(
     Superelement
     """
     stiffness = np.zeros((12, 12))
-    pin_loads = np.zeros((len(radials), 12, 3))
+    pin_loads = np.zeros((len(radials), 12, 6))
+    pin_flexibility = np.zeros((6 * len(radials),) * 2)
     for part in classes:
         shares = part.symmetry.shares
         stiffness += part.symmetry.copies * shares.T @ part.stiffness @ shares
         pin_loads += shares.T @ part.pin_loads
-    return Superelement(stiffness, pin_loads, radials)
+        carried = part.pin_components @ (6, 1)
+        pin_flexibility[np.ix_(carried, carried)] += part.pin_flexibility
+    return Superelement(stiffness, pin_loads, pin_flexibility, radials)

@@ -115,7 +115,7 @@ def support_throw(throw: Superelement, support: Support) -> SupportedThrow:
         If the support is none of these.
     """
     motions = end_motions(throw, support)
-    stretches = (STRETCH @ motions[:, 2:]).reshape(-1, 3)
+    stretches = (STRETCH @ motions[:, 2:]).reshape(-1, 6)[:, :3]
     return SupportedThrow(
         axial=float(STRETCH @ motions[:, 0]),
         torsional=float(TWIST @ motions[:, 1]),
@@ -124,30 +124,28 @@ def support_throw(throw: Superelement, support: Support) -> SupportedThrow:
     )
 
 
-def reactions(throw: Superelement, support: Support, pin_force: Array, pin: int = 0) -> Reactions:
-    """End forces on a throw of which one pin is loaded and whose length is kept.
+def reactions(throw: Superelement, support: Support, load: Array) -> Reactions:
+    """End forces on a throw of which a pin is loaded and whose length is kept.
 
     Parameters
     ----------
     throw : Superelement
     support : "pinned", "guided" or Neighbors
-        The left end takes the torque. Under `Neighbors` every throw carries the same pin force in its
+        The left end takes the torque. Under `Neighbors` every throw carries the same pin load in its
         own frame, its left end takes its torque and axial push, and a force along the whole chain
         keeps the length of the middle throw.
-    pin_force : (3,) array
-        Force on the pin in the throw frame [N], spread uniformly over its surface.
-    pin : int
-        Which pin, from 0 at the left.
+    load : (12,) array
+        End loads that the load on the pin is equivalent to, such as ``throw.pin_loads[pin] @ p``.
 
     Returns
     -------
     Reactions
     """
-    motions = end_motions(throw, support)
-    under_force = motions[:, 2 + 3 * pin : 5 + 3 * pin] @ pin_force
-    axial_force = -(STRETCH @ under_force) / (STRETCH @ motions[:, 0])
-    combined = under_force + axial_force * motions[:, 0]
-    forces = throw.stiffness @ combined - throw.pin_loads[pin] @ pin_force
+    motions = end_motions(throw, support, load[:, None])
+    under_load = motions[:, 2]
+    axial_force = -(STRETCH @ under_load) / (STRETCH @ motions[:, 0])
+    combined = under_load + axial_force * motions[:, 0]
+    forces = throw.stiffness @ combined - load
     return Reactions(
         EndReaction(forces[0:3].copy(), forces[3:6].copy()),
         EndReaction(forces[6:9].copy(), forces[9:12].copy()),
@@ -176,51 +174,56 @@ def free_motions(ends: Array, support: str) -> NDArray[np.int64]:
     return np.flatnonzero(~held & ~rigid)
 
 
-def end_motions(throw: Superelement, support: Support) -> Array:
+def end_motions(throw: Superelement, support: Support, pin_loads: Array | None = None) -> Array:
     """Motions of a throw's end sections under unit loads.
 
     Parameters
     ----------
     throw : Superelement
     support : "pinned", "guided" or Neighbors
+    pin_loads : (12, m) array, optional
+        End loads that loads on the pins are equivalent to; by default those of the six unit loads on
+        each pin.
 
     Returns
     -------
-    (12, 2 + 3 pins) array
-        Under a unit axial force, a unit torque, and unit forces along x, y, z on each pin. The right
-        end is free to move along the shaft, so these load cases carry any other.
+    (12, 2 + m) array
+        Under a unit axial force, a unit torque, and the pin loads. The right end is free to move along
+        the shaft, so these load cases carry any other.
 
     Raises
     ------
     InputError
         If the support is none of these.
     """
+    if pin_loads is None:
+        pin_loads = np.hstack(list(throw.pin_loads))
     if isinstance(support, Neighbors):
-        return _between_neighbors(throw, support)
+        return _between_neighbors(throw.stiffness, pin_loads, support)
     if not isinstance(support, str) or support not in HELD:
         raise InputError(
             f'support: given {support!r}; allowed are "pinned", "guided" or '
             "Neighbors(left_deg, right_deg), because the compliance depends on it severalfold."
         )
-    loads = np.column_stack([STRETCH, TWIST, *throw.pin_loads])
+    loads = np.column_stack([STRETCH, TWIST, pin_loads])
     free = free_motions(np.eye(12), support)
     motions = np.zeros_like(loads)
     motions[free] = np.linalg.solve(throw.stiffness[np.ix_(free, free)], loads[free])
     return motions
 
 
-def _between_neighbors(throw: Superelement, support: Neighbors) -> Array:
+def _between_neighbors(stiffness: Array, pin_loads: Array, support: Neighbors) -> Array:
     """The middle throw's motions in a chain long enough that its compliances no longer change."""
     reach, before = 4, np.full(2, np.inf)
     while True:
-        motions = _chain_motions(throw, support, reach)
+        motions = _chain_motions(stiffness, pin_loads, support, reach)
         answers = motions[[6 + UZ, 6 + RZ], [0, 1]]
         if np.all(np.abs(answers - before) <= 1e-10 * answers) or 2 * reach > LONGEST_CHAIN:
             return motions
         before, reach = answers, 2 * reach
 
 
-def _chain_motions(throw: Superelement, support: Neighbors, reach: int) -> Array:
+def _chain_motions(throw: Array, pin_loads: Array, support: Neighbors, reach: int) -> Array:
     """Motions of the middle throw, its left end fixed axially and against rotation.
 
     Axial force and torque through the throws are known: those of the load case, and under a pin force
@@ -230,10 +233,9 @@ def _chain_motions(throw: Superelement, support: Neighbors, reach: int) -> Array
     """
     tilts, through = [RX, RY, 6 + RX, 6 + RY], [6 + UZ, 6 + RZ]
     tilt_part, coupling, through_part = (
-        throw.stiffness[np.ix_(rows, columns)]
+        throw[np.ix_(rows, columns)]
         for rows, columns in ((tilts, tilts), (tilts, through), (through, through))
     )
-    pin_loads = np.hstack(list(throw.pin_loads))
     forces = np.hstack([np.eye(2), pin_loads[through]])
     carried = np.linalg.solve(through_part, coupling.T).T
     condensed = tilt_part - carried @ coupling.T

@@ -13,11 +13,60 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.mesh import ThrowMesh
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
 
 # A mirror reverses the displacement across it, and the rotations about the axes along it.
 MIRROR_X = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, -1.0])
 MIRROR_Z = np.array([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
+
+
+@dataclass(frozen=True)
+class MirrorImage:
+    """The meshed part of a throw, or a mirror image of it.
+
+    Attributes
+    ----------
+    across_crank, across_middle : bool
+        Across which planes it is mirrored.
+    length : float
+        Length of the whole throw [m].
+    """
+
+    across_crank: bool
+    across_middle: bool
+    length: float
+
+    @property
+    def motion_signs(self) -> NDArray[np.float64]:
+        """Signs (6,) of mirrored displacements and rotations."""
+        signs = np.ones(6)
+        if self.across_crank:
+            signs = signs * MIRROR_X
+        if self.across_middle:
+            signs = signs * MIRROR_Z
+        return signs
+
+    @property
+    def signs(self) -> NDArray[np.float64]:
+        """Signs (3,) of mirrored displacements."""
+        return self.motion_signs[:3]
+
+    @property
+    def inside_out(self) -> bool:
+        """Whether a single mirror has turned elements and facets inside out."""
+        return self.across_crank != self.across_middle
+
+    def points(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Places (n, 3) of the image of points of the meshed part [m]."""
+        shift = np.array([0.0, 0.0, self.length if self.across_middle else 0.0])
+        return np.asarray(points * self.signs + shift)
+
+
+def mirror_images(mesh: ThrowMesh) -> tuple[MirrorImage, ...]:
+    """Return the images that make the whole throw, the meshed part itself first."""
+    choices = [(False, True) if cut else (False,) for cut in CUTS[mesh.part]]
+    return tuple(MirrorImage(crank, middle, mesh.length) for crank, middle in product(*choices))
 
 
 @dataclass(frozen=True)
@@ -62,9 +111,14 @@ class SymmetryClass:
         return np.asarray(ends.T / np.sum(ends**2, axis=0)[:, None])
 
     @property
-    def moves_pins(self) -> NDArray[np.bool_]:
-        """Along which axes (3,) the class moves pins that the cuts halve; the others cancel."""
-        return (self.crank_plane * MIRROR_X[:3] >= 0.0) & (self.middle_plane * MIRROR_Z[:3] >= 0.0)
+    def central_motions(self) -> NDArray[np.bool_]:
+        """Which motions (6,) of a point on all cuts the class has: along and about x, y, z."""
+        return (self.crank_plane * MIRROR_X >= 0.0) & (self.middle_plane * MIRROR_Z >= 0.0)
+
+    def parity(self, image: MirrorImage) -> float:
+        """Return +1 if the class moves an image as the mirror image of the meshed part, or -1."""
+        sign = self.crank_plane if image.across_crank else 1
+        return float(sign * (self.middle_plane if image.across_middle else 1))
 
     def blocked_axes(self) -> dict[str, tuple[int, ...]]:
         """Displacements blocked on each cut."""

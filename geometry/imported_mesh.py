@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -28,6 +29,7 @@ from geometry.mesh import (
 from geometry.parts import ThrowParts
 from geometry.recognition import PLACE_TOLERANCE
 from geometry.size_field import set_sizes
+from geometry.size_map import SizeMap, set_size_map
 from geometry.sizes import (
     GROWTH,
     ROOT_PER_FILLET,
@@ -88,7 +90,9 @@ def _scaled(plan: SizePlan, factor: float) -> SizePlan:
     return SizePlan(factor * plan.bulk, zones)
 
 
-def mesh_imported_throw(throw: ImportedThrow, size_factor: float = 1.0) -> ThrowMesh:
+def mesh_imported_throw(
+    throw: ImportedThrow, size_factor: float = 1.0, sizes: SizeMap | None = None
+) -> ThrowMesh:
     """Mesh an imported throw in this process.
 
     Parameters
@@ -96,6 +100,8 @@ def mesh_imported_throw(throw: ImportedThrow, size_factor: float = 1.0) -> Throw
     throw : ImportedThrow
     size_factor : float
         Scales all element sizes; 1 gives about 1 % accuracy of the axial compliance.
+    sizes : SizeMap, optional
+        Element sizes that `size_factor` scales, instead of those planned from the part.
 
     Returns
     -------
@@ -110,12 +116,13 @@ def mesh_imported_throw(throw: ImportedThrow, size_factor: float = 1.0) -> Throw
     MeshError
         If all ways fail; the message names the last reason.
     """
-    return mesh_imported_from(throw, size_factor)
+    return mesh_imported_from(throw, size_factor, sizes)
 
 
 def mesh_imported_from(
     throw: ImportedThrow,
     size_factor: float,
+    sizes: SizeMap | None = None,
     attempts: tuple[str, ...] = (),
     on_remark: Callable[[tuple[str, ...]], None] | None = None,
 ) -> ThrowMesh:
@@ -128,17 +135,29 @@ def mesh_imported_from(
             f"{throw.path}: given a file that has changed since it was imported; allowed is the same, "
             "or import it again."
         )
-    check_budget(predict_imported_unknowns(throw, size_factor), size_factor)
-    return climb(
-        lambda rung, failed: _mesh_once(throw, size_factor, rung, failed), attempts, on_remark
+    expected = (
+        predict_imported_unknowns(throw, size_factor)
+        if sizes is None
+        else sizes.expected_unknowns(size_factor)
     )
+    check_budget(expected, size_factor)
+
+    def mesh_by(rung: Rung, failed: tuple[str, ...]) -> ThrowMesh:
+        return _mesh_once(throw, size_factor, sizes, rung, failed)
+
+    return climb(mesh_by, attempts, on_remark)
 
 
 def _mesh_once(
-    throw: ImportedThrow, size_factor: float, rung: Rung, attempts: tuple[str, ...]
+    throw: ImportedThrow,
+    size_factor: float,
+    sizes: SizeMap | None,
+    rung: Rung,
+    attempts: tuple[str, ...],
 ) -> ThrowMesh:
     factor = size_factor * rung.share
     surfaces = {name: list(tags) for name, tags in throw.surfaces}
+    opened = time.perf_counter()
     with opened_part(throw.path) as (gmsh, tag):
         for option, value in rung.options:
             gmsh.option.setNumber(option, value)
@@ -148,7 +167,11 @@ def _mesh_once(
             occ.translate([(3, tag)], 0.0, 0.0, throw.shifted)
             occ.synchronize()
             solid = solid_properties(gmsh)
-            _set_sizes(gmsh, throw, factor)
+            seconds = time.perf_counter() - opened
+            if sizes is None:
+                _set_sizes(gmsh, throw, factor)
+            else:
+                set_size_map(gmsh, sizes, factor)
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
         points, elements, facets = read_mesh(gmsh, surfaces)
@@ -167,6 +190,7 @@ def _mesh_once(
         mended_elements=mended,
         solid=solid,
         attempts=attempts,
+        geometry_seconds=seconds,
     )
 
 

@@ -14,8 +14,10 @@ from geometry.mending import corner_quality, mend
 from geometry.parts import ThrowParts
 from geometry.shapes import jacobians, shapes_for_quadrature
 from geometry.size_field import set_sizes
+from geometry.size_map import SizeMap, set_size_map
 from geometry.sizes import SHARES, predict_unknowns, size_plan
 from geometry.solid import build_solid
+from geometry.stopwatch import Stopwatch
 from geometry.throw import CrankThrow
 from geometry.volume import throw_volume
 
@@ -114,6 +116,8 @@ class ThrowMesh:
         Of the solid that was meshed, by the kernel.
     attempts : tuple of str
         Ways of meshing that were tried before and why each failed; empty for most throws.
+    geometry_seconds : float
+        Time to build or open the solid, without meshing it.
     """
 
     part: str
@@ -126,6 +130,7 @@ class ThrowMesh:
     mended_elements: int
     solid: SolidProperties
     attempts: tuple[str, ...] = ()
+    geometry_seconds: float = 0.0
 
     @property
     def unknowns(self) -> int:
@@ -133,7 +138,12 @@ class ThrowMesh:
         return 3 * len(self.points)
 
 
-def mesh_throw(throw: CrankThrow, size_factor: float = 1.0, part: str = "auto") -> ThrowMesh:
+def mesh_throw(
+    throw: CrankThrow,
+    size_factor: float = 1.0,
+    part: str = "auto",
+    sizes: SizeMap | None = None,
+) -> ThrowMesh:
     """Mesh a throw in this process.
 
     If a way of meshing fails, or its mesh has not the solid's volume, the next way of `LADDER` is
@@ -147,6 +157,8 @@ def mesh_throw(throw: CrankThrow, size_factor: float = 1.0, part: str = "auto") 
         Scales all element sizes; 1 gives about 1 % accuracy of the axial compliance.
     part : {"auto", "quarter", "half", "full"}
         What to mesh; "auto" is the smallest that the throw's symmetry allows.
+    sizes : SizeMap, optional
+        Element sizes that `size_factor` scales, instead of those planned from the dimensions.
 
     Returns
     -------
@@ -160,13 +172,14 @@ def mesh_throw(throw: CrankThrow, size_factor: float = 1.0, part: str = "auto") 
     MeshError
         If all ways fail; the message names the last reason.
     """
-    return mesh_throw_from(throw, size_factor, part)
+    return mesh_throw_from(throw, size_factor, part, sizes)
 
 
 def mesh_throw_from(
     throw: CrankThrow,
     size_factor: float,
     part: str,
+    sizes: SizeMap | None = None,
     attempts: tuple[str, ...] = (),
     on_remark: Callable[[tuple[str, ...]], None] | None = None,
 ) -> ThrowMesh:
@@ -176,10 +189,17 @@ def mesh_throw_from(
     """
     part = checked_part(throw, part)
     parts = throw.parts
-    check_budget(predict_unknowns(parts, size_factor, part), size_factor)
-    return climb(
-        lambda rung, failed: _mesh_once(parts, size_factor, part, rung, failed), attempts, on_remark
+    expected = (
+        predict_unknowns(parts, size_factor, part)
+        if sizes is None
+        else sizes.expected_unknowns(size_factor)
     )
+    check_budget(expected, size_factor)
+
+    def mesh_by(rung: Rung, failed: tuple[str, ...]) -> ThrowMesh:
+        return _mesh_once(parts, size_factor, part, sizes, rung, failed)
+
+    return climb(mesh_by, attempts, on_remark)
 
 
 def climb(
@@ -240,17 +260,27 @@ def check_budget(expected: int, size_factor: float) -> None:
 
 
 def _mesh_once(
-    parts: ThrowParts, size_factor: float, part: str, rung: Rung, attempts: tuple[str, ...]
+    parts: ThrowParts,
+    size_factor: float,
+    part: str,
+    sizes: SizeMap | None,
+    rung: Rung,
+    attempts: tuple[str, ...],
 ) -> ThrowMesh:
     factor = size_factor * rung.share
+    watch = Stopwatch()
     with gmsh_session("throw") as gmsh:
         for option, value in rung.options:
             gmsh.option.setNumber(option, value)
         with gmsh_errors("mesh the throw"):
-            named = build_solid(gmsh, parts, part)
-            solid = solid_properties(gmsh)
-            check_solid(parts, part, solid)
-            set_sizes(gmsh, parts, named, size_plan(parts, factor))
+            with watch.lap("geometry"):
+                named = build_solid(gmsh, parts, part)
+                solid = solid_properties(gmsh)
+                check_solid(parts, part, solid)
+            if sizes is None:
+                set_sizes(gmsh, parts, named, size_plan(parts, factor))
+            else:
+                set_size_map(gmsh, sizes, factor)
             gmsh.model.mesh.generate(3)
             gmsh.model.mesh.setOrder(2)
         points, elements, facets = read_mesh(gmsh, named.surfaces)
@@ -261,7 +291,17 @@ def _mesh_once(
     check_quality(points, elements)
     pins = tuple(pin.name for pin in parts.pins)
     return ThrowMesh(
-        part, parts.length, pins, points, elements, facets, factor, mended, solid, attempts
+        part=part,
+        length=parts.length,
+        pins=pins,
+        points=points,
+        elements=elements,
+        surfaces=facets,
+        size_factor=factor,
+        mended_elements=mended,
+        solid=solid,
+        attempts=attempts,
+        geometry_seconds=watch.seconds["geometry"],
     )
 
 

@@ -7,6 +7,7 @@ from geometry.imported import ImportedThrow
 from geometry.imported_mesh import mesh_imported_throw, predict_imported_unknowns
 from geometry.isolated import IsolatedProcess, ProcessLostError, shared_process
 from geometry.mesh import LADDER, ThrowMesh, mesh_throw
+from geometry.size_map import SizeMap
 from geometry.sizes import predict_unknowns
 from geometry.throw import CrankThrow
 
@@ -21,6 +22,7 @@ def mesh_isolated(
     throw: Throw,
     size_factor: float = 1.0,
     part: str = "auto",
+    sizes: SizeMap | None = None,
     *,
     process: IsolatedProcess | None = None,
     time_limit: float = TIME_LIMIT,
@@ -31,7 +33,7 @@ def mesh_isolated(
 
     Parameters
     ----------
-    throw, size_factor, part
+    throw, size_factor, part, sizes
         As for `mesh_throw`, which says what is returned and raised.
     process : IsolatedProcess, optional
         Where to mesh; the one that this process shares by default.
@@ -48,7 +50,7 @@ def mesh_isolated(
         raise InputError(
             f"part: given {part!r}; allowed is 'full' or 'auto', for an imported throw is meshed whole."
         )
-    limit = time_limit + SECONDS_PER_UNKNOWN * expected_unknowns(throw, size_factor)
+    limit = time_limit + SECONDS_PER_UNKNOWN * expected_unknowns(throw, size_factor, sizes)
     attempts: tuple[str, ...] = ()
 
     def note(made: tuple[str, ...]) -> None:
@@ -58,7 +60,7 @@ def mesh_isolated(
     while len(attempts) < len(LADDER):
         try:
             mesh: ThrowMesh = process.call(
-                *_function(throw, size_factor, part),
+                *_function(throw, size_factor, part, sizes),
                 attempts,
                 time_limit=limit,
                 on_remark=note,
@@ -72,22 +74,28 @@ def mesh_isolated(
     )
 
 
-def mesh_here(throw: Throw, size_factor: float = 1.0, part: str = "auto") -> ThrowMesh:
+def mesh_here(
+    throw: Throw, size_factor: float = 1.0, part: str = "auto", sizes: SizeMap | None = None
+) -> ThrowMesh:
     """Mesh any throw in this process; parameters, results and errors as for `mesh_throw`."""
     if isinstance(throw, ImportedThrow):
-        return mesh_imported_throw(throw, size_factor)
-    return mesh_throw(throw, size_factor, part)
+        return mesh_imported_throw(throw, size_factor, sizes)
+    return mesh_throw(throw, size_factor, part, sizes)
 
 
-def _function(throw: Throw, size_factor: float, part: str) -> tuple[Any, ...]:
+def _function(
+    throw: Throw, size_factor: float, part: str, sizes: SizeMap | None
+) -> tuple[Any, ...]:
     """What to call in the process, and its first arguments."""
     if isinstance(throw, ImportedThrow):
-        return "geometry.imported_mesh:mesh_imported_from", throw, size_factor
-    return "geometry.mesh:mesh_throw_from", throw, size_factor, part
+        return "geometry.imported_mesh:mesh_imported_from", throw, size_factor, sizes
+    return "geometry.mesh:mesh_throw_from", throw, size_factor, part, sizes
 
 
-def expected_unknowns(throw: Throw, size_factor: float) -> int:
+def expected_unknowns(throw: Throw, size_factor: float, sizes: SizeMap | None = None) -> int:
     """Predict the number of unknowns that analyzing a throw takes with a size factor."""
+    if sizes is not None:
+        return sizes.expected_unknowns(size_factor)
     if isinstance(throw, ImportedThrow):
         return predict_imported_unknowns(throw, size_factor)
     return predict_unknowns(throw.parts, size_factor, throw.symmetry)

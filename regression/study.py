@@ -17,7 +17,7 @@ from regression.store import Outcome, ResultStore, content_key
 from regression.workers import TIME_LIMIT, run_designs
 
 # Raise when a change of the model changes results: stored results of older versions are then not used.
-MODEL_VERSION = 2
+MODEL_VERSION = 3
 RUN, HELD_OUT = "run", "held out"
 # The dimensions of a throw that can vary: the numbers among its fields.
 FACTORS = tuple(

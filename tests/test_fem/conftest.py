@@ -6,7 +6,7 @@ import pytest
 from fem.assembly import assemble_stiffness
 from fem.class_compliances import axial_answers
 from fem.condensation import condense, nodes_on
-from fem.loads import RADIAL, uniform_pin_loads
+from fem.loads import RADIAL, uniform_pin_loads, unit_pin_loads
 from fem.material import STEEL
 from fem.superelement import combine_classes
 from fem.symmetry import axial_class, symmetry_classes
@@ -52,8 +52,8 @@ def add_mirror_image(mesh):
 def condense_classes(mesh, material=STEEL, radials=RADIAL[None]):
     """Condense all symmetry classes of a mesh; give them with their superelement."""
     matrix = assemble_stiffness(mesh.points, mesh.elements, material)
-    shapes = uniform_pin_loads(mesh)
-    found = tuple(condense(mesh, matrix, shapes, part) for part in symmetry_classes(mesh.part))
+    pins = unit_pin_loads(mesh)
+    found = tuple(condense(mesh, matrix, pins, part) for part in symmetry_classes(mesh.part))
     return found, combine_classes(found, radials)
 
 
@@ -99,6 +99,11 @@ def pin_shapes(mesh):
 
 
 @pytest.fixture(scope="session")
+def pins(mesh):
+    return unit_pin_loads(mesh)
+
+
+@pytest.fixture(scope="session")
 def classes(mesh):
     return condense_classes(mesh)[0]
 
@@ -129,7 +134,7 @@ def axial_compliance():
     def compute(throw, size_factor=1.3, material=STEEL):
         mesh = mesh_throw(throw, size_factor)
         matrix = assemble_stiffness(mesh.points, mesh.elements, material)
-        part = condense(mesh, matrix, uniform_pin_loads(mesh), axial_class(mesh.part))
+        part = condense(mesh, matrix, unit_pin_loads(mesh), axial_class(mesh.part))
         return axial_answers(part, "pinned")[0]
 
     return compute

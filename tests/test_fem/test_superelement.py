@@ -97,7 +97,7 @@ def test_direct_solve_with_blocked_length_gives_the_reactions(whole, superelemen
     displacements = reduction @ reduced.solve(np.asarray(reduction.T @ loads))
     residual = motions.T @ (whole.matrix @ displacements - loads)
     for axis in range(3):
-        found = reactions(superelement, support, np.eye(3)[axis])
+        found = reactions(superelement, support, superelement.end_load(np.eye(3)[axis]))
         both = [*found.left.force, *found.left.moment, *found.right.force, *found.right.moment]
         assert np.array(both) == pytest.approx(residual[:, axis], abs=1e-8)
     # A radial force Z towards the shaft is answered by a compression of c Z / e_n; here Z = -1.

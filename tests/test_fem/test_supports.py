@@ -40,7 +40,7 @@ def tilt_stiffness_ratio(superelement):
 @pytest.mark.parametrize("support", SUPPORTS, ids=str)
 @pytest.mark.parametrize("force", DIRECTIONS, ids=str)
 def test_reactions_are_in_equilibrium(superelement, throw, mesh, pin_shapes, support, force):
-    found = reactions(superelement, support, np.array(force))
+    found = reactions(superelement, support, superelement.end_load(np.array(force)))
     size = np.linalg.norm(force)
     total = found.left.force + found.right.force + force
     assert total == pytest.approx(np.zeros(3), abs=1e-9 * size)
@@ -58,7 +58,7 @@ def test_reactions_are_in_equilibrium(superelement, throw, mesh, pin_shapes, sup
 @pytest.mark.parametrize("support", SUPPORTS, ids=str)
 def test_blocked_throw_presses_with_c_z_over_e(superelement, support):
     answers = support_throw(superelement, support)
-    found = reactions(superelement, support, np.array([0.0, -2e5, 0.0]))
+    found = reactions(superelement, support, superelement.end_load(np.array([0.0, -2e5, 0.0])))
     thrust = answers.influence * 2e5 / answers.axial
     assert thrust > 0.0
     assert found.left.force[2] == pytest.approx(thrust, rel=1e-6)
@@ -66,7 +66,7 @@ def test_blocked_throw_presses_with_c_z_over_e(superelement, support):
 
 
 def test_pinned_ends_carry_no_tilting_moment(superelement):
-    found = reactions(superelement, "pinned", np.array([1e5, -1e5, 1e5]))
+    found = reactions(superelement, "pinned", superelement.end_load(np.array([1e5, -1e5, 1e5])))
     assert found.left.moment[:2] == pytest.approx([0.0, 0.0], abs=1e-6)
     assert found.right.moment[:2] == pytest.approx([0.0, 0.0], abs=1e-6)
     # The torque is that of the tangential force.
@@ -74,8 +74,8 @@ def test_pinned_ends_carry_no_tilting_moment(superelement):
 
 
 def test_reactions_superpose(superelement):
-    parts = [reactions(superelement, "guided", force) for force in np.eye(3)]
-    both = reactions(superelement, "guided", np.array([2.0, -3.0, 5.0]))
+    parts = [reactions(superelement, "guided", superelement.end_load(force)) for force in np.eye(3)]
+    both = reactions(superelement, "guided", superelement.end_load(np.array([2.0, -3.0, 5.0])))
     wanted = 2.0 * parts[0].left.moment - 3.0 * parts[1].left.moment + 5.0 * parts[2].left.moment
     assert both.left.moment == pytest.approx(wanted, rel=1e-10, abs=1e-10)
 

@@ -9,7 +9,7 @@ import pytest
 from fem.assembly import assemble_stiffness
 from fem.class_compliances import axial_answers
 from fem.condensation import condense
-from fem.loads import uniform_pin_loads
+from fem.loads import unit_pin_loads
 from fem.material import STEEL
 from fem.symmetry import axial_class
 from geometry.errors import InputError, MeshError
@@ -624,6 +624,7 @@ def test_the_mesh_is_the_same_in_another_process(imported, mesh):
         "geometry.imported_mesh:mesh_imported_from",
         imported,
         1.5,
+        None,
         (),
         time_limit=120.0,
         on_remark=remarks.append,
@@ -634,11 +635,11 @@ def test_the_mesh_is_the_same_in_another_process(imported, mesh):
 
 
 def test_failed_ways_are_passed_over_and_recorded(imported):
-    mesh = mesh_imported_from(imported, 2.5, ("as planned: it took too long",))
+    mesh = mesh_imported_from(imported, 2.5, None, ("as planned: it took too long",))
     assert mesh.attempts == ("as planned: it took too long",)
     assert mesh.size_factor == pytest.approx(2.5 * LADDER[1].share)
     with pytest.raises(MeshError, match="6 ways of meshing the throw failed"):
-        mesh_imported_from(imported, 2.5, ("no",) * len(LADDER))
+        mesh_imported_from(imported, 2.5, None, ("no",) * len(LADDER))
 
 
 def test_too_fine_a_mesh_is_refused(imported):
@@ -662,7 +663,7 @@ def test_surfaces_that_are_elsewhere_are_noticed(imported):
     names |= {LEFT_END: names[RIGHT_END], RIGHT_END: names[LEFT_END]}
     wrong = replace(imported, surfaces=tuple(names.items()))
     with pytest.raises(MeshError, match="'left end' of the file is not where it was"):
-        mesh_imported_from(wrong, 3.0, ("no",) * (len(LADDER) - 1))
+        mesh_imported_from(wrong, 3.0, None, ("no",) * (len(LADDER) - 1))
 
 
 def test_nothing_is_left_behind_in_this_process(throw, plain, imported):
@@ -682,7 +683,7 @@ def test_nothing_is_left_behind_in_this_process(throw, plain, imported):
 
 def axial_compliance(mesh):
     matrix = assemble_stiffness(mesh.points, mesh.elements, STEEL)
-    part = condense(mesh, matrix, uniform_pin_loads(mesh), axial_class(mesh.part))
+    part = condense(mesh, matrix, unit_pin_loads(mesh), axial_class(mesh.part))
     return SimpleNamespace(value=axial_answers(part, "pinned")[0], factor=mesh.size_factor)
 
 

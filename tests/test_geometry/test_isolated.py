@@ -81,7 +81,7 @@ def test_a_disturbed_call_leaves_no_answer_behind(dimensions, process, disturban
     with pytest.raises(disturbance):
         process.call(
             "geometry.mesh:mesh_throw_from",
-            large, 2.0, "auto", (),
+            large, 2.0, "auto", None, (),
             time_limit=60.0,
             on_remark=disturb,
         )  # fmt: skip

@@ -270,7 +270,7 @@ def test_a_mesh_that_misses_the_volume_is_made_again_finer(dimensions, monkeypat
 def test_every_way_of_meshing_gives_the_same_part(dimensions, rung):
     throw = CrankThrow(**dimensions, pin_bore=0.06)
     failed = tuple(f"{way.what}: tried elsewhere" for way in LADDER[:rung])
-    mesh = mesh_throw_from(throw, 1.2, "auto", failed)
+    mesh = mesh_throw_from(throw, 1.2, "auto", None, failed)
     assert mesh.attempts[:rung] == failed
     assert 4.0 * mesh.solid.volume == pytest.approx(throw.volume, rel=1e-9)
 

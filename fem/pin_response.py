@@ -1,0 +1,114 @@
+"""What a load on a pin does: motions of the end sections and of the pin, and reactions."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.condensation import CondensedClass
+from fem.loads import NodalLoads
+from fem.superelement import Superelement
+from fem.supports import STRETCH, Support, end_motions
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Mean motion of a section or of a pin, in the throw frame.
+
+    Attributes
+    ----------
+    displacement : (3,) array
+        [m]
+    rotation : (3,) array
+        [rad]
+    """
+
+    displacement: Array
+    rotation: Array
+
+
+@dataclass(frozen=True)
+class PinResponse:
+    """Response of an axially free throw to a load on a pin.
+
+    Attributes
+    ----------
+    left, right : Motion
+        Of the end sections' centers; the left one is held along and about the shaft.
+    pin : Motion
+        Mean motion of the loaded pin's surface about its center.
+    lengthening : float
+        How much longer the throw gets [m].
+    """
+
+    left: Motion
+    right: Motion
+    pin: Motion
+    lengthening: float
+
+
+def equivalent_load(classes: Sequence[CondensedClass], load: NodalLoads) -> Array:
+    """End loads (12,) that a load on a pin is equivalent to: its work on the end motions.
+
+    Parameters
+    ----------
+    classes : sequence of CondensedClass
+        All symmetry classes of the part.
+    load : NodalLoads
+        One load case.
+    """
+    found = np.zeros(12)
+    for part in classes:
+        work = np.einsum("sa,sak->k", load.of_class(part.symmetry)[..., 0], part.fields[load.nodes])
+        found += part.symmetry.shares.T @ work
+    return found
+
+
+def local_motion(classes: Sequence[CondensedClass], load: NodalLoads, pins: int) -> Array:
+    """Mean motions (6 pins,) of all pins under a load on one of them, the end sections held.
+
+    By reciprocity it is the work of the load on the fields of unit loads on the pins.
+    """
+    found = np.zeros(6 * pins)
+    for part in classes:
+        work = np.einsum(
+            "sa,sac->c", load.of_class(part.symmetry)[..., 0], part.pin_fields[load.nodes]
+        )
+        found[part.pin_components @ (6, 1)] += work
+    return found
+
+
+def pin_response(
+    throw: Superelement, support: Support, load: Array, local: Array, pin: int
+) -> PinResponse:
+    """Response of the axially free throw.
+
+    Parameters
+    ----------
+    throw : Superelement
+    support : "pinned", "guided" or Neighbors
+    load : (12,) array
+        From `equivalent_load`.
+    local : (6,) array
+        The loaded pin's part of `local_motion`.
+    pin : int
+        Which pin.
+    """
+    motions = end_motions(throw, support, load[:, None])[:, 2]
+    moved = local + throw.pin_loads[pin].T @ motions
+    return PinResponse(
+        Motion(motions[0:3], motions[3:6]),
+        Motion(motions[6:9], motions[9:12]),
+        Motion(moved[:3], moved[3:]),
+        float(STRETCH @ motions),
+    )
+
+
+def pin_compliance(throw: Superelement, support: Support, pin: int) -> Array:
+    """Mean motions (6, 6) of a pin per unit force and moment on it, the throw axially free."""
+    place = slice(6 * pin, 6 * pin + 6)
+    motions = end_motions(throw, support, throw.pin_loads[pin])[:, 2:]
+    return np.asarray(throw.pin_flexibility[place, place] + throw.pin_loads[pin].T @ motions)

@@ -1,0 +1,202 @@
+"""Stresses from displacements, and smoother ones recovered from them.
+
+Inside an element the stress of second-order displacements is most accurate at the four points of its
+quadrature. A quadratic polynomial fitted to these points over all elements round a corner node gives
+the stress there one order better than the elements do (superconvergent patch recovery, O. C.
+Zienkiewicz and J. Z. Zhu, Int. J. Numer. Meth. Engng 33, 1331-1382, 1992). The difference between
+recovered stress and that of the elements measures their error; the recovered stress itself is what
+fillets are judged by.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from fem.elements import physical_gradients
+from fem.material import Material
+from geometry.mending import EDGES
+from geometry.shapes import shapes_for_quadrature
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+# Order of components of a stress: xx, yy, zz, xy, yz, zx.
+ROWS, COLUMNS = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
+SAMPLING_ORDER = 2  # four points
+# Stress differences are quadratic in an element, their energy is of fourth order.
+ENERGY_ORDER = 4
+# Terms of the fitted polynomial are held back by this share of the samples' weight where a patch has
+# too few of them to tell; the constant is free.
+HELD_BACK = np.array([0.0, *[1e-9] * 3, *[1e-5] * 6])
+CHUNK = 8192
+
+
+def stresses_at(
+    points: Array,
+    elements: Integers,
+    displacement: Array,
+    material: Material,
+    gradients: Array,
+) -> Array:
+    """Stress of the finite element solution.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        Node coordinates [m].
+    elements : (m, 10) array
+        Node numbers.
+    displacement : (n, 3) array
+        [m]
+    material : Material
+    gradients : (q, 10, 3) array
+        Reference gradients of the shape functions at the wanted places.
+
+    Returns
+    -------
+    (m, q, 6) array
+        xx, yy, zz, xy, yz, zx [Pa].
+    """
+    shear = material.shear_modulus
+    lame = shear * 2.0 * material.poisson_ratio / (1.0 - 2.0 * material.poisson_ratio)
+    found = np.empty((len(elements), len(gradients), 6))
+    for start in range(0, len(elements), CHUNK):
+        batch = slice(start, start + CHUNK)
+        spatial, _ = physical_gradients(points[elements[batch]], gradients, np.ones(len(gradients)))
+        slopes = spatial.transpose(0, 1, 3, 2) @ displacement[elements[batch]][:, None]
+        # slopes[m, q, j, i] = d u_i / d x_j
+        found[batch] = shear * (slopes[:, :, ROWS, COLUMNS] + slopes[:, :, COLUMNS, ROWS])
+        found[batch, :, :3] += lame * np.trace(slopes, axis1=2, axis2=3)[:, :, None]
+    return found
+
+
+def recovered_stress(
+    points: Array, elements: Integers, displacement: Array, material: Material
+) -> Array:
+    """Stress at the nodes, recovered from the elements round them.
+
+    Parameters
+    ----------
+    points, elements, displacement, material
+        As for `stresses_at`.
+
+    Returns
+    -------
+    (n, 6) array
+        xx, yy, zz, xy, yz, zx [Pa].
+    """
+    values, gradients, _ = shapes_for_quadrature(SAMPLING_ORDER)
+    stress = stresses_at(points, elements, displacement, material, gradients)
+    places = values @ points[elements]
+    corners = elements[:, :4]
+    vertices, number = np.unique(corners, return_inverse=True)
+    number = number.reshape(corners.shape)
+    sizes = _patch_sizes(points, corners, number, len(vertices))
+    matrices = np.zeros((len(vertices), 100))
+    sides = np.zeros((len(vertices), 60))
+    for start in range(0, len(elements), CHUNK):
+        batch = slice(start, start + CHUNK)
+        count = len(corners[batch])
+        owner = number[batch].ravel()
+        local = places[batch, None] - points[corners[batch]][:, :, None]
+        terms = _terms(local.reshape(4 * count, 4, 3) / sizes[owner, None, None])
+        gather = sparse.csr_array(
+            (np.ones(len(owner)), (owner, np.arange(len(owner)))), (len(vertices), len(owner))
+        )
+        matrices += np.asarray(gather @ (terms.transpose(0, 2, 1) @ terms).reshape(-1, 100))
+        samples = np.repeat(stress[batch], 4, axis=0)
+        sides += np.asarray(gather @ (terms.transpose(0, 2, 1) @ samples).reshape(-1, 60))
+    systems = matrices.reshape(-1, 10, 10)
+    weight = systems[:, 0, 0]
+    systems[:, np.arange(10), np.arange(10)] += weight[:, None] * HELD_BACK
+    coefficients = np.linalg.solve(systems, sides.reshape(-1, 10, 6))
+
+    recovered = np.zeros((len(points), 6))
+    recovered[vertices] = coefficients[:, 0]
+    ends = number[:, np.array(EDGES)].reshape(-1, 2)
+    middles, first = np.unique(elements[:, 4:], return_index=True)
+    ends = ends[first]
+    for side in (0, 1):
+        owner = ends[:, side]
+        local = (points[middles] - points[vertices[owner]]) / sizes[owner, None]
+        recovered[middles] += 0.5 * np.einsum("np,npc->nc", _terms(local), coefficients[owner])
+    return recovered
+
+
+def _patch_sizes(points: Array, corners: Integers, number: Integers, count: int) -> Array:
+    """Mean distance (v,) of the patches' other corners from their own [m]."""
+    total, weight = np.zeros(count), np.zeros(count)
+    for one in range(4):
+        for other in range(4):
+            if one != other:
+                length = np.linalg.norm(points[corners[:, one]] - points[corners[:, other]], axis=1)
+                total += np.bincount(number[:, one], length, count)
+                weight += np.bincount(number[:, one], minlength=count)
+    return np.asarray(total / weight)
+
+
+def _terms(local: Array) -> Array:
+    """Terms (..., 10) of a quadratic polynomial at places (..., 3)."""
+    x, y, z = np.moveaxis(local, -1, 0)
+    return np.stack([np.ones_like(x), x, y, z, x * x, y * y, z * z, x * y, y * z, z * x], axis=-1)
+
+
+@dataclass(frozen=True)
+class EnergyErrors:
+    """Estimated energy of the error of a solution.
+
+    Attributes
+    ----------
+    elements : (m,) array
+        Twice the strain energy of the error in each element [J].
+    energy : float
+        Twice the strain energy of the solution in the meshed part [J].
+    """
+
+    elements: Array
+    energy: float
+
+    @property
+    def relative(self) -> float:
+        """Share of the error in the energy, which is the relative error of the compliance."""
+        return float(self.elements.sum() / self.energy)
+
+
+def energy_errors(
+    points: Array, elements: Integers, displacement: Array, material: Material
+) -> EnergyErrors:
+    """Estimate the energy of the error from the difference to the recovered stress.
+
+    Parameters
+    ----------
+    points, elements, displacement, material
+        As for `stresses_at`.
+
+    Returns
+    -------
+    EnergyErrors
+    """
+    recovered = recovered_stress(points, elements, displacement, material)
+    values, gradients, weights = shapes_for_quadrature(ENERGY_ORDER)
+    errors = np.empty(len(elements))
+    energy = 0.0
+    for start in range(0, len(elements), CHUNK):
+        batch = elements[start : start + CHUNK]
+        _, volumes = physical_gradients(points[batch], gradients, weights)
+        stress = stresses_at(points, batch, displacement, material, gradients)
+        difference = values @ recovered[batch] - stress
+        errors[start : start + CHUNK] = np.sum(
+            volumes * strain_energy(difference, material), axis=1
+        )
+        energy += float(np.sum(volumes * strain_energy(stress, material)))
+    return EnergyErrors(errors, energy)
+
+
+def strain_energy(stress: Array, material: Material) -> Array:
+    """Twice the strain energy density (...) of stresses (..., 6) [J/m^3]."""
+    modulus, ratio = material.youngs_modulus, material.poisson_ratio
+    trace = stress[..., :3].sum(axis=-1)
+    squares = (stress[..., :3] ** 2).sum(axis=-1) + 2.0 * (stress[..., 3:] ** 2).sum(axis=-1)
+    return np.asarray(((1.0 + ratio) * squares - ratio * trace**2) / modulus)

@@ -1,0 +1,35 @@
+"""Where the time goes."""
+
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+
+class Stopwatch:
+    """Adds up the seconds of named pieces of work.
+
+    Attributes
+    ----------
+    seconds : dict
+        By name, in the order in which they were first met.
+    """
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def lap(self, name: str) -> Iterator[None]:
+        """Take the time of the block under this name, minus what is taken by name inside it."""
+        inside = sum(self.seconds.values())
+        self.seconds.setdefault(name, 0.0)
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            named = sum(self.seconds.values()) - inside
+            self.seconds[name] += time.perf_counter() - start - named
+
+    def add(self, seconds: Mapping[str, float]) -> None:
+        """Add times that were taken elsewhere, such as in another process."""
+        for name, value in seconds.items():
+            self.seconds[name] = self.seconds.get(name, 0.0) + value
