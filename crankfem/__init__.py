@@ -24,7 +24,13 @@ if TYPE_CHECKING:
     from dynamics.two_mass import TwoMassCheck, two_mass_check
     from fem.analysis import AxialAnalysis, ThrowAnalysis, analyze_axial, analyze_throw
     from fem.calculix import write_calculix
+    from fem.craig_bampton import (
+        DynamicSuperelement,
+        assemble_dynamic_shaft,
+        natural_modes,
+    )
     from fem.material import STEEL, Material
+    from fem.modes import ThrowModes
     from fem.pin_response import Motion, PinResponse
     from fem.shaft import ShaftCompliances, shaft_compliances
     from fem.solver import SolveError
@@ -98,6 +104,12 @@ _HOMES = {
             "analyze_throw",
         ),
         "fem.calculix": ("write_calculix",),
+        "fem.craig_bampton": (
+            "DynamicSuperelement",
+            "assemble_dynamic_shaft",
+            "natural_modes",
+        ),
+        "fem.modes": ("ThrowModes",),
         "fem.pin_response": (
             "Motion",
             "PinResponse",
@@ -173,6 +185,7 @@ __all__ = [
     "CrankThrow",
     "Crankshaft",
     "CriticalSpeed",
+    "DynamicSuperelement",
     "EndReaction",
     "EngineFile",
     "FormulaValue",
@@ -198,12 +211,14 @@ __all__ = [
     "StudyResult",
     "ThrowAnalysis",
     "ThrowMesh",
+    "ThrowModes",
     "TorqueTable",
     "TwoMassCheck",
     "Unbalance",
     "Web",
     "analyze_axial",
     "analyze_throw",
+    "assemble_dynamic_shaft",
     "axial_formula",
     "axial_formulas",
     "critical_speeds",
@@ -215,6 +230,7 @@ __all__ = [
     "load_engine",
     "load_throw",
     "mesh_throw",
+    "natural_modes",
     "picture_shaft",
     "picture_throw",
     "read_torque_table",

@@ -248,6 +248,9 @@ def throw(
         str, typer.Option(help="rigid, or averaged (free to warp); the two bound the truth.")
     ] = "rigid",
     solver: Annotated[str, typer.Option(help="pardiso, superlu, or auto.")] = "auto",
+    modes: Annotated[
+        int, typer.Option(help="Also find so many natural modes of the free throw.")
+    ] = 0,
     profile: Annotated[bool, typer.Option("--profile", help="Print where the time goes.")] = False,
     json: JsonOption = False,
 ) -> None:
@@ -258,7 +261,7 @@ def throw(
     """
     from crankfem.engine_file import load_throw
     from crankfem.pipeline import UNIT_RADIAL_FORCE
-    from crankfem.results import throw_record
+    from crankfem.results import mode_records, throw_record
     from fem.analysis import analyze_throw
     from fem.material import STEEL
     from geometry.imported import import_throw
@@ -280,10 +283,14 @@ def throw(
         part, material, accuracy, solver=solver, end_sections=cast(Any, end_sections)
     )
     record = throw_record(analysis, UNIT_RADIAL_FORCE)
+    if modes:
+        record["free_modes"] = mode_records(analysis.free_modes(modes))
     if json:
         print_json(record)
         return
     tables.print_throw(record)
+    if modes:
+        tables.print_free_modes(record["free_modes"])
     if profile:
         tables.print_profile(record["seconds"])
 

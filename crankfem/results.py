@@ -15,6 +15,7 @@ from dynamics.harmonics import Harmonics
 from dynamics.two_mass import TwoMassCheck
 from fem.analysis import ThrowAnalysis
 from fem.material import Material
+from fem.modes import ThrowModes
 from fem.shaft import ShaftCompliances
 from fem.supports import Support
 from geometry.balance import unbalance
@@ -100,6 +101,14 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
         "solver": analysis.solver,
         "seconds": dict(analysis.seconds),
     }
+
+
+def mode_records(modes: ThrowModes) -> list[Record]:
+    """Natural modes of the free throw [Hz], with what moves."""
+    return [
+        {"frequency": float(frequency), "name": name}
+        for frequency, name in zip(modes.frequencies, modes.names, strict=True)
+    ]
 
 
 def _dimensions(throw: Throw) -> Record:

@@ -51,6 +51,18 @@ def print_throw(record: dict[str, Any]) -> None:
     )
 
 
+def print_free_modes(modes: list[dict[str, Any]]) -> None:
+    """Print the natural modes of a free throw."""
+    print_table(
+        "Natural modes of the free throw",
+        ["mode", "frequency [Hz]", "motion of the end sections:"],
+        [
+            [str(number), f"{mode['frequency']:.1f}", mode["name"]]
+            for number, mode in enumerate(modes, start=1)
+        ],
+    )
+
+
 def print_profile(seconds: dict[str, float]) -> None:
     """Print where the time of an analysis went."""
     total = sum(seconds.values())

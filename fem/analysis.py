@@ -9,8 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 from fem.accuracy import Mesher, Problem, solve_to
 from fem.class_compliances import axial_answers, torsional_answer
 from fem.condensation import CondensedClass, EndSections
+from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
 from fem.loads import Distribution, NodalLoads, pin_load, pin_surfaces, radial_directions
 from fem.material import STEEL, Material
+from fem.modes import ThrowModes, free_modes
 from fem.pin_response import (
     PinResponse,
     equivalent_load,
@@ -239,6 +241,55 @@ class ThrowAnalysis:
         is no such pin.
         """
         return pin_compliance(self.superelement, support, self._checked_pin(pin))
+
+    def free_modes(
+        self, count: int | None = None, highest_frequency: float | None = None
+    ) -> ThrowModes:
+        """Elastic natural modes of the throw without supports, with consistent masses.
+
+        Parameters
+        ----------
+        count : int, optional
+            How many of the lowest modes.
+        highest_frequency : float, optional
+            Instead, all modes up to this frequency [Hz].
+
+        Returns
+        -------
+        ThrowModes
+
+        Raises
+        ------
+        InputError
+            If not one of the two is given, or it is out of range.
+        SolveError
+            If the modes cannot be found.
+        """
+        return free_modes(
+            self.mesh,
+            self.material,
+            count=count,
+            highest_frequency=highest_frequency,
+            solver=self.solver,
+        )
+
+    def dynamic_superelement(self, highest_frequency: float) -> DynamicSuperelement:
+        """Stiffness and mass of the throw for vibration up to a frequency [Hz].
+
+        Unknowns are the motions of the end sections and amplitudes of shapes of the inside, whose
+        number is chosen for the frequency and recorded; 0 Hz gives Guyan's mass of the end motions
+        alone. See `fem.craig_bampton.dynamic_superelement`.
+
+        Raises
+        ------
+        InputError
+            If the frequency is negative or not finite, or the end sections are not rigid.
+        SolveError
+            If the shapes cannot be found.
+        """
+        return dynamic_superelement(
+            self.mesh, self.material, self.classes, highest_frequency, solver=self.solver
+        )
 
     def _end_load(
         self, pin: int, force: ArrayLike, moment: ArrayLike, distribution: Distribution

@@ -1,0 +1,260 @@
+"""Free modes against dense solutions of the same matrices, from each part of the throw."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import sparse
+from scipy.linalg import eigh
+
+from fem.assembly import symmetric_product
+from fem.condensation import blocked_unknowns
+from fem.material import STEEL
+from fem.modes import (
+    ClassModes,
+    PartMatrices,
+    _lowest_of_all,
+    class_problem,
+    end_motions_of,
+    free_modes,
+    frequencies_of,
+    name_of_motion,
+    rigid_count,
+)
+from fem.solver import SolveError
+from fem.symmetry import SymmetryClass, symmetry_classes
+from geometry.errors import InputError
+from geometry.mesh import mesh_throw
+from geometry.stopwatch import Stopwatch
+
+COUNT = 12
+
+
+@pytest.fixture(scope="module")
+def coarse(throw):
+    """A quarter with few unknowns, for dense solutions and for the mesh of the whole throw."""
+    return mesh_throw(throw, 6.0)
+
+
+@pytest.fixture(scope="module")
+def modes(coarse):
+    return free_modes(coarse, STEEL, count=COUNT)
+
+
+@pytest.fixture(scope="module")
+def whole(coarse, mirror):
+    return mirror(mirror(coarse))
+
+
+@pytest.fixture(scope="module")
+def whole_modes(whole):
+    return free_modes(whole, STEEL, count=COUNT)
+
+
+def full(upper):
+    return upper + sparse.triu(upper, k=1).T
+
+
+@pytest.mark.parametrize("held_ends", [False, True])
+def test_no_mode_is_missed_or_wrong(coarse, held_ends):
+    """Against LAPACK on the dense matrices of a class; both leave round-off of the largest value."""
+    symmetry = symmetry_classes("quarter")[1]
+    matrices = PartMatrices.of_mesh(coarse, STEEL)
+    free = np.flatnonzero(~blocked_unknowns(coarse, symmetry, ends=held_ends).ravel())
+    dense = [full(each)[free][:, free].toarray() for each in (matrices.stiffness, matrices.mass)]
+    expected = eigh(*dense, eigvals_only=True, subset_by_index=[0, 19])
+    shift = 0.0 if held_ends else 1e7
+    with class_problem(coarse, matrices, symmetry, shift=shift, held_ends=held_ends) as problem:
+        found = problem.lowest(20)
+        ceiling = float(frequencies_of(expected[12])) * 1.0001
+        below = problem.up_to(ceiling)
+    largest = 1e4 * expected[-1]
+    assert found.squares == pytest.approx(expected, rel=1e-9, abs=1e-13 * largest)
+    assert np.count_nonzero(below.frequencies <= ceiling) == 13
+    assert below.frequencies[-1] > ceiling
+    assert found.residuals.max() < 1e-9
+    modal = found.shapes.reshape(-1, 20)
+    products = symmetry.copies * modal.T @ symmetric_product(matrices.mass, modal)
+    assert products == pytest.approx(np.eye(20), abs=1e-8)
+
+
+@pytest.mark.slow
+def test_each_part_gives_all_modes_of_the_throw(coarse, mirror, modes, whole_modes):
+    """The meshes are mirror images of each other, so only rounding differs."""
+    half_modes = free_modes(mirror(coarse), STEEL, count=COUNT)
+    for other in (half_modes, whole_modes):
+        assert other.frequencies == pytest.approx(modes.frequencies, rel=1e-9)
+        assert other.names == modes.names
+    assert {each.crank_plane for each in half_modes.symmetries} == {1, -1}
+    # Within a class of the quarter frequencies are far apart, so shapes are the same up to a sign, on
+    # each of the parts normalized with the mass of the whole throw.
+    for mode in range(COUNT):
+        quarter = modes.shapes[:, :, mode]
+        same = whole_modes.shapes[: len(coarse.points), :, mode]
+        sign = np.sign(np.sum(quarter * same))
+        assert sign * same == pytest.approx(quarter, abs=1e-6 * np.abs(quarter).max())
+
+
+def test_shapes_have_unit_mass_and_are_free_of_rigid_motion(whole, whole_modes):
+    matrices = PartMatrices.of_mesh(whole, STEEL)
+    shapes = whole_modes.shapes.reshape(-1, COUNT)
+    inertia = symmetric_product(matrices.mass, shapes)
+    assert shapes.T @ inertia == pytest.approx(np.eye(COUNT), abs=1e-9)
+    squares = (2.0 * np.pi * whole_modes.frequencies) ** 2
+    work = shapes.T @ symmetric_product(matrices.stiffness, shapes)
+    assert work == pytest.approx(np.diag(squares), abs=1e-9 * squares.max())
+    # No momentum: the sum of inertia forces is that of supports, and there are none.
+    momentum = inertia.reshape(-1, 3, COUNT).sum(axis=0)
+    size = np.sqrt(np.sum(full(matrices.mass).diagonal()))
+    assert np.abs(momentum).max() <= 1e-8 * size
+
+
+def test_six_rigid_motions(modes):
+    assert modes.rigid_frequencies.shape == (6,)
+    assert modes.rigid_frequencies.max() < 1e-4 * modes.frequencies[0]
+    assert modes.frequencies[0] > 100.0
+    assert np.all(np.diff(modes.frequencies) > 0.0)
+    assert sum(rigid_count(symmetry) for symmetry in symmetry_classes("half")) == 6
+    assert [rigid_count(symmetry) for symmetry in symmetry_classes("quarter")] == [1, 2, 2, 1]
+
+
+def test_highest_frequency_gives_the_same(coarse, modes):
+    watch = Stopwatch()
+    ceiling = 0.5 * (modes.frequencies[6] + modes.frequencies[7])
+    found = free_modes(coarse, STEEL, highest_frequency=float(ceiling), watch=watch)
+    assert found.frequencies == pytest.approx(modes.frequencies[:7], rel=1e-9)
+    assert found.symmetries == modes.symmetries[:7]
+    assert {"assembly", "factorization", "modes"} <= set(watch.seconds)
+    below_all = free_modes(coarse, STEEL, highest_frequency=1.0)
+    assert below_all.shapes.shape == (len(coarse.points), 3, 0)
+    assert below_all.names == ()
+
+
+def test_frequencies_scale_with_the_material(coarse, modes):
+    """By sqrt(E / rho), Poisson's ratio unchanged."""
+    other = STEEL.model_copy(update={"youngs_modulus": 7e10, "density": 2700.0})
+    found = free_modes(coarse, other, count=3)
+    factor = np.sqrt(7e10 / 2.1e11 * 7850.0 / 2700.0)
+    assert found.frequencies == pytest.approx(factor * modes.frequencies[:3], rel=1e-9)
+
+
+def test_another_solver_gives_the_same(coarse, modes):
+    found = free_modes(coarse, STEEL, count=4, solver="superlu")
+    assert found.solver == "superlu"
+    assert found.frequencies == pytest.approx(modes.frequencies[:4], rel=1e-9)
+
+
+def test_names(modes):
+    """The first four: a throw opens, twists, and bends in both planes."""
+    assert modes.names[:4] == (
+        "bending with axial in the crank plane, symmetric",
+        "torsion with bending across the crank plane, antisymmetric",
+        "bending in the crank plane, antisymmetric",
+        "bending across the crank plane, symmetric",
+    )
+
+
+def test_name_of_motion():
+    twist = np.zeros(12)
+    twist[[5, 11]] = -1.0, 1.0
+    assert name_of_motion(twist, 0.4) == "torsion across the crank plane, antisymmetric"
+    stretch = np.zeros(12)
+    stretch[[2, 8]] = -1.0, 1.0
+    assert name_of_motion(stretch, 0.4) == "axial in the crank plane, symmetric"
+    # Half of the length is what a rotation counts: 5 rad x 0.2 m against 1 m.
+    both = stretch.copy()
+    both[[3, 9]] = 5.0, -5.0
+    assert name_of_motion(0.99 * stretch + 0.01 * both, 0.4).startswith("axial in")
+    assert name_of_motion(both + 0.1 * stretch, 0.4).startswith("axial with bending in")
+    assert name_of_motion(both - 0.1 * stretch, 0.4).startswith("bending with axial in")
+    # One end alone has neither symmetry about the middle; in and across the plane at once, no plane.
+    one = np.zeros(12)
+    one[[0, 1]] = 1.0
+    assert name_of_motion(one, 0.4) == "bending"
+    assert name_of_motion(np.zeros(12), 0.4) == "end sections at rest"
+
+
+def test_end_motions_are_those_of_a_rigid_body(whole):
+    """A turn about the left end's center by a small angle round x, and a push along z."""
+    symmetry = symmetry_classes("full")[0]
+    shape = np.cross([1e-3, 0.0, 0.0], whole.points)
+    shape[:, 2] += 2e-3
+    expected = np.zeros(12)
+    expected[[2, 3, 8, 9]] = 2e-3, 1e-3, 2e-3, 1e-3
+    expected[7] = -1e-3 * whole.length
+    assert end_motions_of(whole, symmetry, shape) == pytest.approx(expected, abs=1e-15)
+
+
+def test_enough_of_each_class_is_sought():
+    """All wanted modes in one class, or spread unevenly: the lowest of all are always among them."""
+    symmetries = symmetry_classes("quarter")
+    rng = np.random.default_rng(4)
+    for count in (1, 5, 17):
+        ladders = {each: np.sort(rng.uniform(1.0, 9.0, 60)) for each in symmetries}
+        ladders[symmetries[2]] = ladders[symmetries[2]] * 1e-3
+        asked = []
+
+        def solve(symmetry, elastic, ladders=ladders, asked=asked):
+            asked.append(elastic)
+            squares = np.concatenate([np.zeros(rigid_count(symmetry)), ladders[symmetry][:elastic]])
+            return ClassModes(symmetry, squares, np.zeros((1, 3, len(squares))), squares, "")
+
+        found = _lowest_of_all(solve, symmetries, count)
+        elastic = np.sort(np.concatenate([m.squares[rigid_count(m.symmetry) :] for m in found]))
+        expected = np.sort(np.concatenate(list(ladders.values())))
+        assert np.array_equal(elastic[:count], expected[:count])
+        assert max(asked) <= count
+
+
+def test_a_mesh_in_two_pieces_is_refused(coarse):
+    """Its modes come in pairs of the same frequency, which Lanczos' method alone would not see."""
+    pieces = replace(
+        coarse,
+        points=np.vstack([coarse.points, coarse.points + np.array([0.0, 1.0, 0.0])]),
+        elements=np.vstack([coarse.elements, coarse.elements + len(coarse.points)]),
+    )
+    with pytest.raises(SolveError, match="has 12 motions without stiffness instead of six"):
+        free_modes(pieces, STEEL, count=8)
+    matrices = PartMatrices.of_mesh(pieces, STEEL)
+    with class_problem(pieces, matrices, SymmetryClass(-1, 1), held_ends=True) as problem:
+        squares = problem.lowest(6).squares
+    assert squares[::2] == pytest.approx(squares[1::2], rel=1e-9)
+    assert np.all(np.diff(squares[::2]) > 0.1 * squares[0])
+
+
+def test_a_mode_that_misses_its_equation_is_refused(coarse, monkeypatch):
+    monkeypatch.setattr("fem.modes.LARGEST_RESIDUAL", 1e-15)
+    with pytest.raises(
+        SolveError, match=r"leaves a relative residual of .* \(allowed 1e-15\): pardiso"
+    ):
+        free_modes(coarse, STEEL, count=1)
+
+
+@pytest.mark.parametrize(
+    ("wish", "message"),
+    [
+        ({}, r"^count, highest_frequency: given None and None; allowed is one of them"),
+        ({"count": 3, "highest_frequency": 1e3}, r"^count, highest_frequency: given 3 and 1000.0"),
+        ({"count": 0}, r"^count: given 0; allowed is a whole number from 1 to 500"),
+        ({"count": 501}, r"^count: given 501; allowed"),
+        ({"count": 2.5}, r"^count: given 2.5; allowed"),
+        ({"count": True}, r"^count: given True; allowed"),
+        ({"highest_frequency": 0.0}, r"^highest_frequency: given 0.0; allowed is a finite"),
+        ({"highest_frequency": np.inf}, r"^highest_frequency: given inf; allowed"),
+        ({"highest_frequency": np.nan}, r"^highest_frequency: given nan; allowed"),
+    ],
+)
+def test_wishes_that_make_no_sense(coarse, wish, message):
+    with pytest.raises(InputError, match=message):
+        free_modes(coarse, STEEL, **wish)
+
+
+def test_more_modes_than_the_mesh_can_show(coarse, monkeypatch):
+    monkeypatch.setattr("fem.modes.MOST_MODES", 4)
+    matrices = PartMatrices.of_mesh(coarse, STEEL)
+    with class_problem(coarse, matrices, SymmetryClass(1, 1), shift=1e7) as problem:
+        assert problem.most_modes == 10
+        with pytest.raises(InputError, match=r"^count: given so that 11 modes .* allowed are 10,"):
+            problem.lowest(11)
+        with pytest.raises(InputError, match=r"^highest_frequency: given so .* up to 1e\+06 Hz"):
+            problem.up_to(1e6)
