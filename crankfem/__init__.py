@@ -78,7 +78,6 @@ _HOMES = {
         "dynamics.chain": (
             "Chain",
             "Modes",
-            "Motion",
         ),
         "dynamics.critical": (
             "CriticalSpeed",
@@ -165,7 +164,6 @@ _HOMES = {
             "ComplianceModel",
             "Lookup",
             "OutsideRangeWarning",
-            "PinResponse",
         ),
         "regression.formula_value": ("FormulaValue",),
         "regression.torsional_formulas": ("torsional_formulas",),

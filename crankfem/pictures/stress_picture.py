@@ -3,7 +3,8 @@
 import math
 import shutil
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from crankfem.pictures.offscreen import OffscreenProcess, make_plotter, read_arg
 from crankfem.pictures.style import STYLE
 from fem.fillet_stress import FilletPeak, FilletStresses
 from fem.principal import von_mises
+from fem.symmetry import MirrorImage
 from fem.unit_loads import UnitLoad, whole_facets, whole_nodes
 from geometry.errors import InputError
 from geometry.facets import six_node_triangles
@@ -37,13 +39,19 @@ SHADING: dict[str, Any] = {
     "specular": 0.08,
 }
 LIGHTS = (((-0.5, 0.9, 1.0), 0.55), ((0.8, 0.2, 0.6), 0.25), ((0.0, 0.0, 1.0), 0.3))
-# From the picture's middle to the eye: the whole throw, and its half x >= 0 seen on the cut.
-OUTSIDE, CUT, BELOW = (1.0, 0.45, -0.62), (-1.0, 0.22, -0.36), (-1.0, -0.5, 0.45)
-PIXELS = 1000  # along the longer side of each view
+# From the picture's middle to the eye, of the whole throw and of its half x >= 0 seen on the cut; the
+# first from which the mark can be seen is taken. The free end is to the left, seen from the other side
+# to the right.
+OUTSIDE = ((-1.0, 0.45, -0.6), (-1.0, 0.45, 0.6), (-1.0, -0.5, -0.6), (-1.0, -0.5, 0.6))
+CUT = ((-1.0, 0.22, -0.36), (-1.0, 0.22, 0.36), (-1.0, -0.3, -0.36), (-1.0, -0.3, 0.36))
+OTHER_SIDE = ((1.0, 0.45, 0.6), (1.0, -0.5, 0.6), (1.0, -0.5, -0.6))
+PIXELS = 900  # along the longer side of each view
+VIEWS_HEIGHT, DOTS = 6.0, 110  # of the sheet [inch, 1/inch]
 MARGIN = 0.02
-LIFT = 0.003
-# A curved facet is drawn as four to this power flat ones.
-SUBDIVISION = 2
+# Lines are moved towards the eye by this share of the throw's size, so that no face covers them.
+LIFT = 0.004
+# A curved facet is drawn as four to this power flat ones; where there are many, the smaller number does.
+SUBDIVISIONS, MANY = (2, 1), 20_000
 HIDDEN_BY = 0.01  # what covers a mark is nearer to the eye by this share of the throw's size
 
 
@@ -113,7 +121,8 @@ def picture_arrays(stresses: FilletStresses) -> dict[str, NDArray[Any]]:
         "facets": whole_facets(whole, facets),
         "half": half if len(on_cut) else np.empty((0, 6), dtype=np.int64),
         "stress": equivalent.T * (LOAD_SHOWN / STRESS_UNIT),
-        "places": np.array([peak.von_mises_place for peak in peaks]),
+        # Of a symmetric throw, those in the mirror images are alike.
+        "places": np.array([_mirrored(peak.von_mises_place, whole.images) for peak in peaks]),
         "largest": np.array([peak.von_mises for peak in peaks]) * (LOAD_SHOWN / STRESS_UNIT),
         "titles": np.array([_title(load) for load in loaded.loads]),
         "remarks": np.array([_remark(peak) for peak in peaks]),
@@ -121,10 +130,14 @@ def picture_arrays(stresses: FilletStresses) -> dict[str, NDArray[Any]]:
     }
 
 
+def _mirrored(place: Array, images: Sequence[MirrorImage]) -> Array:
+    """Places (images, 3) of a place and its mirror images."""
+    return np.array([image.points(place[None])[0] for image in images])
+
+
 def _title(load: UnitLoad) -> str:
     """Say what is shown."""
-    name = {"bending across it": "bending across the crank plane"}.get(load.name, load.name)
-    return f"{name[0].upper()}{name[1:]} of 1 k{load.unit}"
+    return f"{load.name[0].upper()}{load.name[1:]}: 1 k{load.unit}, ends pinned"
 
 
 def _remark(peak: FilletPeak) -> str:
@@ -135,41 +148,113 @@ def _remark(peak: FilletPeak) -> str:
     )
     size = peak.von_mises * LOAD_SHOWN / STRESS_UNIT
     return (
-        f"largest at a fillet: {size:.3g} MPa, {peak.fillet.name}, {place}; "
+        f"largest at a fillet: {size:.3g} MPa ({peak.fillet.name}; {place}); "
         f"concentration factor {peak.factor:.2f}"
     )
 
 
+@dataclass(frozen=True)
+class _Solid:
+    """What one of the views shows: a surface with the stresses under all loads, and its edges."""
+
+    name: str
+    eyes: tuple[tuple[float, float, float], ...]
+    surface: Any
+    edges: Any
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        eyes: tuple[tuple[float, float, float], ...],
+        arrays: Mapping[str, NDArray[Any]],
+        facets: Integers,
+    ) -> "_Solid":
+        """Subdivide curved facets into flat triangles close together."""
+        import pyvista
+
+        cells = np.insert(facets, 0, 6, axis=1).ravel()
+        kinds = np.full(len(facets), pyvista.CellType.QUADRATIC_TRIANGLE)
+        grid = pyvista.UnstructuredGrid(cells, kinds, arrays["points"])
+        for number, stress in enumerate(arrays["stress"]):
+            grid.point_data[_field(number)] = stress
+        surface = grid.extract_surface(
+            nonlinear_subdivision=SUBDIVISIONS[len(facets) > MANY], algorithm="dataset_surface"
+        )
+        surface = surface.triangulate().clean()
+        edges = surface.extract_feature_edges(
+            feature_angle=SHARP,
+            boundary_edges=False,
+            non_manifold_edges=False,
+            manifold_edges=False,
+        )
+        return cls(name, eyes, surface, edges)
+
+    def best_eye(self, places: Array) -> tuple[Array, Array | None]:
+        """Direction to the eye, and the first of some places that is seen from there, if any."""
+        for eye in self.eyes:
+            for place in places:
+                if not self._hidden(place, _axes(np.array(eye))[0]):
+                    return np.array(eye), place
+        return np.array(self.eyes[0]), None
+
+    def _hidden(self, place: Array, towards: Array) -> bool:
+        """Whether the surface does not reach a place, or lies between it and the eye."""
+        points = np.asarray(self.surface.points)
+        size = float(np.ptp(points, axis=0).max())
+        if np.linalg.norm(points - place, axis=1).min() > HIDDEN_BY * size:
+            return True
+        corners = points[self.surface.faces.reshape(-1, 4)[:, 1:]]
+        first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        normal = np.cross(towards, second)
+        determinant = np.sum(first * normal, axis=1)
+        crossed = determinant != 0.0
+        inverse = np.divide(1.0, determinant, out=np.zeros(len(normal)), where=crossed)
+        arm = place + HIDDEN_BY * size * towards - corners[:, 0]
+        across = np.cross(arm, first)
+        u = np.sum(arm * normal, axis=1) * inverse
+        v = across @ towards * inverse
+        distance = np.sum(second * across, axis=1) * inverse
+        inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0)
+        return bool(np.any(crossed & inside & (distance > 0.0)))
+
+
+@dataclass(frozen=True)
+class _View:
+    """Pixels of a view, its name, and where on it the mark is, if it is seen."""
+
+    pixels: NDArray[np.uint8]
+    name: str
+    mark: tuple[float, float] | None
+
+
+def _field(number: int) -> str:
+    return f"stress {number}"
+
+
 def render(arrays: Mapping[str, NDArray[Any]], folder: Path) -> None:
     """Draw all pictures in this process."""
-    cut = len(arrays["half"]) > 0
-    views = [(arrays["facets"], OUTSIDE, "whole throw")]
-    if cut:
-        views.append((arrays["half"], CUT, "cut at the crank plane"))
+    solids = [_Solid.of("whole throw", OUTSIDE, arrays, arrays["facets"])]
+    if len(arrays["half"]) > 0:
+        solids.append(_Solid.of("cut at the crank plane", CUT, arrays, arrays["half"]))
     else:
-        views.append((arrays["facets"], BELOW, "from the other side"))
+        solids.append(replace(solids[0], name="from the other side", eyes=OTHER_SIDE))
+    seen = np.unique(arrays["facets"])
     for number, file in enumerate(arrays["files"]):
-        stress = arrays["stress"][number]
         limit = float(arrays["largest"][number])
-        place = arrays["places"][number]
-        shown = [
-            (*_view(arrays["points"], facets, stress, limit, np.array(eye), place), name)
-            for facets, eye, name in views
-        ]
-        beyond = bool(stress[np.unique(arrays["facets"])].max() > 1.005 * limit)
+        views = [_render_view(solid, number, limit, arrays["places"][number]) for solid in solids]
+        beyond = bool(arrays["stress"][number][seen].max() > 1.005 * limit)
         texts = (str(arrays["titles"][number]), str(arrays["remarks"][number]))
-        _compose(shown, limit, beyond, texts, folder / str(file))
+        _compose(views, limit, beyond, texts, folder / str(file))
 
 
-def _view(
-    points: Array, facets: Integers, stress: Array, limit: float, eye: Array, place: Array
-) -> tuple[NDArray[np.uint8], tuple[float, float] | None]:
-    """Render one view; its pixels, and where the marked place is on them unless it is hidden."""
+def _render_view(solid: _Solid, number: int, limit: float, places: Array) -> _View:
+    """Render a view of the stress under one load; mark one of the places."""
     import pyvista
 
+    eye, place = solid.best_eye(places)
     towards, right, up = _axes(eye)
-    used = np.unique(facets)
-    seen = points[used] @ np.column_stack([right, up])
+    seen = np.asarray(solid.surface.points) @ np.column_stack([right, up])
     low, high = seen.min(axis=0), seen.max(axis=0)
     longer = float((high - low).max())
     low, high = low - MARGIN * longer, high + MARGIN * longer
@@ -181,23 +266,19 @@ def _view(
         picture.add_light(
             pyvista.Light(position=light, light_type="camera light", intensity=intensity)
         )
-    solid = _subdivided(points, facets, stress)
     picture.add_mesh(
-        solid,
-        scalars="stress",
+        solid.surface.copy(),
+        scalars=_field(number),
         cmap=_colormap(),
         clim=(0.0, limit),
         n_colors=256,
         show_scalar_bar=False,
         **SHADING,
     )
-    edges = solid.extract_feature_edges(
-        feature_angle=SHARP, boundary_edges=False, non_manifold_edges=False, manifold_edges=False
-    )
     style = {"color": LINE_COLOR, "line_width": 2.0}
-    lines = [picture.add_silhouette(solid, **style)]
-    if edges.n_cells:
-        lines.append(picture.add_mesh(edges, lighting=False, **style))
+    lines = [picture.add_silhouette(solid.surface, **style)]
+    if solid.edges.n_cells:
+        lines.append(picture.add_mesh(solid.edges, lighting=False, **style))
     for line in lines:
         line.position = LIFT * longer * towards
     middle = 0.5 * (low + high) @ np.array([right, up])
@@ -205,41 +286,12 @@ def _view(
     camera.focal_point, camera.position, camera.up = middle, middle + 10.0 * longer * towards, up
     camera.parallel_projection, camera.parallel_scale = True, 0.5 * float(extent[1])
     picture.renderer.reset_camera_clipping_range()
-    pixels = picture.screenshot(return_img=True)[:, :, :3]
+    pixels = picture.screenshot(return_img=True)[:, :, :3].copy()
     picture.close()
-
-    if _hidden(solid, place, towards, HIDDEN_BY * longer):
-        return pixels, None
+    if place is None:
+        return _View(pixels, solid.name, None)
     across, above = (place @ np.column_stack([right, up]) - low) / extent
-    return pixels, (float(across) * width, (1.0 - float(above)) * height)
-
-
-def _subdivided(points: Array, facets: Integers, stress: Array) -> Any:
-    """Flat triangles of curved facets, close together."""
-    import pyvista
-
-    cells = np.insert(facets, 0, 6, axis=1).ravel()
-    kinds = np.full(len(facets), pyvista.CellType.QUADRATIC_TRIANGLE)
-    grid = pyvista.UnstructuredGrid(cells, kinds, points)
-    grid.point_data["stress"] = stress
-    return grid.extract_surface(nonlinear_subdivision=SUBDIVISION).triangulate().clean()
-
-
-def _hidden(solid: Any, place: Array, towards: Array, margin: float) -> bool:
-    """Whether a triangle lies between a place and the eye."""
-    corners = solid.points[solid.faces.reshape(-1, 4)[:, 1:]]
-    origin = place + margin * towards
-    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    normal = np.cross(towards, second)
-    size = np.sum(first * normal, axis=1)
-    crossed = np.abs(size) > 0.0
-    inverse = np.divide(1.0, size, out=np.zeros_like(size), where=crossed)
-    arm = origin - corners[:, 0]
-    u = np.sum(arm * normal, axis=1) * inverse
-    across = np.cross(arm, first)
-    v = across @ towards * inverse
-    distance = np.sum(second * across, axis=1) * inverse
-    return bool(np.any(crossed & (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (distance > 0.0)))
+    return _View(pixels, solid.name, (float(across) * width, (1.0 - float(above)) * height))
 
 
 def _axes(view: Array) -> tuple[Array, Array, Array]:
@@ -257,81 +309,49 @@ def _colormap() -> Any:
 
 
 def _compose(
-    shown: list[tuple[NDArray[np.uint8], tuple[float, float] | None, str]],
-    limit: float,
-    beyond: bool,
-    texts: tuple[str, str],
-    path: Path,
+    views: Sequence[_View], limit: float, beyond: bool, texts: tuple[str, str], path: Path
 ) -> None:
-    """Put the views, a color bar and the texts on one sheet."""
+    """Put the views, a color bar and the texts on one sheet; sizes in inches."""
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
-    # Both views at one scale, beside each other, and the color bar to the right.
-    heights, widths = zip(*(pixels.shape[:2] for pixels, _, _ in shown), strict=True)
-    bar, gap = 0.10, 0.03
-    tall = 6.0
-    wide = tall * sum(widths) / max(heights)
-    top, bottom, side = 0.75, 0.55, 0.25
-    figure_width = wide * (1.0 + gap) + 1.5 + 2 * side
-    figure_height = tall + top + bottom
+    tallest = max(view.pixels.shape[0] for view in views)
+    scale = VIEWS_HEIGHT / tallest
+    spans = [(scale * view.pixels.shape[1], scale * view.pixels.shape[0]) for view in views]
+    gap, side, top, bottom, bar = 0.35, 0.3, 0.95, 0.5, 1.25
+    width = 2.0 * side + sum(span[0] + gap for span in spans) + bar
+    height = VIEWS_HEIGHT + top + bottom
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(figure_width, figure_height), dpi=110)
+        figure = Figure(figsize=(width, height), dpi=DOTS)
         FigureCanvasAgg(figure)
+
+        def axes_at(left: float, low: float, across: float, high: float) -> Any:
+            return figure.add_axes((left / width, low / height, across / width, high / height))
+
+        def write(text: str, left: float, low: float, **style: Any) -> None:
+            figure.text(left / width, low / height, text, va="center", **style)
+
         left = side
-        for pixels, mark, name in shown:
-            share = pixels.shape[1] / sum(widths)
-            span = wide * share
-            high = tall * pixels.shape[0] / max(heights)
-            low = bottom + 0.5 * (tall - high)
-            axes = figure.add_axes(
-                (
-                    left / figure_width,
-                    low / figure_height,
-                    span / figure_width,
-                    high / figure_height,
-                )
-            )
-            axes.imshow(pixels, interpolation="lanczos", aspect="auto")
+        for view, (across, high) in zip(views, spans, strict=True):
+            axes = axes_at(left, bottom + 0.5 * (VIEWS_HEIGHT - high), across, high)
+            axes.imshow(view.pixels, interpolation="lanczos", aspect="auto")
             axes.set_axis_off()
-            figure.text(
-                (left + 0.5 * span) / figure_width,
-                0.32 / figure_height,
-                name,
-                ha="center",
-                color=QUIET,
-            )
-            if mark is not None:
-                _mark(axes, mark)
-            left += span + gap * wide
-        axes = figure.add_axes(
-            (
-                (left + 0.05) / figure_width,
-                (bottom + 0.12 * tall) / figure_height,
-                0.22 / figure_width,
-                0.72 * tall / figure_height,
-            )
-        )
+            write(view.name, left + 0.5 * across, 0.28, ha="center", color=QUIET)
+            if view.mark is not None:
+                _mark(axes, view.mark)
+            left += across + gap
+        axes = axes_at(left, bottom + 0.12 * VIEWS_HEIGHT, 0.22, 0.72 * VIEWS_HEIGHT)
         colors = ScalarMappable(Normalize(0.0, limit), _colormap())
-        scale = figure.colorbar(colors, cax=axes, extend="max" if beyond else "neither")
-        scale.outline.set_linewidth(0.6)
-        scale.set_label("equivalent stress (von Mises), MPa", color=TEXT_COLOR)
+        drawn = figure.colorbar(colors, cax=axes, extend="max" if beyond else "neither")
+        drawn.outline.set_linewidth(0.6)
+        drawn.set_label("equivalent stress (von Mises), MPa", color=TEXT_COLOR)
         axes.tick_params(width=0.6)
-        figure.text(
-            side / figure_width,
-            1.0 - 0.34 / figure_height,
-            texts[0],
-            fontsize=14,
-            fontweight="bold",
-            color=TEXT_COLOR,
-            va="center",
-        )
-        figure.text(
-            side / figure_width, 1.0 - 0.66 / figure_height, texts[1], color=TEXT_COLOR, va="center"
-        )
+        title, remark = texts
+        write(title, side, height - 0.36, fontsize=14, fontweight="bold", color=TEXT_COLOR)
+        write(remark, side, height - 0.70, color=TEXT_COLOR)
         figure.savefig(path)
 
 
