@@ -123,7 +123,7 @@ def condense(
         fields=fields.reshape(-1, 3, count),
         pin_loads=works,
         pin_components=components,
-        pin_fields=pin_fields.reshape(-1, 3, len(components)),
+        pin_fields=pin_fields.reshape(len(mesh.points), 3, len(components)),
         pin_flexibility=0.5 * (flexibility + flexibility.T),
         solver=used,
         end_sections=end_sections,
@@ -135,12 +135,14 @@ def _pin_loads(
 ) -> tuple[Array, NDArray[np.int64]]:
     """Loads (3 n, a) of the class, whose work is that on the whole throw, and what they are (a, 2)."""
     carried = np.flatnonzero(symmetry.central_motions)
-    components = np.array([(pin, one) for pin in range(len(pins)) for one in carried])
+    components = np.array(
+        [(pin, one) for pin in range(len(pins)) for one in carried], dtype=np.int64
+    ).reshape(-1, 2)
     loads = np.zeros((len(mesh.points), 3, len(components)))
     for pin, unit in enumerate(pins):
         columns = slice(pin * len(carried), (pin + 1) * len(carried))
         loads[unit.nodes, :, columns] = unit.of_class(symmetry)[..., carried]
-    return loads.reshape(-1, len(components)), components.reshape(-1, 2)
+    return loads.reshape(3 * len(mesh.points), len(components)), components
 
 
 def blocked_unknowns(

@@ -2,9 +2,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-
 import fem.accuracy
 from fem.accuracy import Problem, solve_level, solve_to
 from fem.analysis import analyze_axial, analyze_throw, throw_responses
@@ -124,34 +121,6 @@ def test_what_makes_a_throw_stiffer_and_what_softer(
     after = axial_compliance(CrankThrow(**{**dimensions, name: growth * dimensions[name]}))
     assert (after > before) == softer
     assert abs(after / before - 1.0) > 0.005
-
-
-@pytest.mark.slow
-@settings(
-    max_examples=12,
-    deadline=None,
-    derandomize=True,
-    suppress_health_check=[HealthCheck.too_slow],
-)
-@given(
-    name=st.sampled_from(
-        ["web_width", "web_thickness", "main_journal_diameter", "crank_radius", "pin_length"]
-    ),
-    sizes=st.fixed_dictionaries(
-        {
-            "crank_radius": st.floats(0.12, 0.30),
-            "web_width": st.floats(0.28, 0.36),
-            "web_thickness": st.floats(0.04, 0.10),
-            "pin_length": st.floats(0.10, 0.20),
-            "fillet_radius": st.floats(0.008, 0.016),
-        }
-    ),
-)
-def test_directions_hold_for_any_throw(dimensions, axial_compliance, name, sizes):
-    sizes = {**dimensions, **sizes}
-    before = axial_compliance(CrankThrow(**sizes), 0.8)
-    after = axial_compliance(CrankThrow(**{**sizes, name: 1.1 * sizes[name]}), 0.8)
-    assert (after > before) == (name in ("crank_radius", "pin_length"))
 
 
 @pytest.mark.parametrize(("scale", "tolerance"), [(2.0, 1e-5), (0.25, 2e-3)])

@@ -1,0 +1,93 @@
+"""One throw meshed as a quarter, as a half and whole: three meshes that share no node, one answer.
+
+Source: the symmetry of the throw itself. Its quarter is solved in four classes of motion, its half in two,
+the whole in one, so that a sign or a factor of two wrong in any class shows between the three; a mesh
+mirrored from the quarter (tests/test_fem) would share the quarter's errors.
+
+Tolerance: at size factor 1.2 the quarter's axial compliance is 1.1 % below the converged one, and meshes
+of that size are off by nearly the same. Halves and whole meshes, freer of the cuts, have slightly larger
+elements: they are 0.1 to 0.65 % stiffer than the quarter. Allowed is 1 %, the error of any of them. The
+pin's loads on the ends follow from equilibrium for the most part; they differ by 0.2 %, allowed is 0.5 %.
+"""
+
+import numpy as np
+import pytest
+
+from fem.assembly import assemble_stiffness
+from fem.condensation import condense
+from fem.loads import radial_directions, unit_pin_loads
+from fem.material import STEEL
+from fem.superelement import combine_classes
+from fem.supports import Neighbors, support_throw
+from fem.symmetry import symmetry_classes
+from geometry.mesh import mesh_throw
+from geometry.throw import CrankThrow
+
+pytestmark = pytest.mark.slow
+
+SUPPORTS = ("pinned", "guided", Neighbors(120, 90))
+TOLERANCE = 1e-2
+TOLERANCE_OF_PIN_LOADS = 5e-3
+
+
+def superelement(throw, part):
+    mesh = mesh_throw(throw, 1.2, part=part)
+    assert mesh.part == part
+    matrix = assemble_stiffness(mesh.points, mesh.elements, STEEL)
+    pins = unit_pin_loads(mesh)
+    classes = [condense(mesh, matrix, pins, symmetry) for symmetry in symmetry_classes(part)]
+    return combine_classes(classes, radial_directions(throw))
+
+
+@pytest.fixture(scope="module")
+def parts():
+    """A throw with bores, whose webs are equal."""
+    throw = CrankThrow(
+        crank_radius=0.170,
+        main_journal_diameter=0.220,
+        pin_diameter=0.180,
+        main_journal_length=0.120,
+        pin_length=0.139,
+        web_width=0.300,
+        web_thickness=0.068,
+        fillet_radius=0.012,
+        main_journal_bore=0.09,
+        pin_bore=0.07,
+    )
+    return {part: superelement(throw, part) for part in ("quarter", "half", "full")}
+
+
+@pytest.fixture(scope="module", params=["half", "full"])
+def pair(request, parts):
+    return parts[request.param], parts["quarter"]
+
+
+def test_stiffness(pair):
+    found, expected = (part.stiffness for part in pair)
+    size = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    assert np.abs((found - expected) / size).max() < TOLERANCE
+    # They are three meshes and not one.
+    assert np.abs((found - expected) / size).max() > 1e-6
+
+
+def test_pin_loads(pair):
+    """Forces and moments on the ends per force and per moment on the pin, each beside its like."""
+    found, expected = (part.pin_loads[0].reshape(2, 2, 3, 2, 3) for part in pair)
+    size = np.abs(expected).max(axis=(2, 4), keepdims=True)
+    assert np.abs((found - expected) / size).max() < TOLERANCE_OF_PIN_LOADS
+
+
+@pytest.mark.parametrize("support", SUPPORTS, ids=str)
+def test_compliances(pair, support):
+    found, expected = (support_throw(part, support) for part in pair)
+    assert found.axial == pytest.approx(expected.axial, rel=TOLERANCE)
+    assert found.torsional == pytest.approx(expected.torsional, rel=TOLERANCE)
+    assert found.influence == pytest.approx(expected.influence, rel=TOLERANCE)
+
+
+def test_a_cantilever_of_one_throw(pair):
+    """Flexibility of the right end, the left one held: bending in and across the crank plane too."""
+    found, expected = (np.linalg.inv(part.stiffness[6:, 6:]) for part in pair)
+    assert np.diag(found) == pytest.approx(np.diag(expected), rel=TOLERANCE)
+    size = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    assert np.abs((found - expected) / size).max() < TOLERANCE
