@@ -19,6 +19,7 @@ from fem.loads import NodalLoads, unit_pin_loads
 from fem.material import Material
 from fem.recovery import EnergyErrors, energy_errors
 from fem.refinement import refined_sizes
+from fem.solver import SharedSolver
 from fem.symmetry import SymmetryClass, axial_class
 from geometry.errors import InputError
 from geometry.mesh import ThrowMesh
@@ -79,6 +80,8 @@ class Level:
         The class that an axial force excites.
     errors : EnergyErrors
         Of the solution under an axial force, ends pinned, without the factor of safety.
+    solver : SharedSolver
+        Which knows the pattern of the mesh.
     """
 
     mesh: ThrowMesh
@@ -86,6 +89,7 @@ class Level:
     pins: tuple[NodalLoads, ...]
     axial_part: CondensedClass
     errors: EnergyErrors
+    solver: SharedSolver
 
     @property
     def axial(self) -> float:
@@ -106,7 +110,7 @@ class Level:
             self.stiffness,
             self.pins,
             symmetry,
-            problem.solver,
+            self.solver,
             problem.end_sections,
             problem.watch,
         )
@@ -123,19 +127,20 @@ def solve_level(mesh: ThrowMesh, problem: Problem) -> Level:
     with watch.lap("assembly"):
         stiffness = assemble_stiffness(mesh.points, mesh.elements, problem.material)
         pins = unit_pin_loads(mesh)
+    solver = SharedSolver(problem.solver, watch)
     part = condense(
         mesh,
         stiffness,
         pins,
         axial_class(mesh.part),
-        problem.solver,
+        solver,
         problem.end_sections,
         watch,
     )
     with watch.lap("error estimate"):
         field: NDArray[np.float64] = part.fields @ axial_motion(part, "pinned")
         errors = energy_errors(mesh.points, mesh.elements, field, problem.material)
-    return Level(mesh, stiffness, pins, part, errors)
+    return Level(mesh, stiffness, pins, part, errors, solver)
 
 
 def solve_to(

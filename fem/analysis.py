@@ -228,7 +228,9 @@ class ThrowAnalysis:
         InputError
             As for `reactions`.
         """
-        load = self._pin_load(pin, force, moment, distribution)
+        load = self._pin_load(
+            pin, _vector("force", force, "N"), _vector("moment", moment, "N m"), distribution
+        )
         local = local_motion(self.classes, load, len(self.mesh.pins))[6 * pin : 6 * pin + 6]
         end_load = equivalent_load(self.classes, load)
         return pin_response(self.superelement, support, end_load, local, pin)
@@ -295,22 +297,21 @@ class ThrowAnalysis:
         self, pin: int, force: ArrayLike, moment: ArrayLike, distribution: Distribution
     ) -> NDArray[np.float64]:
         """End loads (12,) that a load on a pin is equivalent to."""
+        checked = (_vector("pin_force", force, "N"), _vector("pin_moment", moment, "N m"))
         if distribution == "uniform":
-            both = [_vector("pin_force", force, "N"), _vector("pin_moment", moment, "N m")]
-            load = self.superelement.pin_loads[self._checked_pin(pin)] @ np.concatenate(both)
+            load = self.superelement.pin_loads[self._checked_pin(pin)] @ np.concatenate(checked)
             return np.asarray(load)
-        return equivalent_load(self.classes, self._pin_load(pin, force, moment, distribution))
+        return equivalent_load(self.classes, self._pin_load(pin, *checked, distribution))
 
     def _pin_load(
-        self, pin: int, force: ArrayLike, moment: ArrayLike, distribution: Distribution
+        self,
+        pin: int,
+        force: NDArray[np.float64],
+        moment: NDArray[np.float64],
+        distribution: Distribution,
     ) -> NodalLoads:
         surface = pin_surfaces(self.mesh)[self._checked_pin(pin)]
-        return pin_load(
-            surface,
-            _vector("pin_force", force, "N"),
-            _vector("pin_moment", moment, "N m"),
-            distribution,
-        )
+        return pin_load(surface, force, moment, distribution)
 
     def _checked_pin(self, pin: int) -> int:
         count = len(self.superelement.pin_loads)

@@ -16,7 +16,7 @@ from scipy.linalg import null_space, qr
 
 from fem.assembly import symmetric_product
 from fem.loads import NodalLoads, end_sections, rigid_motions, unit_end_loads
-from fem.solver import factorize
+from fem.solver import SharedSolver
 from fem.symmetry import SymmetryClass
 from geometry.errors import InputError
 from geometry.mesh import ThrowMesh
@@ -71,7 +71,7 @@ def condense(
     stiffness: sparse.csr_array,
     pins: Sequence[NodalLoads],
     symmetry: SymmetryClass,
-    solver: str = "auto",
+    solver: str | SharedSolver = "auto",
     end_sections: EndSections = "rigid",
     watch: Stopwatch | None = None,
 ) -> CondensedClass:
@@ -87,8 +87,8 @@ def condense(
         Unit loads on each pin, from `fem.loads.unit_pin_loads`.
     symmetry : SymmetryClass
         The class, one of `fem.symmetry.symmetry_classes` of the part.
-    solver : str
-        See `fem.solver.factorize`.
+    solver : str or SharedSolver
+        See `fem.solver.SharedSolver`; the classes of one mesh share a pattern.
     end_sections : {"rigid", "averaged"}
         Whether end sections move as rigid discs, or only their mean motions are given.
     watch : Stopwatch, optional
@@ -107,10 +107,13 @@ def condense(
         )
     watch = Stopwatch() if watch is None else watch
     pin_loads, components = _pin_loads(mesh, pins, symmetry)
+    shared = solver if isinstance(solver, SharedSolver) else SharedSolver(solver, watch)
     solve = _with_rigid_ends if end_sections == "rigid" else _with_averaged_ends
     # The meshed part carries its share of a load on the whole pin.
     shares = pin_loads / symmetry.copies
-    fields, pin_fields, used = solve(mesh, stiffness, shares, symmetry, solver, watch)
+    fields, pin_fields = solve(mesh, stiffness, shares, symmetry, shared, watch)
+    if shared is not solver:
+        shared.close()
     count = fields.shape[1]
     energy = fields.T @ symmetric_product(stiffness, fields)
     works = np.zeros((len(pins), count, 6))
@@ -125,7 +128,7 @@ def condense(
         pin_components=components,
         pin_fields=pin_fields.reshape(len(mesh.points), 3, len(components)),
         pin_flexibility=0.5 * (flexibility + flexibility.T),
-        solver=used,
+        solver=shared.solver,
         end_sections=end_sections,
     )
 
@@ -163,9 +166,9 @@ def _with_rigid_ends(
     stiffness: sparse.csr_array,
     pin_loads: Array,
     symmetry: SymmetryClass,
-    solver: str,
+    solver: SharedSolver,
     watch: Stopwatch,
-) -> tuple[Array, Array, str]:
+) -> tuple[Array, Array]:
     """Fields (3 n, k) of unit motions of rigid end sections, and (3 n, a) of loads on the pins."""
     ends = symmetry.ends
     count = ends.shape[1]
@@ -174,16 +177,30 @@ def _with_rigid_ends(
         nodes = nodes_on(mesh, section)
         arms = mesh.points[nodes] * (1.0, 1.0, 0.0)
         prescribed[nodes] = rigid_motions(arms) @ ends[6 * place : 6 * place + 6]
-    free = np.flatnonzero(~blocked_unknowns(mesh, symmetry).ravel())
+    held = np.zeros((len(mesh.points), 3), dtype=bool)
+    for section in end_sections(symmetry):
+        held[nodes_on(mesh, section)] = True
+    free = np.flatnonzero(~held.ravel())
+    blocked = blocked_unknowns(mesh, symmetry).ravel()[free]
     fields = prescribed.reshape(-1, count)
     # What is prescribed acts as a load on the free unknowns.
     loads = np.hstack([-symmetric_product(stiffness, fields)[free], pin_loads[free]])
-    with factorize(stiffness[free][:, free].tocsr(), solver, watch) as factors, watch.lap("solves"):
+    loads[blocked] = 0.0
+    factors = solver.factorize(_uncoupled(stiffness[free][:, free].tocsr(), blocked))
+    with watch.lap("solves"):
         solution = factors.solve(loads)
     fields[free] = solution[:, :count]
     pin_fields = np.zeros_like(pin_loads)
     pin_fields[free] = solution[:, count:]
-    return fields, pin_fields, factors.solver
+    return fields, pin_fields
+
+
+def _uncoupled(upper: sparse.csr_array, blocked: NDArray[np.bool_]) -> sparse.csr_array:
+    """Let blocked unknowns stay zero; the pattern stays what it is in all classes."""
+    rows = np.repeat(np.arange(upper.shape[0]), np.diff(upper.indptr))
+    cut = (blocked[rows] | blocked[upper.indices]) & (rows != upper.indices)
+    values = np.where(cut, 0.0, upper.data)
+    return sparse.csr_array((values, upper.indices, upper.indptr), upper.shape)
 
 
 def _with_averaged_ends(
@@ -191,9 +208,9 @@ def _with_averaged_ends(
     stiffness: sparse.csr_array,
     pin_loads: Array,
     symmetry: SymmetryClass,
-    solver: str,
+    solver: SharedSolver,
     watch: Stopwatch,
-) -> tuple[Array, Array, str]:
+) -> tuple[Array, Array]:
     """Fields (3 n, k) of unit mean motions of the end sections, and (3 n, a) of loads on the pins.
 
     The end loads are the multipliers that keep the mean motions. As long as loads are in equilibrium
@@ -203,23 +220,20 @@ def _with_averaged_ends(
     end_loads = _end_loads(mesh, symmetry)
     rigid = _class_rigid_motions(mesh, symmetry)
     rigid_ends = end_loads.T @ rigid
-    free = ~blocked_unknowns(mesh, symmetry, ends=False).ravel()
-    places = np.flatnonzero(free)
+    blocked = blocked_unknowns(mesh, symmetry, ends=False).ravel()
+    free = np.flatnonzero(~blocked)
     if rigid.shape[1]:
-        _, _, order = qr(rigid[places].T, mode="economic", pivoting=True)
-        free[places[order[: rigid.shape[1]]]] = False
-        places = np.flatnonzero(free)
+        _, _, order = qr(rigid[free].T, mode="economic", pivoting=True)
+        blocked[free[order[: rigid.shape[1]]]] = True
     # Combinations of end loads in equilibrium, and end loads that balance the loads on the pins.
     balanced = null_space(rigid_ends.T) if rigid.shape[1] else np.eye(end_loads.shape[1])
     inverse = np.linalg.pinv(rigid_ends)
     balancing = -inverse.T @ (rigid.T @ pin_loads)
     loads = np.hstack([end_loads @ balanced, pin_loads + end_loads @ balancing])
-    solution = np.zeros_like(loads)
-    with (
-        factorize(stiffness[places][:, places].tocsr(), solver, watch) as factors,
-        watch.lap("solves"),
-    ):
-        solution[places] = factors.solve(loads[places])
+    loads[blocked] = 0.0
+    factors = solver.factorize(_uncoupled(stiffness, blocked))
+    with watch.lap("solves"):
+        solution = factors.solve(loads)
     count = balanced.shape[1]
     elastic, pin_fields = solution[:, :count], solution[:, count:]
 
@@ -227,7 +241,7 @@ def _with_averaged_ends(
     fields = elastic @ np.linalg.solve(flexibility, balanced.T)
     fields += rigid @ (inverse @ (np.eye(end_loads.shape[1]) - end_loads.T @ fields))
     pin_fields = pin_fields - fields @ (end_loads.T @ pin_fields)
-    return fields, pin_fields, factors.solver
+    return fields, pin_fields
 
 
 def _end_loads(mesh: ThrowMesh, symmetry: SymmetryClass) -> Array:

@@ -40,9 +40,22 @@ def physical_gradients(corners: Array, gradients: Array, weights: Array) -> tupl
         Weight times Jacobian determinant [m^3].
     """
     jacobian = jacobians(gradients, corners)
-    determinant = np.linalg.det(jacobian)
-    inverse = np.linalg.inv(jacobian)
-    return gradients[None] @ inverse.transpose(0, 1, 3, 2), determinant * weights
+    # The inverse by cofactors: several times faster than a general one for so many small matrices.
+    first, second, third = jacobian[:, :, 0], jacobian[:, :, 1], jacobian[:, :, 2]
+    adjugate = np.empty_like(jacobian)
+    _cross(second, third, adjugate[:, :, 0])
+    _cross(third, first, adjugate[:, :, 1])
+    _cross(first, second, adjugate[:, :, 2])
+    determinant = np.einsum("mqi,mqi->mq", first, adjugate[:, :, 0])
+    adjugate /= determinant[:, :, None, None]
+    return gradients[None] @ adjugate, determinant * weights
+
+
+def _cross(one: Array, other: Array, product: Array) -> None:
+    """Cross products of vectors along the last axis."""
+    for axis in range(3):
+        after, last = (axis + 1) % 3, (axis + 2) % 3
+        product[..., axis] = one[..., after] * other[..., last] - one[..., last] * other[..., after]
 
 
 def element_stiffnesses(

@@ -1,6 +1,7 @@
 """Solve symmetric positive definite systems; the one place that knows which library does it."""
 
 import copy
+import weakref
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -22,6 +23,8 @@ LARGEST_RESIDUAL = 1e-9
 # free leaves one at round-off.
 SMALLEST_PIVOT = 1e-13
 SOLVERS = ("pardiso", "superlu")
+# Phases of Pardiso.
+ANALYSIS, FACTORIZATION, SOLUTION = 11, 22, 33
 
 Array = NDArray[np.float64]
 
@@ -80,6 +83,64 @@ class Factorization:
         return solution
 
 
+class SharedSolver:
+    """Factorizes matrices one after the other; those of one pattern are analyzed once.
+
+    Half of the work of a factorization is to find the order of elimination, which depends on the
+    pattern alone. Each factorization ends the one before.
+
+    Parameters
+    ----------
+    solver : {"auto", "pardiso", "superlu"}
+        MKL's Pardiso, or scipy's SuperLU, which needs no MKL and is several times slower. "auto" is
+        Pardiso where it can be loaded.
+    watch : Stopwatch, optional
+        Takes the time.
+
+    Raises
+    ------
+    SolveError
+        If the solver is missing.
+    InputError
+        If the solver is unknown.
+    """
+
+    def __init__(self, solver: str = "auto", watch: Stopwatch | None = None) -> None:
+        self._watch = Stopwatch() if watch is None else watch
+        self.solver = _choose(solver, self._watch)
+        self._pattern: _PardisoPattern | None = None
+
+    def factorize(self, upper: sparse.csr_array) -> Factorization:
+        """Factorize a symmetric positive definite matrix.
+
+        Parameters
+        ----------
+        upper : (n, n) sparse array
+            Upper triangle of the matrix, explicit zeros included if they belong to the pattern.
+
+        Raises
+        ------
+        SolveError
+            If the matrix is singular.
+        """
+        with self._watch.lap("factorization"):
+            if self.solver == "superlu":
+                apply = _superlu(upper)
+            else:
+                if self._pattern is None or not self._pattern.fits(upper):
+                    self.close()
+                    self._pattern = _PardisoPattern(upper)
+                apply = self._pattern.factorize(upper)
+            size = float(abs(upper).sum(axis=1).max())
+        return Factorization(upper, self.solver, size, apply)
+
+    def close(self) -> None:
+        """Free the memory of the factors."""
+        if self._pattern is not None:
+            self._pattern.free()
+            self._pattern = None
+
+
 @contextmanager
 def factorize(
     upper: sparse.csr_array, solver: str = "auto", watch: Stopwatch | None = None
@@ -90,11 +151,8 @@ def factorize(
     ----------
     upper : (n, n) sparse array
         Upper triangle of the matrix.
-    solver : {"auto", "pardiso", "superlu"}
-        MKL's Pardiso, or scipy's SuperLU, which needs no MKL and is several times slower. "auto" is
-        Pardiso where it can be loaded.
-    watch : Stopwatch, optional
-        Takes the time.
+    solver, watch
+        As for `SharedSolver`, which also says what is raised.
 
     Yields
     ------
@@ -103,20 +161,13 @@ def factorize(
     Raises
     ------
     SolveError
-        If the matrix is singular, or the solver is missing.
-    InputError
-        If the solver is unknown.
+        If the matrix is singular.
     """
-    watch = Stopwatch() if watch is None else watch
-    chosen = _choose(solver, watch)
-    factors = _pardiso_factors if chosen == "pardiso" else _superlu_factors
-    with watch.lap("factorization"):
-        apply, free = factors(upper)
+    shared = SharedSolver(solver, watch)
     try:
-        size = float(abs(upper).sum(axis=1).max())
-        yield Factorization(upper, chosen, size, apply)
+        yield shared.factorize(upper)
     finally:
-        free()
+        shared.close()
 
 
 def solve_symmetric(
@@ -175,34 +226,49 @@ def _pardiso() -> Any:
         return None
 
 
-Factors = tuple[Callable[[Array], Array], Callable[[], None]]
+class _PardisoPattern:
+    """Pardiso's analysis of a pattern, and the factors of the last matrix that had it."""
 
+    def __init__(self, upper: sparse.csr_array) -> None:
+        self._solver = copy.copy(_pardiso())
+        self._solver.pt = np.zeros_like(self._solver.pt)
+        self._solver.iparm = np.zeros_like(self._solver.iparm)
+        self._indptr, self._indices = upper.indptr.copy(), upper.indices.copy()
+        # Also when nobody closes it.
+        self._finalizer = weakref.finalize(self, _free_pardiso, self._solver)
+        self._run(ANALYSIS, sparse.csr_matrix(upper), np.zeros((upper.shape[0], 1)))
 
-def _pardiso_factors(upper: sparse.csr_array) -> Factors:
-    """Factorize with Pardiso: how to solve, and how to free the memory."""
-    solver = copy.copy(_pardiso())
-    solver.pt, solver.iparm = np.zeros_like(solver.pt), np.zeros_like(solver.iparm)
-    matrix = sparse.csr_matrix(upper)
+    def fits(self, upper: sparse.csr_array) -> bool:
+        """Whether a matrix has this pattern."""
+        return np.array_equal(self._indptr, upper.indptr) and np.array_equal(
+            self._indices, upper.indices
+        )
 
-    def call(work: Callable[[], Any]) -> Any:
+    def factorize(self, upper: sparse.csr_array) -> Callable[[Array], Array]:
+        """Factorize a matrix of this pattern; give what solves with it."""
+        matrix = sparse.csr_matrix(upper)
+        self._run(FACTORIZATION, matrix, np.zeros((upper.shape[0], 1)))
+        return lambda sides: self._run(SOLUTION, matrix, np.asfortranarray(sides))
+
+    def free(self) -> None:
+        self._finalizer()
+
+    def _run(self, phase: int, matrix: sparse.csr_matrix, sides: Array) -> Array:
+        if not self._finalizer.alive:
+            raise SolveError("the factors were freed before the last solve.")
+        self._solver.set_phase(phase)
         try:
-            return work()
+            return np.asarray(self._solver._call_pardiso(matrix, sides))
         except Exception as error:  # pypardiso's own kinds; not positive definite is number -4
             raise SolveError(f"Pardiso could not solve the system: {error}") from error
 
-    def free() -> None:
-        solver.free_memory(everything=True)
 
-    try:
-        call(lambda: solver.factorize(matrix))
-    except BaseException:
-        free()
-        raise
-    return lambda sides: np.asarray(call(lambda: solver.solve(matrix, sides))), free
+def _free_pardiso(solver: Any) -> None:
+    solver.free_memory(everything=True)
 
 
-def _superlu_factors(upper: sparse.csr_array) -> Factors:
-    """Factorize with SuperLU: how to solve, and nothing to free."""
+def _superlu(upper: sparse.csr_array) -> Callable[[Array], Array]:
+    """Factorize with SuperLU; give what solves with the factors."""
     full = upper + sparse.triu(upper, k=1).T
     try:
         factors = splu(
@@ -218,4 +284,4 @@ def _superlu_factors(upper: sparse.csr_array) -> Factors:
         raise SolveError(
             "SuperLU met a vanishing pivot: the structure is insufficiently supported."
         )
-    return lambda sides: np.asarray(factors.solve(sides)), lambda: None
+    return lambda sides: np.asarray(factors.solve(sides))

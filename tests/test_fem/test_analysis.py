@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+
 import fem.accuracy
 from fem.accuracy import Problem, solve_level, solve_to
 from fem.analysis import analyze_axial, analyze_throw, throw_responses

@@ -4,7 +4,7 @@ from scipy import sparse
 
 import fem.solver
 from fem.condensation import condense
-from fem.solver import SolveError, solve_symmetric
+from fem.solver import SharedSolver, SolveError, solve_symmetric
 from fem.symmetry import axial_class, symmetry_classes
 from geometry.errors import InputError
 
@@ -71,14 +71,17 @@ def test_free_unknown_is_an_error(solver):
 )
 @pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")
 def test_wrong_solution_is_found(mesh, stiffness, pins, monkeypatch, solver, spoil):
-    name = f"_{solver}_factors"
-    right = getattr(fem.solver, name)
+    place, name = {
+        "pardiso": (fem.solver._PardisoPattern, "factorize"),
+        "superlu": (fem.solver, "_superlu"),
+    }[solver]
+    right = getattr(place, name)
 
-    def spoiled(matrix):
-        apply, free = right(matrix)
-        return lambda loads: spoil(apply(loads)), free
+    def spoiled(*arguments):
+        apply = right(*arguments)
+        return lambda loads: spoil(apply(loads))
 
-    monkeypatch.setattr(fem.solver, name, spoiled)
+    monkeypatch.setattr(place, name, spoiled)
     with pytest.raises(SolveError, match="residual"):
         condense(mesh, stiffness, pins, axial_class("quarter"), solver)
 
@@ -98,3 +101,39 @@ def test_unknown_solver():
 def test_no_load_no_motion():
     solution, _ = solve_symmetric(supported(), np.zeros((50, 1)))
     assert not solution.any()
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_matrices_of_one_pattern_follow_each_other(solver):
+    shared = SharedSolver(solver)
+    rights = np.ones((50, 1))
+    chain = supported()
+    for scale in (1.0, 3.0):
+        solution = shared.factorize(scale * chain).solve(rights)
+        assert chain @ solution + chain.T @ solution - chain.diagonal()[:, None] * solution == (
+            pytest.approx(rights / scale, rel=1e-10)
+        )
+    other = supported(60)
+    alone, _ = solve_symmetric(other, np.ones((60, 1)), solver)
+    assert shared.factorize(other).solve(np.ones((60, 1))) == pytest.approx(alone, rel=1e-12)
+    shared.close()
+    shared.close()
+
+
+@needs_both
+def test_factors_that_were_freed_are_not_used():
+    shared = SharedSolver("pardiso")
+    factors = shared.factorize(supported())
+    shared.close()
+    with pytest.raises(SolveError, match="freed"):
+        factors.solve(np.ones((50, 1)))
+
+
+@needs_both
+def test_factors_of_an_earlier_matrix_are_not_used():
+    shared = SharedSolver("pardiso")
+    first = shared.factorize(supported())
+    shared.factorize(3.0 * supported())
+    with pytest.raises(SolveError, match="residual"):
+        first.solve(np.ones((50, 1)))
+    shared.close()
