@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from crankfem.engine_file import EngineFile, load_crankshaft, load_engine, load_throw
     from crankfem.pictures.drawing import draw_throw
     from crankfem.pictures.solid_picture import picture_shaft, picture_throw
+    from crankfem.pictures.stress_picture import picture_stresses
     from crankfem.pipeline import RunResult, run_engine
     from crankfem.studies import StudyResult, run_study
     from dynamics.chain import Chain, Modes
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
         assemble_dynamic_shaft,
         natural_modes,
     )
+    from fem.fillet_stress import FilletPeak, FilletStresses, fillet_stresses
     from fem.material import STEEL, Material
     from fem.modes import ThrowModes
     from fem.pin_response import Motion, PinResponse
@@ -103,6 +105,12 @@ _HOMES = {
             "analyze_throw",
         ),
         "fem.calculix": ("write_calculix",),
+        "fem.fillet_stress": (
+            "FilletPeak",
+            "FilletStresses",
+            "fillet_stresses",
+        ),
+        "crankfem.pictures.stress_picture": ("picture_stresses",),
         "fem.craig_bampton": (
             "DynamicSuperelement",
             "assemble_dynamic_shaft",
@@ -186,6 +194,8 @@ __all__ = [
     "DynamicSuperelement",
     "EndReaction",
     "EngineFile",
+    "FilletPeak",
+    "FilletStresses",
     "FormulaValue",
     "FurtherPin",
     "Harmonics",
@@ -222,6 +232,7 @@ __all__ = [
     "critical_speeds",
     "draw_throw",
     "engine_orders",
+    "fillet_stresses",
     "harmonics",
     "import_throw",
     "load_crankshaft",
@@ -230,6 +241,7 @@ __all__ = [
     "mesh_throw",
     "natural_modes",
     "picture_shaft",
+    "picture_stresses",
     "picture_throw",
     "read_torque_table",
     "run_engine",

@@ -295,6 +295,24 @@ def throw(
         tables.print_profile(record["seconds"])
 
 
+@app.command(epilog="Example: crankfem stress 6chn25-34 --pictures stresses")
+def stress(
+    engine: EngineArgument,
+    accuracy: Annotated[
+        float, typer.Option(help="Relative accuracy of the largest stresses, 0.02 to 0.2.")
+    ] = 0.05,
+    end_sections: Annotated[str, typer.Option(help="rigid, or averaged (free to warp).")] = "rigid",
+    pictures: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder for a picture of each load.")
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Find the stresses at a throw's fillets under unit loads, and their concentration factors."""
+    from crankfem.stress import run_stress
+
+    run_stress(engine, accuracy, end_sections=cast(Any, end_sections), pictures=pictures, json=json)
+
+
 @app.command(epilog="Example: crankfem draw 6chn25-34 --shaft crankshaft.png")
 def draw(
     engine: EngineArgument,

@@ -181,8 +181,9 @@ def solve_to(
             break
         with problem.watch.lap("error estimate"):
             sizes = refined_sizes(level.mesh, level.errors, target / SAFETY)
-            expected = sizes.expected_unknowns()
-        factor = max(1.0, (expected / MOST_UNKNOWNS) ** (1.0 / 3.0))
+            factor = 1.0
+            while sizes.expected_unknowns(factor) > MOST_UNKNOWNS:
+                factor *= 1.05
         finer = solve_level(_mesh(throw, factor, sizes, problem, mesher), problem)
         if finer.error_estimate >= level.error_estimate:
             break

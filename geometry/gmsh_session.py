@@ -107,6 +107,7 @@ def gmsh_session(name: str) -> Iterator[Any]:
         gmsh.initialize(readConfigFiles=False, interruptible=False)
     before = {option: gmsh.option.getNumber(option) for option in OPTIONS}
     current = None if mine else gmsh.model.getCurrent()
+    views = set(gmsh.view.getTags())
     gmsh.model.add(name)
     try:
         for option, value in OPTIONS.items():
@@ -120,6 +121,8 @@ def gmsh_session(name: str) -> Iterator[Any]:
             for option, value in before.items():
                 gmsh.option.setNumber(option, value)
             gmsh.model.setCurrent(current)
+            for view in set(gmsh.view.getTags()) - views:  # these do not go with their model
+                gmsh.view.remove(view)
 
 
 @contextmanager

@@ -27,7 +27,8 @@ class Stopwatch:
             yield
         finally:
             named = sum(self.seconds.values()) - inside
-            self.seconds[name] += time.perf_counter() - start - named
+            # Times taken elsewhere may be longer than the block, which then took none itself.
+            self.seconds[name] += max(0.0, time.perf_counter() - start - named)
 
     def add(self, seconds: Mapping[str, float]) -> None:
         """Add times that were taken elsewhere, such as in another process."""

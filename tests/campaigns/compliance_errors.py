@@ -81,40 +81,43 @@ def described(throw):
 def run(count, store):
     """Solve what is missing in the store; return all rows."""
     rows = json.loads(store.read_text()) if store.exists() else {}
-    seed = FIRST_SEED - 1
-    strict = 0
-    while sum(row is not None for row in rows.values()) < count or str(seed + 1) in rows:
+    seed, found, strict = FIRST_SEED - 1, 0, 0
+    while found < count:
         seed += 1
-        if str(seed) not in rows:
-            rows[str(seed)] = solved(seed, strict < STRICT_COUNT)
-            store.write_text(json.dumps(rows))
-        row = rows[str(seed)]
+        row = rows.get(str(seed), {})
+        if row is None:
+            continue
+        row = solved(seed, row, strict < STRICT_COUNT)
+        rows[str(seed)] = row
+        store.write_text(json.dumps(rows))
         if row is not None:
+            found += 1
             strict += "strict" in row
-            print(f"{seed}: {line(row)}", flush=True)
+            print(line(row), flush=True)
     return [row for row in rows.values() if row is not None]
 
 
-def solved(seed, strict):
+def solved(seed, row, strict):
     """All that is kept of one throw; None if it cannot be built or has no symmetry."""
     try:
         throw = random_throw(seed)
         if throw.symmetry == "full":
             return None
-        known = reference(throw)
-        row = {
+        known = row.get("reference") or reference(throw)
+        truth = known["value"]
+        found = {
             "seed": seed,
             "part": throw.symmetry,
             "features": described(throw),
             "reference": known,
-            "usual": judged(throw, ACCURACY, known["value"]),
+            "usual": row.get("usual") or judged(throw, ACCURACY, truth),
         }
         if strict and known["extrapolated"] < WELL_KNOWN:
-            row["strict"] = judged(throw, STRICT, known["value"])
+            found["strict"] = row.get("strict") or judged(throw, STRICT, truth)
     except (InputError, MeshError) as error:
-        print(f"{seed}: {error}")
+        print(f"seed {seed}: {error}")
         return None
-    return row
+    return found
 
 
 def line(row):

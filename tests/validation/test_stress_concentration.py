@@ -77,8 +77,7 @@ def revolved(part, length, outline, size):
         gmsh.model.mesh.setOrder(2)
         points, elements, surfaces = read_mesh(gmsh, names)
     points, mended = mend(points, elements)
-    # No pin is loaded; any surface may stand for it.
-    return ThrowMesh(part, length, (FILLET,), points, elements, surfaces, 1.0, mended, NOT_USED)
+    return ThrowMesh(part, length, (), points, elements, surfaces, 1.0, mended, NOT_USED)
 
 
 def largest_at_notch(mesh):

@@ -1,0 +1,163 @@
+"""Stresses at a throw's fillets on the command line: computed, printed, pictured."""
+
+from pathlib import Path
+from typing import Any
+
+from crankfem import console
+from crankfem.console import number, print_json, print_table
+from crankfem.engine_file import load_throw
+from fem.condensation import EndSections
+from fem.fillet_stress import FilletPeak, FilletStresses, fillet_stresses
+
+Record = dict[str, Any]
+# Stresses are printed for loads of 1 kN and 1 kN m, in MPa.
+PRINTED = 1e3 / 1e6
+MILLIMETERS = 1e3
+
+
+def run_stress(
+    engine: str,
+    accuracy: float = 0.05,
+    *,
+    end_sections: EndSections = "rigid",
+    pictures: Path | None = None,
+    json: bool = False,
+) -> None:
+    """Compute the stresses at the fillets of an engine file's throw, print them, and picture them.
+
+    Parameters
+    ----------
+    engine : str
+        Engine file, or the name of a shipped engine.
+    accuracy : float
+        Wished relative accuracy of the largest stresses.
+    end_sections : {"rigid", "averaged"}
+    pictures : Path or None
+        Folder for the pictures, if wished.
+    json : bool
+        Whether to print JSON instead of tables.
+
+    Raises
+    ------
+    InputError, MeshError, SolveError, MissingLibraryError
+        As `fem.fillet_stress.fillet_stresses` and `picture_stresses` say.
+    """
+    throw, material = load_throw(engine)
+    if pictures is not None:
+        console.check_folder(pictures)
+    stresses = fillet_stresses(throw, material, accuracy, end_sections=end_sections)
+    record = stress_record(stresses)
+    if pictures is not None:
+        from crankfem.pictures.stress_picture import picture_stresses
+
+        record["pictures"] = [str(file) for file in picture_stresses(stresses, pictures)]
+    if json:
+        print_json(record)
+    else:
+        print_stresses(record)
+
+
+def stress_record(stresses: FilletStresses) -> Record:
+    """Plain content of the stresses at a throw's fillets, in SI units."""
+    mesh = stresses.loaded.mesh
+    return {
+        "dimensions": stresses.throw.model_dump(mode="json"),
+        "material": stresses.loaded.material.model_dump(),
+        "support": "pinned",
+        "end_sections": stresses.loaded.end_sections,
+        "loads": [
+            {
+                "load": load.name,
+                "kind": load.kind,
+                "unit": load.unit,
+                "stress_unit": f"Pa/({load.unit})" if " " in load.unit else f"Pa/{load.unit}",
+                "fillets": [_peak_record(peak) for peak in stresses.under(load)],
+            }
+            for load in stresses.loaded.loads
+        ],
+        "sharp_corners": list(stresses.sharp_corners),
+        "error_estimate": stresses.error_estimate,
+        "accuracy": stresses.accuracy,
+        "accuracy_met": stresses.accuracy_met,
+        "elements_across_fillets": stresses.fineness,
+        "unknowns": mesh.unknowns,
+        "solved_part": mesh.part,
+        "mended_elements": mesh.mended_elements,
+        "meshing_attempts": list(mesh.attempts),
+        "solver": stresses.loaded.solver,
+        "pictures": [],
+    }
+
+
+def _peak_record(peak: FilletPeak) -> Record:
+    return {
+        "fillet": peak.fillet.name,
+        "radius": peak.fillet.radius,
+        "principal": peak.principal,
+        "principal_place": peak.principal_place.tolist(),
+        "principals": peak.principals.tolist(),
+        "von_mises": peak.von_mises,
+        "von_mises_place": peak.von_mises_place.tolist(),
+        "nominal": peak.nominal,
+        "factor": peak.factor,
+        "von_mises_factor": peak.von_mises_factor,
+        "error_estimate": peak.error_estimate,
+    }
+
+
+def print_stresses(record: Record) -> None:
+    """Print a table for each load, and what there is to say besides."""
+    # Of a throw symmetric about its middle the left half says everything.
+    mirrored = record["solved_part"] == "quarter"
+    for load in record["loads"]:
+        fillets = load["fillets"]
+        print_table(
+            f"{load['load'].capitalize()}: largest stresses at fillets [MPa per k{load['unit']}]",
+            ["fillet", "principal", "von Mises", "nominal", "factor", "at x y z [mm]"],
+            [_row(peak) for peak in (fillets[: len(fillets) // 2] if mirrored else fillets)],
+        )
+    for sentence in _sentences(record, mirrored):
+        console.output.print(sentence, soft_wrap=True, highlight=False)
+
+
+def _row(peak: Record) -> list[str]:
+    place = [MILLIMETERS * value for value in peak["principal_place"]]
+    digits = 1 if max(map(abs, place)) < 100.0 else 0
+    return [
+        peak["fillet"].replace("main journal", "journal"),
+        *(number(peak[name] * PRINTED) for name in ("principal", "von_mises", "nominal")),
+        f"{peak['factor']:.2f}",
+        " ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in place),
+    ]
+
+
+def _sentences(record: Record, mirrored: bool) -> list[str]:
+    """What the tables leave unsaid."""
+    found = [
+        f"Ends pinned, end sections {record['end_sections']}. Principal: that of the largest magnitude, "
+        "at the place given; factor: its size divided by the nominal stress, under a torque a shear "
+        "stress."
+    ]
+    if mirrored:
+        found.append(
+            "The fillets at the right web have the same stresses, under a torque with the opposite sign."
+        )
+    if record["solved_part"] != "full":
+        found.append(
+            "Places at -x have the same stresses, under a torque and bending across the crank plane "
+            "with the opposite sign."
+        )
+    if record["sharp_corners"]:
+        found.append(
+            f"No stress is given at {'; '.join(record['sharp_corners'])}: without a fillet the elastic "
+            "stress has no bound."
+        )
+    errors = [peak["error_estimate"] for load in record["loads"] for peak in load["fillets"]]
+    met = (
+        "" if record["accuracy_met"] else f", not the {100.0 * record['accuracy']:.2g} % asked for"
+    )
+    found.append(
+        f"Estimated errors of the stresses: {100.0 * min(errors):.2g} to {100.0 * max(errors):.2g} %{met}."
+    )
+    found += [f"{file} written." for file in record["pictures"]]
+    return found

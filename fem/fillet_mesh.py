@@ -1,0 +1,50 @@
+"""Meshes that are fine at a throw's fillets, or where these are stressed most."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from geometry.mesh import ThrowMesh
+from geometry.size_map import SizeMap, regular_volume
+
+Array = NDArray[np.float64]
+
+# Elements grow by this much per unit of distance from where they are small.
+GROWTH = 0.5
+
+
+def fillet_element(radius: float, fineness: float) -> float:
+    """Size of elements of which so many span the quarter circle of a fillet of a radius [m]."""
+    return 0.5 * math.pi * radius / fineness
+
+
+def measured_sizes(mesh: ThrowMesh) -> SizeMap:
+    """Sizes of a mesh's elements: at each corner node the mean of those round it."""
+    corners = mesh.elements[:, :4]
+    places = mesh.points[corners]
+    volumes = np.abs(np.linalg.det(places[:, 1:] - places[:, :1])) / 6.0
+    logarithms = np.log(np.cbrt(volumes / regular_volume(np.ones(1))))
+    vertices, number = np.unique(corners, return_inverse=True)
+    number = number.reshape(corners.shape)
+    total = np.bincount(number.ravel(), np.repeat(logarithms, 4))
+    return SizeMap(mesh.points[vertices], number, np.exp(total / np.bincount(number.ravel())))
+
+
+def finer_at(sizes: SizeMap, places: Sequence[tuple[Array, float]]) -> SizeMap:
+    """Make sizes smaller at some places and let them grow from there.
+
+    Parameters
+    ----------
+    sizes : SizeMap
+    places : sequence of ((p, 3) array, float)
+        Points [m], and the size of elements there [m].
+    """
+    wished = sizes.sizes
+    for points, size in places:
+        if len(points):
+            distance, _ = KDTree(points).query(sizes.points)
+            wished = np.minimum(wished, size + GROWTH * distance)
+    return SizeMap(sizes.points, sizes.tetrahedra, wished)

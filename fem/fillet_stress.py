@@ -1,0 +1,374 @@
+"""Stresses at the fillets of a throw under unit loads, with stress concentration factors.
+
+The throw is meshed with a few elements across all fillets, solved, meshed again with more where the
+fillets turned out to be stressed, and solved again. The change from one mesh to the next measures the
+error. The ends are pinned, so that the forces in every section follow from the loads alone.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.accuracy import Mesher
+from fem.condensation import EndSections
+from fem.fillet_mesh import fillet_element, finer_at, measured_sizes
+from fem.fillet_surface import FilletSurface, fillet_points, fillet_surface
+from fem.fillets import Fillet, sharp_corners, throw_fillets
+from fem.loads import radial_directions
+from fem.material import STEEL, Material
+from fem.nominal_stress import nominal_stress
+from fem.principal import largest_principal, principal_stresses, von_mises
+from fem.unit_loads import LoadedThrow, UnitLoad, solve_unit_loads, unit_loads
+from geometry.errors import InputError
+from geometry.mesher import mesh_isolated
+from geometry.quantity import show_quantity
+from geometry.size_map import SizeMap
+from geometry.throw import CrankThrow
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+# Size factor of the mesh that element sizes away from the fillets are taken from.
+BULK = 1.2
+# Elements across a fillet's quarter circle: of the first mesh, where it has room, and of the second.
+COARSE, COARSEST, FINE = 3.0, 2.0, 6.0
+# Later ones are so much finer; less than the smaller factor is not worth another mesh.
+REFINEMENT, LEAST_REFINEMENT = 1.5, 1.25
+MOST_MESHES = 4
+# Fillets are meshed finely where their stress under any load is above this share of their largest.
+STRESSED = 0.8
+# Errors fall with the square of the element size; what two meshes say of them is multiplied by SAFETY.
+# Meshes of one fineness differ by SCATTER divided by it, whatever two of them say. Found by comparing
+# with much finer meshes.
+ORDER, SAFETY, SCATTER = 2.0, 1.5, 0.15
+MOST_UNKNOWNS = 400_000
+# Of the throw's length.
+CUT_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class FilletPeak:
+    """The largest stresses at one fillet under one unit load.
+
+    Where a throw is symmetric about the crank plane, the place with x >= 0 is given; its mirror image
+    has the same stresses, under a torque or bending across the crank plane with the opposite sign.
+
+    Attributes
+    ----------
+    load : UnitLoad
+    fillet : Fillet
+    principal : float
+        Principal stress of the largest magnitude, with its sign [Pa/N or Pa/(N m)].
+    principal_place : (3,) array
+        Where it is, in the throw frame [m].
+    principals : (3,) array
+        All principal stresses there, largest first; that across the free surface is 0.
+    von_mises : float
+        Largest equivalent stress by von Mises, same unit.
+    von_mises_place : (3,) array
+    nominal : float
+        Nominal stress, as `fem.nominal_stress` defines it; under a torque a shear stress.
+    error_estimate : float
+        Estimated relative error of the two largest values.
+    """
+
+    load: UnitLoad
+    fillet: Fillet
+    principal: float
+    principal_place: Array
+    principals: Array
+    von_mises: float
+    von_mises_place: Array
+    nominal: float
+    error_estimate: float
+
+    @property
+    def factor(self) -> float:
+        """Stress concentration factor: size of the largest principal stress by the nominal one."""
+        return abs(self.principal) / self.nominal
+
+    @property
+    def von_mises_factor(self) -> float:
+        """Largest equivalent stress by von Mises divided by the nominal stress."""
+        return self.von_mises / self.nominal
+
+
+@dataclass(frozen=True)
+class FilletStresses:
+    """Stresses at the fillets of a throw.
+
+    Attributes
+    ----------
+    throw : CrankThrow
+    peaks : tuple of FilletPeak
+        For each load, the fillets from left to right.
+    sharp_corners : tuple of str
+        Corners without a fillet: the elastic stress there has no bound, so there is no number.
+    loaded : LoadedThrow
+        The last mesh with its displacements.
+    surface : FilletSurface
+        Stresses all over the fillets.
+    fineness : float
+        Elements across the quarter circle of a fillet where it was refined last.
+    accuracy : float
+        The accuracy that was asked for.
+    """
+
+    throw: CrankThrow
+    peaks: tuple[FilletPeak, ...]
+    sharp_corners: tuple[str, ...]
+    loaded: LoadedThrow = field(repr=False)
+    surface: FilletSurface = field(repr=False)
+    fineness: float
+    accuracy: float
+
+    @property
+    def error_estimate(self) -> float:
+        """Largest of the error estimates."""
+        return max(peak.error_estimate for peak in self.peaks)
+
+    @property
+    def accuracy_met(self) -> bool:
+        """Whether all error estimates are within the accuracy asked for."""
+        return self.error_estimate <= self.accuracy
+
+    def under(self, load: UnitLoad) -> tuple[FilletPeak, ...]:
+        """Peaks under one load, the fillets from left to right."""
+        return tuple(peak for peak in self.peaks if peak.load is load)
+
+
+def fillet_stresses(
+    throw: CrankThrow,
+    material: Material = STEEL,
+    accuracy: float = 0.05,
+    *,
+    solver: str = "auto",
+    end_sections: EndSections = "rigid",
+    mesher: Mesher = mesh_isolated,
+) -> FilletStresses:
+    """Compute the stresses at a throw's fillets under unit loads by finite elements.
+
+    The ends are pinned. The loads are an axial force, a torque, equal and opposite bending moments on
+    the ends in the crank plane and across it, and a radial force on each pin, spread evenly over it.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+    material : Material
+        The stresses depend on its Poisson's ratio alone.
+    accuracy : float
+        Wished relative accuracy of the largest stresses, 0.02 to 0.2.
+    solver : {"auto", "pardiso", "superlu"}
+        Equation solver.
+    end_sections : {"rigid", "averaged"}
+        Whether end sections move as rigid discs, or may warp and only their mean motions are given. It
+        matters at the main journals' fillets, all the more the shorter the journals.
+    mesher : callable
+        How to mesh; by default gmsh runs in a process of its own.
+
+    Returns
+    -------
+    FilletStresses
+
+    Raises
+    ------
+    InputError
+        If the throw has no fillet, or too small ones, or a parameter is out of range.
+    MeshError, SolveError
+        If the throw cannot be meshed or solved.
+
+    Examples
+    --------
+    >>> import crankfem as cf
+    >>> throw = cf.CrankThrow(
+    ...     crank_radius=0.170, main_journal_diameter=0.220, pin_diameter=0.180,
+    ...     main_journal_length=0.120, pin_length=0.139, web_width=0.300, web_thickness=0.068,
+    ...     fillet_radius=0.012,
+    ... )
+    >>> found = cf.fillet_stresses(throw)
+    >>> pin = next(p for p in found.peaks if p.load.kind == "bending" and p.fillet.journal.is_pin)
+    >>> print(f"{pin.fillet.name}: {pin.factor:.1f}")
+    pin, left web: 2.7
+    """
+    _check(throw, material, accuracy)
+    fillets = throw_fillets(throw.parts)
+    loads = unit_loads(radial_directions(throw))
+
+    def solved(sizes: SizeMap, fineness: float) -> _Level:
+        mesh = mesher(throw, 1.0, "auto", sizes)
+        loaded = solve_unit_loads(mesh, loads, material, solver, end_sections)
+        return _Level.judged(loaded, fillets, fineness)
+
+    level = solved(*_first_sizes(throw, fillets, mesher))
+    errors = np.full((len(fillets), len(loads)), np.inf)
+    wanted = max(FINE, SCATTER / accuracy)
+    for _ in range(MOST_MESHES - 1):
+        unsettled = errors > accuracy
+        if not unsettled.any():
+            break
+        sizes, fineness = level.finer_sizes(fillets, unsettled, wanted)
+        if fineness < LEAST_REFINEMENT * level.fineness:
+            break
+        coarse, level = level, solved(sizes, fineness)
+        # What was settled before is not meshed more finely now.
+        errors = np.where(unsettled, _errors(coarse, level), errors)
+        wanted = REFINEMENT * fineness
+    if not np.all(np.isfinite(errors)):
+        raise _too_small(fillets)
+    return FilletStresses(
+        throw=throw,
+        peaks=tuple(
+            level.peak(throw, (number, fillet), (column, load), float(errors[number, column]))
+            for column, load in enumerate(loads)
+            for number, fillet in enumerate(fillets)
+        ),
+        sharp_corners=sharp_corners(throw.parts),
+        loaded=level.loaded,
+        surface=level.surface,
+        fineness=level.fineness,
+        accuracy=accuracy,
+    )
+
+
+@dataclass(frozen=True)
+class _Level:
+    """One mesh with its solution, and at which nodes of the fillets the largest stresses are."""
+
+    loaded: LoadedThrow
+    surface: FilletSurface
+    fineness: float
+    on: tuple[Integers, ...]  # nodes of each fillet
+    equivalent: Array  # (s, k)
+    principals: Array  # (s, k, 3)
+
+    @classmethod
+    def judged(cls, loaded: LoadedThrow, fillets: Sequence[Fillet], fineness: float) -> "_Level":
+        surface = fillet_surface(loaded)
+        points = surface.points
+        # Of mirrored nodes those at x >= 0; nodes on the cut are there to round-off.
+        least = -np.inf if loaded.mesh.part == "full" else -CUT_TOLERANCE * loaded.mesh.length
+        side = points[:, 0] > least
+        return cls(
+            loaded,
+            surface,
+            fineness,
+            tuple(np.flatnonzero(fillet.holds(points) & side) for fillet in fillets),
+            von_mises(surface.stress),
+            principal_stresses(surface.stress),
+        )
+
+    @property
+    def largest(self) -> Array:
+        """Largest equivalent and principal stresses (2, fillets, k), without signs."""
+        sizes = (self.equivalent, np.abs(largest_principal(self.principals)))
+        return np.array([[size[nodes].max(axis=0) for nodes in self.on] for size in sizes])
+
+    def _place(self, node: int) -> Array:
+        """Place of a node; on a cut exactly there [m]."""
+        place = self.surface.points[node]
+        return np.where(np.abs(place) < CUT_TOLERANCE * self.loaded.mesh.length, 0.0, place)
+
+    def finer_sizes(
+        self, fillets: Sequence[Fillet], loads: NDArray[np.bool_], fineness: float
+    ) -> tuple[SizeMap, float]:
+        """Sizes of a mesh that is finer where the fillets are stressed, and how fine it can be.
+
+        `loads` (fillets, k) says under which loads.
+        """
+        stressed = []
+        for nodes, chosen in zip(self.on, loads, strict=True):
+            here = nodes[self.surface.meshed[nodes]]
+            share = self.equivalent[here] / self.equivalent[nodes].max(axis=0)
+            stressed.append(self.surface.points[here[(share > STRESSED)[:, chosen].any(axis=1)]])
+        measured = measured_sizes(self.loaded.mesh)
+        return _sizes_within_budget(measured, fillets, stressed, fineness)
+
+    def peak(
+        self,
+        throw: CrankThrow,
+        fillet: tuple[int, Fillet],
+        load: tuple[int, UnitLoad],
+        error: float,
+    ) -> FilletPeak:
+        """Largest stresses at a fillet under a load, both given with their numbers."""
+        nodes, column = self.on[fillet[0]], load[0]
+        principals = self.principals[nodes, column]
+        signed = largest_principal(principals)
+        first = int(np.argmax(np.abs(signed)))
+        second = int(np.argmax(self.equivalent[nodes, column]))
+        return FilletPeak(
+            load=load[1],
+            fillet=fillet[1],
+            principal=float(signed[first]),
+            principal_place=self._place(nodes[first]),
+            principals=principals[first],
+            von_mises=float(self.equivalent[nodes[second], column]),
+            von_mises_place=self._place(nodes[second]),
+            nominal=nominal_stress(throw.parts, fillet[1], load[1]),
+            error_estimate=error,
+        )
+
+
+def _errors(coarse: _Level, fine: _Level) -> Array:
+    """Estimated relative errors (fillets, k) of the largest stresses."""
+    change = np.abs(fine.largest - coarse.largest) / fine.largest
+    ratio = fine.fineness / coarse.fineness
+    estimate = SAFETY * change.max(axis=0) / (ratio**ORDER - 1.0)
+    return np.asarray(np.maximum(estimate, SCATTER / fine.fineness))
+
+
+def _first_sizes(
+    throw: CrankThrow, fillets: Sequence[Fillet], mesher: Mesher
+) -> tuple[SizeMap, float]:
+    """Sizes of a mesh that is a little finer than usual at all fillets, and how fine it is there."""
+    usual = mesher(throw, BULK, "auto", None)
+    points = fillet_points(usual)
+    places = [points[fillet.holds(points)] for fillet in fillets]
+    sizes, fineness = _sizes_within_budget(measured_sizes(usual), fillets, places, COARSE)
+    if fineness < COARSEST:
+        raise _too_small(fillets)
+    return sizes, fineness
+
+
+def _sizes_within_budget(
+    sizes: SizeMap, fillets: Sequence[Fillet], places: Sequence[Array], fineness: float
+) -> tuple[SizeMap, float]:
+    """Sizes with so many elements across the fillets at some places, or with as many as may be."""
+    while True:
+        wished = [
+            (points, fillet_element(fillet.radius, fineness))
+            for points, fillet in zip(places, fillets, strict=True)
+        ]
+        finer = finer_at(sizes, wished)
+        if finer.expected_unknowns() <= MOST_UNKNOWNS or fineness < COARSEST:
+            return finer, fineness
+        fineness *= 0.9
+
+
+def _too_small(fillets: Sequence[Fillet]) -> InputError:
+    smallest = min(fillet.radius for fillet in fillets)
+    return InputError(
+        f"fillet_radius: given {show_quantity(smallest, 'm')}; allowed are larger ones, because elements "
+        f"small enough for its stress would make more than {MOST_UNKNOWNS:,} unknowns."
+    )
+
+
+def _check(throw: CrankThrow, material: Material, accuracy: float) -> None:
+    if not isinstance(throw, CrankThrow):
+        raise InputError(
+            f"throw: given a {type(throw).__name__}; allowed is a CrankThrow, because a CAD part does "
+            "not say what its fillets and webs measure."
+        )
+    if not isinstance(material, Material):
+        raise InputError(f"material: given {material!r}; allowed is a Material, like STEEL.")
+    if not isinstance(accuracy, int | float) or not 0.02 <= accuracy <= 0.2:
+        raise InputError(
+            f"accuracy: given {accuracy!r}; allowed is 0.02 to 0.2, the relative error of stresses."
+        )
+    if not throw_fillets(throw.parts):
+        raise InputError(
+            "fillet_radius: given 0 at all main journals and pins; allowed is at least one fillet, because "
+            "the elastic stress at a sharp corner has no bound."
+        )

@@ -1,0 +1,85 @@
+"""Where the fillets of a throw are, and where corners have none."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.parts import Cylinder, ThrowParts, WebPlate
+
+Array = NDArray[np.float64]
+# Nodes lie on a fillet's torus to this share of the journal's radius.
+PLACE_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class Fillet:
+    """A fillet between a main journal or pin and a web.
+
+    Attributes
+    ----------
+    name : str
+        Such as "left main journal", "pin, left web".
+    journal : Cylinder
+        The main journal or pin.
+    web : WebPlate
+    radius : float
+        [m]
+    start, end : float
+        Reach along z [m].
+    """
+
+    name: str
+    journal: Cylinder
+    web: WebPlate
+    radius: float
+    start: float
+    end: float
+
+    def holds(self, points: Array) -> NDArray[np.bool_]:
+        """Which points (n, 3) of the throw's fillets are on this one."""
+        tolerance = PLACE_TOLERANCE * self.journal.radius
+        reach = np.linalg.norm(points[:, :2] - self.journal.axis, axis=1)
+        low, high = self.journal.radius - tolerance, self.journal.radius + self.radius + tolerance
+        z = points[:, 2]
+        along = (z > self.start - tolerance) & (z < self.end + tolerance)
+        return np.asarray((reach > low) & (reach < high) & along)
+
+
+def throw_fillets(parts: ThrowParts) -> tuple[Fillet, ...]:
+    """Fillets of a throw from its left end to its right."""
+    found = []
+    for journal, web, radius, at_start in _roots(parts):
+        if radius > 0.0:
+            start = journal.start if at_start else journal.end - radius
+            found.append(
+                Fillet(_root_name(journal, web), journal, web, radius, start, start + radius)
+            )
+    return tuple(found)
+
+
+def sharp_corners(parts: ThrowParts) -> tuple[str, ...]:
+    """Names of the re-entrant corners at main journals and pins that have no fillet."""
+    found = []
+    for number, web in enumerate(parts.webs):
+        before, after = parts.cylinders[number : number + 2]
+        if web.end == web.start:
+            found.append(f"{before.name} and {after.name} where they meet")
+    for journal, web, radius, _ in _roots(parts):
+        if radius == 0.0 and web.end > web.start:
+            found.append(_root_name(journal, web))
+    return tuple(found)
+
+
+def _root_name(journal: Cylinder, web: WebPlate) -> str:
+    return f"{journal.name}, {web.name}" if journal.is_pin else journal.name
+
+
+def _roots(parts: ThrowParts) -> list[tuple[Cylinder, WebPlate, float, bool]]:
+    """Journal, web, fillet radius and whether it is the journal's start, of each journal's root."""
+    found = []
+    for number, web in enumerate(parts.webs):
+        before, after = parts.cylinders[number : number + 2]
+        found.append((before, web, before.end_fillet, False))
+        found.append((after, web, after.start_fillet, True))
+    return found

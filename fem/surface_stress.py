@@ -1,0 +1,244 @@
+"""Stresses on free surfaces from how these stretch.
+
+No force acts on a free surface, so its stress follows from the stretching of the surface itself, and
+that is known better than any strain inside the elements: the displacements of the nodes say it without
+a derivative into the depth, where stresses at a fillet fall off steeply. Strains of the facets are
+taken at their quadrature points, where they are most accurate, and recovered at the corners by a
+quadratic polynomial fitted to the facets round each, as in the superconvergent patch recovery (O. C.
+Zienkiewicz and J. Z. Zhu, Int. J. Numer. Meth. Engng 33, 1331-1382, 1992). On a curved surface strains
+of neighboring places lie in planes of their own: they are turned into the corner's tangent plane by the
+smallest turn that brings the normals together.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from skfem import ElementTriP2, MeshTri1
+from skfem.quadrature import get_quadrature
+
+from fem.material import Material
+from fem.principal import as_components
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+QUADRATURE_ORDER = 2  # three points
+# Ends of the edges whose middles are the nodes 3, 4, 5 of a facet.
+EDGES = ((0, 1), (1, 2), (0, 2))
+# Facets that are turned against a corner's normal by more than this belong to another face.
+SMALLEST_COSINE = 0.7
+# Terms of the fitted polynomial are held back by this share of the samples' weight where a patch has
+# too few of them to tell; the constant is free.
+HELD_BACK = np.array([0.0, 1e-9, 1e-9, 1e-5, 1e-5, 1e-5])
+CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+MIDDLES = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5]])
+
+
+@dataclass(frozen=True)
+class SurfaceStress:
+    """Stresses at the nodes of a free surface.
+
+    Attributes
+    ----------
+    nodes : (s,) array
+        Numbers of the nodes.
+    stress : (s, k, 6) array
+        xx, yy, zz, xy, yz, zx for k displacements [Pa].
+    """
+
+    nodes: Integers
+    stress: Array
+
+
+def surface_stress(
+    points: Array,
+    facets: Integers,
+    wanted: NDArray[np.bool_],
+    displacement: Array,
+    material: Material,
+) -> SurfaceStress:
+    """Recover the stress on a free surface.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        Node coordinates [m].
+    facets : (t, 6) array
+        Nodes of the facets: corners, then the middles of 01, 12, 02; counterclockwise from outside.
+    wanted : (t,) array
+        Facets at whose nodes stresses are wanted. The others take part where they continue these
+        without an edge.
+    displacement : (n, 3, k) array
+        [m]
+    material : Material
+
+    Returns
+    -------
+    SurfaceStress
+        At the nodes of the wanted facets.
+    """
+    corners, number = np.unique(facets[wanted][:, :3], return_inverse=True)
+    normals = _mean_normals(points, facets[wanted], number.reshape(-1, 3), 3, len(corners))
+    frames = tangent_frames(normals)
+    patches = _fitted(points, facets, displacement, corners, frames)
+
+    # Tangential strains at the corners, then at the middles of edges as the mean of what the corners
+    # at both ends say of them.
+    at_corners = _planes(frames, patches.strains(np.arange(len(corners)), points[corners]))
+    middles, first = np.unique(facets[wanted][:, 3:], return_index=True)
+    ends = number.reshape(-1, 3)[:, np.array(EDGES)].reshape(-1, 2)[first]
+    place = np.searchsorted(middles, facets[wanted][:, 3:])
+    middle_normals = _mean_normals(points, facets[wanted], place, 6, len(middles))
+    at_middles = np.zeros((len(middles), *at_corners.shape[1:]))
+    for owner in ends.T:
+        strains = _planes(frames[owner], patches.strains(owner, points[middles]))
+        turn = smallest_turns(normals[owner], middle_normals)[:, None]
+        at_middles += 0.5 * turn @ strains @ turn.transpose(0, 1, 3, 2)
+    strains = np.concatenate([at_corners, at_middles])
+    normals = np.concatenate([normals, middle_normals])
+    return SurfaceStress(
+        np.concatenate([corners, middles]), _plane_stress(strains, normals, material)
+    )
+
+
+@dataclass(frozen=True)
+class _Patches:
+    """Polynomials of tangential strains round corners, in the corners' tangent frames."""
+
+    centers: Array
+    frames: Array
+    sizes: Array
+    coefficients: Array  # (v, 6, k, 3)
+
+    def strains(self, owner: Integers, places: Array) -> Array:
+        """Strains (s, k, 3), along both tangents and between them, at places near the corners."""
+        local = _tangential(self.frames[owner], places - self.centers[owner])
+        terms = _terms(local / self.sizes[owner, None])
+        return np.asarray(np.einsum("st,stkc->skc", terms, self.coefficients[owner]))
+
+
+def _fitted(
+    points: Array, facets: Integers, displacement: Array, corners: Integers, frames: Array
+) -> _Patches:
+    """Fit polynomials to the strains of the facets round each corner."""
+    where, _ = get_quadrature(MeshTri1.elem.refdom, QUADRATURE_ORDER)
+    values, slopes = _shapes(where)
+    tangents = np.einsum("aiq,taj->tqij", slopes, points[facets])
+    normals = np.cross(tangents[:, :, 0], tangents[:, :, 1])
+    normals /= np.linalg.norm(normals, axis=2)[:, :, None]
+    places = values @ points[facets]
+    stretches = np.einsum("aiq,tajk->tqkij", slopes, displacement[facets])
+    # Gradient along the surface: d u_j / d x_m = sum_i dual_im d u_j / d xi_i.
+    dual = np.linalg.inv(tangents @ tangents.swapaxes(2, 3)) @ tangents
+
+    number = np.full(len(points), -1)
+    number[corners] = np.arange(len(corners))
+    facet, corner = np.nonzero(number[facets[:, :3]] >= 0)
+    owner = number[facets[facet, corner]]
+    count = where.shape[1]
+    owner, facet = np.repeat(owner, count), np.repeat(facet, count)
+    point = np.tile(np.arange(count), len(facet) // count)
+    near = np.sum(normals[facet, point] * frames[owner, 2], axis=1) > SMALLEST_COSINE
+    owner, facet, point = owner[near], facet[near], point[near]
+
+    turns = smallest_turns(normals[facet, point], frames[owner, 2])
+    tangential = frames[owner, :2] @ turns  # the corner's tangents seen from the facet
+    along = tangential @ dual[facet, point].swapaxes(1, 2)
+    gradients = (
+        along[:, None] @ stretches[facet, point] @ tangential.swapaxes(1, 2)[:, None]
+    )  # d u_b / d a in the tangents a, b
+    strains = np.stack(
+        [
+            gradients[..., 0, 0],
+            gradients[..., 1, 1],
+            0.5 * (gradients[..., 0, 1] + gradients[..., 1, 0]),
+        ],
+        axis=-1,
+    )
+    local = _tangential(frames[owner], places[facet, point] - points[corners[owner]])
+    reach = np.linalg.norm(local, axis=1)
+    samples = np.bincount(owner, minlength=len(corners))
+    sizes = np.bincount(owner, reach, len(corners)) / samples
+    terms = _terms(local / sizes[owner, None])
+    gather = sparse.csr_array(
+        (np.ones(len(owner)), (owner, np.arange(len(owner)))), (len(corners), len(owner))
+    )
+    matrices = gather @ (terms[:, :, None] * terms[:, None, :]).reshape(len(owner), -1)
+    systems = matrices.reshape(-1, 6, 6)
+    systems[:, np.arange(6), np.arange(6)] += samples[:, None] * HELD_BACK
+    flat = strains.reshape(len(owner), 1, -1)
+    sides = gather @ (terms[:, :, None] * flat).reshape(len(owner), -1)
+    solved = np.linalg.solve(systems, sides.reshape(len(corners), 6, -1))
+    coefficients = solved.reshape(len(corners), 6, -1, 3)
+    return _Patches(points[corners], frames, sizes, coefficients)
+
+
+def _shapes(where: Array) -> tuple[Array, Array]:
+    """Values (q, 6) and reference gradients (6, 2, q) of the shape functions at points (2, q)."""
+    element = ElementTriP2()
+    shapes = [element.lbasis(where, node) for node in range(6)]
+    values = np.array([value + np.zeros(where.shape[1]) for value, _ in shapes])
+    return values.T, np.array([slope + np.zeros_like(where) for _, slope in shapes])
+
+
+def _mean_normals(
+    points: Array, facets: Integers, number: Integers, last: int, count: int
+) -> Array:
+    """Unit normals (count, 3) at the corners (`last` 3) or the middles (6), mean of their facets."""
+    _, slopes = _shapes(CORNERS if last == 3 else MIDDLES)
+    tangents = np.einsum("aiq,taj->tqij", slopes, points[facets])
+    areas = np.cross(tangents[:, :, 0], tangents[:, :, 1])
+    total = np.zeros((count, 3))
+    np.add.at(total, number, areas)
+    return np.asarray(total / np.linalg.norm(total, axis=1)[:, None])
+
+
+def tangent_frames(normals: Array) -> Array:
+    """Right-handed frames (n, 3, 3) of two tangents and the normal, as rows, at unit normals (n, 3)."""
+    aside = np.where(np.abs(normals[:, 2:]) < 0.9, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
+    first = np.cross(aside, normals)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    return np.stack([first, np.cross(normals, first), normals], axis=1)
+
+
+def smallest_turns(start: Array, stop: Array) -> Array:
+    """Rotations (n, 3, 3) by the smallest angles that bring unit vectors (n, 3) to others."""
+    x, y, z = np.cross(start, stop).T
+    zero = np.zeros_like(x)
+    cross = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+    cosine = np.sum(start * stop, axis=1)[:, None, None]
+    return np.asarray(np.eye(3) + cross + cross @ cross / (1.0 + cosine))
+
+
+def _tangential(frames: Array, arms: Array) -> Array:
+    """Coordinates (s, 2) in tangent planes, stretched to the length of the arms (s, 3) [m]."""
+    flat = np.einsum("sij,sj->si", frames[:, :2], arms)
+    lengths, reach = np.linalg.norm(arms, axis=1), np.linalg.norm(flat, axis=1)
+    scale = np.divide(lengths, reach, out=np.ones_like(reach), where=reach > 0.0)
+    return np.asarray(flat * scale[:, None])
+
+
+def _terms(local: Array) -> Array:
+    """Terms (s, 6) of a quadratic polynomial at places (s, 2)."""
+    x, y = local.T
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+
+
+def _planes(frames: Array, strains: Array) -> Array:
+    """Tensors (s, k, 3, 3) in space of tangential strains (s, k, 3) in frames."""
+    local = np.zeros((*strains.shape[:2], 2, 2))
+    local[..., 0, 0], local[..., 1, 1] = strains[..., 0], strains[..., 1]
+    local[..., 0, 1] = local[..., 1, 0] = strains[..., 2]
+    tangents = frames[:, None, :2]
+    return np.asarray(tangents.swapaxes(2, 3) @ local @ tangents)
+
+
+def _plane_stress(strains: Array, normals: Array, material: Material) -> Array:
+    """Stresses (s, k, 6) of tangential strains (s, k, 3, 3) where no force acts on the surface."""
+    modulus, ratio = material.youngs_modulus, material.poisson_ratio
+    plane = np.eye(3) - normals[:, :, None] * normals[:, None, :]
+    spread = np.trace(strains, axis1=2, axis2=3)[..., None, None] * plane[:, None]
+    stress = modulus / (1.0 + ratio) * (strains + ratio / (1.0 - ratio) * spread)
+    return as_components(stress)

@@ -1,0 +1,292 @@
+"""What is printed, recorded and pictured of the stresses at fillets, on coarse meshes."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from crankfem import stress
+from crankfem.pictures import stress_picture
+from crankfem.pictures.stress_picture import (
+    largest_peak,
+    picture_arrays,
+    picture_name,
+    picture_stresses,
+    render,
+)
+from crankfem.stress import print_stresses, run_stress, stress_record
+from fem import fillet_stress
+from fem.fillet_stress import fillet_stresses
+from fem.unit_loads import unit_loads
+from geometry.errors import InputError, MissingLibraryError
+from geometry.mesh import mesh_throw
+from geometry.throw import CrankThrow
+
+THROWS = {
+    "quarter": {},
+    "half": {"right_web": {"thickness": 0.055}, "pin_fillet_radius": 0.0},
+    "full": {"further_pins": [{"angle": math.radians(30.0), "web_thickness": 0.0}]},
+}
+# As coarse as can be: nothing here depends on how accurate the stresses are.
+COARSELY = {"BULK": 2.5, "COARSE": 1.0, "COARSEST": 0.5, "FINE": 1.5, "MOST_MESHES": 2}
+
+
+# A throw without symmetry takes seconds.
+PARTS = ["quarter", "half", pytest.param("full", marks=pytest.mark.slow)]
+
+
+class Made(dict):
+    """What a function makes of each part of a throw, made when first asked for."""
+
+    def __init__(self, make):
+        self._make = make
+
+    def __missing__(self, part):
+        self[part] = self._make(part)
+        return self[part]
+
+
+@pytest.fixture(scope="module")
+def found(dimensions):
+    def stresses(part):
+        throw = CrankThrow(**dimensions, **THROWS[part])
+        with pytest.MonkeyPatch.context() as patch:
+            for name, value in COARSELY.items():
+                patch.setattr(fillet_stress, name, value)
+            return fillet_stresses(throw, accuracy=0.2, mesher=mesh_throw)
+
+    return Made(stresses)
+
+
+@pytest.fixture(scope="module")
+def arrays(found):
+    return Made(lambda part: picture_arrays(found[part]))
+
+
+# ---------------------------------------------------------------------------------- record and tables
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_record_is_strict_json_with_every_load_and_fillet(found, part):
+    record = stress_record(found[part])
+    assert json.loads(json.dumps(record, allow_nan=False)) == record
+    kinds = [load["kind"] for load in record["loads"]]
+    pins = 2 if part == "full" else 1
+    assert kinds == ["axial", "torsion", "bending", "cross bending", *["radial"] * pins]
+    fillets = {"quarter": 4, "half": 2, "full": 4}[part]
+    assert all(len(load["fillets"]) == fillets for load in record["loads"])
+    for load in record["loads"]:
+        assert load["stress_unit"] == {"N": "Pa/N", "N m": "Pa/(N m)"}[load["unit"]]
+        for peak in load["fillets"]:
+            assert peak["factor"] == pytest.approx(abs(peak["principal"]) / peak["nominal"])
+    assert record["solved_part"] == part
+    assert record["end_sections"] == "rigid"
+    assert record["error_estimate"] == found[part].error_estimate
+
+
+def printed(record, capsys):
+    print_stresses(record)
+    return " ".join(capsys.readouterr().out.split())
+
+
+def test_half_of_a_symmetric_throw_is_printed(found, capsys):
+    record = stress_record(found["quarter"])
+    text = printed(record, capsys)
+    assert text.count("left journal") == text.count("pin, left web") == 5
+    assert "right journal" not in text
+    assert "right web have the same stresses, under a torque with the opposite sign" in text
+    assert "Places at -x have the same stresses" in text
+    peak = record["loads"][0]["fillets"][1]
+    # kPa per N are MPa per kN.
+    assert f"{peak['principal'] / 1e3:.4g}" in text
+    place = " ".join(f"{1e3 * value + 0.0:.0f}" for value in peak["principal_place"])
+    assert place.replace("-0 ", "0 ") in text
+    assert "Axial force: largest stresses at fillets [MPa per kN]" in text
+    assert "Torque: largest stresses at fillets [MPa per kN m]" in text
+
+
+def test_sharp_corners_get_no_number(found, capsys):
+    text = printed(stress_record(found["half"]), capsys)
+    assert text.count("left journal") == text.count("right journal") == 5
+    assert "No stress is given at pin, left web; pin, right web: without a fillet" in text
+    assert "Places at -x have the same stresses" in text
+
+
+@pytest.mark.slow
+def test_halves_of_a_split_pin_meet_at_a_sharp_corner(found, capsys):
+    text = printed(stress_record(found["full"]), capsys)
+    assert "No stress is given at pin and pin 2 where they meet:" in text
+    assert "-x" not in text
+
+
+def test_accuracy_not_met_is_said(found, capsys):
+    record = stress_record(replace(found["half"], accuracy=0.02))
+    assert not record["accuracy_met"]
+    text = printed(record, capsys)
+    assert f" to {100.0 * record['error_estimate']:.2g} %, not the 2 % asked for." in text
+
+
+# ------------------------------------------------------------------------------------------- command
+
+
+@pytest.fixture
+def computed(found, monkeypatch):
+    """Let the command find its stresses done; note what it asked for."""
+    asked = []
+
+    def done(*arguments, **options):
+        asked.append((arguments, options))
+        return found["quarter"]
+
+    monkeypatch.setattr(stress, "fillet_stresses", done)
+    return asked
+
+
+def test_command_prints_json_and_nothing_else(computed, capsys):
+    run_stress("6chn25-34", 0.1, end_sections="averaged", json=True)
+    record = json.loads(capsys.readouterr().out)
+    assert record["pictures"] == []
+    (throw, _, accuracy), options = computed[0]
+    assert (throw.crank_radius, accuracy, options) == (0.17, 0.1, {"end_sections": "averaged"})
+
+
+def test_command_writes_pictures(computed, capsys, monkeypatch, tmp_path):
+    monkeypatch.setattr(
+        stress_picture, "picture_stresses", lambda _, folder: (folder / "stress-axial.png",)
+    )
+    run_stress("6chn25-34", pictures=tmp_path / "made")
+    assert f"{tmp_path / 'made' / 'stress-axial.png'} written." in capsys.readouterr().out
+
+
+def test_command_refuses_a_folder_that_cannot_be_made(computed, tmp_path):
+    with pytest.raises(InputError, match="there is no folder"):
+        run_stress("6chn25-34", pictures=tmp_path / "missing" / "made")
+    assert not computed
+
+
+# ------------------------------------------------------------------------------------------ pictures
+
+
+def test_names_of_pictures():
+    names = [picture_name(load) for load in unit_loads(np.eye(2, 3))]
+    assert names == [
+        "stress-axial.png",
+        "stress-torsion.png",
+        "stress-bending.png",
+        "stress-cross-bending.png",
+        "stress-radial.png",
+        "stress-radial-2.png",
+    ]
+
+
+def volume_inside(points, facets):
+    """Volume inside flat facets through the corners."""
+    a, b, c = (points[facets[:, corner]] for corner in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_pictures_show_the_whole_throw_and_its_half(arrays, found, part):
+    """Flat facets through the corners of a coarse mesh lose up to 6 % of the volume."""
+    drawn = arrays[part]
+    whole = volume_inside(drawn["points"], drawn["facets"])
+    assert whole == pytest.approx(found[part].throw.volume, rel=0.06)
+    edges = np.sort(drawn["facets"][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    _, count = np.unique(edges, axis=0, return_counts=True)
+    assert np.all(count == 2)
+    if part == "full":
+        assert len(drawn["half"]) == 0
+    else:
+        assert volume_inside(drawn["points"], drawn["half"]) == pytest.approx(0.5 * whole, rel=1e-9)
+        assert drawn["points"][drawn["half"]][..., 0].min() > -1e-12
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_pictures_show_the_stresses_of_the_tables(arrays, found, part):
+    drawn = arrays[part]
+    for number, load in enumerate(found[part].loaded.loads):
+        peaks = found[part].under(load)
+        peak = largest_peak(peaks)
+        assert peak.von_mises == pytest.approx(max(one.von_mises for one in peaks))
+        assert part != "quarter" or any(peak is one for one in peaks[:2])
+        assert drawn["largest"][number] == pytest.approx(peak.von_mises / 1e3)
+        distance = np.linalg.norm(drawn["points"] - peak.von_mises_place, axis=1)
+        shown = drawn["stress"][number][distance.argmin()]
+        assert distance.min() < 1e-12
+        assert shown == pytest.approx(peak.von_mises / 1e3)
+        assert f"{peak.von_mises / 1e3:.3g} MPa ({peak.fillet.name}; " in drawn["remarks"][number]
+        assert drawn["titles"][number].endswith(f": 1 k{load.unit}, ends pinned")
+        assert len(drawn["places"][number]) == {"quarter": 4, "half": 2, "full": 1}[part]
+
+
+def test_a_mark_is_shown_from_where_it_is_seen(arrays):
+    drawn = arrays["quarter"]
+    solid = stress_picture._Solid.of("throw", stress_picture.OUTSIDE, drawn, drawn["facets"])
+    radius, length = 0.11, 0.395
+    on_left_end, on_right_end = np.array([0.0, 0.05, 0.0]), np.array([0.0, 0.05, length])
+    inside = np.array([0.0, 0.0, 0.1])
+    eye, place = solid.best_eye(np.array([inside, on_right_end, on_left_end]))
+    assert np.array_equal(place, on_left_end)
+    assert np.array_equal(eye, stress_picture.OUTSIDE[0])
+    eye, place = solid.best_eye(on_right_end[None])
+    assert np.array_equal(place, on_right_end)
+    assert eye[2] > 0.0
+    # A place on the journal that no eye at -x sees.
+    eye, place = solid.best_eye(np.array([[radius, 0.0, 0.03]]))
+    assert place is None
+    assert np.array_equal(eye, stress_picture.OUTSIDE[0])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", ["quarter", "full"])
+def test_a_picture_has_colors_and_texts(arrays, part, tmp_path):
+    drawn = dict(arrays[part])
+    for name in ("stress", "places", "largest", "titles", "remarks", "files"):
+        drawn[name] = drawn[name][:1]
+    render(drawn, tmp_path)
+    (file,) = tmp_path.iterdir()
+    assert file.name == "stress-axial.png"
+    pixels = imread(file)[:, :, :3]
+    assert min(pixels.shape[:2]) > 600
+    # White margins all round, so nothing is clipped.
+    frame = np.concatenate([pixels[:4], pixels[-4:], *np.hsplit(pixels, [4, -4])[::2]], axis=None)
+    assert frame.min() > 0.99
+    red = (pixels[..., 0] > 0.6) & (pixels[..., 1] < 0.35) & (pixels[..., 2] < 0.35)
+    blue = (pixels[..., 2] > 0.75) & (pixels[..., 0] < 0.2)
+    assert red.sum() > 500
+    assert blue.sum() > 20
+
+
+def test_pictures_that_cannot_be_made_say_why(found, monkeypatch, tmp_path):
+    class Failing:
+        def __init__(self, *_):
+            pass
+
+        def wait(self):
+            raise MissingLibraryError("no library")
+
+    monkeypatch.setattr(stress_picture, "OffscreenProcess", Failing)
+    with pytest.raises(MissingLibraryError, match="no library"):
+        picture_stresses(found["quarter"], tmp_path / "made")
+    assert not (tmp_path / "made").exists()
+
+
+def test_folder_that_cannot_be_written(found, monkeypatch, tmp_path):
+    class Made:
+        def __init__(self, _, arrays, target):
+            for name in arrays["files"]:
+                (target / str(name)).write_bytes(b"picture")
+
+        def wait(self):
+            pass
+
+    monkeypatch.setattr(stress_picture, "OffscreenProcess", Made)
+    files = picture_stresses(found["quarter"], tmp_path / "made")
+    assert [file.read_bytes() for file in files] == [b"picture"] * 5
+    in_the_way = tmp_path / "file"
+    in_the_way.write_text("")
+    with pytest.raises(InputError, match="cannot be written"):
+        picture_stresses(found["quarter"], in_the_way)

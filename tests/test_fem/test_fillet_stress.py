@@ -1,0 +1,496 @@
+"""Stresses on surfaces and at fillets.
+
+Identities (symmetry parts, rotations, manufactured strains, equilibrium) hold to round-off on any mesh,
+so they are tested on coarse ones with tolerances of 1e-6 to 1e-9 of the values; what is only an
+approximation says why its tolerance is what it is.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem import fillet_stress
+from fem.assembly import assemble_stiffness, symmetric_product
+from fem.condensation import nodes_on
+from fem.fillet_mesh import fillet_element, finer_at, measured_sizes
+from fem.fillet_stress import fillet_stresses
+from fem.fillet_surface import fillet_points, fillet_surface
+from fem.fillets import sharp_corners, throw_fillets
+from fem.loads import radial_directions
+from fem.material import STEEL, Material
+from fem.nominal_stress import nominal_stress, torsion_modulus, web_section
+from fem.principal import (
+    as_components,
+    as_matrices,
+    largest_principal,
+    principal_stresses,
+    von_mises,
+)
+from fem.surface_stress import smallest_turns, surface_stress, tangent_frames
+from fem.unit_loads import solve_unit_loads, unit_loads, whole_facets, whole_nodes
+from geometry.errors import InputError
+from geometry.facets import six_node_triangles
+from geometry.mesh import mesh_throw
+from geometry.size_map import SizeMap
+from geometry.solid import FILLET, LEFT_END, RIGHT_END
+from geometry.throw import CrankThrow
+
+GENERATOR = np.random.default_rng(7)
+AXIAL, TORSION, BENDING, CROSS_BENDING, RADIAL = range(5)
+
+
+def rotation(seed=3):
+    turned, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    return turned * np.sign(np.linalg.det(turned))
+
+
+# ----------------------------------------------------------------------------------- principal stresses
+
+
+def test_components_and_matrices_are_each_others_inverse():
+    stress = GENERATOR.normal(size=(4, 6))
+    matrices = as_matrices(stress)
+    assert np.array_equal(matrices, matrices.swapaxes(1, 2))
+    assert matrices[0, 1, 2] == stress[0, 4]
+    assert np.array_equal(as_components(matrices), stress)
+
+
+def test_equivalent_stress_of_known_states():
+    tension, shear, pressure = [-3.0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 2.0, 0], [5.0, 5.0, 5.0, 0, 0, 0]
+    expected = [3.0, 2.0 * math.sqrt(3.0), 0.0]
+    assert von_mises(np.array([tension, shear, pressure])) == pytest.approx(expected)
+
+
+def test_principal_stresses_are_those_before_turning():
+    turn = rotation()
+    stress = as_components(turn @ np.diag([2.0, -7.0, 1.0]) @ turn.T)
+    principals = principal_stresses(stress)
+    assert principals == pytest.approx([2.0, 1.0, -7.0])
+    assert largest_principal(principals) == pytest.approx(-7.0)
+    assert largest_principal(-principals[::-1]) == pytest.approx(7.0)
+    assert von_mises(stress) == pytest.approx(math.sqrt(0.5 * (81.0 + 64.0 + 1.0)))
+
+
+# --------------------------------------------------------------------------------------- free surfaces
+
+
+def grid(count, place):
+    """Six-node facets of a square of parameters, count by count, at `place` (n, 2) -> (n, 3)."""
+    side = np.arange(2 * count + 1)
+    number = side[:, None] * len(side) + side
+    facets = []
+    for i in range(0, 2 * count, 2):
+        for j in range(0, 2 * count, 2):
+            n = number[i : i + 3, j : j + 3]
+            facets.append([n[0, 0], n[2, 0], n[0, 2], n[1, 0], n[1, 1], n[0, 1]])
+            facets.append([n[2, 2], n[0, 2], n[2, 0], n[1, 2], n[1, 1], n[2, 1]])
+    parameters = np.array([(u, v) for u in side for v in side]) / (2.0 * count)
+    return place(parameters), np.array(facets)
+
+
+def stress_on(points, facets, displacement, material=STEEL):
+    everywhere = np.full(len(facets), True)
+    found = surface_stress(points, facets, everywhere, displacement[:, :, None], material)
+    assert np.array_equal(np.sort(found.nodes), np.arange(len(points)))
+    stress = np.empty((len(points), 6))
+    stress[found.nodes] = found.stress[:, 0]
+    return stress
+
+
+def test_quadratic_displacements_of_a_plane_have_linear_stresses():
+    """Exact but for what holds polynomials back: 1e-5 of the samples, twice that in a corner."""
+    turn = rotation()
+    flat, facets = grid(4, lambda p: np.column_stack([p, 0.0 * p[:, 0]]))
+    x, y, _ = flat.T
+    moved = np.column_stack([x * x - 2.0 * x * y, 3.0 * y + x * y, 5.0 * x - y * y])
+    strains = np.column_stack([2.0 * x - 2.0 * y, 3.0 + x, 0.5 * (y - 2.0 * x)])
+    modulus, ratio = STEEL.youngs_modulus, STEEL.poisson_ratio
+    factor = modulus / (1.0 - ratio**2)
+    expected = np.zeros((len(flat), 3, 3))
+    expected[:, 0, 0] = factor * (strains[:, 0] + ratio * strains[:, 1])
+    expected[:, 1, 1] = factor * (strains[:, 1] + ratio * strains[:, 0])
+    expected[:, 0, 1] = expected[:, 1, 0] = modulus / (1.0 + ratio) * strains[:, 2]
+    found = as_matrices(stress_on(flat @ turn.T, facets, moved @ turn.T))
+    size = np.abs(expected).max()
+    assert turn.T @ found @ turn / size == pytest.approx(expected / size, abs=2e-5)
+
+
+def cylinder(count, angle=1.2):
+    def place(parameters):
+        turned, z = angle * parameters[:, 0], 1.5 * parameters[:, 1]
+        return np.column_stack([np.cos(turned), np.sin(turned), z])
+
+    return grid(count, place)
+
+
+def test_rigid_motion_leaves_a_curved_surface_without_stress():
+    points, facets = cylinder(3)
+    moved = np.array([1.0, 2.0, 3.0]) + np.cross([0.3, -0.2, 0.5], points)
+    assert np.abs(stress_on(points, facets, moved)).max() < 1e-12 * STEEL.youngs_modulus
+
+
+def test_a_bent_cylinder_has_the_stress_of_a_beam():
+    """Errors fall with the square of the facets' size, here 0.3 and 0.15 of the radius.
+
+    They are fifty times larger at the rim, where a patch may be a single facet.
+    """
+    inside, anywhere = [], []
+    for count in (4, 8):
+        points, facets = cylinder(count)
+        x, y, z = points.T
+        ratio = STEEL.poisson_ratio
+        moved = np.column_stack([-ratio * x * y, -0.5 * (z**2 + ratio * (y**2 - x**2)), y * z])
+        stress = stress_on(points, facets, moved / STEEL.youngs_modulus)
+        errors = np.abs(stress - np.outer(y, np.eye(6)[2])).max(axis=1)
+        turned = np.arctan2(y, x)
+        away = (np.abs(turned - 0.6) < 0.35) & (np.abs(z - 0.75) < 0.45)
+        inside.append(errors[away].max())
+        anywhere.append(errors.max())
+    assert inside[0] < 1e-3
+    assert inside[1] < 0.3 * inside[0]
+    assert anywhere[1] < 0.3 * anywhere[0] < 0.01
+
+
+def test_no_force_acts_on_the_surface():
+    points, facets = cylinder(4)
+    moved = GENERATOR.normal(size=points.shape)
+    stress = as_matrices(stress_on(points, facets, moved))
+    normals = points * (1.0, 1.0, 0.0)
+    tractions = np.einsum("nij,nj->ni", stress, normals)
+    # The normals of the facets' mean are those of the cylinder to the cube of their angle.
+    assert np.linalg.norm(tractions, axis=1).max() < 0.01 * np.abs(stress).max()
+
+
+def test_frames_and_smallest_turns():
+    normals = GENERATOR.normal(size=(50, 3))
+    normals[0] = (0.0, 0.0, 1.0)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    frames = tangent_frames(normals)
+    identity = np.broadcast_to(np.eye(3), frames.shape)
+    assert frames @ frames.swapaxes(1, 2) == pytest.approx(identity, abs=1e-12)
+    assert np.linalg.det(frames) == pytest.approx(1.0)
+    assert np.array_equal(frames[:, 2], normals)
+    others = normals[::-1]
+    turns = smallest_turns(normals, others)
+    assert turns @ turns.swapaxes(1, 2) == pytest.approx(identity, abs=1e-9)
+    assert np.einsum("nij,nj->ni", turns, normals) == pytest.approx(others, abs=1e-12)
+    cosine = 0.5 * (np.trace(turns, axis1=1, axis2=2) - 1.0)
+    assert cosine == pytest.approx(np.sum(normals * others, axis=1))
+
+
+# ------------------------------------------------------------------------- unit loads on parts of a throw
+
+
+@pytest.fixture(scope="module")
+def loads(throw):
+    return unit_loads(radial_directions(throw))
+
+
+@pytest.fixture(scope="module")
+def loaded(mesh, half_mesh, full_mesh, loads):
+    meshes = {"quarter": mesh, "half": half_mesh, "full": full_mesh}
+    return {part: solve_unit_loads(found, loads, STEEL) for part, found in meshes.items()}
+
+
+def in_order(points, values):
+    """Values sorted by place, so that nodes of different numbering can be compared."""
+    order = np.lexsort((points / np.ptp(points)).round(7).T)
+    return points[order], values[order]
+
+
+@pytest.mark.parametrize("part", ["quarter", "half"])
+def test_parts_have_the_stresses_of_the_whole(loaded, part):
+    found, whole = fillet_surface(loaded[part]), fillet_surface(loaded["full"])
+    places, stress = in_order(found.points, found.stress)
+    expected_places, expected = in_order(whole.points, whole.stress)
+    assert places == pytest.approx(expected_places, abs=1e-12)
+    size = np.abs(expected).max(axis=(0, 2))
+    assert stress / size[:, None] == pytest.approx(expected / size[:, None], abs=1e-7)
+
+
+@pytest.mark.parametrize("part", ["quarter", "half"])
+def test_recovered_stresses_of_images_are_mirrored(loaded, part):
+    """Away from the cuts, where patches are halved, to the round-off of the solves."""
+    one, whole = loaded[part], loaded["full"]
+    nodes = whole_nodes(one.mesh)
+    points = nodes.collect([image.points(one.mesh.points) for image in nodes.images])
+    places, stress = in_order(points, nodes.collect(one.stresses(nodes.images)))
+    full_nodes = whole_nodes(whole.mesh)
+    expected_places, expected = in_order(whole.mesh.points, whole.stresses(full_nodes.images)[0])
+    assert places == pytest.approx(expected_places, abs=1e-12)
+    away = (np.abs(places[:, 0]) > 0.06) & (np.abs(places[:, 2] - 0.5 * one.mesh.length) > 0.06)
+    size = np.abs(expected).max(axis=(0, 2))
+    assert away.sum() > 100
+    difference = (stress - expected)[away] / size[:, None]
+    assert np.abs(difference).max() < 1e-7
+
+
+def test_only_the_classes_that_loads_excite_are_solved(loaded, mesh, loads):
+    assert len(loaded["quarter"].shares) == 3
+    assert len(solve_unit_loads(mesh, loads[:1], STEEL).shares) == 1
+    for load, found in enumerate((1, 1, 1, 1, 1)):
+        fields = [np.any(field[:, :, load]) for _, field in loaded["quarter"].shares]
+        assert sum(fields) == found
+
+
+@pytest.mark.parametrize("kind", ["rigid", "averaged"])
+def test_end_sections_carry_the_loads(loads, full_mesh, throw, kind):
+    """Forces and moments that act on the full mesh's ends, from its stiffness."""
+    stiffness = assemble_stiffness(full_mesh.points, full_mesh.elements, STEEL)
+    found = solve_unit_loads(full_mesh, loads, STEEL, end_sections=kind)
+    assert found.end_sections == kind
+    displacement = found.displacement(whole_nodes(full_mesh).images[0])
+    forces = symmetric_product(stiffness, displacement.reshape(-1, 5)).reshape(-1, 3, 5)
+    ends = {}
+    for end, z in ((LEFT_END, 0.0), (RIGHT_END, throw.length)):
+        nodes = nodes_on(full_mesh, end)
+        arms = full_mesh.points[nodes] - (0.0, 0.0, z)
+        moments = np.cross(arms[:, :, None], forces[nodes], axis=1)
+        ends[end] = np.concatenate([forces[nodes].sum(axis=0), moments.sum(axis=0)])
+    right = np.zeros((6, 5))
+    right[2, AXIAL] = right[5, TORSION] = right[4, CROSS_BENDING] = 1.0
+    right[3, BENDING] = -1.0
+    # Bearings push the shaft up against a force towards it.
+    right[1, RADIAL] = 0.5
+    left = -right
+    left[1, RADIAL] = 0.5
+    assert ends[RIGHT_END] == pytest.approx(right, abs=1e-6)
+    assert ends[LEFT_END] == pytest.approx(left, abs=1e-6)
+
+
+def test_a_radial_force_bends_like_the_moments(loaded):
+    """Both open the throw: the pin's fillets are pulled at the side of the shaft."""
+    surface = fillet_surface(loaded["quarter"])
+    low = surface.points[:, 1] < 0.09
+    on_pin = low & (np.abs(surface.points[:, 2] - 0.1975) < 0.069)
+    stress = surface.stress[on_pin][:, [AXIAL, BENDING, RADIAL], 2]
+    assert stress.max(axis=0).min() > 0.0
+    assert np.all(stress.max(axis=0) > 2.0 * np.abs(stress.min(axis=0)))
+
+
+def test_nodes_of_the_whole(mesh, half_mesh, full_mesh):
+    for part in (mesh, half_mesh):
+        nodes = whole_nodes(part)
+        points = nodes.collect([image.points(part.points) for image in nodes.images])
+        assert len(points) == len(full_mesh.points)
+        assert len(np.unique(points.round(9), axis=0)) == len(points)
+        facets = six_node_triangles(part, part.surfaces[FILLET])
+        corners = points[whole_facets(nodes, facets)]
+        size = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        # Outward, away from the fillet's material, is towards the journal's axis or out of it by z.
+        whole = full_mesh.points[full_mesh.surfaces[FILLET]]
+        expected = np.cross(whole[:, 1] - whole[:, 0], whole[:, 2] - whole[:, 0])
+        assert np.abs(size).sum(axis=0) == pytest.approx(np.abs(expected).sum(axis=0))
+        for sign in (1.0, -1.0):
+            upper = sign * (corners[:, :3].mean(axis=1)[:, 2] - 0.1975) > 0.0
+            upper_whole = sign * (whole.mean(axis=1)[:, 2] - 0.1975) > 0.0
+            assert size[upper].sum(axis=0) == pytest.approx(
+                expected[upper_whole].sum(axis=0), abs=1e-9
+            )
+
+
+# -------------------------------------------------------------------- fillets and their nominal stresses
+
+
+def test_fillets_hold_all_their_nodes(throw, full_mesh):
+    points = fillet_points(full_mesh)
+    holders = sum(fillet.holds(points).astype(int) for fillet in throw_fillets(throw.parts))
+    assert np.array_equal(holders, np.ones(len(points)))
+
+
+def test_names_of_fillets_and_corners(dimensions):
+    plain = CrankThrow(**dimensions)
+    names = ("left main journal", "pin, left web", "pin, right web", "right main journal")
+    assert tuple(fillet.name for fillet in throw_fillets(plain.parts)) == names
+    assert sharp_corners(plain.parts) == ()
+    half = CrankThrow(**dimensions, pin_fillet_radius=0.0)
+    assert tuple(fillet.name for fillet in throw_fillets(half.parts)) == (names[0], names[3])
+    assert sharp_corners(half.parts) == (names[1], names[2])
+    split = {"further_pins": [{"angle": 0.5, "web_thickness": 0.0}]}
+    split_pin = CrankThrow(**dimensions, **split)
+    found = tuple(fillet.name for fillet in throw_fillets(split_pin.parts))
+    assert found == (names[0], names[1], "pin 2, right web", names[3])
+    assert sharp_corners(split_pin.parts) == ("pin and pin 2 where they meet",)
+
+
+def nominal(throw, kind, fillet=0, pin=None):
+    fillets = throw_fillets(throw.parts)
+    found = unit_loads(radial_directions(throw))
+    load = next(one for one in found if one.kind == kind and (pin is None or one.pin == pin))
+    return nominal_stress(throw.parts, fillets[fillet], load)
+
+
+def test_nominal_stresses_by_hand(dimensions):
+    throw = CrankThrow(**dimensions, main_journal_bore=0.1)
+    modulus = 0.3 * 0.068**2 / 6.0
+    assert nominal(throw, "axial") == pytest.approx(0.17 / modulus)
+    assert nominal(throw, "bending", 2) == pytest.approx(1.0 / modulus)
+    journal = math.pi * (0.22**4 - 0.1**4) / (16.0 * 0.22)
+    pin = math.pi * 0.18**3 / 16.0
+    assert nominal(throw, "torsion", 0) == pytest.approx(1.0 / journal)
+    assert nominal(throw, "torsion", 1) == pytest.approx(1.0 / pin)
+    assert nominal(throw, "cross bending", 2) == pytest.approx(2.0 / pin)
+    # From the bearing 60 + 34 mm to the middle of the web; half of the force there.
+    assert nominal(throw, "radial") == pytest.approx(0.5 * 0.094 / modulus)
+
+
+def test_nominal_stresses_of_unequal_webs(dimensions):
+    throw = CrankThrow(**dimensions, right_web={"thickness": 0.05, "width": 0.28})
+    left, right = 0.3 * 0.068**2 / 6.0, 0.28 * 0.05**2 / 6.0
+    assert nominal(throw, "bending", 1) == pytest.approx(1.0 / left)
+    assert nominal(throw, "bending", 2) == pytest.approx(1.0 / right)
+    length, force = 0.12 + 0.068 + 0.139 + 0.05, 0.06 + 0.068 + 0.0695
+    assert throw.length == pytest.approx(length)
+    at_left, at_right = force / length, 1.0 - force / length
+    assert nominal(throw, "radial", 0) == pytest.approx(at_right * 0.094 / left)
+    assert nominal(throw, "radial", 3) == pytest.approx(at_left * (0.06 + 0.025) / right)
+
+
+def test_nominal_section_lies_in_the_middle_of_the_overlap(dimensions):
+    """Radii of 110 and 90 mm, axes 170 mm apart: 95 mm from the shaft."""
+    throw = CrankThrow(
+        **dimensions | {"web_thickness": 0.06},
+        web_pin_end=0.125,
+        web_tip_thickness=0.05,
+    )
+    web = throw.parts.webs[0]
+    section = web_section(throw.parts, web)
+    assert section.width == pytest.approx(2.0 * web.outline.half_width(np.array([0.095]))[0])
+    assert 0.25 < section.width < 0.299
+    # The slope starts beyond the collar of the main journal.
+    assert section.thickness == pytest.approx(0.06)
+    far = replace(web.slopes[0], start=0.05, end=0.295)
+    sloped = replace(web, slopes=(far,))
+    parts = replace(throw.parts, webs=(sloped, throw.parts.webs[1]))
+    assert web_section(parts, sloped).thickness == pytest.approx(0.06 - 0.01 * 0.045 / 0.245)
+
+
+def test_nominal_stresses_of_several_pins(dimensions):
+    throw = CrankThrow(
+        **dimensions, further_pins=[{"angle": math.pi, "web_thickness": 0.12, "web_width": 0.32}]
+    )
+    parts = throw.parts
+    fillet = next(one for one in throw_fillets(parts) if one.name == "pin 2, web 2")
+    middle = web_section(parts, parts.webs[1])
+    # Between pins 340 mm apart, of one radius: the middle of the gap is on the shaft.
+    assert (middle.width, middle.thickness) == pytest.approx((0.32, 0.12))
+    number = throw_fillets(parts).index(fillet)
+    assert nominal(throw, "axial", number) == pytest.approx(0.17 / middle.modulus)
+    assert torsion_modulus(fillet.journal) == pytest.approx(math.pi * 0.18**3 / 16.0)
+    second = 0.5 * (parts.pins[1].start + parts.pins[1].end)
+    moment = (0.5 * throw.length) * (throw.length - second) / throw.length
+    assert nominal(throw, "radial", number, pin=1) == pytest.approx(moment / middle.modulus)
+    names = [load.name for load in unit_loads(radial_directions(throw))]
+    assert names[-2:] == ["radial force on pin 1", "radial force on pin 2"]
+
+
+# ------------------------------------------------------------------------------------------- whole runs
+
+
+def test_sizes_grow_from_where_they_are_small(mesh):
+    sizes = measured_sizes(mesh)
+    corners = sizes.points[sizes.tetrahedra]
+    edges = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)
+    assert np.median(sizes.sizes[sizes.tetrahedra].mean(axis=1) / edges) == pytest.approx(
+        1.0, abs=0.2
+    )
+    place = sizes.points[5]
+    finer = finer_at(sizes, [(place[None], 0.001), (np.empty((0, 3)), 1e-9)])
+    assert finer.sizes[5] == 0.001
+    assert np.all(finer.sizes <= sizes.sizes)
+    distance = np.linalg.norm(sizes.points - place, axis=1)
+    assert np.array_equal(finer.sizes, np.minimum(sizes.sizes, 0.001 + 0.5 * distance))
+    assert fillet_element(0.012, 6.0) == pytest.approx(math.pi * 0.001)
+
+
+@pytest.fixture
+def coarsely(monkeypatch):
+    """Meshes as coarse as can be, for what does not depend on accuracy."""
+    for name, value in {
+        "BULK": 2.5, "COARSE": 1.0, "COARSEST": 0.5, "FINE": 1.5, "MOST_MESHES": 2
+    }.items():  # fmt: skip
+        monkeypatch.setattr(fillet_stress, name, value)
+
+
+def test_result_of_a_run(coarsely, dimensions):
+    throw = CrankThrow(**dimensions)
+    sizes = []
+
+    def mesher(one, factor, part, wished):
+        sizes.append(wished)
+        return mesh_throw(one, factor, part, wished)
+
+    found = fillet_stresses(throw, accuracy=0.2, mesher=mesher)
+    assert sizes[0] is None
+    assert all(isinstance(wished, SizeMap) for wished in sizes[1:])
+    assert found.loaded.mesh.part == "quarter"
+    assert len(found.peaks) == 5 * 4
+    for load in found.loaded.loads:
+        left, pin_left, pin_right, right = found.under(load)
+        for one, other in ((left, right), (pin_left, pin_right)):
+            assert one.von_mises == pytest.approx(other.von_mises)
+            sign = -1.0 if load.kind == "torsion" else 1.0
+            assert one.principal == pytest.approx(sign * other.principal)
+            mirrored = one.von_mises_place * (1.0, 1.0, -1.0) + (0.0, 0.0, throw.length)
+            assert other.von_mises_place == pytest.approx(mirrored)
+    for peak in found.peaks:
+        assert peak.principal_place[0] >= 0.0
+        assert peak.fillet.holds(np.array([peak.principal_place, peak.von_mises_place])).all()
+        assert abs(peak.principal) == pytest.approx(np.abs(peak.principals).max())
+        assert np.abs(peak.principals).min() < 1e-6 * abs(peak.principal)
+        assert peak.factor == pytest.approx(abs(peak.principal) / peak.nominal)
+        assert peak.von_mises_factor == pytest.approx(peak.von_mises / peak.nominal)
+        assert peak.error_estimate >= fillet_stress.SCATTER / found.fineness
+    assert found.error_estimate == max(peak.error_estimate for peak in found.peaks)
+    assert found.accuracy_met == (found.error_estimate <= 0.2)
+
+
+def test_stress_depends_on_poissons_ratio_alone(mesh, loads, loaded):
+    soft = Material(youngs_modulus=7e10, poisson_ratio=0.3, density=2700.0)
+    found = fillet_surface(solve_unit_loads(mesh, loads, soft)).stress
+    expected = fillet_surface(loaded["quarter"]).stress
+    size = np.abs(expected).max(axis=(0, 2))[:, None]
+    assert found / size == pytest.approx(expected / size, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("changes", "arguments", "sentence"),
+    [
+        ({"fillet_radius": 0.0}, {}, "fillet_radius: given 0 at all .*; allowed is .* no bound"),
+        ({}, {"accuracy": 0.001}, "accuracy: given 0.001; allowed is 0.02 to 0.2"),
+        ({}, {"material": "steel"}, "material: given 'steel'; allowed is a Material"),
+        ({}, {"end_sections": "soft"}, "end_sections: given 'soft'; allowed are"),
+    ],
+)
+def test_refusals(dimensions, changes, arguments, sentence):
+    with pytest.raises(InputError, match=sentence):
+        fillet_stresses(CrankThrow(**dimensions | changes), mesher=mesh_throw, **arguments)
+
+
+def test_refuses_what_is_no_throw_of_dimensions():
+    with pytest.raises(InputError, match="throw: given a str; allowed is a CrankThrow, because"):
+        fillet_stresses("throw")
+
+
+def test_refuses_fillets_too_small_for_the_budget(monkeypatch, dimensions):
+    monkeypatch.setattr(fillet_stress, "MOST_UNKNOWNS", 15_000)
+    with pytest.raises(
+        InputError, match=r"fillet_radius: given 3 mm; allowed are larger .* 15,000"
+    ):
+        fillet_stresses(CrankThrow(**dimensions | {"fillet_radius": 0.003}), mesher=mesh_throw)
+
+
+@pytest.mark.slow
+def test_estimates_hold_against_a_finer_mesh(dimensions):
+    """The finer run's own estimate is added: it is no exact value either."""
+    throw = CrankThrow(**dimensions)
+    usual = fillet_stresses(throw, mesher=mesh_throw)
+    finer = fillet_stresses(throw, accuracy=0.02, mesher=mesh_throw)
+    assert usual.accuracy_met
+    assert finer.fineness >= 7.5 > usual.fineness
+    for one, other in zip(usual.peaks, finer.peaks, strict=True):
+        room = one.error_estimate + other.error_estimate
+        assert one.von_mises == pytest.approx(other.von_mises, rel=room)
+        assert one.principal == pytest.approx(other.principal, rel=room)

@@ -1,0 +1,309 @@
+"""Distributed loads against their resultants, which are exact, and the laws that they are spread by.
+
+Resultants are integrals over the meshed surface with one quadrature, and come out to round-off. The laws
+are of a cylinder; the mesh's pin is one to 0.1 % (a quarter turn in two or three curved facets), and
+products of loads with functions of third order add the interpolation of these.
+"""
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from fem.loads import (
+    LoadedSurface,
+    NodalLoads,
+    pin_load,
+    pin_surfaces,
+    uniform_pin_loads,
+    unit_end_loads,
+    unit_pin_loads,
+)
+from fem.symmetry import MIRROR_X, MIRROR_Z, symmetry_classes
+from geometry.errors import InputError
+from geometry.solid import LEFT_END, RIGHT_END
+
+ROUND_OFF = 1e-12
+CYLINDER = 2e-3
+NONE = np.zeros(3)
+
+components = st.floats(-1e6, 1e6).map(lambda value: round(value, 3))
+vectors = st.tuples(components, components, components).map(np.array)
+
+
+@pytest.fixture(scope="module", params=["quarter", "half", "full"])
+def part(request, mesh, half_mesh, full_mesh):
+    return {"quarter": mesh, "half": half_mesh, "full": full_mesh}[request.param]
+
+
+@pytest.fixture(scope="module")
+def surface(mesh):
+    return pin_surfaces(mesh)[0]
+
+
+class Listening(LoadedSurface):
+    """A surface that tells which tractions are put on it."""
+
+    def nodal(self, tractions):
+        self.heard.append(tractions)
+        return super().nodal(tractions)
+
+
+def tractions_of(surface, force, moment, distribution):
+    """Tractions, normals, arms from the center and areas at all quadrature points of all images."""
+    listening = Listening(**{one.name: getattr(surface, one.name) for one in fields(surface)})
+    object.__setattr__(listening, "heard", [])
+    pin_load(listening, np.asarray(force, float), np.asarray(moment, float), distribution)
+    (tractions,) = listening.heard
+    found = []
+    for image, traction in zip(surface.images, tractions, strict=True):
+        arms, areas = surface.on_image(image)
+        sizes = np.linalg.norm(areas, axis=1)
+        found.append(np.column_stack([traction, areas / sizes[:, None], arms, sizes]))
+    whole = np.vstack(found)
+    return whole[:, 0:3], whole[:, 3:6], whole[:, 6:9], whole[:, 9]
+
+
+def places(mesh, loads):
+    """Where the loads of each image act (images, s, 3)."""
+    return np.array([image.points(mesh.points[loads.nodes]) for image in loads.images])
+
+
+def resultants(mesh, loads, center):
+    """Forces and moments (6, c) of all nodal loads on all images, about a center."""
+    arms = places(mesh, loads) - center
+    moments = np.cross(arms[..., None], loads.values, axis=2)
+    return np.concatenate([loads.values.sum(axis=(0, 1)), moments.sum(axis=(0, 1))])
+
+
+def on_full_mesh(full_mesh, mesh, loads):
+    """The same loads, those of images gathered at the nodes of the full mesh."""
+    number = {tuple(place): node for node, place in enumerate(full_mesh.points.round(8) + 0.0)}
+    found = np.zeros((len(full_mesh.points), *loads.values.shape[2:]))
+    for where, values in zip(places(mesh, loads), loads.values, strict=True):
+        rows = [number[tuple(place)] for place in where.round(8) + 0.0]
+        np.add.at(found, rows, values)
+    return found
+
+
+def test_unit_loads_on_pins_have_unit_resultants(part, throw):
+    (loads,) = unit_pin_loads(part)
+    center = np.array([0.0, throw.crank_radius, throw.length / 2.0])
+    found = resultants(part, loads, pin_surfaces(part)[0].center)
+    assert found == pytest.approx(np.eye(6), abs=ROUND_OFF)
+    assert pin_surfaces(part)[0].center == pytest.approx(center, abs=1e-6)
+
+
+def test_unit_loads_on_ends_have_unit_resultants(part):
+    """Of the end itself: a mirror image across the middle plane is the other end."""
+    ends = {LEFT_END: 0.0, RIGHT_END: part.length}
+    if part.part == "quarter":
+        del ends[RIGHT_END]
+    for end, place in ends.items():
+        loads = unit_end_loads(part, end)
+        assert len(loads.images) == {"quarter": 2, "half": 2, "full": 1}[part.part]
+        found = resultants(part, loads, np.array([0.0, 0.0, place]))
+        assert found == pytest.approx(np.eye(6), abs=ROUND_OFF)
+        assert np.abs(places(part, loads)[..., 2] - place).max() <= 1e-12
+
+
+def test_work_on_rigid_motions_is_their_components(part):
+    """Reciprocal to the resultants: what the loads work on is the mean motion of the surface."""
+    motions = np.random.default_rng(7).normal(size=(6, 4))
+    checked = [(unit_pin_loads(part)[0], pin_surfaces(part)[0].center)]
+    checked += [
+        (unit_end_loads(part, end), np.array([0.0, 0.0, place]))
+        for end, place in ((LEFT_END, 0.0), (RIGHT_END, part.length))
+        if end in part.surfaces
+    ]
+    for loads, center in checked:
+        arms = places(part, loads) - center
+        moved = motions[:3] + np.cross(motions[3:], arms[..., None], axisa=0, axisb=2, axisc=2)
+        work = np.einsum("isac,isam->cm", loads.values, moved)
+        assert work == pytest.approx(motions, abs=1e-11)
+
+
+def test_forces_are_even_and_moments_linear(surface, throw):
+    """A torque about the pin is one shear all round, as large as its area and radius ask for."""
+    traction, _, arms, sizes = tractions_of(surface, [3.0, -2.0, 5.0], NONE, "uniform")
+    area = sizes.sum()
+    assert area * traction == pytest.approx(np.tile([3.0, -2.0, 5.0], (len(traction), 1)))
+    traction, _, _, _ = tractions_of(surface, NONE, [0.0, 0.0, 7.0], "uniform")
+    shear = np.cross([0.0, 0.0, 1.0], arms) * 7.0 / (area * (throw.pin_diameter / 2.0) ** 2)
+    assert np.abs(traction - shear).max() <= CYLINDER * np.abs(shear).max()
+    # About x: tractions y = -z w, z = y w, whose moments are w times the integral of y^2 + z^2.
+    traction, _, _, _ = tractions_of(surface, NONE, [7.0, 0.0, 0.0], "uniform")
+    length = throw.pin_length - 2.0 * throw.fillet_radius
+    turn = 7.0 / (area * (throw.pin_diameter**2 / 8.0 + length**2 / 12.0))
+    linear = turn * np.cross([1.0, 0.0, 0.0], arms)
+    assert np.abs(traction - linear).max() <= CYLINDER * np.abs(linear).max()
+
+
+@pytest.mark.parametrize("distribution", ["uniform", "cosine"])
+@settings(max_examples=60, deadline=None)
+@given(force=vectors, moment=vectors)
+def test_any_load_has_its_resultants(mesh, surface, distribution, force, moment):
+    loads = pin_load(surface, force, moment, distribution)
+    found = resultants(mesh, loads, surface.center)[:, 0]
+    wanted = np.concatenate([force, moment])
+    # Pressures of a moment are as large as it is over the pin's length.
+    size = np.abs(force).max() + np.abs(moment).max() / 0.1
+    assert np.abs(found[:3] - wanted[:3]).max() <= 1e-11 * size
+    assert np.abs(found[3:] - wanted[3:]).max() <= 1e-12 * size
+
+
+@settings(max_examples=30, deadline=None)
+@given(angle=st.floats(0.0, 6.28), size=st.floats(1.0, 1e6))
+def test_a_force_across_presses_with_the_cosine_on_one_half(surface, throw, angle, size):
+    """p = p0 cos(theta) on the half that the force presses on: P = p0 a l pi / 2, p0 = 4 P / (pi D l).
+
+    theta is the angle from the line where the force meets the pin, l the length between the fillets. On
+    the other half there is nothing but what corrects the resultants, some 1e-4 of p0.
+    """
+    direction = np.array([np.cos(angle), np.sin(angle), 0.0])
+    traction, normals, _, _ = tractions_of(surface, size * direction, NONE, "cosine")
+    length = throw.pin_length - 2.0 * throw.fillet_radius
+    highest = 4.0 * size / (np.pi * throw.pin_diameter * length)
+    pressure = -np.einsum("qa,qa->q", traction, normals)
+    expected = highest * np.maximum(0.0, -normals @ direction)
+    assert np.abs(pressure - expected).max() <= CYLINDER * highest
+    assert np.abs(traction + pressure[:, None] * normals).max() <= CYLINDER * highest
+    assert pressure.max() == pytest.approx(highest, rel=0.01)
+    loaded = expected > CYLINDER * highest
+    assert np.all(pressure[loaded] > 0.0)
+    assert 0.4 < loaded.mean() < 0.6
+
+
+@pytest.mark.parametrize("direction", [(1, 0, 0), (0, -1, 0), (0.6, 0.8, 0)])
+def test_nodal_loads_of_the_cosine_are_its_integrals(mesh, surface, throw, direction):
+    """With s along the force and t across it, a the radius and l the length, per unit force.
+
+    Mean s = -8 a / (3 pi), mean s^2 = 3/4 a^2, mean z^2 = l^2 / 12 of the forces along s; those along t
+    have with s t the mean a^2 / 4. Evenly spread they would be 0, a^2 / 2, l^2 / 12 and 0.
+    """
+    direction = np.array(direction, dtype=float)
+    across = np.cross([0.0, 0.0, 1.0], direction)
+    radius = throw.pin_diameter / 2.0
+    length = throw.pin_length - 2.0 * throw.fillet_radius
+    loads = pin_load(surface, direction, NONE, "cosine")
+    arms = places(mesh, loads) - surface.center
+    s, t, z = arms @ direction, arms @ across, arms[..., 2]
+    along, sideways = (loads.values[..., 0] @ one for one in (direction, across))
+    assert np.sum(along * s) == pytest.approx(-8.0 * radius / (3.0 * np.pi), rel=CYLINDER)
+    assert np.sum(along * s**2) == pytest.approx(0.75 * radius**2, rel=CYLINDER)
+    assert np.sum(along * z**2) == pytest.approx(length**2 / 12.0, rel=CYLINDER)
+    assert np.sum(sideways * s * t) == pytest.approx(0.25 * radius**2, rel=CYLINDER)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.0, 2.5, 4.0])
+def test_a_moment_across_presses_on_opposite_halves_of_the_two_ends(surface, throw, angle):
+    """p = c |z| cos(theta), M = c a pi / 2 l^3 / 12; it pushes along M x z where z > 0."""
+    moment = np.array([np.cos(angle), np.sin(angle), 0.0])
+    push = np.cross(moment, [0.0, 0.0, 1.0])
+    traction, normals, arms, _ = tractions_of(surface, NONE, moment, "cosine")
+    radius, length = throw.pin_diameter / 2.0, throw.pin_length - 2.0 * throw.fillet_radius
+    growth = 24.0 / (np.pi * radius * length**3)
+    z = arms[:, 2]
+    pressure = -np.einsum("qa,qa->q", traction, normals)
+    expected = growth * np.abs(z) * np.maximum(0.0, -(normals @ push) * np.sign(z))
+    highest = growth * length / 2.0
+    assert np.abs(pressure - expected).max() <= CYLINDER * highest
+    assert np.abs(traction + pressure[:, None] * normals).max() <= CYLINDER * highest
+
+
+def test_what_no_pressure_can_carry_is_uniform(surface):
+    """Force along the pin and torque about it; the rest superposes."""
+    force, moment = np.array([0.0, 0.0, 4.0]), np.array([0.0, 0.0, -3.0])
+    even, pressed = (pin_load(surface, force, moment, how) for how in ("uniform", "cosine"))
+    assert pressed.values == pytest.approx(even.values, rel=1e-12, abs=1e-15)
+    across, couple = np.array([5.0, -1.0, 0.0]), np.array([0.2, 0.9, 0.0])
+    together = pin_load(surface, force + across, moment + couple, "cosine").values
+    apart = [
+        pin_load(surface, force, moment, "uniform"),
+        pin_load(surface, across, NONE, "cosine"),
+        pin_load(surface, NONE, couple, "cosine"),
+    ]
+    assert together == pytest.approx(sum(one.values for one in apart), abs=ROUND_OFF)
+
+
+@settings(max_examples=25, deadline=None)
+@given(force=vectors, moment=vectors, factor=st.floats(1e-3, 1e3))
+def test_pressures_grow_with_the_load_and_mirror_with_it(surface, force, moment, factor):
+    """A load pressed by a larger force is larger; pushed the other way it is another one."""
+    size = np.abs(force).max() + 10.0 * np.abs(moment).max()
+    assume(size > 1.0)
+    loads = pin_load(surface, force, moment, "cosine").values
+    grown = pin_load(surface, factor * force, factor * moment, "cosine").values
+    assert np.abs(grown - factor * loads).max() <= 1e-11 * factor * size
+    # Images: itself, across the middle plane, across the crank plane, across both.
+    for signs, images in ((MIRROR_X, [2, 3, 0, 1]), (MIRROR_Z, [1, 0, 3, 2])):
+        mirrored = pin_load(surface, signs[:3] * force, signs[3:] * moment, "cosine").values
+        expected = loads[images] * signs[:3, None]
+        assert np.abs(mirrored - expected).max() <= 1e-11 * size
+
+
+def test_a_load_pressed_from_the_other_side_is_another_one(surface):
+    one, other = (
+        pin_load(surface, np.array([0.0, sign, 0.0]), NONE, "cosine").values for sign in (1.0, -1.0)
+    )
+    assert np.abs(one + other).max() > 0.5 * np.abs(one).max()
+
+
+@pytest.mark.parametrize("distribution", ["uniform", "cosine"])
+def test_parts_carry_the_loads_of_the_whole(mesh, half_mesh, full_mesh, distribution):
+    """All nodal loads, gathered on the full mesh."""
+    force, moment = np.array([300.0, -800.0, 50.0]), np.array([20.0, -5.0, 9.0])
+    found = [
+        on_full_mesh(full_mesh, one, pin_load(pin_surfaces(one)[0], force, moment, distribution))
+        for one in (mesh, half_mesh, full_mesh)
+    ]
+    for other in found[:2]:
+        assert np.abs(other - found[2]).max() <= 1e-11 * np.abs(found[2]).max()
+
+
+@pytest.mark.parametrize("name", ["quarter", "half", "full"])
+def test_loads_of_a_class_work_as_those_on_all_images(mesh, half_mesh, full_mesh, name):
+    """A field of a class goes on in each image with the signs that keep it whole on the cuts."""
+    found = {"quarter": mesh, "half": half_mesh, "full": full_mesh}[name]
+    (loads,) = unit_pin_loads(found)
+    rng = np.random.default_rng(8)
+    works = np.zeros(6)
+    for symmetry in symmetry_classes(name):
+        field = rng.normal(size=(len(loads.nodes), 3))
+        for image in loads.images:
+            at = image.points(found.points[loads.nodes])
+            on_cut = np.abs(at - found.points[loads.nodes]).max(axis=1) < 1e-12
+            field[np.ix_(on_cut, symmetry.parity(image) * image.signs < 0.0)] = 0.0
+        whole = [symmetry.parity(image) * image.signs * field for image in loads.images]
+        expected = np.einsum("isac,isa->c", loads.values, whole)
+        work = np.einsum("sac,sa->c", loads.of_class(symmetry), field)
+        assert work == pytest.approx(expected, abs=ROUND_OFF)
+        # Components that the class does not have do no work.
+        assert np.abs(work[~symmetry.central_motions]).max(initial=0.0) <= 1e-10
+        works += np.abs(work)
+    assert np.all(works > 1e-3)
+
+
+def test_uniform_shares_are_those_of_unit_forces(part):
+    (loads,) = unit_pin_loads(part)
+    shares = uniform_pin_loads(part)[0]
+    assert shares.sum() == pytest.approx(1.0, rel=1e-14)
+    for axis in range(3):
+        every = loads.values[..., axis, axis].sum(axis=0)
+        assert shares[loads.nodes] == pytest.approx(every, abs=1e-14)
+    assert not np.delete(shares, loads.nodes).any()
+
+
+@pytest.mark.parametrize("distribution", ["even", "", None, "Cosine"])
+def test_unknown_distributions_are_refused(surface, distribution):
+    with pytest.raises(InputError, match=r"^distribution: given .*; allowed are"):
+        pin_load(surface, np.array([1.0, 0.0, 0.0]), NONE, distribution)
+
+
+def test_no_load_is_none(surface):
+    for distribution in ("uniform", "cosine"):
+        loads = pin_load(surface, NONE, NONE, distribution)
+        assert isinstance(loads, NodalLoads)
+        assert not loads.values.any()
