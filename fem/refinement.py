@@ -18,6 +18,7 @@ MADE_SMALLER = 0.83
 # Sizes change at most by these factors at once, and grow by at most this per unit of distance.
 MOST_REFINED, MOST_COARSENED = 0.2, 1.5
 GROWTH = 0.6
+SIZE_STEP = 1e-3
 
 
 def refined_sizes(mesh: ThrowMesh, errors: EnergyErrors, target: float) -> SizeMap:
@@ -54,7 +55,10 @@ def refined_sizes(mesh: ThrowMesh, errors: EnergyErrors, target: float) -> SizeM
     # The mean of the logarithms; the smallest would refine two layers for one element.
     total = np.bincount(number.ravel(), np.repeat(np.log(wished), 4))
     nodal = np.exp(total / np.bincount(number.ravel()))
-    return SizeMap(mesh.points[vertices], number, _graded(mesh.points[vertices], number, nodal))
+    graded = _graded(mesh.points[vertices], number, nodal)
+    # Sizes of few digits: rounding in the solution must not become another mesh.
+    steps = np.round(np.log(graded / mesh.length) / SIZE_STEP)
+    return SizeMap(mesh.points[vertices], number, mesh.length * np.exp(SIZE_STEP * steps))
 
 
 def _graded(points: Array, tetrahedra: NDArray[np.int64], sizes: Array) -> Array:

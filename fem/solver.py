@@ -233,6 +233,9 @@ class _PardisoPattern:
         self._solver = copy.copy(_pardiso())
         self._solver.pt = np.zeros_like(self._solver.pt)
         self._solver.iparm = np.zeros_like(self._solver.iparm)
+        # With its own defaults it solves two to three times more slowly. Order 2 is nested dissection.
+        self._solver.set_iparm(1, 1)
+        self._solver.set_iparm(2, 2)
         self._indptr, self._indices = upper.indptr.copy(), upper.indices.copy()
         # Also when nobody closes it.
         self._finalizer = weakref.finalize(self, _free_pardiso, self._solver)
