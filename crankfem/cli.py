@@ -1,6 +1,7 @@
 """The command line: one short function for each command."""
 
 import shutil
+import time
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
@@ -198,7 +199,7 @@ def export(
     throw, material = load_throw(engine)
     console.check_folder(file)
     record: dict[str, Any] = {"file": str(file)}
-    if calculix and (file.suffix.lower() != ".inp" or part != "full"):
+    if calculix and (file.suffix != ".inp" or part != "full"):
         raise InputError(
             f"--calculix: given {file.name} and --part {part}; allowed is a file ending in .inp with the "
             "whole throw, for the deck holds and loads both ends."
@@ -264,10 +265,13 @@ def throw(
     from crankfem.results import mode_records, throw_record
     from fem.analysis import analyze_throw
     from fem.material import STEEL
+    from fem.modes import MOST_MODES
     from geometry.imported import import_throw
     from geometry.mesher import Throw
     from geometry.solid_files import ENDINGS
 
+    if not 0 <= modes <= MOST_MODES:
+        raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
     if Path(engine).suffix.lower() in ENDINGS:
         part: Throw = import_throw(engine, pins=pins or ("pin",))
         for remark in part.remarks:
@@ -284,7 +288,9 @@ def throw(
     )
     record = throw_record(analysis, UNIT_RADIAL_FORCE)
     if modes:
+        start = time.perf_counter()
         record["free_modes"] = mode_records(analysis.free_modes(modes))
+        record["seconds"]["modes"] = time.perf_counter() - start
     if json:
         print_json(record)
         return

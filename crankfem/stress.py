@@ -8,6 +8,7 @@ from crankfem.console import number, print_json, print_table
 from crankfem.engine_file import load_throw
 from fem.condensation import EndSections
 from fem.fillet_stress import FilletPeak, FilletStresses, fillet_stresses
+from geometry.errors import InputError
 
 Record = dict[str, Any]
 # Stresses are printed for loads of 1 kN and 1 kN m, in MPa.
@@ -45,6 +46,11 @@ def run_stress(
     throw, material = load_throw(engine)
     if pictures is not None:
         console.check_folder(pictures)
+        if pictures.exists() and not pictures.is_dir():
+            raise InputError(
+                f"--pictures: given {pictures}, which is a file; allowed is a folder, for there is a "
+                "picture of each load."
+            )
     stresses = fillet_stresses(throw, material, accuracy, end_sections=end_sections)
     record = stress_record(stresses)
     if pictures is not None:

@@ -184,6 +184,7 @@ def solve_to(
             factor = 1.0
             while sizes.expected_unknowns(factor) > MOST_UNKNOWNS:
                 factor *= 1.05
+        level.solver.close()  # factors of two meshes need not be kept at once
         finer = solve_level(_mesh(throw, factor, sizes, problem, mesher), problem)
         if finer.error_estimate >= level.error_estimate:
             break

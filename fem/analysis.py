@@ -38,6 +38,8 @@ from geometry.mesher import Throw, mesh_isolated
 from geometry.stopwatch import Stopwatch
 
 NO_FORCE = (0.0, 0.0, 0.0)
+# Far beyond any real load, far below what overflows.
+LARGEST_LOAD = 1e30
 
 
 @dataclass(frozen=True)
@@ -327,8 +329,11 @@ def _vector(name: str, given: ArrayLike, unit: str) -> NDArray[np.float64]:
         vector = np.asarray(given, dtype=float)
     except (TypeError, ValueError):
         vector = np.empty(0)
-    if vector.shape != (3,) or not np.all(np.isfinite(vector)):
-        raise InputError(f"{name}: given {given!r}; allowed are three finite numbers [{unit}].")
+    if vector.shape != (3,) or not np.all(np.abs(vector) <= LARGEST_LOAD):
+        raise InputError(
+            f"{name}: given {given!r}; allowed are three finite numbers [{unit}], none beyond "
+            f"{LARGEST_LOAD:g}."
+        )
     return vector
 
 

@@ -227,6 +227,16 @@ def write_calculix(
     InputError
         If the mesh is not of a whole throw, a load case does not fit it, or the file cannot be written.
     """
+    if not isinstance(mesh, ThrowMesh):
+        raise InputError(
+            f"mesh: given a {type(mesh).__name__}; allowed is a ThrowMesh, as mesh_throw returns."
+        )
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"path: given {path!r}; allowed is the name of a file ending in '.inp'.")
+    if cases is not None and not (
+        isinstance(cases, list | tuple) and all(isinstance(case, LoadCase) for case in cases)
+    ):
+        raise InputError(f"cases: given {cases!r}; allowed is a list of LoadCase.")
     path = Path(path)
     if path.suffix != ".inp":
         raise InputError(

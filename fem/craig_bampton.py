@@ -23,7 +23,14 @@ from scipy.linalg import block_diag, eigh
 from fem.assembly import symmetric_product
 from fem.condensation import CondensedClass
 from fem.material import Material
-from fem.modes import ClassProblem, PartMatrices, class_problem, frequencies_of
+from fem.modes import (
+    ClassProblem,
+    PartMatrices,
+    check_resolved,
+    class_problem,
+    frequencies_of,
+    is_number,
+)
 from fem.superelement import section_rotation
 from fem.symmetry import SymmetryClass, symmetry_classes
 from geometry.errors import InputError
@@ -168,17 +175,18 @@ def dynamic_superelement(
     SolveError
         If the modes cannot be found.
     """
-    if not 0.0 <= highest_frequency < np.inf:
+    if not (is_number(highest_frequency) and 0.0 <= highest_frequency < np.inf):
         raise InputError(
             f"highest_frequency: given {highest_frequency!r}; allowed is a finite frequency from 0 Hz, "
             "because modes are kept in proportion to it."
         )
-    if not 1.0 <= cutoff_factor < np.inf:
+    if not (is_number(cutoff_factor) and 1.0 <= cutoff_factor < np.inf):
         raise InputError(
             f"cutoff_factor: given {cutoff_factor!r}; allowed is a finite number from 1, because modes "
             "below the highest frequency must not be missing."
         )
     _check_classes(mesh, classes)
+    check_resolved(mesh, material, highest_frequency)
     matrices = PartMatrices.of_mesh(mesh, material, watch)
     cutoff = cutoff_factor * highest_frequency
     stiffness, mass = np.zeros((12, 12)), np.zeros((12, 12))
@@ -231,8 +239,11 @@ def assemble_dynamic_shaft(throws: Sequence[DynamicSuperelement]) -> tuple[Array
     InputError
         If there is no throw.
     """
-    if not throws:
-        raise InputError("throws: given none; allowed is at least one, because a shaft has throws.")
+    if not throws or not all(isinstance(throw, DynamicSuperelement) for throw in throws):
+        raise InputError(
+            "throws: given none, or what is no DynamicSuperelement; allowed is at least one of these, "
+            "because a shaft has throws."
+        )
     first = 6 * (len(throws) + 1)
     size = first + sum(len(throw.frequencies) for throw in throws)
     stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
@@ -263,12 +274,55 @@ def natural_modes(
         Ascending [Hz]; those of rigid motions are zero, but for rounding.
     shapes : (u, k) array
         Of unit modal mass.
+
+    Raises
+    ------
+    InputError
+        If the matrices are not square, finite and of one size, the mass is not positive definite, or an
+        unknown in `held` does not exist.
     """
-    free = np.setdiff1d(np.arange(len(stiffness)), np.asarray(held, dtype=np.int64))
-    squares, vectors = eigh(stiffness[np.ix_(free, free)], mass[np.ix_(free, free)])
+    stiffness, mass = _checked_matrix("stiffness", stiffness), _checked_matrix("mass", mass)
+    if stiffness.shape != mass.shape:
+        raise InputError(
+            f"mass: given shape {mass.shape}; allowed is that of the stiffness, {stiffness.shape}."
+        )
+    places = np.atleast_1d(np.asarray(held))
+    if places.size and not (
+        places.dtype.kind in "iu" and np.all((places >= 0) & (places < len(stiffness)))
+    ):
+        raise InputError(
+            f"held: given {held!r}; allowed are numbers of unknowns, 0 to {len(stiffness) - 1}."
+        )
+    free = np.setdiff1d(np.arange(len(stiffness)), places)
+    try:
+        squares, vectors = eigh(stiffness[np.ix_(free, free)], mass[np.ix_(free, free)])
+    except np.linalg.LinAlgError:
+        raise InputError(
+            "mass: given a matrix that is not positive definite; allowed is one that is, because every "
+            "motion has inertia."
+        ) from None
     shapes = np.zeros((len(stiffness), len(free)))
     shapes[free] = vectors
     return frequencies_of(squares), shapes
+
+
+def _checked_matrix(name: str, given: Array) -> Array:
+    """Return a square matrix of finite numbers.
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        matrix = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        matrix = np.empty(0)
+    if matrix.ndim != 2 or len(matrix) != matrix.shape[1] or not np.all(np.isfinite(matrix)):
+        raise InputError(
+            f"{name}: given {type(given).__name__} of shape {np.shape(matrix)}; allowed is a square matrix "
+            "of finite numbers."
+        )
+    return matrix
 
 
 @dataclass(frozen=True)

@@ -203,7 +203,7 @@ def fillet_stresses(
 
     level = solved(*_first_sizes(throw, fillets, mesher))
     errors = np.full((len(fillets), len(loads)), np.inf)
-    wanted = max(FINE, SCATTER / accuracy)
+    wanted = max(FINE, (1.0 + 1e-9) * SCATTER / accuracy)
     for _ in range(MOST_MESHES - 1):
         unsettled = errors > accuracy
         if not unsettled.any():

@@ -25,7 +25,7 @@ from fem.solver import Factorization, SolveError, factorize
 from fem.superelement import RX, RY, RZ, UX, UY, UZ
 from fem.symmetry import MIRROR_X, MIRROR_Z, SymmetryClass, symmetry_classes
 from geometry.errors import InputError
-from geometry.mesh import ThrowMesh
+from geometry.mesh import ThrowMesh, element_volumes
 from geometry.stopwatch import Stopwatch
 
 Array = NDArray[np.float64]
@@ -327,6 +327,8 @@ def free_modes(
         If a mode does not satisfy its equation, or there are not six rigid motions.
     """
     _check_wish(count, highest_frequency)
+    if highest_frequency is not None:
+        check_resolved(mesh, material, highest_frequency)
     matrices = PartMatrices.of_mesh(mesh, material, watch)
     shift = (SHIFT_SHARE / mesh.length) ** 2 * material.youngs_modulus / material.density
 
@@ -466,6 +468,30 @@ def name_of_motion(motions: Array, length: float) -> str:
     return name
 
 
+def is_number(given: object) -> bool:
+    """Whether something is a real number."""
+    return isinstance(given, int | float | np.number) and not isinstance(
+        given, bool | np.complexfloating
+    )
+
+
+def check_resolved(mesh: ThrowMesh, material: Material, frequency: float) -> None:
+    """Refuse a frequency whose shear waves are shorter than two elements of mean size.
+
+    Raises
+    ------
+    InputError
+    """
+    volume = float(element_volumes(mesh.points, mesh.elements).sum())
+    size = (6.0 * np.sqrt(2.0) * volume / len(mesh.elements)) ** (1.0 / 3.0)
+    highest = float(np.sqrt(material.shear_modulus / material.density) / (2.0 * size))
+    if frequency > highest:
+        raise InputError(
+            f"highest_frequency: given {frequency:.4g} Hz; allowed is up to {highest:.4g} Hz on this mesh, "
+            "because shorter waves have fewer than two elements."
+        )
+
+
 def _check_wish(count: int | None, highest_frequency: float | None) -> None:
     if (count is None) == (highest_frequency is None):
         raise InputError(
@@ -481,7 +507,9 @@ def _check_wish(count: int | None, highest_frequency: float | None) -> None:
             f"count: given {count!r}; allowed is a whole number from 1 to {MOST_MODES}, because higher "
             "modes have waves shorter than a throw's details."
         )
-    if highest_frequency is not None and not 0.0 < highest_frequency < np.inf:
+    if highest_frequency is not None and not (
+        is_number(highest_frequency) and 0.0 < highest_frequency < np.inf
+    ):
         raise InputError(
             f"highest_frequency: given {highest_frequency!r}; allowed is a finite frequency above 0 Hz, "
             "because a free throw has modes of any height."

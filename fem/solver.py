@@ -236,6 +236,7 @@ class _PardisoPattern:
         # With its own defaults it solves two to three times more slowly. Order 2 is nested dissection.
         self._solver.set_iparm(1, 1)
         self._solver.set_iparm(2, 2)
+        self._count = 0
         self._indptr, self._indices = upper.indptr.copy(), upper.indices.copy()
         # Also when nobody closes it.
         self._finalizer = weakref.finalize(self, _free_pardiso, self._solver)
@@ -251,7 +252,15 @@ class _PardisoPattern:
         """Factorize a matrix of this pattern; give what solves with it."""
         matrix = sparse.csr_matrix(upper)
         self._run(FACTORIZATION, matrix, np.zeros((upper.shape[0], 1)))
-        return lambda sides: self._run(SOLUTION, matrix, np.asfortranarray(sides))
+        self._count += 1
+        count = self._count
+
+        def apply(sides: Array) -> Array:
+            if count != self._count:
+                raise SolveError("these factors were replaced by those of a later matrix.")
+            return self._run(SOLUTION, matrix, np.asfortranarray(sides))
+
+        return apply
 
     def free(self) -> None:
         self._finalizer()

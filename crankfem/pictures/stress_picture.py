@@ -155,7 +155,7 @@ def _remark(peak: FilletPeak) -> str:
     size = peak.von_mises * LOAD_SHOWN / STRESS_UNIT
     return (
         f"largest at a fillet: {size:.3g} MPa ({peak.fillet.name}; {place}); "
-        f"concentration factor {peak.factor:.2f}"
+        f"divided by the nominal stress {peak.von_mises_factor:.2f}"
     )
 
 

@@ -431,3 +431,48 @@ def test_results_without_numbers_never_become_json(capsys):
         print_json({"value": float("nan")})
     print_json({"value": 1.5})
     assert json.loads(capsys.readouterr().out) == {"value": 1.5}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fragment"),
+    [
+        (["--modes", "-1"], "--modes: given -1; allowed is 0 to 500"),
+        (["--modes", "501"], "--modes: given 501; allowed is 0 to 500"),
+        (["--end-sections", "soft"], "end_sections: given 'soft'; allowed are"),
+        (["--solver", "umfpack"], "solver: given 'umfpack'; allowed are auto, pardiso, superlu"),
+    ],
+)
+def test_throw_refuses_options(call, arguments, fragment):
+    answer = call("throw", "6chn25-34", "--accuracy", "0.1", *arguments)
+    assert answer.code == 2
+    assert fragment in " ".join(answer.err.split())
+
+
+@pytest.mark.slow
+def test_throw_tells_modes_and_times(call):
+    answer = call("throw", "6chn25-34", "--accuracy", "0.1", "--modes", "3", "--profile")
+    assert answer.code == 0
+    for word in (
+        "Natural modes of the free throw",
+        "Where the time went",
+        "factorization",
+        "modes",
+    ):
+        assert word in answer.out
+
+
+def test_export_of_a_deck_for_calculix(call, tmp_path):
+    deck = tmp_path / "deck.inp"
+    assert call("export", "6chn25-34", deck, "--size", "3", "--calculix").code == 0
+    assert "*RIGID BODY" in deck.read_text(encoding="utf-8").upper()
+    answer = call("export", "6chn25-34", tmp_path / "half.inp", "--calculix", "--part", "half")
+    assert answer.code == 2
+    assert "--calculix: given half.inp and --part half; allowed is" in " ".join(answer.err.split())
+
+
+def test_pictures_of_stresses_need_a_folder(call, tmp_path):
+    file = tmp_path / "afile"
+    file.write_text("", encoding="utf-8")
+    answer = call("stress", "6chn25-34", "--pictures", file)
+    assert answer.code == 2
+    assert "which is a file; allowed is a folder" in " ".join(answer.err.split())

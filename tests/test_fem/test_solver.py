@@ -134,6 +134,6 @@ def test_factors_of_an_earlier_matrix_are_not_used():
     shared = SharedSolver("pardiso")
     first = shared.factorize(supported())
     shared.factorize(3.0 * supported())
-    with pytest.raises(SolveError, match="residual"):
+    with pytest.raises(SolveError, match="replaced"):
         first.solve(np.ones((50, 1)))
     shared.close()
