@@ -103,6 +103,7 @@ def test_pin_that_the_throw_has_not(analysis, pin):
             call()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "growth", "softer"),
     [

@@ -232,9 +232,12 @@ def described_from_its_other_end(found, last_angle):
     turned = replace(
         found, stiffness=TURN @ found.stiffness @ TURN.T, pin_loads=TURN @ found.pin_loads
     ).turned(last_angle)
+    # The pins in reverse order, each in the turned frame.
+    pins = np.kron(np.eye(len(found.radials))[::-1], frame)
     return replace(
         turned,
         pin_loads=(turned.pin_loads @ frame)[::-1],
+        pin_flexibility=pins.T @ found.pin_flexibility @ pins,
         radials=(found.radials @ frame[:3, :3])[::-1],
     )
 
