@@ -16,6 +16,8 @@ from geometry.errors import InputError, MissingLibraryError
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 
+pytestmark = pytest.mark.slow
+
 DIMENSIONS = {
     "crank_radius": 0.170,
     "main_journal_diameter": 0.220,

@@ -25,6 +25,8 @@ from geometry.errors import InputError, MissingLibraryError
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 
+pytestmark = pytest.mark.slow
+
 THROWS = {
     "quarter": {},
     "half": {"right_web": {"thickness": 0.055}, "pin_fillet_radius": 0.0},

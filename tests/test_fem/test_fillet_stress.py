@@ -37,6 +37,8 @@ from geometry.size_map import SizeMap
 from geometry.solid import FILLET, LEFT_END, RIGHT_END
 from geometry.throw import CrankThrow
 
+pytestmark = pytest.mark.slow
+
 GENERATOR = np.random.default_rng(7)
 AXIAL, TORSION, BENDING, CROSS_BENDING, RADIAL = range(5)
 
