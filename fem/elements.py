@@ -79,10 +79,7 @@ def element_stiffnesses(
     stiffness : (b, 30, 30) array
         Unknown 3 a + i is the displacement of node a along axis i [N/m].
     """
-    lame = (
-        material.shear_modulus * 2.0 * material.poisson_ratio / (1.0 - 2.0 * material.poisson_ratio)
-    )
-    shear = material.shear_modulus
+    lame, shear = material.lame_constant, material.shear_modulus
     _, gradients, weights = shapes_for_quadrature(QUADRATURE_ORDER)
     for start in range(0, len(elements), CHUNK):
         batch = slice(start, min(start + CHUNK, len(elements)))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from geometry.mesh import ThrowMesh
-from geometry.size_map import SizeMap, regular_volume
+from geometry.size_map import SizeMap, element_sizes
 
 Array = NDArray[np.float64]
 
@@ -24,9 +24,7 @@ def fillet_element(radius: float, fineness: float) -> float:
 def measured_sizes(mesh: ThrowMesh) -> SizeMap:
     """Sizes of a mesh's elements: at each corner node the mean of those round it."""
     corners = mesh.elements[:, :4]
-    places = mesh.points[corners]
-    volumes = np.abs(np.linalg.det(places[:, 1:] - places[:, :1])) / 6.0
-    logarithms = np.log(np.cbrt(volumes / regular_volume(np.ones(1))))
+    logarithms = np.log(element_sizes(mesh.points, corners))
     vertices, number = np.unique(corners, return_inverse=True)
     number = number.reshape(corners.shape)
     total = np.bincount(number.ravel(), np.repeat(logarithms, 4))

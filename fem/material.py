@@ -40,5 +40,10 @@ class Material(InputModel):
         """Shear modulus G [Pa]."""
         return self.youngs_modulus / (2.0 * (1.0 + self.poisson_ratio))
 
+    @property
+    def lame_constant(self) -> float:
+        """Lame's first constant lambda [Pa]."""
+        return self.shear_modulus * 2.0 * self.poisson_ratio / (1.0 - 2.0 * self.poisson_ratio)
+
 
 STEEL = Material(youngs_modulus=2.1e11, poisson_ratio=0.3, density=7850.0)

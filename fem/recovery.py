@@ -61,8 +61,7 @@ def stresses_at(
     (m, q, 6) array
         xx, yy, zz, xy, yz, zx [Pa].
     """
-    shear = material.shear_modulus
-    lame = shear * 2.0 * material.poisson_ratio / (1.0 - 2.0 * material.poisson_ratio)
+    lame, shear = material.lame_constant, material.shear_modulus
     found = np.empty((len(elements), len(gradients), 6))
     for start in range(0, len(elements), CHUNK):
         batch = slice(start, start + CHUNK)

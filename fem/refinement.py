@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from fem.recovery import EnergyErrors
 from geometry.mesh import ThrowMesh
-from geometry.size_map import SizeMap, regular_volume
+from geometry.size_map import SizeMap, element_sizes
 
 Array = NDArray[np.float64]
 
@@ -42,9 +42,7 @@ def refined_sizes(mesh: ThrowMesh, errors: EnergyErrors, target: float) -> SizeM
     SizeMap
     """
     corners = mesh.elements[:, :4]
-    places = mesh.points[corners]
-    volumes = np.abs(np.linalg.det(places[:, 1:] - places[:, :1])) / 6.0
-    sizes = np.cbrt(volumes / regular_volume(np.ones(1)))
+    sizes = element_sizes(mesh.points, corners)
     shares = np.maximum(errors.elements, 1e-12 * errors.elements.max()) / errors.energy
     ratios = shares ** (-1.0 / (ORDER + 3.0))
     ratios *= (target / np.sum(shares * ratios**ORDER)) ** (1.0 / ORDER)
