@@ -1,0 +1,1 @@
+"""The commands, a few in each module; `crankfem.cli` puts them together."""

@@ -1,0 +1,92 @@
+"""A throw by finite elements: compliances and fillet stresses."""
+
+import time
+from pathlib import Path
+from typing import Annotated, Any, cast
+
+import typer
+
+from crankfem import console, tables
+from crankfem.commands.options import EngineArgument, JsonOption, ThrowArgument
+from crankfem.console import print_json
+from geometry.errors import InputError
+
+
+def throw(
+    engine: ThrowArgument,
+    accuracy: Annotated[float, typer.Option(help="Relative accuracy of e_n, 0.001 to 0.1.")] = 0.01,
+    pins: Annotated[
+        list[str] | None,
+        typer.Option("--pin", help="Name of a crankpin's face in a STEP file; once for each pin."),
+    ] = None,
+    end_sections: Annotated[
+        str, typer.Option(help="rigid, or averaged (free to warp); the two bound the truth.")
+    ] = "rigid",
+    solver: Annotated[str, typer.Option(help="pardiso, superlu, or auto.")] = "auto",
+    modes: Annotated[
+        int, typer.Option(help="Also find so many natural modes of the free throw.")
+    ] = 0,
+    profile: Annotated[bool, typer.Option("--profile", help="Print where the time goes.")] = False,
+    json: JsonOption = False,
+) -> None:
+    """Analyze one throw by finite elements: compliances, reactions, masses.
+
+    A STEP file is a CAD part of steel: z along the shaft, faces named "left end", "right end" and
+    "pin", or none named at all.
+    """
+    from crankfem.engine_file import load_throw
+    from crankfem.pipeline import UNIT_RADIAL_FORCE
+    from crankfem.results import mode_records, throw_record
+    from fem.analysis import analyze_throw
+    from fem.material import STEEL
+    from fem.modes import MOST_MODES
+    from geometry.imported import import_throw
+    from geometry.mesher import Throw
+    from geometry.solid_files import ENDINGS
+
+    if not 0 <= modes <= MOST_MODES:
+        raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
+    if Path(engine).suffix.lower() in ENDINGS:
+        part: Throw = import_throw(engine, pins=pins or ("pin",))
+        for remark in part.remarks:
+            console.errors.print(remark, soft_wrap=True, highlight=False)
+        material = STEEL
+    else:
+        if pins:
+            raise InputError(
+                f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
+            )
+        part, material = load_throw(engine)
+    analysis = analyze_throw(
+        part, material, accuracy, solver=solver, end_sections=cast(Any, end_sections)
+    )
+    record = throw_record(analysis, UNIT_RADIAL_FORCE)
+    if modes:
+        start = time.perf_counter()
+        record["free_modes"] = mode_records(analysis.free_modes(modes))
+        record["seconds"]["modes"] = time.perf_counter() - start
+    if json:
+        print_json(record)
+        return
+    tables.print_throw(record)
+    if modes:
+        tables.print_free_modes(record["free_modes"])
+    if profile:
+        tables.print_profile(record["seconds"])
+
+
+def stress(
+    engine: EngineArgument,
+    accuracy: Annotated[
+        float, typer.Option(help="Relative accuracy of the largest stresses, 0.02 to 0.2.")
+    ] = 0.05,
+    end_sections: Annotated[str, typer.Option(help="rigid, or averaged (free to warp).")] = "rigid",
+    pictures: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder for a picture of each load.")
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Find the stresses at a throw's fillets under unit loads, and their concentration factors."""
+    from crankfem.stress import run_stress
+
+    run_stress(engine, accuracy, end_sections=cast(Any, end_sections), pictures=pictures, json=json)
