@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from dynamics.torque_table import TorqueTable, read_torque_table
     from dynamics.two_mass import TwoMassCheck, two_mass_check
     from fem.analysis import AxialAnalysis, ThrowAnalysis, analyze_axial, analyze_throw
+    from fem.angle_law import AngleLaw
     from fem.calculix import write_calculix
     from fem.craig_bampton import (
         DynamicSuperelement,
@@ -52,6 +53,8 @@ if TYPE_CHECKING:
     from regression.axial_formulas import axial_formula, axial_formulas
     from regression.compliance_model import ComplianceModel, Lookup, OutsideRangeWarning
     from regression.formula_value import FormulaValue
+    from regression.optimum import Optimum, find_optimum
+    from regression.optimum_limits import Limit
     from regression.torsional_formulas import torsional_formulas
 
 # Where each public name lives.
@@ -170,10 +173,14 @@ _HOMES = {
         ),
         "regression.compliance_model": (
             "ComplianceModel",
+            "Limit",
             "Lookup",
             "OutsideRangeWarning",
         ),
         "regression.formula_value": ("FormulaValue",),
+        "regression.optimum": ("Optimum", "find_optimum"),
+        "regression.optimum_limits": ("Limit",),
+        "fem.angle_law": ("AngleLaw",),
         "regression.torsional_formulas": ("torsional_formulas",),
     }.items()
     for name in names
@@ -184,6 +191,7 @@ _OTHER_NAMES = {"mesh_throw": "mesh_isolated"}
 
 __all__ = [
     "STEEL",
+    "AngleLaw",
     "AxialAnalysis",
     "Chain",
     "ComplianceModel",
@@ -201,6 +209,7 @@ __all__ = [
     "Harmonics",
     "ImportedThrow",
     "InputError",
+    "Limit",
     "Lookup",
     "MassProperties",
     "Material",
@@ -209,6 +218,7 @@ __all__ = [
     "Modes",
     "Motion",
     "Neighbors",
+    "Optimum",
     "OutsideRangeWarning",
     "PinResponse",
     "Reactions",
@@ -233,6 +243,7 @@ __all__ = [
     "draw_throw",
     "engine_orders",
     "fillet_stresses",
+    "find_optimum",
     "harmonics",
     "import_throw",
     "load_crankshaft",

@@ -8,6 +8,7 @@ from crankfem.commands.files import check, fields, new
 from crankfem.commands.fit import fit
 from crankfem.commands.formulas import formulas
 from crankfem.commands.lookup import lookup
+from crankfem.commands.optimum import optimum
 from crankfem.commands.run import report, run
 from crankfem.commands.shapes import draw, export
 from crankfem.commands.throw import stress, throw
@@ -28,6 +29,11 @@ COMMANDS = (
     (
         lookup,
         "Example: crankfem lookup model.json web_width=300mm web_thickness=68mm pin_length=139mm",
+    ),
+    (
+        optimum,
+        "Example: crankfem optimum model.json --minimize web_thickness "
+        "--limit 'axial_compliance <= 1.2e-9 m/N'",
     ),
     (harmonics, "Example: crankfem harmonics yamz5340_torque_one_throw.csv --orders 4"),
     (vibration, "Example: crankfem vibration 6chn25-34"),

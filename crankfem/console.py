@@ -2,6 +2,7 @@
 
 import json
 import sys
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,9 +16,11 @@ from rich.table import Table
 
 from crankfem.entry import EXIT_INTERRUPTED, interrupted_sentence
 from geometry.errors import InputError, MeshError, MissingLibraryError
-from regression.store import Outcome
+from regression.records import Outcome, StudyStoppedError
 
 EXIT_INPUT, EXIT_FAILED = 2, 1
+# Seconds between two lines of progress where no bar can be drawn.
+LINE_EVERY = 30.0
 
 errors = Console(stderr=True)
 # Brackets in units and file names are text, not markup.
@@ -65,7 +68,7 @@ def clear_errors() -> Iterator[None]:
         yield
     except InputError as error:
         _stop(str(error), EXIT_INPUT)
-    except (MissingLibraryError, MeshError, SolveError, ImportError) as error:
+    except (MissingLibraryError, MeshError, SolveError, StudyStoppedError, ImportError) as error:
         _stop(str(error), EXIT_FAILED)
     except OSError as error:
         _stop(f"{error.filename or 'file'}: {error.strerror or error}.", EXIT_FAILED)
@@ -74,9 +77,19 @@ def clear_errors() -> Iterator[None]:
         raise SystemExit(EXIT_INTERRUPTED) from None
     except SystemExit as end:
         # Typer turns an interrupt of a command into this code, without a word.
-        if end.code == EXIT_INTERRUPTED:
+        if end.code == EXIT_INTERRUPTED and not isinstance(end, SaidExit):
             errors.print(interrupted_sentence(), soft_wrap=True)
         raise
+
+
+class SaidExit(SystemExit):
+    """An end whose reason has been told."""
+
+
+def end_interrupted(sentence: str) -> NoReturn:
+    """End after an interrupt, with a sentence of one's own."""
+    errors.print(escape(sentence), soft_wrap=True)
+    raise SaidExit(EXIT_INTERRUPTED)
 
 
 def _stop(message: str, code: int) -> NoReturn:
@@ -94,9 +107,13 @@ class RunProgress:
             BarColumn(),
             MofNCompleteColumn(),
             Elapsed(),
+            TextColumn("{task.fields[pace]}"),
             console=errors,
         )
         self._task: TaskID | None = None
+        # Designs finished now and before this run, and all of them.
+        self.finished, self._before, self.total = 0, 0, 0
+        self._began = self._said = time.monotonic()
 
     def __enter__(self) -> "RunProgress":
         self._bar.start()
@@ -112,14 +129,22 @@ class RunProgress:
         if self._task is not None:
             task = self._bar.tasks[-1]
             self._bar.update(self._task, completed=task.total, refresh=True)
-        self._task = self._bar.add_task(text, total=1)
+        self._task = self._bar.add_task(text, total=1, pace="")
 
     def design(self, finished: int, total: int, newest: Outcome | None) -> None:
-        """Move the bar; tell of a design that failed."""
+        """Move the bar; tell the pace, and of a design that failed."""
+        now = time.monotonic()
+        if newest is None:
+            self._before, self._began, self._said = finished, now, now
+        self.finished, self.total = finished, total
+        shown = pace(finished - self._before, now - self._began, total - finished)
         if self._task is not None:
-            self._bar.update(self._task, completed=finished, total=total, refresh=True)
+            self._bar.update(self._task, completed=finished, total=total, pace=shown, refresh=True)
         if newest is not None and newest.reason is not None:
             self.note(f"a design failed: {newest.reason}")
+        if not errors.is_terminal and now - self._said >= LINE_EVERY:
+            self._said = now
+            errors.print(f"{finished} of {total} designs, {shown}", soft_wrap=True)
 
     def note(self, text: str) -> None:
         """Print a remark above the bar."""
@@ -129,6 +154,28 @@ class RunProgress:
         """Take the last step for done."""
         if self._task is not None:
             self._bar.update(self._task, completed=self._bar.tasks[-1].total, refresh=True)
+
+
+def pace(finished: int, seconds: float, left: int) -> str:
+    """Say how fast designs get finished, and how long the others will take.
+
+    Examples
+    --------
+    >>> pace(10, 60.0, 190)
+    '10 designs/min, 19 min left'
+    """
+    if finished < 1 or seconds <= 0.0:
+        return ""
+    rate = finished / seconds
+    text = f"{60.0 * rate:.3g} designs/min"
+    return text if left == 0 else f"{text}, {_duration(left / rate)} left"
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    minutes = seconds / 60.0
+    return f"{minutes:.0f} min" if minutes < 90.0 else f"{minutes / 60.0:.1f} h"
 
 
 def number(value: float, digits: int = 4) -> str:

@@ -1,7 +1,6 @@
 """Read engine files, and check what their sections say of each other."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,15 +19,16 @@ from crankfem.engine_sections import (
     TwoMassInput,
     VibrationSettings,
 )
+from crankfem.study_file import study_plan
 from crankfem.toml_file import InputRecord, TomlFile, read_toml
 from fem.material import STEEL, Material
 from geometry.crankshaft import Crankshaft
 from geometry.errors import InputError
-from geometry.quantity import parse_quantity, show_quantity
+from geometry.quantity import show_quantity
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 from regression.axial_formulas import AXIAL_FORMULA_NAMES
-from regression.study import StudyPlan, plan_designs
+from regression.plan import StudyPlan
 from regression.torsional_formulas import TORSIONAL_FORMULA_NAMES
 
 
@@ -134,7 +134,7 @@ def load_engine(path: str | Path) -> EngineFile:
             f"{engine.cylinders} (flywheel)."
         )
     torque = content.model("torque", TorqueTable)
-    study = _study_plan(content, throw, material)
+    study = study_plan(content, throw, material)
     vibration = content.model("vibration", VibrationSettings) or VibrationSettings()
     _check_sources(vibration, study)
     lowest_order = 2.0 / engine.strokes
@@ -221,7 +221,7 @@ def load_engine_or_throw(path: str | Path) -> EngineFile | ThrowFile:
     content.model("engine", Engine)
     content.model("shaft", ShaftLayout)
     content.model("shaft_ends", ShaftEnds)
-    _study_plan(content, throw, material)
+    study_plan(content, throw, material)
     return ThrowFile(content.path, throw, material, tuple(content.records))
 
 
@@ -269,7 +269,7 @@ def load_study(path: str | Path) -> StudyPlan:
     content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True, "study": True})
     throw = _required(content.model("throw", CrankThrow))
     plan: StudyPlan = _required(
-        _study_plan(content, throw, content.model("material", Material) or STEEL)
+        study_plan(content, throw, content.model("material", Material) or STEEL)
     )
     return plan
 
@@ -305,52 +305,3 @@ def _find_table(engine_file: Path, name: str) -> Path:
     raise InputError(
         f"torque.table: given {name!r}, which is neither beside the engine file nor a shipped table."
     )
-
-
-def _study_plan(content: TomlFile, throw: CrankThrow, material: Material) -> StudyPlan | None:
-    values = content.sections.get("study")
-    if values is None:
-        return None
-    allowed = ("factors", "held_out", "seed", "accuracy")
-    for name in values:
-        if name not in allowed:
-            raise InputError(f"study.{name}: unknown field; allowed are {', '.join(allowed)}.")
-    factors = values.get("factors", {})
-    if not isinstance(factors, dict):
-        raise InputError(
-            f"study.factors: given {factors!r}; allowed is a section [study.factors] with levels, like "
-            'web_width = ["270 mm", "300 mm", "330 mm"].'
-        )
-    levels = {}
-    for name, texts in factors.items():
-        if not isinstance(texts, list):
-            raise InputError(
-                f"study.factors.{name}: given {texts!r}; allowed is a list of levels, like "
-                '["270 mm", "300 mm", "330 mm"].'
-            )
-        levels[name] = tuple(
-            parse_quantity(text, "m", f"study.factors.{name}[{place}]")
-            for place, text in enumerate(texts)
-        )
-    plan = StudyPlan(
-        throw=throw,
-        levels=levels,
-        material=material,
-        held_out=int(_study_number(values, "held_out", 1, 1000, 8)),
-        seed=int(_study_number(values, "seed", 0, 2**31 - 1, 1)),
-        accuracy=float(_study_number(values, "accuracy", 0.001, 0.1, 0.01)),
-    )
-    plan_designs(plan)  # refuses combinations that cannot be built, before anything is computed
-    return plan
-
-
-def _study_number(
-    values: Mapping[str, Any], name: str, low: float, high: float, default: float
-) -> float:
-    """Read a number of the study within its limits; whole if its default is."""
-    given = values.get(name, default)
-    fits = isinstance(given, int | float) and not isinstance(given, bool) and low <= given <= high
-    if not fits or (isinstance(default, int) and not isinstance(given, int)):
-        kind = "a whole number from" if isinstance(default, int) else "a number from"
-        raise InputError(f"study.{name}: given {given!r}; allowed is {kind} {low} to {high}.")
-    return float(given)

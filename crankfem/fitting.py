@@ -1,45 +1,122 @@
-"""From a study's table to fitted equations and the compliance model."""
+"""From a study's table to fitted equations, their sensitivities and the compliance model."""
 
 import datetime
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.responses import RESPONSES
 from geometry.errors import InputError
-from regression.compliance_model import KNOWN_RESPONSES, ComplianceModel, ResponseModel
-from regression.fits import Fit, choose, fit_form
-from regression.forms import equation_text
-from regression.study import FACTORS, StudyTable
+from regression.columns import Encoding, constant_groups, factor_encoding, group_encoding
+from regression.compliance_model import ComplianceModel
+from regression.equation_text import equation_text
+from regression.factors import Factor, field_value
+from regression.fits import Fit, fit_form
+from regression.forms import FORMS, Form
+from regression.groups import group_named, response_scale
+from regression.plan import MODEL_VERSION, StudyPlan
+from regression.relations import calculate
+from regression.response_model import ResponseModel
+from regression.selection import choose
+from regression.sensitivity import SobolIndices, elasticities, nominal_values, sobol_indices
+from regression.study_table import StudyTable
+from regression.throw_values import throw_values
 
-FORMS = ("linear", "quadratic", "log-quadratic")
-# Response of the model: its column in a study's table, symbol and unit.
-RESPONSES = {
-    name: (f"{name}_pinned", symbol, unit) for name, (symbol, unit) in KNOWN_RESPONSES.items()
+Array = NDArray[np.float64]
+
+# Supports, as they stand at the end of a response's name, and what they are called.
+SUPPORTS = {
+    "pinned": "pinned",
+    "guided": "guided",
+    "opposite": "neighbors opposite, 180 deg",
+    "in_line": "neighbors in line, 0 deg",
 }
+MAIN_SUPPORT = "_pinned"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ResponseFits:
     """All forms fitted to one response, and the one chosen by the held-out error.
 
     Attributes
     ----------
-    response, symbol, unit : str
+    response : str
+        Its name in the model: pinned responses are called without their support.
+    column : str
+        Its name in the study's table.
+    symbol, unit, support : str
+        The support is empty for a response without one, such as the mass.
     fits : tuple of Fit
     chosen : Fit
+    reason : str
+        Why that one, in a sentence.
     skipped : tuple of str
         Forms that could not be fitted, with the reason.
+    fe_error : float or None
+        Largest estimate of the finite elements' own relative error; None if not known.
+    fe_scatter : float
+        Standard deviation of that estimate over the designs: what is common to all designs no form
+        can see, what differs from design to design looks like scatter.
+    encodings : mapping
+        Basis ("factors" or "groups") to what the columns of its equations are.
     """
 
     response: str
+    column: str
     symbol: str
     unit: str
+    support: str
     fits: tuple[Fit, ...]
     chosen: Fit
+    reason: str
     skipped: tuple[str, ...]
+    fe_error: float | None
+    fe_scatter: float
+    encodings: Mapping[str, Encoding]
 
     def equation(self, fit: Fit) -> str:
         """Equation of a fit in the units of the field."""
-        return equation_text(fit.fitted, symbol=self.symbol, unit=self.unit)
+        return equation_text(fit.fitted, symbol=self.symbol, unit=self.unit, basis=fit.basis)
+
+    def fit_named(self, form: str) -> Fit:
+        """Return the fit of a form.
+
+        Raises
+        ------
+        InputError
+            If that form was not fitted.
+        """
+        for fit in self.fits:
+            if fit.form == form:
+                return fit
+        why = next((text for text in self.skipped if text.startswith(f"{form}: ")), "")
+        raise InputError(
+            f"form: given {form!r}; allowed are {', '.join(fit.form for fit in self.fits)}, the "
+            f"forms that were fitted to {self.response}"
+            + (f" ({why.rstrip('.')})." if why else ".")
+        )
+
+
+@dataclass(frozen=True)
+class Sensitivities:
+    """How much each factor moves a response, by its chosen equation.
+
+    Attributes
+    ----------
+    nominal : dict
+        Factor to the value [SI] at which the elasticities hold; of a category its label.
+    elasticity : dict
+        Factor that is a number to d ln y / d ln p.
+    sobol : SobolIndices or None
+        Over the ranges; None for a response that does not vary.
+    """
+
+    nominal: dict[str, float | str]
+    elasticity: dict[str, float]
+    sobol: SobolIndices | None
 
 
 def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
@@ -52,7 +129,8 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
     Returns
     -------
     dict
-        Response name to its fits.
+        Response name, as in the model, to its fits. A response to which no form can be fitted is
+        left out; `unfitted` tells why.
 
     Raises
     ------
@@ -60,69 +138,346 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
         If too few designs have results for even the smallest form, or no held-out design has one.
     """
     if not table.held_out.any():
-        reasons = "; ".join(sorted({reason for _, _, reason in table.failures})[:3])
-        raise InputError(f"study: no held-out design has a result ({reasons}).")
-    found = {}
-    for response, (column, symbol, unit) in RESPONSES.items():
-        values = table.responses[column]
-        fits, skipped = [], []
-        for form in FORMS:
-            try:
-                fits.append(
-                    fit_form(
-                        form,
-                        table.plan.factors,
-                        table.values[~table.held_out],
-                        values[~table.held_out],
-                        table.values[table.held_out],
-                        values[table.held_out],
-                    )
-                )
-            except InputError as error:
-                skipped.append(f"{form}: {error}")
-        if not fits:
-            raise InputError(f"study: no form can be fitted ({'; '.join(skipped)})")
-        found[response] = ResponseFits(
-            response, symbol, unit, tuple(fits), choose(fits), tuple(skipped)
-        )
+        why = "; ".join(sorted({reason for _, _, reason in table.failures})[:3])
+        raise InputError(f"study: no held-out design has a result ({why}).")
+    encodings, missing = _encodings(table)
+    found: dict[str, ResponseFits] = {}
+    reasons: list[str] = []
+    for column in RESPONSES:
+        if column not in table.responses:
+            continue
+        try:
+            fits = _fit_response(table, column, encodings, missing)
+        except InputError as error:
+            reasons.append(str(error))
+        else:
+            found[fits.response] = fits
+    if not found:
+        raise InputError(reasons[0] if reasons else "study: given no response; one is needed.")
     return found
 
 
-def compliance_model(table: StudyTable, fits: dict[str, ResponseFits]) -> ComplianceModel:
-    """Make the model that lookups use from the chosen fits."""
+def unfitted(table: StudyTable, fits: Mapping[str, ResponseFits]) -> dict[str, str]:
+    """Tell why responses have no equation: name in the table to the reason."""
+    fitted = {found.column for found in fits.values()}
+    encodings, missing = _encodings(table)
+    reasons = {}
+    for column in RESPONSES:
+        if column in table.responses and column not in fitted:
+            try:
+                _fit_response(table, column, encodings, missing)
+            except InputError as error:
+                reasons[column] = str(error)
+    return reasons
+
+
+def response_name(column: str) -> tuple[str, str]:
+    """Split a column of the table into the model's name of the response and its support.
+
+    Examples
+    --------
+    >>> response_name("axial_compliance_pinned")
+    ('axial_compliance', 'pinned')
+    >>> response_name("axial_compliance_in_line")
+    ('axial_compliance_in_line', 'neighbors in line, 0 deg')
+    """
+    support = next((text for end, text in SUPPORTS.items() if column.endswith(f"_{end}")), "")
+    return column.removesuffix(MAIN_SUPPORT), support
+
+
+def _encodings(table: StudyTable) -> tuple[dict[str, Encoding], dict[str, str]]:
+    """Return the encodings by basis, and the reasons why there are no others."""
+    runs = ~table.held_out
+    values = table.values[runs]
+    dimensions = {name: column[runs] for name, column in table.dimensions.items()}
+    found = {"factors": factor_encoding(table.plan.factors, values)}
+    try:
+        _check_similar(table)
+        found["groups"] = group_encoding(table.plan.factors, values, dimensions)
+    except InputError as error:
+        return found, {"groups": str(error)}
+    return found, {}
+
+
+def _check_similar(table: StudyTable) -> None:
+    """Refuse groups where throws of different size carry a part of one size."""
+    throw = table.plan.throw
+    parts = [
+        name
+        for name in ("counterweight", "left_web", "right_web", "further_pins")
+        if getattr(throw, name)
+    ]
+    if parts and float(np.ptp(table.dimensions["pin_diameter"])) > 0.0:
+        raise InputError(
+            f"groups: given throws of different sizes with {parts[0]}; allowed are throws without, "
+            "because the part does not grow with the throw."
+        )
+
+
+def _fit_response(
+    table: StudyTable, column: str, encodings: Mapping[str, Encoding], missing: Mapping[str, str]
+) -> ResponseFits:
+    kind = RESPONSES[column]
+    name, support = response_name(column)
+    fits: list[Fit] = []
+    skipped: list[str] = []
+    for form in FORMS.values():
+        if form.basis in missing:
+            skipped.append(f"{form.name}: {missing[form.basis]}")
+            continue
+        try:
+            fit = _fit(table, column, form, encodings[form.basis])
+        except InputError as error:
+            skipped.append(f"{form.name}: {error}")
+            continue
+        twin = next((other.form for other in fits if _same_terms(fit, other)), None)
+        if twin is None:
+            fits.append(fit)
+        else:
+            skipped.append(f"{form.name}: has the same terms as {twin} in this study.")
+    if not fits:
+        raise InputError(f"study: no form can be fitted to {name} ({'; '.join(skipped)})")
+    errors = table.errors.get(column)
+    scatter = float(np.std(errors)) if errors is not None else 0.0
+    choice = choose(fits, scatter)
+    return ResponseFits(
+        response=name,
+        column=column,
+        symbol=kind.symbol,
+        unit=kind.unit,
+        support=support,
+        fits=tuple(fits),
+        chosen=fits[choice.place],
+        reason=choice.reason,
+        skipped=tuple(skipped),
+        fe_error=float(np.max(errors)) if errors is not None else None,
+        fe_scatter=scatter,
+        encodings=dict(encodings),
+    )
+
+
+def _fit(table: StudyTable, column: str, form: Form, encoding: Encoding) -> Fit:
+    y, held = table.responses[column], table.held_out
+    x = encoding.columns(table.plan.factors, table.values, table.dimensions)
+    scale = _scale(table.plan, column, form.basis, table.dimensions, len(y))
+    return fit_form(
+        form.name,
+        encoding.names,
+        x[~held],
+        y[~held],
+        x[held],
+        y[held],
+        scale=scale[~held],
+        heldout_scale=scale[held],
+        logged=encoding.logged,
+        drop_terms=True,
+    )
+
+
+def _scale(
+    plan: StudyPlan, column: str, basis: str, dimensions: Mapping[str, Array], count: int
+) -> Array:
+    if basis == "factors":
+        return np.ones(count)
+    scale = response_scale(RESPONSES[column].unit, dimensions, plan.material)
+    return np.array(np.broadcast_to(scale, (count,)), dtype=np.float64)
+
+
+def _same_terms(fit: Fit, other: Fit) -> bool:
+    one, two = fit.fitted, other.fitted
+    return (
+        fit.basis == other.basis
+        and one.logarithmic == two.logarithmic
+        and set(one.terms) == set(two.terms)
+    )
+
+
+# ------------------------------------------------------------------------------- evaluation
+
+
+def predicted(table: StudyTable, found: ResponseFits, fit: Fit) -> Array:
+    """Evaluate a fit at all designs of the table, (n,) in the response's unit."""
+    x = found.encodings[fit.basis].columns(table.plan.factors, table.values, table.dimensions)
+    scale = _scale(table.plan, found.column, fit.basis, table.dimensions, len(x))
+    values: Array = scale * fit.predict(x)
+    return values
+
+
+def surface(plan: StudyPlan, found: ResponseFits, fit: Fit) -> Callable[[Array], Array]:
+    """Return a fit as a function of factor values (n, k), also between the designs.
+
+    On groups, the dimensions follow from the factors by the study's relations; constraints are not
+    regarded.
+    """
+    encoding = found.encodings[fit.basis]
+    needed: list[str] = []
+    if fit.basis == "groups":
+        groups = [group_named(name) for name in encoding.names if "=" not in name]
+        needed = ["pin_diameter", *(name for group in groups for name in group.dimensions)]
+
+    def value(values: Array) -> Array:
+        dimensions = dimensions_at(plan, values, needed)
+        scale = _scale(plan, found.column, fit.basis, dimensions, len(values))
+        found_values: Array = scale * fit.predict(
+            encoding.columns(plan.factors, values, dimensions)
+        )
+        return found_values
+
+    return value
+
+
+def dimensions_at(plan: StudyPlan, values: Array, names: list[str]) -> dict[str, Array]:
+    """Return dimensions of the throws that factor values (n, k) make, whether they can be built or not."""
+    if not names:
+        return {}
+    variants = plan.variants()
+    known = {
+        path: np.full(len(values), float(base))
+        for path in variants.units
+        if isinstance(base := field_value(variants.record, path), int | float)
+    } | {
+        factor.name: values[:, place]
+        for place, factor in enumerate(plan.factors)
+        if not factor.labels
+    }
+    for path, expression in variants.relations.items():
+        found = calculate(expression, known, variants.units, variants.units[path])
+        known[path] = np.array(np.broadcast_to(found, (len(values),)))
+    return {name: known[name] for name in names}
+
+
+def sensitivities(table: StudyTable, found: ResponseFits) -> Sensitivities:
+    """Elasticities at the nominal throw and Sobol indices over the ranges, by the chosen equation."""
     plan = table.plan
-    lowest = {name: min(levels) for name, levels in plan.levels.items()}
-    highest = {name: max(levels) for name, levels in plan.levels.items()}
+    model = surface(plan, found, found.chosen)
+    nominal = nominal_points(plan)
+    numbers = [factor.name for factor in plan.factors if not factor.labels]
+    slopes = elasticities(model, plan.factors, nominal)
+    return Sensitivities(
+        nominal={
+            factor.name: factor.labels[round(value)] if factor.labels else value
+            for factor, value in zip(plan.factors, nominal, strict=True)
+        },
+        elasticity=dict(zip(numbers, slopes, strict=True)),
+        sobol=sobol_indices(model, plan.factors),
+    )
+
+
+def nominal_points(plan: StudyPlan) -> list[float]:
+    """Return the base throw's values of the factors, the middle of the range where it has none."""
+    record = plan.throw.model_dump(mode="json")
+    return nominal_values(plan.factors, [_base_value(record, factor) for factor in plan.factors])
+
+
+def _base_value(record: Mapping[str, object], factor: Factor) -> float | None:
+    try:
+        value = field_value(record, factor.name)
+    except (AttributeError, IndexError, KeyError, ValueError):
+        return None  # a free name, or a field of a part that the base throw does not have
+    if factor.labels:
+        return float(factor.labels.index(value)) if value in factor.labels else None
+    return float(value) if isinstance(value, int | float) else None
+
+
+# ------------------------------------------------------------------------------- the model
+
+
+def compliance_model(
+    table: StudyTable, fits: Mapping[str, ResponseFits], form: str | None = None
+) -> ComplianceModel:
+    """Make the model that lookups use.
+
+    Parameters
+    ----------
+    table : StudyTable
+    fits : mapping
+        As `fit_study` returns them.
+    form : str, optional
+        Form to take for every response, instead of the chosen ones.
+
+    Raises
+    ------
+    InputError
+        If the form was not fitted to a response.
+    """
+    plan = table.plan
+    fixed, labels = _fixed(plan)
+    chosen = {
+        name: found.chosen if form is None else found.fit_named(form)
+        for name, found in fits.items()
+    }
+    numbers = [factor for factor in plan.factors if not factor.labels]
+    ranges = {factor.name: (factor.lowest, factor.highest) for factor in numbers}
     return ComplianceModel(
         responses={
-            name: ResponseModel.from_fit(
-                found.chosen,
-                symbol=found.symbol,
-                unit=found.unit,
-                lowest=lowest,
-                highest=highest,
-            )
-            for name, found in fits.items()
+            name: _response_model(found, chosen[name], plan) for name, found in fits.items()
         },
-        fixed={
-            name: float(value)
-            for name in FACTORS
-            if name not in plan.levels and (value := getattr(plan.throw, name)) is not None
-        },
+        fixed=fixed,
+        ranges=ranges,
+        categories={factor.name: factor.labels for factor in plan.factors if factor.labels},
+        labels=labels,
+        units={factor.name: factor.unit for factor in numbers},
+        relations=dict(plan.relations),
+        constraints=plan.constraints,
+        constant_groups=(
+            constant_groups(table.dimensions)
+            if any(fit.basis == "groups" for fit in chosen.values())
+            else {}
+        ),
+        throw=plan.throw.model_dump(mode="json", exclude_defaults=True),
         material=plan.material.model_dump(),
         provenance={
             "study": plan.key,
-            "crankfem": crankfem_version(),
+            "accuracy": plan.accuracy,
+            "model_version": MODEL_VERSION,
+            **{name: package_version(name) for name in ("crankfem", "gmsh", "scikit-fem")},
             "date": datetime.date.today().isoformat(),
-            "throw": plan.throw.model_dump_json(exclude_defaults=True),
-            "largest_fe_error_estimate": float(table.responses["error_estimate"].max()),
+            "design": plan.design.kind,
+            "runs": int(np.sum(~table.held_out)),
+            "held_out": int(np.sum(table.held_out)),
+            "largest_fe_error_estimate": max(
+                (found.fe_error for found in fits.values() if found.fe_error is not None),
+                default=None,
+            ),
         },
     )
 
 
-def crankfem_version() -> str:
-    """Return the installed version, or a mark that it runs uninstalled."""
+def _response_model(found: ResponseFits, fit: Fit, plan: StudyPlan) -> ResponseModel:
+    inside = {factor.name: factor for factor in plan.factors if factor.name in fit.factors}
+    lowest = dict(zip(fit.factors, fit.lowest, strict=True))
+    highest = dict(zip(fit.factors, fit.highest, strict=True))
+    if fit.basis == "factors":
+        # The ranges of the study, where the runs of a space-filling design stay a little inside.
+        lowest |= {name: factor.lowest for name, factor in inside.items()}
+        highest |= {name: factor.highest for name, factor in inside.items()}
+    return ResponseModel.from_fit(
+        fit,
+        symbol=found.symbol,
+        unit=found.unit,
+        support=found.support,
+        basis=fit.basis,
+        lowest=lowest,
+        highest=highest,
+        fe_error=found.fe_error,
+        dropped=fit.dropped,
+        equation=found.equation(fit),
+    )
+
+
+def _fixed(plan: StudyPlan) -> tuple[dict[str, float], dict[str, str]]:
+    """Return what does not vary: numbers by field, and labels by field."""
+    varying = {*plan.names, *plan.relations}
+    values = {n: v for n, v in throw_values(plan.throw).items() if n not in varying}
+    return (
+        {name: value for name, value in values.items() if isinstance(value, float)},
+        {name: value for name, value in values.items() if isinstance(value, str)},
+    )
+
+
+def package_version(name: str) -> str:
+    """Return the installed version of a package, or a mark that it runs uninstalled."""
     try:
-        return version("crankfem")
+        return version(name)
     except PackageNotFoundError:
         return "not installed"

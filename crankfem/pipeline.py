@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from crankfem import results as records
 from crankfem.engine_file import EngineFile, load_engine
 from crankfem.export import write_vtu
+from crankfem.fit_records import study_record
 from crankfem.fitting import ResponseFits
-from crankfem.pictures import plots
+from crankfem.formula_records import fe_axial, fe_record, formula_records
+from crankfem.pictures import fit_plots, formula_plots, plots
 from crankfem.pictures.drawing import write_drawing
 from crankfem.pictures.render import DEFORMED, MESH, Rendering
 from crankfem.pictures.surface import stretched_surface
@@ -29,17 +31,18 @@ from dynamics.critical import engine_orders, major_orders
 from dynamics.torque_table import TorqueTable, read_torque_table
 from dynamics.two_mass import two_mass_check
 from fem.analysis import ThrowAnalysis, analyze_throw
-from fem.supports import Neighbors
 from geometry.errors import InputError, MissingLibraryError
 from regression.axial_formulas import axial_formulas
-from regression.store import Outcome
-from regression.study import StudyTable, check_workers, run_plan
+from regression.formulas.angle_factors import ANGLE_FACTORS
+from regression.records import Outcome
+from regression.study import check_workers, run_plan
+from regression.study_table import StudyTable
 
 RESULTS, REPORT, MODEL, STORE = "results.json", "report.html", "model.json", "study.sqlite"
 MESH_FILE, DRAWING = "throw.vtu", "drawing.svg"
 # Without a gas pressure in the engine file, reactions are given for this radial force.
 UNIT_RADIAL_FORCE = 1e5
-ANGLES_SHOWN_DEG = np.arange(0.0, 181.0, 15.0)
+ANGLES_SHOWN_DEG = np.arange(0.0, 181.0, 5.0)
 
 
 class Progress(Protocol):
@@ -139,7 +142,8 @@ def run_engine(
             "inputs": records.input_records(engine_file),
             "sources": engine_file.sources,
             "throw": records.throw_record(analysis, _radial_force(engine_file)),
-            "formulas": records.formula_records(engine_file.throw, engine_file.material),
+            "formulas": formula_records(engine_file.throw, engine_file.material)
+            | {"fe": fe_record(analysis, 180.0)},
             "angle_law": _angle_record(engine_file, analysis),
             "shaft": records.shaft_record(shaft, analysis),
             "balance": records.balance_record(engine_file),
@@ -156,7 +160,7 @@ def run_engine(
             study = fitted(table)
             model = study.model
             model.save(folder / MODEL)
-            found["study"] = records.study_record(table, study.fits)
+            found["study"] = study_record(table, study.fits, model)
             _plot_study(pictures, found, table, study.fits["axial_compliance"])
         else:
             (folder / MODEL).unlink(missing_ok=True)  # of an earlier run with a study
@@ -252,10 +256,8 @@ def _angle_record(engine_file: EngineFile, analysis: ThrowAnalysis) -> dict[str,
     ]
     return {
         "gamma_deg": ANGLES_SHOWN_DEG.tolist(),
-        "fe": [
-            analysis.axial_compliance(Neighbors(float(gamma), float(gamma)))
-            for gamma in ANGLES_SHOWN_DEG
-        ],
+        "law": fe_record(analysis, 180.0)["angle_law"],
+        "fe": [fe_axial(analysis, float(gamma)) for gamma in ANGLES_SHOWN_DEG],
         "formulas": {
             name: [table[name].value if table[name].value > 0.0 else None for table in tables]
             for name in tables[0]
@@ -290,9 +292,12 @@ def _add_torque(
 def _plot_study(
     pictures: Path, found: dict[str, Any], table: StudyTable, fits: ResponseFits
 ) -> None:
-    plots.plot_response(pictures / "response.svg", table, fits)
-    plots.plot_parity(pictures / "parity.svg", table, fits)
-    found["pictures"] |= {"response": "response.svg", "parity": "parity.svg"}
+    drawn = {name: f"{name}.svg" for name in ("response", "parity", "effects", "residuals")}
+    fit_plots.plot_response(pictures / drawn["response"], table, fits)
+    fit_plots.plot_parity(pictures / drawn["parity"], table, fits)
+    fit_plots.plot_effects(pictures / drawn["effects"], fits, fits.chosen)
+    fit_plots.plot_residuals(pictures / drawn["residuals"], table, fits, fits.chosen)
+    found["pictures"] |= drawn
 
 
 def _plot_vibration(
@@ -324,7 +329,7 @@ def _plot_angles(pictures: Path, found: dict[str, Any]) -> None:
     def values(column: list[float | None]) -> NDArray[np.float64]:
         return np.array([math.nan if value is None else value for value in column])
 
-    plots.plot_formulas(
+    formula_plots.plot_formulas(
         pictures / "formulas.svg",
         np.array(law["gamma_deg"]),
         np.array(law["fe"]),
@@ -332,3 +337,10 @@ def _plot_angles(pictures: Path, found: dict[str, Any]) -> None:
         (supports["guided"]["axial_compliance"], supports["pinned"]["axial_compliance"]),
     )
     found["pictures"]["formulas"] = "formulas.svg"
+    if law["law"] is not None:
+        gammas, fe = np.array(law["gamma_deg"]), np.array(law["fe"])
+        factors = {name: factor(gammas) for name, factor in ANGLE_FACTORS.items()}
+        formula_plots.plot_angle_factors(
+            pictures / "angles.svg", gammas, fe / fe[-1], law["law"]["rho"], factors
+        )
+        found["pictures"]["angles"] = "angles.svg"

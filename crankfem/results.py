@@ -2,19 +2,17 @@
 
 import datetime
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.engine_file import EngineFile, ThrowFile
-from crankfem.fitting import ResponseFits, crankfem_version
+from crankfem.fitting import package_version
 from crankfem.vibration import SourceResult, Vibration
 from dynamics.harmonics import Harmonics
 from dynamics.two_mass import TwoMassCheck
 from fem.analysis import ThrowAnalysis
-from fem.material import Material
 from fem.modes import ThrowModes
 from fem.shaft import ShaftCompliances
 from fem.supports import Support
@@ -22,10 +20,6 @@ from geometry.balance import unbalance
 from geometry.crankshaft import Crankshaft
 from geometry.mesher import Throw
 from geometry.throw import CrankThrow
-from regression.axial_formulas import axial_formulas
-from regression.formula_value import FormulaValue
-from regression.study import StudyTable
-from regression.torsional_formulas import torsional_formulas
 
 Record = dict[str, Any]
 SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
@@ -35,7 +29,7 @@ def about_record() -> Record:
     """Which program made the numbers, and when."""
     return {
         "program": "crankfem",
-        "version": crankfem_version(),
+        "version": package_version("crankfem"),
         "created": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
         "units": "SI: m, N, Pa, kg, s, rad; Hz for frequencies, 1/min where a name ends in _rpm",
     }
@@ -132,84 +126,6 @@ def _unbalance(analysis: ThrowAnalysis) -> Record:
     """Static unbalance [kg m] and, about the throw's middle, the dynamic one [kg m^2]."""
     found = unbalance(analysis.masses, analysis.throw.length / 2.0)
     return {"static": found.static.tolist(), "dynamic": found.dynamic.tolist()}
-
-
-def formula_records(
-    throw: CrankThrow, material: Material, gamma_deg: float = 180.0, variant: str = "corrected"
-) -> dict[str, list[Record]]:
-    """Values of all published formulas for a throw."""
-    axial = axial_formulas(
-        throw,
-        gamma_deg,
-        youngs_modulus=material.youngs_modulus,
-        poisson_ratio=material.poisson_ratio,
-        variant=variant,
-    )
-    torsional = torsional_formulas(
-        throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
-    )
-    return {
-        "axial": [_formula(name, value) for name, value in axial.items()],
-        "torsional": [_formula(name, value) for name, value in torsional.items()],
-    }
-
-
-def _formula(name: str, value: FormulaValue) -> Record:
-    return {
-        "name": name,
-        "value": value.value,
-        "unit": value.unit,
-        "valid": value.valid,
-        "variant": value.variant,
-        "remarks": list(value.remarks),
-        "source": value.source,
-    }
-
-
-def study_record(table: StudyTable, fits: Mapping[str, ResponseFits]) -> Record:
-    """A study's designs, failures, and every fitted equation with its errors."""
-    return {
-        "key": table.plan.key,
-        "factors": {name: list(levels) for name, levels in table.plan.levels.items()},
-        "runs": int(np.sum(~table.held_out)),
-        "held_out": int(np.sum(table.held_out)),
-        "computed_now": table.computed,
-        "failures": [
-            {"role": role, "values": list(values), "reason": reason}
-            for role, values, reason in table.failures
-        ],
-        "largest_fe_error_estimate": float(table.responses["error_estimate"].max()),
-        "table": {
-            "values": table.values.tolist(),
-            "held_out": table.held_out.tolist(),
-            "responses": {name: column.tolist() for name, column in table.responses.items()},
-        },
-        "fits": {name: fits_record(found) for name, found in fits.items()},
-    }
-
-
-def fits_record(found: ResponseFits) -> Record:
-    """All forms fitted to one response."""
-    return {
-        "symbol": found.symbol,
-        "unit": found.unit,
-        "support": "pinned",
-        "chosen": found.chosen.form,
-        "skipped": list(found.skipped),
-        "forms": [
-            {
-                "form": fit.form,
-                "equation": found.equation(fit),
-                "r_squared": fit.r_squared,
-                "q_squared": fit.q_squared,
-                "largest_error_at_runs": fit.largest_error,
-                "largest_error_held_out": fit.largest_heldout_error,
-                "mean_error_held_out": fit.mean_heldout_error,
-                "coefficients": fit.coefficients,
-            }
-            for fit in found.fits
-        ],
-    }
 
 
 def shaft_record(shaft: ShaftCompliances, analysis: ThrowAnalysis) -> Record:

@@ -23,6 +23,10 @@ def run_study(
     store: str | Path = "runs.sqlite",
     workers: int = 2,
     progress: Progress | None = None,
+    *,
+    dask: str | None = None,
+    time_limit: float | None = None,
+    memory_limit: float | None = None,
 ) -> StudyResult:
     """Run, or continue, the study of a file and fit its equations.
 
@@ -33,9 +37,15 @@ def run_study(
     store : path
         SQLite file of results. Designs found finished there are not computed again.
     workers : int
-        Worker processes.
+        Worker processes on this machine.
     progress : callable, optional
         Called with (finished, total, newest outcome or None).
+    dask : str, optional
+        Address of a Dask scheduler, whose workers then compute instead.
+    time_limit : float, optional
+        Seconds that one design may take; 300 at 1 % accuracy by default.
+    memory_limit : float, optional
+        Bytes that one worker process may take; no limit by default.
 
     Returns
     -------
@@ -44,9 +54,23 @@ def run_study(
     Raises
     ------
     InputError
-        If the file, the store or the number of workers cannot be used, or too few designs succeed.
+        If the file, the store, a limit, the cluster or the number of workers cannot be used, or too few
+        designs succeed.
+    MissingLibraryError
+        If a cluster is asked for without the package for it.
+    StudyStoppedError
+        If the store cannot be written any more, or the cluster is gone; finished designs are kept.
     """
-    return fitted(run_plan(load_study(study), store, workers, progress))
+    table = run_plan(
+        load_study(study),
+        store,
+        workers,
+        progress,
+        dask=dask,
+        time_limit=time_limit,
+        memory_limit=memory_limit,
+    )
+    return fitted(table)
 
 
 def fitted(table: StudyTable) -> StudyResult:

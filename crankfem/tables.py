@@ -102,64 +102,6 @@ def _vector(values: list[float]) -> str:
     return "  ".join(f"{round(value / 1e3, 3) + 0.0:.3f}" for value in values)
 
 
-def print_formulas(formula_records: dict[str, Any], throw_record: dict[str, Any]) -> None:
-    """Print the published formulas beside the pinned finite element values."""
-    for kind in ("axial", "torsional"):
-        print_formula_table(
-            f"{kind.capitalize()} compliance: published formulas",
-            formula_records[kind],
-            throw_record["supports"]["pinned"][f"{kind}_compliance"],
-            "pinned",
-        )
-
-
-def print_formula_table(
-    title: str, records: list[dict[str, Any]], fe: float | None, support: str
-) -> None:
-    """Print one kind of formula, beside the finite element value `fe` if it is given."""
-
-    def beside(value: float) -> list[str]:
-        return [] if fe is None else [f"{value / fe:.2f}"]
-
-    rows = [
-        [
-            record["name"],
-            number(record["value"] * 1e9),
-            *beside(record["value"]),
-            "yes" if record["valid"] else "no",
-        ]
-        for record in records
-    ]
-    if fe is not None:
-        rows.insert(0, [f"finite elements, {support}", number(fe * 1e9), "1", ""])
-    unit = records[0]["unit"] if records else "m/N"
-    ratio = [] if fe is None else ["beside FE"]
-    print_table(title, ["formula", f"value [1e-9 {unit}]", *ratio, "applies:"], rows)
-
-
-def print_fits(fits: dict[str, Any]) -> None:
-    """Print all fitted forms with their errors and equations."""
-    for response, record in fits.items():
-        print_table(
-            f"{response.replace('_', ' ').capitalize()} as an equation (chosen: {record['chosen']})",
-            ["form", "R2", "Q2", "error at runs", "error held out"],
-            [
-                [
-                    f["form"],
-                    f"{f['r_squared']:.5f}",
-                    "none" if f["q_squared"] is None else f"{f['q_squared']:.5f}",
-                    f"{100.0 * f['largest_error_at_runs']:.3g} %",
-                    f"{100.0 * f['largest_error_held_out']:.3g} %",
-                ]
-                for f in record["forms"]
-            ],
-        )
-        for f in record["forms"]:
-            console.output.print(
-                f"  {f['form']}: {f['equation']}", soft_wrap=True, highlight=False, markup=False
-            )
-
-
 def print_vibration(record: dict[str, Any]) -> None:
     """Print modes, critical speeds and the first frequencies by source."""
     print_table(

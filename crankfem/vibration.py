@@ -134,7 +134,7 @@ def axial_vibration(
     pinned = analysis.axial_compliance("pinned")
     sources = _fe_sources(shaft.axial, pinned)
     if model is not None:
-        value = float(np.asarray(model.axial_compliance(**_factors(model, engine_file))))
+        value = model.of_throw(engine_file.throw)["axial_compliance"].value
         sources[REGRESSION] = _from_regression(shaft.axial, value, pinned)
     sources |= _axial_formula_sources(engine_file)
     thrust = engine_file.thrust_bearing
@@ -168,7 +168,7 @@ def torsional_vibration(
     pinned = analysis.torsional_compliance("pinned")
     sources = _fe_sources(shaft.torsional, pinned)
     if model is not None:
-        value = float(np.asarray(model.torsional_compliance(**_factors(model, engine_file))))
+        value = model.of_throw(engine_file.throw)["torsional_compliance"].value
         sources[REGRESSION] = _from_regression(shaft.torsional, value, pinned)
     material = engine_file.material
     count = engine_file.engine.cylinders
@@ -215,11 +215,6 @@ def _from_regression(
         value * in_shaft / pinned,
         "the equation's pinned value, times each throw's ratio from the assembled superelements",
     )
-
-
-def _factors(model: ComplianceModel, engine_file: EngineFile) -> dict[str, float]:
-    names = next(iter(model.responses.values())).factors
-    return {name: float(getattr(engine_file.throw, name)) for name in names}
 
 
 def _axial_formula_sources(engine_file: EngineFile) -> Sources:

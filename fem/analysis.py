@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fem.accuracy import Mesher, Problem, solve_to
-from fem.class_compliances import axial_answers, torsional_answer
+from fem.angle_law import AngleLaw, angle_law
+from fem.class_compliances import axial_answers
 from fem.condensation import CondensedClass, EndSections
 from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
 from fem.loads import Distribution, NodalLoads, pin_load, pin_surfaces, radial_directions
@@ -30,7 +31,7 @@ from fem.supports import (
     reactions,
     support_throw,
 )
-from fem.symmetry import symmetry_classes, torsional_class
+from fem.symmetry import symmetry_classes
 from geometry.errors import InputError
 from geometry.mass import MassProperties, mass_properties
 from geometry.mesh import ThrowMesh
@@ -113,6 +114,17 @@ class ThrowAnalysis:
     def supported(self, support: Support = "pinned") -> SupportedThrow:
         """All compliances under one support."""
         return support_throw(self.superelement, support)
+
+    @property
+    def angle_law(self) -> AngleLaw:
+        """Compliance and influence coefficient over the angle to equal neighbors, in closed form.
+
+        Raises
+        ------
+        InputError
+            If the throw's webs are not equal: for others use ``support=Neighbors(...)``.
+        """
+        return angle_law(self.superelement)
 
     def axial_compliance(self, support: Support = "pinned") -> float:
         """Axial compliance e_n: lengthening per unit axial force [m/N].
@@ -491,35 +503,3 @@ def analyze_axial(
         accuracy=accuracy,
         seconds=problem.watch.seconds,
     )
-
-
-def throw_responses(
-    throw: Throw,
-    material: Material = STEEL,
-    accuracy: float = 0.01,
-    *,
-    mesher: Mesher = mesh_isolated,
-) -> dict[str, float]:
-    """Compute the numbers that a study keeps of a throw, up to half cheaper than the whole analysis.
-
-    Parameters, errors as for `analyze_throw`.
-
-    Returns
-    -------
-    dict
-        Compliances [m/N, rad/(N m)] and the first pin's influence coefficients [m/N] pinned and guided,
-        mass [kg], error estimate of the axial compliance, unknowns of the meshed part.
-    """
-    problem = Problem(material, "auto", "rigid", Stopwatch())
-    level = solve_to(throw, accuracy, problem, mesher)
-    torsional = level.condense(torsional_class(level.mesh.part), problem)
-    responses: dict[str, float] = {}
-    for support in ("pinned", "guided"):
-        compliance, influence = axial_answers(level.axial_part, support)
-        responses[f"axial_compliance_{support}"] = compliance
-        responses[f"torsional_compliance_{support}"] = torsional_answer(torsional, support)
-        responses[f"influence_coefficient_{support}"] = influence
-    responses["mass"] = mass_properties(level.mesh, material.density).mass
-    responses["error_estimate"] = level.error_estimate
-    responses["unknowns"] = float(level.mesh.unknowns)
-    return responses

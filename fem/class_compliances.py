@@ -28,17 +28,19 @@ def axial_answers(part: CondensedClass, support: str) -> tuple[float, float]:
 
 def axial_motion(part: CondensedClass, support: str) -> NDArray[np.float64]:
     """Amplitudes (k,) of the class under a unit axial force; arguments as for `axial_answers`."""
-    return _response(part, support, STRETCH @ part.symmetry.ends)
+    return unit_response(part, support, STRETCH @ part.symmetry.ends)
 
 
 def torsional_answer(part: CondensedClass, support: str) -> float:
     """Torsional compliance [rad/(N m)] from the meshed part's `fem.symmetry.torsional_class`."""
     torque = TWIST @ part.symmetry.ends
-    return float(_response(part, support, torque) @ torque)
+    return float(unit_response(part, support, torque) @ torque)
 
 
-def _response(part: CondensedClass, support: str, load: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Amplitudes (k,) of the supported class under a load that does work on its unit motions.
+def unit_response(
+    part: CondensedClass, support: str, load: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Amplitudes (k,) of the supported class under a load (k,) that does work on its unit motions.
 
     Multiplied with a second load they are, by reciprocity, also the first one's motion under that.
     """

@@ -94,7 +94,8 @@ def recovered_stress(
 
 
 def _recovered(points: Array, elements: Integers, stress: Array) -> Array:
-    """Stress (n, 6) at the nodes from that at the sampling points (m, 4, 6)."""
+    """Stress (n, c) at the nodes from that at the sampling points (m, 4, c)."""
+    components = stress.shape[-1]
     values, _, _ = shapes_for_quadrature(SAMPLING_ORDER)
     places = values @ points[elements]
     corners = elements[:, :4]
@@ -102,7 +103,7 @@ def _recovered(points: Array, elements: Integers, stress: Array) -> Array:
     number = number.reshape(corners.shape)
     sizes = _patch_sizes(points, corners, number, len(vertices))
     matrices = np.zeros((len(vertices), 100))
-    sides = np.zeros((len(vertices), 60))
+    sides = np.zeros((len(vertices), 10 * components))
     for start in range(0, len(elements), CHUNK):
         batch = slice(start, start + CHUNK)
         count = len(corners[batch])
@@ -114,13 +115,14 @@ def _recovered(points: Array, elements: Integers, stress: Array) -> Array:
         )
         matrices += np.asarray(gather @ (terms.transpose(0, 2, 1) @ terms).reshape(-1, 100))
         samples = np.repeat(stress[batch], 4, axis=0)
-        sides += np.asarray(gather @ (terms.transpose(0, 2, 1) @ samples).reshape(-1, 60))
+        products = (terms.transpose(0, 2, 1) @ samples).reshape(-1, 10 * components)
+        sides += np.asarray(gather @ products)
     systems = matrices.reshape(-1, 10, 10)
     weight = systems[:, 0, 0]
     systems[:, np.arange(10), np.arange(10)] += weight[:, None] * HELD_BACK
-    coefficients = np.linalg.solve(systems, sides.reshape(-1, 10, 6))
+    coefficients = np.linalg.solve(systems, sides.reshape(-1, 10, components))
 
-    recovered = np.zeros((len(points), 6))
+    recovered = np.zeros((len(points), components))
     recovered[vertices] = coefficients[:, 0]
     ends = number[:, np.array(EDGES)].reshape(-1, 2)
     middles, first = np.unique(elements[:, 4:], return_index=True)
@@ -185,22 +187,95 @@ def energy_errors(
     -------
     EnergyErrors
     """
+    samples, volumes = _samples(points, elements, displacement, material)
+    energy = float(np.sum(volumes * strain_energy(samples, material)))
+    differences, shares = _differences(points, elements, samples)
+    densities = strain_energy(differences, material) @ shares
+    return EnergyErrors(volumes.sum(axis=1) * densities, energy)
+
+
+@dataclass(frozen=True)
+class EnergyProducts:
+    """Mutual energies of several solutions on one mesh, and those of their errors.
+
+    The work of the forces of one solution on the displacement of another is their mutual energy; what
+    discretization takes from it is the mutual energy of the two errors.
+
+    Attributes
+    ----------
+    solutions : (k, k) array
+        In the meshed part [J].
+    errors : (k, k) array
+        Estimated, in the meshed part [J].
+    """
+
+    solutions: Array
+    errors: Array
+
+
+def energy_products(
+    points: Array, elements: Integers, displacements: Array, material: Material
+) -> EnergyProducts:
+    """Estimate the mutual energies of the errors of several solutions.
+
+    Parameters
+    ----------
+    points, elements, material
+        As for `stresses_at`.
+    displacements : (n, 3, k) array
+        [m]
+
+    Returns
+    -------
+    EnergyProducts
+    """
+    found = [
+        _samples(points, elements, displacements[:, :, column], material)
+        for column in range(displacements.shape[2])
+    ]
+    volumes = found[0][1]
+    samples = np.concatenate([one for one, _ in found], axis=2)
+    differences, shares = _differences(points, elements, samples)
+    return EnergyProducts(
+        _products(samples, volumes, material),
+        _products(differences, volumes.sum(axis=1)[:, None] * shares, material),
+    )
+
+
+def _samples(
+    points: Array, elements: Integers, displacement: Array, material: Material
+) -> tuple[Array, Array]:
+    """Stress (m, 4, 6) at the sampling points, and the volumes (m, 4) they stand for [m^3]."""
     _, gradients, weights = shapes_for_quadrature(SAMPLING_ORDER)
     samples = stresses_at(points, elements, displacement, material, gradients)
-    recovered = _recovered(points, elements, samples)
     volumes = np.concatenate(
         [
             physical_gradients(points[elements[start : start + CHUNK]], gradients, weights)[1]
             for start in range(0, len(elements), CHUNK)
         ]
     )
-    energy = float(np.sum(volumes * strain_energy(samples, material)))
+    return samples, volumes
+
+
+def _differences(points: Array, elements: Integers, samples: Array) -> tuple[Array, Array]:
+    """Recovered stress less that of the elements (m, q, c), and the volume shares (q,) of the places."""
+    recovered = _recovered(points, elements, samples)
     # Stress is linear inside a straight element; the recovered one is a quadratic between the nodes.
     fine, _, fine_weights = shapes_for_quadrature(ENERGY_ORDER)
     linear = _linear_through_samples(fine[:, :4] + 0.5 * fine[:, 4:] @ _ENDS)
-    differences = fine @ recovered[elements] - linear @ samples
-    densities = strain_energy(differences, material) @ (fine_weights / fine_weights.sum())
-    return EnergyErrors(volumes.sum(axis=1) * densities, energy)
+    return fine @ recovered[elements] - linear @ samples, fine_weights / fine_weights.sum()
+
+
+def _products(stresses: Array, volumes: Array, material: Material) -> Array:
+    """Mutual energies (k, k) of k stresses (m, q, 6 k) at places that stand for volumes (m, q)."""
+    modulus, ratio = material.youngs_modulus, material.poisson_ratio
+    strains = np.diag(np.repeat([1.0, 2.0], 3)) * (1.0 + ratio)
+    strains[:3, :3] -= ratio
+    tensors = stresses.reshape(-1, stresses.shape[2] // 6, 6)
+    weighted = tensors * volumes.reshape(-1, 1, 1)
+    return np.asarray(
+        np.einsum("pki,ij,plj->kl", weighted, strains / modulus, tensors, optimize=True)
+    )
 
 
 def _linear_through_samples(corners: Array) -> Array:

@@ -25,7 +25,7 @@ POWER = re.compile(r"([A-Za-z])([2-4])\b")
 
 
 @cache
-def _registry() -> Any:
+def unit_registry() -> Any:
     """Return the one pint registry; built on first use because it takes 0.2 s."""
     import pint
 
@@ -92,7 +92,7 @@ def _evaluate(text: str, unit: str, shown: str, given: str, limits: str) -> floa
         if found is None:
             raise ValueError("no number in front")
         number, rest = float(found[1]), found[2]
-        one = _registry().Quantity(1.0, _registry().parse_units(POWER.sub(r"\1^\2", rest)))
+        one = unit_registry().Quantity(1.0, unit_registry().parse_units(POWER.sub(r"\1^\2", rest)))
     except Exception:  # pint raises a dozen kinds for text that is no unit
         raise InputError(
             f"{given}, which is not one number with one unit; "

@@ -1,18 +1,14 @@
 """A fitted compliance model in a file: dimensions in, compliance out, with its known errors.
 
-A model answers for one family of throws: some dimensions are its factors, the others are fixed.
-It needs neither mesh nor solver and is written as JSON that people can read.
+A model answers for one family of throws: some dimensions are its factors, the others are fixed; in
+dimensionless groups it answers for throws of the family at any size. It needs neither mesh nor solver
+and is written as JSON that people can read.
 """
 
-import hashlib
-import json
-import math
 import os
-import tempfile
 import warnings
-from collections.abc import Mapping
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Iterable, Mapping
+from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -20,182 +16,43 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from geometry.errors import InputError
-from geometry.model import InputModel, field_extra
-from geometry.quantity import show_quantity
+from geometry.model import InputModel
 from geometry.throw import CrankThrow
-from regression.fits import Fit
-from regression.forms import FittedForm, equation_text
+from regression.angle import between_values, fold_angle
+from regression.family import Family
+from regression.family_throw import throw_question
+from regression.lookup import Lookup, tell, tell_between
+from regression.model_file import FILE_FORMAT, FORMAT_VERSION, read_model, write_model
+from regression.outside import Outside, OutsideRangeWarning
+from regression.question import Answer
+from regression.ready_model import ReadyModel, column_ranges
+from regression.response_model import ResponseModel
 
-FILE_FORMAT = "crankfem compliance model"
-FORMAT_VERSION = 1
+__all__ = [
+    "FILE_FORMAT",
+    "FORMAT_VERSION",
+    "KNOWN_RESPONSES",
+    "ComplianceModel",
+    "Lookup",
+    "OutsideRangeWarning",
+    "ResponseModel",
+]
 
 AXIAL = "axial_compliance"
 TORSIONAL = "torsional_compliance"
+INFLUENCE = "influence_coefficient"
+TILT_RATIO = "tilt_stiffness_ratio"
 # Symbol and unit of the responses that have a method of their own.
 KNOWN_RESPONSES: Mapping[str, tuple[str, str]] = {
     AXIAL: ("e_n", "m/N"),
     TORSIONAL: ("e_t", "rad/(N m)"),
 }
-
-# Two dimensions are equal, or on the edge of a range, within this share: "98 mm" read from text
-# and 0.098 may differ in the last digit.
-_SAME = 1e-9
+# Responses that depend on the angle to the neighbors, and what their angle law needs.
+ANGLE_LAWS: Mapping[str, tuple[str, str, str]] = {
+    name: (f"{name}_in_line", f"{name}_opposite", TILT_RATIO) for name in (AXIAL, INFLUENCE)
+}
 
 Value = float | NDArray[np.float64]
-
-
-class OutsideRangeWarning(UserWarning):
-    """A compliance was asked for outside the range of dimensions of its fit."""
-
-
-@dataclass(frozen=True)
-class Lookup:
-    """One value from a compliance model, with all that is known about it.
-
-    Parameters
-    ----------
-    value : float
-        The compliance, in `unit`; never clipped.
-    unit : str
-        Its SI unit.
-    support : str
-        How the throw is supported, such as "pinned".
-    inside : bool
-        Whether every dimension lies within the range of the fit.
-    remarks : tuple of str
-        One sentence for each dimension outside its range.
-    error : float or None
-        Largest relative error at held-out designs; None if there were none.
-    equation : str
-        The equation in natural units.
-    """
-
-    value: float
-    unit: str
-    support: str
-    inside: bool
-    remarks: tuple[str, ...]
-    error: float | None
-    equation: str
-
-
-class ResponseModel(InputModel):
-    """One response of a compliance model: its equation, range and errors.
-
-    Parameters
-    ----------
-    form : str
-        "linear", "quadratic" or "log-quadratic".
-    factors : tuple of str
-        Names of the k varied dimensions.
-    center, half_range, coefficients : tuple of float
-        The equation in coded variables, as in `regression.forms.FittedForm`; this is what is
-        evaluated.
-    lowest, highest : tuple of float
-        Range of each factor in the runs [SI].
-    symbol, unit, support : str
-        What the response is, in which SI unit, and how the throw was supported.
-    r_squared, q_squared, largest_error, largest_heldout_error : float
-        As in `regression.fits.Fit`; the second and the last may be None.
-    runs, heldout_runs : int
-        Numbers of finite element runs fitted and held out.
-    equation : str
-        The equation in natural units, for people.
-
-    Raises
-    ------
-    InputError
-        If a field is missing, unknown or contradicts another one.
-    """
-
-    section: ClassVar[str] = "response"
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    form: str
-    factors: tuple[str, ...] = Field(min_length=1)
-    center: tuple[FiniteFloat, ...]
-    half_range: tuple[FiniteFloat, ...]
-    coefficients: tuple[FiniteFloat, ...]
-    lowest: tuple[FiniteFloat, ...]
-    highest: tuple[FiniteFloat, ...]
-    symbol: str
-    unit: str
-    support: str
-    r_squared: FiniteFloat
-    q_squared: FiniteFloat | None
-    largest_error: FiniteFloat
-    largest_heldout_error: FiniteFloat | None
-    runs: int
-    heldout_runs: int
-    equation: str
-
-    @model_validator(mode="after")
-    def _fits_together(self) -> Self:
-        fitted = self.fitted  # its construction checks the equation's numbers
-        if len(set(self.factors)) != len(self.factors):
-            raise InputError(f"factors: given {list(self.factors)}; each may stand once.")
-        for name, values in (("lowest", self.lowest), ("highest", self.highest)):
-            if len(values) != len(fitted.factors):
-                raise InputError(
-                    f"{name}: given {len(values)} numbers; allowed are {len(fitted.factors)}, one "
-                    "for each factor."
-                )
-        for factor, low, high in zip(self.factors, self.lowest, self.highest, strict=True):
-            if not 0.0 <= low < high:
-                raise InputError(
-                    f"lowest, highest: given {low:g} and {high:g} for {factor}; allowed is a range "
-                    "from lower to higher without negative values."
-                )
-        return self
-
-    @property
-    def fitted(self) -> FittedForm:
-        """The equation as a function."""
-        return FittedForm(self.form, self.factors, self.center, self.half_range, self.coefficients)
-
-    @classmethod
-    def from_fit(
-        cls,
-        fit: Fit,
-        *,
-        symbol: str,
-        unit: str,
-        support: str = "pinned",
-        lowest: Mapping[str, float] | None = None,
-        highest: Mapping[str, float] | None = None,
-    ) -> Self:
-        """Take over a fit.
-
-        Parameters
-        ----------
-        fit : Fit
-            The fit; factors and response in SI units.
-        symbol, unit, support : str
-            What the response is, such as "e_n", "m/N" and "pinned".
-        lowest, highest : mapping, optional
-            Range of each factor, where the study's box is not what its runs span.
-        """
-        fitted = fit.fitted
-        low, high = _span(fitted)
-        return cls(
-            form=fit.form,
-            factors=fit.factors,
-            center=fitted.center,
-            half_range=fitted.half_range,
-            coefficients=fitted.coefficients,
-            lowest=tuple((lowest or low)[name] for name in fit.factors),
-            highest=tuple((highest or high)[name] for name in fit.factors),
-            symbol=symbol,
-            unit=unit,
-            support=support,
-            r_squared=fit.r_squared,
-            q_squared=fit.q_squared,
-            largest_error=fit.largest_error,
-            largest_heldout_error=fit.largest_heldout_error,
-            runs=fit.runs,
-            heldout_runs=fit.heldout_runs,
-            equation=equation_text(fitted, symbol=symbol, unit=unit),
-        )
 
 
 class ComplianceModel(InputModel):
@@ -204,9 +61,28 @@ class ComplianceModel(InputModel):
     Parameters
     ----------
     responses : dict of str to ResponseModel
-        By name: "axial_compliance", "torsional_compliance", or others for `lookup`.
+        By name: "axial_compliance", "torsional_compliance", "influence_coefficient", or others for
+        `value` and `lookup`.
     fixed : dict of str to float
-        The throw's dimensions that do not vary, by field of `CrankThrow` [SI].
+        The throw's dimensions that did not vary, by field of `CrankThrow` [SI]; of a part as
+        "counterweight.thickness".
+    ranges : dict of str to (float, float), optional
+        Range of each numeric factor of the study [SI]; the ranges of the equations' columns, if not
+        given.
+    categories : dict of str to tuple of str
+        Labels of each factor that is a choice, such as web_outline.
+    labels : dict of str to str
+        Choices that did not vary.
+    units : dict of str to str
+        SI units of factors that are no fields of a throw.
+    relations : dict of str to str
+        Dimensions that followed from others in the study, and how.
+    constraints : tuple of str
+        What had to hold in the study.
+    constant_groups : dict of str to float
+        Dimensionless groups that did not vary although their dimensions did.
+    throw : dict, optional
+        The throw that the study varied, as a record.
     material : dict
         What the runs were calculated with, such as youngs_modulus [Pa] and poisson_ratio.
     provenance : dict
@@ -215,7 +91,8 @@ class ComplianceModel(InputModel):
     Raises
     ------
     InputError
-        If a field is missing or unknown, or a dimension is both fixed and a factor.
+        If a field is missing or unknown, a dimension is both fixed and a factor, or an equation's
+        column is none of the model's factors.
 
     Examples
     --------
@@ -228,6 +105,14 @@ class ComplianceModel(InputModel):
 
     responses: dict[str, ResponseModel] = Field(min_length=1)
     fixed: dict[str, FiniteFloat] = Field(default_factory=dict)
+    ranges: dict[str, tuple[FiniteFloat, FiniteFloat]] = Field(default_factory=dict)
+    categories: dict[str, tuple[str, ...]] = Field(default_factory=dict)
+    labels: dict[str, str] = Field(default_factory=dict)
+    units: dict[str, str] = Field(default_factory=dict)
+    relations: dict[str, str] = Field(default_factory=dict)
+    constraints: tuple[str, ...] = ()
+    constant_groups: dict[str, FiniteFloat] = Field(default_factory=dict)
+    throw: dict[str, Any] | None = None
     material: dict[str, str | FiniteFloat] = Field(default_factory=dict)
     provenance: dict[str, str | int | FiniteFloat | None] = Field(default_factory=dict)
 
@@ -240,18 +125,39 @@ class ComplianceModel(InputModel):
                     f"fixed: given {both[0]}, which is a factor of {name}; a dimension either "
                     "varies or is fixed."
                 )
+        for name, (low, high) in self.ranges.items():
+            if not low < high or name in self.fixed:
+                raise InputError(
+                    f"ranges: given {low:g} to {high:g} for {name}; allowed is a range from lower to "
+                    "higher, of what is not fixed."
+                )
+        _ = self._ready  # refuses columns that no dimension gives
         return self
 
     # ------------------------------------------------------------------------------ questions
 
-    def axial_compliance(self, **dimensions: ArrayLike) -> Value:
+    def axial_compliance(
+        self,
+        *,
+        gamma_deg: ArrayLike | None = None,
+        strict: bool = False,
+        **dimensions: ArrayLike | str,
+    ) -> Value:
         """Axial compliance e_n [m/N].
 
         Parameters
         ----------
-        **dimensions : float or array_like
-            The factors by name [SI]; arrays are broadcast together. A fixed dimension may be
-            given if it has the model's value.
+        gamma_deg : float or array_like, optional
+            Angle to the neighboring cranks [deg], folded to 0 ... 180; the throw is then between
+            identical neighbors instead of supported as in `lookup`. Needs e_0, e_180 and rho in the
+            model.
+        strict : bool
+            Refuse what lies outside the range of the fit.
+        **dimensions : float, str or array_like
+            The factors by name [SI], choices as labels; arrays are broadcast together. A fixed
+            dimension may be given if it has the model's value. An equation in dimensionless groups
+            takes any size: what is not given is as in the study, and ratios that did not vary must
+            agree with it.
 
         Returns
         -------
@@ -261,28 +167,71 @@ class ComplianceModel(InputModel):
         Raises
         ------
         InputError
-            If a factor is missing, a dimension is unknown, not positive or not finite, or a fixed
-            one is given another value.
+            If a factor is missing, a dimension is unknown, not positive or not finite, a fixed one or
+            a fixed ratio has another value, or, if `strict`, something lies outside the range.
 
         Warns
         -----
         OutsideRangeWarning
-            For each dimension outside the range of the fit; the value is not clipped.
+            For each dimension or ratio outside the range of the fit; the value is not clipped.
         """
-        return self._evaluate(AXIAL, dimensions)
+        if gamma_deg is None:
+            value = self._ready.quick(AXIAL, dimensions)
+            if value is not None:
+                return value
+        return self._found(AXIAL, dimensions, gamma_deg, strict)
 
-    def torsional_compliance(self, **dimensions: ArrayLike) -> Value:
+    def torsional_compliance(self, *, strict: bool = False, **dimensions: ArrayLike | str) -> Value:
         """Torsional compliance [rad/(N m)]; else as `axial_compliance`."""
-        return self._evaluate(TORSIONAL, dimensions)
+        value = self._ready.quick(TORSIONAL, dimensions)
+        return self._found(TORSIONAL, dimensions, None, strict) if value is None else value
 
-    def lookup(self, response: str, **dimensions: float) -> Lookup:
-        """One value of a response with its unit, error and equation.
+    def influence_coefficient(
+        self,
+        *,
+        gamma_deg: ArrayLike | None = None,
+        strict: bool = False,
+        **dimensions: ArrayLike | str,
+    ) -> Value:
+        """Lengthening per unit radial force on the pin, c [m/N]; else as `axial_compliance`."""
+        if gamma_deg is None:
+            value = self._ready.quick(INFLUENCE, dimensions)
+            if value is not None:
+                return value
+        return self._found(INFLUENCE, dimensions, gamma_deg, strict)
+
+    def value(
+        self,
+        response: str,
+        /,
+        *,
+        gamma_deg: ArrayLike | None = None,
+        strict: bool = False,
+        **dimensions: ArrayLike | str,
+    ) -> Value:
+        """Value of any response of the model by its name [SI]; else as `axial_compliance`."""
+        if gamma_deg is None:
+            value = self._ready.quick(response, dimensions)
+            if value is not None:
+                return value
+        return self._found(response, dimensions, gamma_deg, strict)
+
+    def lookup(
+        self,
+        response: str,
+        /,
+        *,
+        gamma_deg: float | None = None,
+        strict: bool = False,
+        **dimensions: float | str,
+    ) -> Lookup:
+        """One value of a response with its unit, error band and equation.
 
         Parameters
         ----------
         response : str
             Name of the response, such as "axial_compliance".
-        **dimensions : float
+        gamma_deg, strict, **dimensions
             As in `axial_compliance`, plain numbers only.
 
         Returns
@@ -295,80 +244,162 @@ class ComplianceModel(InputModel):
         InputError
             As in `axial_compliance`; if the model does not hold the response; for an array.
         """
-        model = self._response(response)
-        arrays = self._checked(model, dimensions)
-        for name, array in arrays.items():
-            if array.ndim:
+        if gamma_deg is None:
+            value = self._ready.quick(response, dimensions)
+            if value is not None:
+                return tell(self.responses[response], self._ready.bands[response], value)
+        for name, given in (*dimensions.items(), ("gamma_deg", gamma_deg)):
+            if np.ndim(given):  # type: ignore[arg-type]
                 raise InputError(
-                    f"{name}: given an array of shape {array.shape}; allowed is one number, "
+                    f"{name}: given an array of shape {np.shape(given)}; allowed is one number, "  # type: ignore[arg-type]
                     "because a lookup tells about one throw."
                 )
-        point = np.array([float(arrays[name]) for name in model.factors])
-        remarks = tuple(_outside_sentences(model, arrays))
-        return Lookup(
-            value=float(model.fitted.predict(point)),
-            unit=model.unit,
-            support=model.support,
-            inside=not remarks,
-            remarks=remarks,
-            error=model.largest_heldout_error,
-            equation=model.equation,
+        if gamma_deg is None:
+            return self._asked(response, dimensions, strict)
+        return self._told_between(response, dimensions, gamma_deg, strict)
+
+    def dimensions_of(self, throw: CrankThrow) -> dict[str, Any]:
+        """What to ask the model for a throw: its dimensions and labels by name.
+
+        Parameters
+        ----------
+        throw : CrankThrow
+
+        Raises
+        ------
+        InputError
+            If the throw has a feature that the throws of the model did not have, or lacks one.
+        """
+        return dict(throw_question(throw, self._ready.family, self.throw))
+
+    def of_throw(
+        self, throw: CrankThrow, *, gamma_deg: float | None = None, strict: bool = False
+    ) -> dict[str, Lookup]:
+        """Look all responses up for a throw.
+
+        Parameters
+        ----------
+        throw : CrankThrow
+        gamma_deg, strict
+            As in `axial_compliance`; the angle is for the responses that depend on it.
+
+        Returns
+        -------
+        dict of str to Lookup
+            Response name to its value. If the throw is of another size than the study's, this holds
+            the responses whose equations are dimensionless.
+
+        Raises
+        ------
+        InputError
+            If the throw is none of the model's family, or no response can be answered.
+
+        Warns
+        -----
+        UserWarning
+            For each response that cannot be answered while others can.
+        """
+        asked = self.dimensions_of(throw)
+        found: dict[str, Lookup] = {}
+        refused: dict[str, InputError] = {}
+        for name in self.responses:
+            angle = gamma_deg if name in ANGLE_LAWS else None
+            try:
+                found[name] = self.lookup(name, gamma_deg=angle, strict=strict, **asked)
+            except InputError as error:
+                refused[name] = error
+        if not found:
+            raise next(iter(refused.values()))
+        for name, reason in refused.items():
+            warnings.warn(f"{name} is left out: {reason}", stacklevel=2)
+        return found
+
+    def answer(self, response: str, dimensions: Mapping[str, ArrayLike | str]) -> Answer:
+        """Values of a response with what lies outside its range, without warnings."""
+        return self._ready.question(response).ask(dimensions)
+
+    def places(
+        self, response: str, dimensions: Mapping[str, ArrayLike | str]
+    ) -> NDArray[np.float64]:
+        """Places in the ranges of an equation's columns, -1 to 1 inside; (columns, ...)."""
+        return self._ready.question(response).places(dimensions)
+
+    @property
+    def family(self) -> Family:
+        """What varies and what is fixed in the throws that the model answers for."""
+        return self._ready.family
+
+    @cached_property
+    def _ready(self) -> ReadyModel:
+        ranges = self.ranges or column_ranges(self.responses)
+        family = Family(
+            ranges=ranges,
+            fixed=self.fixed,
+            categories=self.categories,
+            labels=self.labels,
+            units=self.units,
+            relations=self.relations,
         )
+        return ReadyModel(self.responses, family, self.material, self.constant_groups)
 
-    def _response(self, name: str) -> ResponseModel:
-        if name not in self.responses:
+    def _found(
+        self,
+        name: str,
+        dimensions: Mapping[str, Any],
+        gamma_deg: ArrayLike | None,
+        strict: bool,
+    ) -> Value:
+        """Answer the long way, with warnings for the caller of the public method, two frames up."""
+        values: Value
+        if gamma_deg is None:
+            answer = self._ready.question(name).ask(dimensions)
+            values, beyond = answer.values, answer.outside
+        else:
+            angle = fold_angle(gamma_deg)
+            answers = [self._ready.question(part).ask(dimensions) for part in self.angle_law(name)]
+            values = between_values(angle, [answer.values for answer in answers])
+            beyond = _once(one for answer in answers for one in answer.outside)
+        for one in beyond:
+            if strict:
+                raise InputError(one.refusal)
+            warnings.warn(one.remark, OutsideRangeWarning, stacklevel=3)
+        return values
+
+    def _asked(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> Lookup:
+        answer = self._ready.question(name).ask(dimensions)
+        if strict and answer.outside:
+            raise InputError(answer.outside[0].refusal)
+        band = self._ready.bands[name]
+        return tell(self.responses[name], band, float(answer.values), answer.outside)
+
+    def _told_between(
+        self, name: str, dimensions: Mapping[str, Any], gamma_deg: float, strict: bool
+    ) -> Lookup:
+        parts = [self._asked(part, dimensions, strict) for part in self.angle_law(name)]
+        own = self.responses[name].symbol if name in self.responses else parts[0].symbol
+        return tell_between(fold_angle(gamma_deg), parts, own)
+
+    def angle_law(self, name: str) -> tuple[str, str, str]:
+        """Names of the three responses (at 0 deg, at 180 deg, rho) of a response's angle law.
+
+        Raises
+        ------
+        InputError
+            If the response has no such law, or the model lacks one of the three.
+        """
+        if name not in ANGLE_LAWS:
             raise InputError(
-                f"response: given {name!r}; allowed are {', '.join(self.responses)}, which this "
-                "model holds."
+                f"gamma_deg: given for {name}; allowed is an angle for {' and '.join(ANGLE_LAWS)}, "
+                "because other responses have no closed angle law."
             )
-        return self.responses[name]
-
-    def _evaluate(self, name: str, dimensions: Mapping[str, ArrayLike]) -> Value:
-        response = self._response(name)
-        arrays = self._checked(response, dimensions)
-        try:
-            columns = np.broadcast_arrays(*(arrays[factor] for factor in response.factors))
-        except ValueError:
-            shapes = ", ".join(f"{factor} {arrays[factor].shape}" for factor in response.factors)
+        needed = ANGLE_LAWS[name]
+        missing = [part for part in needed if part not in self.responses]
+        if missing:
             raise InputError(
-                f"dimensions: given arrays of the shapes {shapes}; allowed are shapes that can be "
-                "broadcast together, one value or equally many of each."
-            ) from None
-        for sentence in _outside_sentences(response, arrays):
-            # The caller of the public method is two frames up.
-            warnings.warn(sentence, OutsideRangeWarning, stacklevel=3)
-        values = response.fitted.predict(np.stack(columns, axis=-1))
-        return values if values.ndim else float(values)
-
-    def _checked(
-        self, response: ResponseModel, dimensions: Mapping[str, Any]
-    ) -> dict[str, NDArray[np.float64]]:
-        """Return the factors as arrays, or say which dimension cannot be used."""
-        needed = ", ".join(response.factors)
-        for name in dimensions:
-            if name not in response.factors and name not in self.fixed:
-                raise InputError(
-                    f"{name}: unknown dimension; allowed are {needed}, the factors of this model."
-                )
-        for name in response.factors:
-            if name not in dimensions:
-                raise InputError(f"{name}: missing; the model needs its factors {needed}.")
-        # Features may be absent (0), and offsets of bores negative.
-        least = dict(zip(response.factors, response.lowest, strict=True)) | self.fixed
-        arrays = {
-            name: _checked_array(name, value, least[name]) for name, value in dimensions.items()
-        }
-        for name, array in arrays.items():
-            if name in self.fixed and not np.all(
-                np.abs(array - self.fixed[name]) <= _SAME * abs(self.fixed[name])
-            ):
-                different = float(array.flat[int(np.argmax(np.abs(array - self.fixed[name])))])
-                raise InputError(
-                    f"{name}: given {_show(name, different)}; allowed is "
-                    f"{_show(name, self.fixed[name])}, because it is fixed in this model (its "
-                    f"factors are {needed})."
-                )
-        return {name: arrays[name] for name in response.factors}
+                f"gamma_deg: given, but the model has no {', no '.join(missing)}; allowed is an angle "
+                f"only with {', '.join(needed)}, because the angle law is made of these."
+            )
+        return needed
 
     # ----------------------------------------------------------------------------------- file
 
@@ -385,25 +416,7 @@ class ComplianceModel(InputModel):
         OSError
             If the file cannot be written.
         """
-        content = self.model_dump(mode="json")
-        record = {
-            "format": FILE_FORMAT,
-            "version": FORMAT_VERSION,
-            "checksum": _checksum(content),
-            **content,
-        }
-        target = Path(path)
-        text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(text)
-            # Temporary files are private; a model is meant to be read.
-            os.chmod(temporary, 0o644)
-            os.replace(temporary, target)
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
+        write_model(self.model_dump(mode="json"), path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
@@ -412,7 +425,7 @@ class ComplianceModel(InputModel):
         Parameters
         ----------
         path : path-like
-            The JSON file.
+            The JSON file, of this release or the one before.
 
         Raises
         ------
@@ -420,115 +433,32 @@ class ComplianceModel(InputModel):
             If the file cannot be read, is no compliance model, is of a newer format, or was
             changed or cut since it was written.
         """
-        shown = os.fspath(path)
-        try:
-            text = Path(path).read_text(encoding="utf-8")
-        except OSError as error:
-            raise InputError(
-                f"{shown}: cannot be read ({error.strerror}); give the path of a compliance model "
-                "file."
-            ) from None
-        except UnicodeDecodeError:
-            raise InputError(f"{shown}: given a file that is not text; {_WANTED}.") from None
-        try:
-            record = json.loads(text)
-        except (json.JSONDecodeError, RecursionError) as error:
-            raise InputError(
-                f"{shown}: given a file that is not complete JSON ({error}); {_WANTED}."
-            ) from None
-        return cls._from_record(record, shown)
-
-    @classmethod
-    def _from_record(cls, record: object, shown: str) -> Self:
-        if not isinstance(record, dict) or record.get("format") != FILE_FORMAT:
-            raise InputError(f"{shown}: given a file of another kind; {_WANTED}.")
-        content = dict(record)
-        del content["format"]
-        version = content.pop("version", None)
-        if version != FORMAT_VERSION:
-            raise InputError(
-                f"{shown}: given format version {version!r}; allowed is {FORMAT_VERSION}, the only "
-                "one that this release of crankfem reads."
-            )
-        checksum = content.pop("checksum", None)
-        if checksum != _checksum(content):
-            raise InputError(
-                f"{shown}: given a file whose checksum does not fit its content; it was changed or "
-                "damaged after it was written, so its numbers cannot be trusted: fit the model "
-                "again."
-            )
+        content = read_model(path)
         try:
             return cls(**content)
         except (InputError, TypeError) as error:
-            raise InputError(f"{shown}: given a damaged compliance model; {error}") from None
+            raise InputError(
+                f"{os.fspath(path)}: given a damaged compliance model; {error}"
+            ) from None
+
+    # Copies make their own short ways, and files of a process pool carry none.
+
+    def __copy__(self) -> Self:
+        copied = super().__copy__()
+        copied.__dict__.pop("_ready", None)
+        return copied
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        copied = super().__deepcopy__(memo)
+        copied.__dict__.pop("_ready", None)
+        return copied
+
+    def __getstate__(self) -> dict[Any, Any]:
+        state = super().__getstate__()
+        own = {name: value for name, value in state["__dict__"].items() if name != "_ready"}
+        return state | {"__dict__": own}
 
 
-_WANTED = "allowed is a compliance model file as crankfem saves it"
-
-
-def _checksum(content: Mapping[str, object]) -> str:
-    """Return the SHA-256 of the content in one fixed spelling."""
-    spelled = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
-    return hashlib.sha256(spelled.encode()).hexdigest()
-
-
-def _span(fitted: FittedForm) -> tuple[dict[str, float], dict[str, float]]:
-    """Return the lowest and highest value of each factor in the runs."""
-    low: dict[str, float] = {}
-    high: dict[str, float] = {}
-    for name, center, half in zip(fitted.factors, fitted.center, fitted.half_range, strict=True):
-        low[name], high[name] = center - half, center + half
-        if fitted.logarithmic:
-            low[name], high[name] = math.exp(low[name]), math.exp(high[name])
-    return low, high
-
-
-def _checked_array(name: str, value: object, least: float) -> NDArray[np.float64]:
-    """Return finite numbers, positive ones unless the least of the model says otherwise."""
-    sign = "positive finite numbers" if least > 0.0 else "positive finite numbers (or 0)"
-    sign = "finite numbers" if least < 0.0 else sign
-    allowed = f"allowed are {sign} in SI units (m for a length)"
-    try:
-        raw = np.asarray(value)
-        if raw.dtype.kind not in "iuf":
-            raise TypeError
-        array = raw.astype(np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{name}: given {value!r}; {allowed}.") from None
-    if array.size == 0:
-        raise InputError(f"{name}: given an empty array; {allowed}.")
-    wrong = ~np.isfinite(array)
-    if least >= 0.0:
-        wrong |= array < 0.0
-    if least > 0.0:
-        wrong |= array == 0.0
-    if np.any(wrong):
-        raise InputError(f"{name}: given {float(array[wrong].flat[0]):g}; {allowed}.")
-    return array
-
-
-def _outside_sentences(
-    response: ResponseModel, arrays: Mapping[str, NDArray[np.float64]]
-) -> list[str]:
-    """Return one sentence for each factor outside its range, naming its farthest value."""
-    sentences: list[str] = []
-    for name, low, high in zip(response.factors, response.lowest, response.highest, strict=True):
-        array = arrays[name]
-        beyond = np.maximum(low * (1.0 - _SAME) - array, array - high * (1.0 + _SAME))
-        number = int(np.count_nonzero(beyond > 0.0))
-        if number == 0:
-            continue
-        farthest = float(array.flat[int(np.argmax(beyond))])
-        several = f" (and {number - 1} more)" if number > 1 else ""
-        sentences.append(
-            f"{name}: given {_show(name, farthest)}{several}; the range of the fit is "
-            f"{_show(name, low)} to {_show(name, high)}, beyond which its error is unknown."
-        )
-    return sentences
-
-
-def _show(name: str, value: float) -> str:
-    """Write a dimension with its unit."""
-    declared = CrankThrow.model_fields.get(name)
-    unit = field_extra(declared, "unit") if declared is not None else None
-    return show_quantity(value, str(unit)) if unit is not None else f"{value:g}"
+def _once(found: Iterable[Outside]) -> tuple[Outside, ...]:
+    """Say of each dimension once that it lies outside."""
+    return tuple({one.name: one for one in found}.values())

@@ -1,13 +1,18 @@
 """Designs of experiments."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from crankfem import console, tables
+from crankfem import console
 from crankfem.commands.options import JsonOption, WorkersOption
 from crankfem.console import print_json
+from geometry.quantity import parse_quantity
+
+if TYPE_CHECKING:
+    from regression.plan import StudyPlan
+    from regression.study import StudyTable
 
 
 def doe(
@@ -16,27 +21,138 @@ def doe(
     ],
     store: Annotated[Path, typer.Option(help="SQLite file of results.")] = Path("runs.sqlite"),
     workers: WorkersOption = 2,
+    dask: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Compute on the Dask cluster whose scheduler this is, like tcp://10.0.0.1:8786.",
+        ),
+    ] = None,
+    time_limit: Annotated[
+        str | None, typer.Option(help='What one design may take, like "300 s".')
+    ] = None,
+    memory_limit: Annotated[
+        str | None, typer.Option(help='What one worker process may take, like "4 GB".')
+    ] = None,
+    import_: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--import",
+            metavar="FILE",
+            help="CSV table of earlier or measured results, or another store; may be repeated.",
+        ),
+    ] = None,
+    export: Annotated[
+        Path | None, typer.Option(help="Table of all results to write: .csv or .parquet.")
+    ] = None,
+    plan: Annotated[
+        bool, typer.Option("--plan", help="Show what would be computed, and compute nothing.")
+    ] = False,
     json: JsonOption = False,
 ) -> None:
     """Run a design of experiments, or continue it where it stopped."""
     from crankfem.engine_file import load_study
-    from crankfem.results import study_record
-    from crankfem.studies import fitted
-    from regression.study import run_plan
+    from regression.export_table import check_export, export_table
 
-    plan = load_study(study)
-    with console.RunProgress() as progress:
-        progress.step("Running the study")
-        table = run_plan(plan, store, workers, progress.design)
-        progress.finish()
+    limits = {
+        "time_limit": _quantity(time_limit, "s", "--time-limit"),
+        "memory_limit": _quantity(memory_limit, "byte", "--memory-limit"),
+    }
+    read = load_study(study)
+    if plan:
+        _show_plan(read, json)
+        return
+    if export is not None:
+        check_export(export)
+    for file in import_ or ():
+        _import(read, store, file)
+    table = _run(read, store, workers, {"dask": dask, **limits})
+    say = console.errors.print if json else console.output.print
+    say(_summary(table, store), soft_wrap=True, highlight=False)
+    if export is not None:
+        count = export_table(table, export)
+        say(f"{count} rows written to {export}.", soft_wrap=True, highlight=False)
+    _show_fits(table, json)
+
+
+def _summary(table: "StudyTable", store: Path) -> str:
+    """Say in a line what the study has."""
+    held_out = int(table.held_out.sum())
+    text = (
+        f"{len(table.held_out) - held_out} runs and {held_out} held-out designs in {store}; "
+        f"{table.computed} computed now, {len(table.failures)} failed"
+    )
+    if table.excluded:
+        text += f", {len(table.excluded)} excluded by the plan"
+    if table.extra:
+        text += f", {len(table.extra)} imported rows"
+    return f"{text}."
+
+
+def _show_fits(table: "StudyTable", json: bool) -> None:
+    from crankfem.fit_records import study_record
+    from crankfem.fit_tables import print_comparisons, print_fits
+    from crankfem.studies import fitted
+
     found = fitted(table)
-    record = study_record(found.table, found.fits)
+    record = study_record(table, found.fits, found.model)
     if json:
         print_json(record)
         return
-    console.output.print(
-        f"{record['runs']} runs and {record['held_out']} held-out designs in {store}; "
-        f"{record['computed_now']} computed now, {len(record['failures'])} failed.",
+    print_fits(record["fits"])
+    print_comparisons(record["compared"])
+
+
+def _quantity(text: str | None, unit: str, option: str) -> float | None:
+    return None if text is None else parse_quantity(text, unit, option)
+
+
+def _show_plan(plan: "StudyPlan", json: bool) -> None:
+    from crankfem.design_tables import plan_record, print_plan
+    from regression.plan import plan_designs
+
+    planned = plan_designs(plan)
+    if json:
+        print_json(plan_record(planned))
+    else:
+        print_plan(planned)
+
+
+def _import(plan: "StudyPlan", store: Path, file: Path) -> None:
+    from regression.study import import_results
+
+    found = import_results(plan, store, file)
+    left_out = f"; {found.left_out} do not belong to this study" if found.left_out else ""
+    console.errors.print(
+        f"{file}: {found.designs} finished designs and {found.rows} further rows taken over{left_out}.",
         soft_wrap=True,
+        highlight=False,
     )
-    tables.print_fits(record["fits"])
+
+
+def _run(plan: "StudyPlan", store: Path, workers: int, options: dict[str, Any]) -> "StudyTable":
+    from regression import study
+
+    if options["dask"] is not None:
+        from regression.cluster import quiet_dask
+
+        quiet_dask()
+    with console.RunProgress() as progress:
+        progress.step("Running the study")
+        try:
+            table = study.run_plan(
+                plan, store, workers, progress.design, note=progress.note, **options
+            )
+        except KeyboardInterrupt:
+            if not progress.total:  # nothing of the store is known yet
+                raise
+            interrupted = True
+        else:
+            interrupted = False
+            progress.finish()
+    if interrupted:
+        console.end_interrupted(
+            f"Stopped. {progress.finished} of {progress.total} designs are finished and kept in {store}; "
+            "the same command continues where it stopped."
+        )
+    return table

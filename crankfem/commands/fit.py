@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from crankfem import console, tables
+from crankfem import console
 from crankfem.commands.options import JsonOption
 from crankfem.console import print_json
 
@@ -16,18 +16,43 @@ def fit(
     study: Annotated[
         str | None, typer.Option(help="First characters of the study's key, if there are several.")
     ] = None,
+    form: Annotated[
+        str | None,
+        typer.Option(help="Form to take for every response, instead of the chosen ones."),
+    ] = None,
+    response: Annotated[
+        str | None, typer.Option(help="Response to print in detail; the axial compliance else.")
+    ] = None,
+    plots: Annotated[Path | None, typer.Option(help="Folder to write diagrams to (SVG).")] = None,
     json: JsonOption = False,
 ) -> None:
     """Fit equations to a study's results and save the best as a model."""
-    from crankfem.results import study_record
-    from crankfem.studies import fitted
+    from crankfem.fit_records import study_record
+    from crankfem.fit_tables import MAIN_RESPONSE, print_comparisons, print_fits
+    from crankfem.fitting import compliance_model, fit_study
+    from crankfem.pictures.fit_plots import plot_fits
+    from geometry.errors import InputError
     from regression.study import read_study
 
-    found = fitted(read_study(store, study))
-    found.model.save(model)
-    record = study_record(found.table, found.fits)
+    console.check_folder(model)
+    table = read_study(store, study)
+    fits = fit_study(table)
+    if response is not None and response not in fits:
+        raise InputError(
+            f"response: given {response!r}; allowed are {', '.join(fits)}, which this study has."
+        )
+    made = compliance_model(table, fits, form)
+    made.save(model)
+    record = study_record(table, fits, made)
+    shown = response or (MAIN_RESPONSE if MAIN_RESPONSE in fits else next(iter(fits)))
+    written = [] if plots is None else plot_fits(plots, table, fits[shown], form)
     if json:
         print_json(record)
         return
-    tables.print_fits(record["fits"])
+    print_fits(record["fits"], shown, form)
+    for name, reason in record["unfitted"].items():
+        console.output.print(f"No equation for {name}: {reason}", soft_wrap=True, highlight=False)
+    print_comparisons(record["compared"])
+    if written:
+        console.output.print(f"Diagrams: {', '.join(map(str, written))}", soft_wrap=True)
     console.output.print(f"Model: {model}", soft_wrap=True)

@@ -1,45 +1,142 @@
-"""The published formulas."""
+"""The published formulas: for one throw, for all shipped engines, and the survey's own table."""
 
+import functools
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 import typer
 
-from crankfem import tables
-from crankfem.commands.options import EngineArgument, JsonOption
-from crankfem.console import print_json
+from crankfem import console, formula_tables
+from crankfem.commands.options import JsonOption
+from crankfem.console import parse_pairs, print_json
+from geometry.errors import InputError
 
 
 def formulas(
-    engine: EngineArgument,
+    engine: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="ENGINE.toml",
+            help="Engine file, or the name of a shipped engine; none with --all or --published.",
+        ),
+    ] = None,
     gamma: Annotated[float, typer.Option(help="Angle between neighboring cranks in deg.")] = 180.0,
-    variant: Annotated[str, typer.Option(help="corrected, printed or k/4.")] = "corrected",
+    variant: Annotated[
+        str, typer.Option(help="Reading: corrected, printed, plain (TsNIIMF) or k/4 (Draminsky 2).")
+    ] = "corrected",
+    constant: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE",
+            help="An open constant of a formula: C, k_3, k_or, k_n or k_gorbunov; once for each.",
+        ),
+    ] = None,
     fe: Annotated[bool, typer.Option(help="Also compute the finite element value.")] = True,
+    all_engines: Annotated[
+        bool, typer.Option("--all", help="Formula / finite elements for all shipped engines.")
+    ] = False,
+    published: Annotated[
+        bool, typer.Option("--published", help="The published table, repaired values marked.")
+    ] = False,
     json: JsonOption = False,
 ) -> None:
-    """Show the published formulas for a throw beside finite elements."""
+    """Show the published formulas for a throw, or all shipped engines, beside finite elements."""
+    if (engine is not None) + all_engines + published != 1:
+        raise InputError(
+            "formulas: given not exactly one of ENGINE.toml, --all and --published; allowed is one "
+            "of them, because each is a table of its own."
+        )
+    if published:
+        _published(json)
+        return
+    constants = parse_pairs(constant or [], _pure_number)
+    if engine is None:
+        _all_engines(gamma, variant, constants, fe, json)
+    else:
+        _one_throw(engine, gamma, variant, constants, fe, json)
+
+
+def _one_throw(
+    engine: str,
+    gamma: float,
+    variant: str,
+    constants: Mapping[str, float],
+    fe: bool,
+    json: bool,
+) -> None:
     from crankfem.engine_file import load_throw
-    from crankfem.results import formula_records
+    from crankfem.formula_records import fe_record, formula_records
     from fem.analysis import analyze_throw
-    from fem.supports import Neighbors
 
     dimensions, material = load_throw(engine)
-    records: dict[str, Any] = dict(formula_records(dimensions, material, gamma, variant))
+    records: dict[str, Any] = dict(formula_records(dimensions, material, gamma, variant, constants))
     records["gamma_deg"] = gamma
     if fe:
-        analysis = analyze_throw(dimensions, material)
-        records["fe"] = {
-            "axial": analysis.axial_compliance(Neighbors(gamma, gamma)),
-            "torsional": analysis.torsional_compliance("pinned"),
-            "error_estimate": analysis.error_estimate,
-        }
+        records["fe"] = fe_record(analyze_throw(dimensions, material), gamma)
     if json:
         print_json(records)
-        return
-    for kind in ("axial", "torsional"):
-        tables.print_formula_table(
-            f"{kind.capitalize()} compliance"
-            + (f", gamma = {gamma:g} deg" if kind == "axial" else ""),
-            records[kind],
-            records["fe"][kind] if fe else None,
-            f"neighbors at {gamma:g} deg" if kind == "axial" else "pinned",
+    else:
+        formula_tables.print_one_throw(records, gamma)
+
+
+def _all_engines(
+    gamma: float, variant: str, constants: Mapping[str, float], fe: bool, json: bool
+) -> None:
+    from crankfem.data_files import shipped_engines
+    from crankfem.engine_file import load_throw
+    from crankfem.formula_spread import engine_spread, spread_of_engines, spread_record
+
+    if not fe:
+        raise InputError(
+            "--no-fe: given together with --all; allowed is one of the two, because --all compares "
+            "with finite elements."
         )
+    spreads = spread_of_engines(
+        [(name, *load_throw(name)) for name in shipped_engines()],
+        functools.partial(engine_spread, gamma_deg=gamma, variant=variant, constants=constants),
+        lambda place, count, name: console.errors.print(
+            f"finite elements: {name} ({place} of {count})", highlight=False
+        ),
+    )
+    if json:
+        print_json({"gamma_deg": gamma, "engines": [spread_record(spread) for spread in spreads]})
+    else:
+        formula_tables.print_spread(spreads, gamma, variant)
+
+
+def _published(json: bool) -> None:
+    from crankfem.data_files import data_folder
+    from regression.published_table import FINITE_ELEMENTS_DOUBT, read_published_table
+
+    values = read_published_table(data_folder() / "tables" / "axial_compliance_published.csv")
+    if not json:
+        formula_tables.print_published(values)
+        return
+    print_json(
+        {
+            "unit": "m/N",
+            "values": [
+                {
+                    "engine": value.engine,
+                    "formula": value.formula,
+                    "printed": value.printed,
+                    "exponent_factor": value.exponent_factor,
+                    "repaired": value.repaired,
+                    "group": value.group,
+                    "doubt": value.doubt,
+                }
+                for value in values
+            ],
+            "finite_elements_doubt": FINITE_ELEMENTS_DOUBT,
+        }
+    )
+
+
+def _pure_number(name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(
+            f"constant {name}: given {text!r}; allowed is a plain number, because the formulas' "
+            "constants have no unit."
+        ) from None

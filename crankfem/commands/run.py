@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from crankfem import console, tables
+from crankfem import console, fit_tables, formula_tables, tables
 from crankfem.commands.options import EngineArgument, JsonOption, WorkersOption
 from crankfem.console import print_json
 from geometry.errors import InputError
@@ -29,9 +29,9 @@ def run(
         print_json(made.results)
         return
     tables.print_throw(made.results["throw"])
-    tables.print_formulas(made.results["formulas"], made.results["throw"])
+    formula_tables.print_one_throw(made.results["formulas"], 180.0)
     if made.results["study"] is not None:
-        tables.print_fits(made.results["study"]["fits"])
+        fit_tables.print_main_fits(made.results["study"]["fits"])
     for vibration in made.results["vibration"].values():
         tables.print_vibration(vibration)
     console.output.print(f"Report: {made.folder / REPORT}", soft_wrap=True)

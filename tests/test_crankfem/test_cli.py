@@ -413,7 +413,7 @@ def test_report_refuses_what_is_no_run(call, tmp_path, content):
 
 
 def test_an_interrupt_ends_with_a_word_and_130(call, monkeypatch):
-    def interrupted(*_):
+    def interrupted(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("regression.study.run_plan", interrupted)

@@ -19,7 +19,7 @@ def test_shipped_engines_are_valid(name):
     assert 0 < len(engine.assumed) < len(engine.records)
     assert all(record.source for record in engine.records)
     assert engine.study is not None
-    assert math.prod(len(levels) for levels in engine.study.levels.values()) == 27
+    assert math.prod(len(factor.levels) for factor in engine.study.factors) == 27
     assert engine.study.held_out == 8
 
 
@@ -93,7 +93,9 @@ def test_a_throw_and_a_study_can_stand_alone(tmp_path, six_cylinders, edit):
     throw, material = load_throw(path)
     assert throw == load_engine("6chn25-34").throw
     assert material == cf.STEEL
-    assert load_study(path).levels["web_width"] == pytest.approx((0.270, 0.300, 0.330))
+    plan = load_study(path)
+    assert plan.names[0] == "web_width"
+    assert plan.factors[0].levels == pytest.approx((0.270, 0.300, 0.330))
     with pytest.raises(
         InputError, match=r"describes a throw, not an engine; add the sections \[engine\]"
     ):
@@ -297,16 +299,20 @@ REFUSED = {
         ["study.factors.web_with", "unknown", "web_width"],
     ),
     "no factor": ({"[study.factors]": None}, ["study.factors", "at least one"]),
-    "combination that cannot be built": (
-        {"study.factors.web_width": '["225 mm", "300 mm"]'},
-        ["study.factors", "throw.fillet_radius", "12 mm", "2.5 mm", "225 mm is too narrow"],
+    "no combination that can be built": (
+        {"study.factors.web_width": '["215 mm", "225 mm"]'},
+        ["study.factors", "none of the", "can be used", "215 mm"],
     ),
     "nothing held out": ({"study.held_out": "0"}, ["study.held_out", "given 0", "1 to 1000"]),
     "half a design held out": ({"study.held_out": "1.5"}, ["study.held_out", "given 1.5"]),
     "negative seed": ({"study.seed": "-1"}, ["study.seed", "given -1", "0 to"]),
     "accuracy too loose": ({"study.accuracy": "0.5"}, ["study.accuracy", "0.5", "0.001 to 0.1"]),
     "accuracy not a number": ({"study.accuracy": "nan"}, ["study.accuracy", "nan"]),
-    "unknown field of the study": ({"study.runs": "5"}, ["study.runs", "unknown field"]),
+    "unknown field of the study": ({"study.run": "5"}, ["study.run", "unknown field"]),
+    "runs of a design that counts them itself": (
+        {"study.runs": "5"},
+        ["study.runs", "given 5", "full factorial"],
+    ),
 }
 
 

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.analysis import analyze_throw, throw_responses
+from fem.analysis import analyze_throw
 from fem.class_compliances import axial_answers, torsional_answer
 from fem.loads import radial_directions, uniform_pin_loads
+from fem.responses import evaluate_throw
 from fem.shaft import shaft_compliances, solve_shaft
 from fem.superelement import UZ
 from fem.supports import Neighbors, end_motions, reactions, support_throw
@@ -316,28 +317,30 @@ def test_analysis_of_a_throw_with_two_pins(opposite):
         assert forces.left.force[2] == pytest.approx(thrust, rel=1e-6)
     with pytest.raises(InputError, match=r"^pin: given 2; allowed is 0 to 1\.$"):
         found.influence_coefficient(pin=2)
-    responses = throw_responses(opposite, accuracy=0.1)
-    assert responses["axial_compliance_guided"] == pytest.approx(
+    responses = evaluate_throw(opposite, accuracy=0.1)
+    assert responses.values["axial_compliance_guided"] == pytest.approx(
         found.axial_compliance("guided"), rel=1e-9
     )
-    assert responses["influence_coefficient_pinned"] == pytest.approx(
+    assert responses.values["influence_coefficient_pinned"] == pytest.approx(
         found.influence_coefficient(), rel=1e-9
     )
-    assert responses["mass"] == found.mass
-    assert responses["unknowns"] == found.mesh.unknowns
+    assert responses.values["mass"] == found.mass
+    assert responses.unknowns == found.mesh.unknowns
 
 
 @pytest.mark.slow
 def test_analysis_of_a_throw_without_symmetry(split):
     found = analyze_throw(split, accuracy=0.1)
     assert found.mesh.part == "full"
-    responses = throw_responses(split, accuracy=0.1)
+    responses = evaluate_throw(split, accuracy=0.1)
     for support in ("pinned", "guided"):
         wanted = found.supported(support)
-        assert responses[f"axial_compliance_{support}"] == pytest.approx(wanted.axial, rel=1e-9)
-        assert responses[f"torsional_compliance_{support}"] == pytest.approx(
+        assert responses.values[f"axial_compliance_{support}"] == pytest.approx(
+            wanted.axial, rel=1e-9
+        )
+        assert responses.values[f"torsional_compliance_{support}"] == pytest.approx(
             wanted.torsional, rel=1e-9
         )
-        assert responses[f"influence_coefficient_{support}"] == pytest.approx(
+        assert responses.values[f"influence_coefficient_{support}"] == pytest.approx(
             wanted.influence, rel=1e-9
         )

@@ -9,7 +9,9 @@ from geometry.throw import CrankThrow
 from regression.axial_formulas import (
     AXIAL_FORMULA_NAMES,
     DEFAULT_CONSTANTS,
+    FORMULA_CONSTANTS,
     axial_formula,
+    axial_formula_faults,
     axial_formulas,
     fold_angle_deg,
 )
@@ -32,33 +34,61 @@ LOW_SPEED = throw_of_mm(775, 550, 550, 450, 400, 1050, 320)
 
 # Compliance of plain throws without fillets at gamma = 180 deg by second-order tetrahedral finite
 # elements [1e-9 m/N], and formula / finite elements for Anderson, Gorbunov with
-# 0.5 (1 - cos gamma), Skorchev, Draminsky (1) and (2).
+# 0.5 (1 - cos gamma), Skorchev, Draminsky (1) and (2), Stoyanov. The ratios were worked out beside
+# those finite elements and have two decimals: hence 0.011.
 FINITE_ELEMENTS = [
-    ((170, 220, 180, 120, 139, 300, 50), 2.007, (1.62, 1.76, 1.86, 2.67, 2.85)),
-    ((170, 220, 180, 120, 139, 300, 68), 1.339, (1.16, 1.45, 1.28, 1.76, 1.99)),
-    ((170, 220, 180, 120, 139, 300, 90), 0.997, (0.91, 1.17, 0.95, 1.23, 1.51)),
-    ((130, 220, 190, 100, 130, 300, 60), 0.511, (1.33, 0.84, 1.85, 2.85, 3.31)),
-    ((130, 220, 190, 100, 130, 300, 90), 0.411, (0.76, 0.80, 0.96, 1.33, 1.79)),
-    ((70, 110, 88, 45, 80, 140, 27.5), 1.921, (1.46, 1.06, 1.82, 2.67, 2.98)),
-    ((90, 95, 85, 55, 70, 140, 25), 6.531, (1.42, 2.13, 1.53, 2.11, 2.24)),
-    ((775, 550, 550, 450, 400, 1050, 320), 0.761, (0.91, 1.11, 0.88, 1.01, 1.20)),
+    ((170, 220, 180, 120, 139, 300, 50), 2.007, (1.62, 1.76, 1.86, 2.67, 2.85, 2.73)),
+    ((170, 220, 180, 120, 139, 300, 68), 1.339, (1.16, 1.45, 1.28, 1.76, 1.99, 1.93)),
+    ((170, 220, 180, 120, 139, 300, 90), 0.997, (0.91, 1.17, 0.95, 1.23, 1.51, 1.50)),
+    ((130, 220, 190, 100, 130, 300, 60), 0.511, (1.33, 0.84, 1.85, 2.85, 3.31, 3.17)),
+    ((130, 220, 190, 100, 130, 300, 90), 0.411, (0.76, 0.80, 0.96, 1.33, 1.79, 1.79)),
+    ((70, 110, 88, 45, 80, 140, 27.5), 1.921, (1.46, 1.06, 1.82, 2.67, 2.98, 2.80)),
+    ((90, 95, 85, 55, 70, 140, 25), 6.531, (1.42, 2.13, 1.53, 2.11, 2.24, 2.16)),
+    ((775, 550, 550, 450, 400, 1050, 320), 0.761, (0.91, 1.11, 0.88, 1.01, 1.20, 1.15)),
 ]
+# Least and greatest ratio of the readings of TsNIIMF over those throws, to two digits: hence 3 %.
+# Least of the corrected one by hand: R 130, B 300, h 90, s 75 mm, k_2 = 117.15 mm, 0.1735 / 0.411.
+TSNIIMF_RANGE = {"corrected": (0.422, 1.9), "plain": (0.68, 2.5), "printed": (1.2, 5.4)}
 
 
 @pytest.mark.parametrize(("dimensions", "compliance", "ratios"), FINITE_ELEMENTS)
 def test_ratio_to_finite_elements(dimensions, compliance, ratios):
     values = axial_formulas(throw_of_mm(*dimensions), constants={"k_gorbunov": 0.5})
-    names = ("Anderson", "Gorbunov", "Skorchev", "Draminsky (1)", "Draminsky (2)")
+    names = ("Anderson", "Gorbunov", "Skorchev", "Draminsky (1)", "Draminsky (2)", "Stoyanov")
     found = [values[name].value / (compliance * 1e-9) for name in names]
     assert found == pytest.approx(ratios, abs=0.011)
+
+
+@pytest.mark.parametrize("variant", TSNIIMF_RANGE)
+def test_range_of_tsniimf_beside_finite_elements(variant):
+    ratios = []
+    for dimensions, compliance, _ in FINITE_ELEMENTS:
+        values = axial_formulas(throw_of_mm(*dimensions), variant=variant)
+        if "TsNIIMF" in values:
+            ratios.append(values["TsNIIMF"].value / (compliance * 1e-9))
+    # Two throws do not overlap: there the print has no value.
+    assert len(ratios) == (6 if variant == "printed" else 8)
+    assert (min(ratios), max(ratios)) == pytest.approx(TSNIIMF_RANGE[variant], rel=0.03)
 
 
 def test_low_speed_throw_without_overlap_agrees_within_a_quarter():
     values = axial_formulas(LOW_SPEED, constants={"k_gorbunov": 0.5})
     for name, value in values.items():
-        assert value.value == pytest.approx(0.761e-9, rel=0.25), name
         assert value.valid
         assert value.unit == "m/N"
+        # Guglielmotti-Macchiotta takes off much of the web, TsNIIMF has no crankpin.
+        low = 0.65 if name in ("Guglielmotti-Macchiotta", "TsNIIMF") else 0.75
+        assert low < value.value / 0.761e-9 < 1.25, name
+
+
+@pytest.mark.parametrize(
+    ("variant", "ratios"), [("corrected", (0.66, 0.86, 1.11)), ("printed", (2.0, 2.7, 3.5))]
+)
+def test_guglielmotti_macchiotta_with_8_not_42(variant, ratios):
+    # Finite elements at 180, 120 and 90 deg [1e-9 m/N]: with 42 nothing fits.
+    value = axial_formula("Guglielmotti-Macchiotta", LOW_SPEED, variant=variant).value * 1e9
+    found = [value / compliance for compliance in (0.761, 0.578, 0.448)]
+    assert found == pytest.approx(ratios, abs=0.01 if variant == "corrected" else 0.06)
 
 
 def test_values_by_hand():
@@ -72,7 +102,19 @@ def test_values_by_hand():
     k_1 = 1 - 0.125 * 0.4 / 0.17
     k_2 = math.sqrt(0.03**2 + 0.068**2)
     longer_pin = pin * (0.139 + 0.2 * 0.068) / 0.139
+    b = 2 * 0.3 / 0.4
+    c = 3.97 - 3.64 * b + 1.13 * b**2
     expected = {
+        "Guglielmotti-Macchiotta": pin
+        + 8 * 0.17 * (0.17 - 0.44 * 0.22) ** 2 / (E * 0.3 * 0.068**3),
+        "TsNIIMF": 8 * 0.17**3 / (E * 0.3 * k_2**3),
+        "Stoyanov": (
+            (0.139 + 0.48 * 0.068) * 0.17**2 / (math.pi * 0.18**4 / 64)
+            + (0.139 + 0.7 * 0.068) / area_pin
+            + (0.12 + 0.7 * 0.068) / area_journal
+            + 4.72 * 0.17 / (0.3 * c * 0.068) * (1 + 1.7 * 0.17**2 / 0.068**2)
+        )
+        / E,
         "Draminsky (1)": pin + 2 / 3 * web,
         "Draminsky (2)": pin * (0.139 + 0.33 * 0.068) / 0.139 * (1 - 0.5 / 12)
         + web * (2 / 3 - 0.25)
@@ -95,12 +137,15 @@ def test_values_by_hand():
 def test_names_are_complete():
     assert tuple(axial_formulas(MEDIUM_SPEED)) == AXIAL_FORMULA_NAMES
     assert set(AXIAL_FORMULA_NAMES) == {
+        "Guglielmotti-Macchiotta",
         "Draminsky (1)",
         "Draminsky (2)",
-        "Dorey",
-        "Skorchev",
+        "TsNIIMF",
         "Anderson",
         "Gorbunov",
+        "Dorey",
+        "Skorchev",
+        "Stoyanov",
     }
 
 
@@ -149,16 +194,75 @@ def test_draminsky_2_with_k_4_is_usable_at_all_angles():
 def test_overlap_is_remarked():
     overlapped, plain = axial_formulas(MEDIUM_SPEED), axial_formulas(LOW_SPEED)
     for name in AXIAL_FORMULA_NAMES:
-        assert any("30 mm" in remark for remark in overlapped[name].remarks), name
+        # TsNIIMF's formula has the overlap in it.
+        said = any("overlap by 30 mm" in remark for remark in overlapped[name].remarks)
+        assert said == (name != "TsNIIMF"), name
         assert not any("overlap" in remark for remark in plain[name].remarks), name
+
+
+def test_stoyanov_without_its_factor_does_not_apply_to_an_overlap():
+    assert axial_formula("Stoyanov", LOW_SPEED).valid
+    assert not axial_formula("Stoyanov", MEDIUM_SPEED).valid
+    assert axial_formula("Stoyanov", MEDIUM_SPEED, constants={"k_n": 0.4}).valid
+
+
+@pytest.mark.parametrize(
+    ("width", "valid"), [(650, False), (750, True), (1050, True), (1080, False)]
+)
+def test_stoyanov_holds_for_ordinary_widths(width, valid):
+    value = axial_formula("Stoyanov", throw_of_mm(775, 550, 550, 450, 400, width, 320))
+    assert value.valid == valid
+    assert any("outside 1.3 to 1.92" in remark for remark in value.remarks) == (not valid)
+
+
+def test_guglielmotti_macchiotta_without_a_web_left_is_refused():
+    throw = throw_of_mm(40, 100, 80, 100, 100, 150, 40)
+    value = axial_formula("Guglielmotti-Macchiotta", throw)
+    assert not value.valid
+    assert math.isfinite(value.value)
+    assert any("R - 0.44 D_km <= 0" in remark for remark in value.remarks)
+
+
+def test_readings_of_tsniimf():
+    plain = axial_formula("TsNIIMF", MEDIUM_SPEED, variant="plain").value
+    assert plain == pytest.approx(8 * 0.17**3 / (2.1e11 * 0.3 * 0.068**3), rel=1e-12)
+    printed = axial_formula("TsNIIMF", MEDIUM_SPEED, variant="printed")
+    # h_e = sqrt(s h): here the web becomes softer than without any overlap.
+    assert printed.value == pytest.approx(plain * (68 / 30) ** 1.5, rel=1e-9)
+    assert not printed.valid
+    thick = throw_of_mm(130, 220, 190, 100, 130, 300, 60)  # s = 75 mm
+    assert axial_formula("TsNIIMF", thick, variant="printed").valid
+    for throw in (MEDIUM_SPEED, thick):
+        corrected = axial_formula("TsNIIMF", throw).value
+        assert corrected < axial_formula("TsNIIMF", throw, variant="plain").value
+    # Without overlap the corrected reading is the plain one.
+    corrected = axial_formula("TsNIIMF", LOW_SPEED).value
+    assert corrected == axial_formula("TsNIIMF", LOW_SPEED, variant="plain").value
+    assert list(axial_formulas(LOW_SPEED, variant="plain")) == ["TsNIIMF"]
+
+
+def test_printed_tsniimf_has_no_value_without_overlap():
+    for throw in (LOW_SPEED, throw_of_mm(90, 95, 85, 55, 70, 140, 25)):  # s = -225 mm and 0
+        with pytest.raises(InputError, match=r"allowed is 'corrected' or 'plain', because .* root"):
+            axial_formula("TsNIIMF", throw, variant="printed")
+        assert "TsNIIMF" not in axial_formulas(throw, variant="printed")
+        assert "do not overlap" in axial_formula_faults(throw, "printed")["TsNIIMF"]
+    assert "TsNIIMF" not in axial_formula_faults(MEDIUM_SPEED, "printed")
 
 
 def test_formulas_without_an_angle_say_so():
     values = axial_formulas(LOW_SPEED, 120.0)
-    assert not values["Draminsky (1)"].valid
-    assert not values["Skorchev"].valid
-    assert values["Anderson"].valid
-    assert values["Dorey"].valid
+    without = {name for name, value in values.items() if not value.valid}
+    assert without == {
+        "Guglielmotti-Macchiotta",
+        "Draminsky (1)",
+        "TsNIIMF",
+        "Skorchev",
+        "Stoyanov",
+    }
+    with_factor = axial_formula("Guglielmotti-Macchiotta", LOW_SPEED, 120.0, constants={"C": 0.7})
+    assert with_factor.valid
+    assert with_factor.value == pytest.approx(0.7 * values["Guglielmotti-Macchiotta"].value)
     with_factor = axial_formula("Skorchev", LOW_SPEED, 120.0, constants={"k_or": 0.875})
     assert with_factor.valid
     assert with_factor.value == pytest.approx(0.875 * values["Skorchev"].value)
@@ -172,17 +276,35 @@ def test_anderson_without_a_web_left_is_refused():
 
 
 def test_gorbunov_at_gamma_0_is_refused():
+    # 0.8 (1 - cos gamma) = 1/4, the web of a frame with blocked tilt, at 46.6 deg.
     assert not axial_formula("Gorbunov", LOW_SPEED, 0.0).valid
-    assert axial_formula("Gorbunov", LOW_SPEED, 90.0).valid
+    assert not axial_formula("Gorbunov", LOW_SPEED, 46.0).valid
+    assert axial_formula("Gorbunov", LOW_SPEED, 47.0).valid
 
 
 def test_constants_act_on_their_formula_alone():
     plain = axial_formulas(MEDIUM_SPEED)
-    for constant, owner in (("k_3", "Dorey"), ("k_or", "Skorchev"), ("k_gorbunov", "Gorbunov")):
+    owners = {
+        "C": "Guglielmotti-Macchiotta",
+        "k_3": "Dorey",
+        "k_or": "Skorchev",
+        "k_n": "Stoyanov",
+        "k_gorbunov": "Gorbunov",
+    }
+    assert {name: c.formula for name, c in FORMULA_CONSTANTS.items()} == owners
+    for constant, owner in owners.items():
         larger = {constant: 2.0 * DEFAULT_CONSTANTS[constant]}
         changed = axial_formulas(MEDIUM_SPEED, constants=larger)
         for name in AXIAL_FORMULA_NAMES:
             assert (changed[name].value > plain[name].value * 1.01) == (name == owner)
+
+
+def test_constants_are_documented():
+    for name, constant in FORMULA_CONSTANTS.items():
+        assert constant.default == DEFAULT_CONSTANTS[name]
+        assert constant.meaning
+        assert constant.reason
+        assert f'"{name}"' in axial_formulas.__doc__
 
 
 def test_defaults_given_explicitly_change_no_value():
@@ -193,10 +315,21 @@ def test_defaults_given_explicitly_change_no_value():
 
 def test_printed_leaves_out_what_cannot_be_evaluated():
     printed = axial_formulas(MEDIUM_SPEED, variant="printed")
-    assert set(printed) == {"Draminsky (1)", "Dorey", "Skorchev"}
+    assert set(printed) == {
+        "Guglielmotti-Macchiotta",
+        "Draminsky (1)",
+        "TsNIIMF",
+        "Dorey",
+        "Skorchev",
+        "Stoyanov",
+    }
+    assert set(AXIAL_FORMULA_NAMES) - set(printed) == set(
+        axial_formula_faults(MEDIUM_SPEED, "printed")
+    )
     assert all(value.variant == "printed" for value in printed.values())
     corrected = axial_formulas(MEDIUM_SPEED)
-    assert printed["Dorey"].value == corrected["Dorey"].value
+    for name in ("Dorey", "Skorchev", "Stoyanov"):
+        assert printed[name].value == corrected[name].value
     # The print bends the main journal, 120 mm of 220 mm, in place of the pin.
     journal = 0.17**2 * 0.12 / (2.1e11 * math.pi * 0.22**4 / 64)
     pin = 0.17**2 * 0.139 / (2.1e11 * math.pi * 0.18**4 / 64)
@@ -219,7 +352,7 @@ def test_unsound_print_raises_with_the_dimensional_fault(name, fault):
 
 def test_sources_name_author_and_survey():
     for name, value in axial_formulas(MEDIUM_SPEED).items():
-        assert name.split(" (")[0] in value.source
+        assert all(author in value.source for author in name.split(" (")[0].split("-"))
         assert "10.24143/2073-1574-2021-4-75-83" in value.source
 
 
@@ -233,9 +366,10 @@ def test_sources_name_author_and_survey():
         ({"poisson_ratio": 0.6}, "poisson_ratio: given 0.6"),
         ({"poisson_ratio": math.nan}, "poisson_ratio: given nan"),
         ({"variant": "repaired"}, "variant: given 'repaired'; allowed are corrected"),
-        ({"constants": {"k_4": 1.0}}, "constants: given 'k_4'; allowed are k_3"),
+        ({"constants": {"k_4": 1.0}}, "constants: given 'k_4'; allowed are C, k_3, k_or, k_n"),
         ({"constants": {"k_3": -1.0}}, r"constants\['k_3'\]: given -1.0"),
         ({"constants": {"k_3": math.nan}}, r"constants\['k_3'\]: given nan"),
+        ({"constants": {"C": 0.0}}, r"constants\['C'\]: given 0.0"),
     ],
 )
 def test_unusable_input_is_one_sentence(change, match):
@@ -246,7 +380,7 @@ def test_unusable_input_is_one_sentence(change, match):
 
 
 def test_unknown_names():
-    with pytest.raises(InputError, match="formula: given 'Andersen'; allowed are Draminsky"):
+    with pytest.raises(InputError, match="formula: given 'Andersen'; allowed are Guglielmotti-"):
         axial_formula("Andersen", MEDIUM_SPEED)
-    with pytest.raises(InputError, match="Dorey has no other reading"):
+    with pytest.raises(InputError, match="Dorey has no such reading"):
         axial_formula("Dorey", MEDIUM_SPEED, variant="k/4")

@@ -20,6 +20,10 @@ def test_bores_make_every_formula_softer_by_what_they_take(dimensions, formulas)
     plain = formulas(CrankThrow(**dimensions))
     bored = formulas(CrankThrow(**dimensions, pin_bore=0.09, main_journal_bore=0.11))
     for name, value in bored.items():
+        if name == "TsNIIMF":  # the webs alone
+            assert value.value == plain[name].value
+            assert any("bores do not enter" in remark for remark in value.remarks)
+            continue
         # Half the diameter takes 1/16 of the inertia and a quarter of the area.
         assert plain[name].value < value.value < 4.0 / 3.0 * plain[name].value
 

@@ -6,11 +6,24 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fem import responses
 from geometry.errors import InputError
-from regression.store import Outcome, ResultStore, content_key
+from geometry.throw import CrankThrow
+from regression import store as store_module
+from regression import store_schema
+from regression.records import ExtraRow, Outcome, StudyStoppedError, content_key
+from regression.store import ResultStore
 
 DONE = Outcome(
-    "a" * 24, {"throw": {"web_width": 0.3}}, {"axial_compliance_pinned": 1.5e-9}, None, 0.5
+    "a" * 24,
+    {"throw": {"web_width": 0.3}},
+    {"axial_compliance_pinned": 1.5e-9},
+    None,
+    0.5,
+    errors={"axial_compliance_pinned": 0.004},
+    unknowns=14000,
+    worker="host:12",
+    attempts=2,
 )
 FAILED = Outcome("b" * 24, {"throw": {"web_width": 0.1}}, None, "MeshError: too narrow", 0.25)
 
@@ -78,8 +91,8 @@ def test_what_is_no_number_is_never_stored(tmp_path, value):
 def test_an_error_in_a_transaction_leaves_the_store_as_it_was(tmp_path):
     with ResultStore(tmp_path / "runs.sqlite") as store:
         with pytest.raises(sqlite3.Error):
-            store.register_study("s", {}, [("run", "k"), ("run", object())])
-        store.register_study("s", {}, [("run", "k")])
+            store.register_study("s", {}, [("run", "k", {}), ("run", object(), {})])
+        store.register_study("s", {}, [("run", "k", {})])
         assert list(store.studies()) == ["s"]
 
 
@@ -107,7 +120,7 @@ def test_missing_folders_are_made(tmp_path):
 
 
 def test_a_study_registered_twice_stands_once(tmp_path):
-    designs = [("run", "a"), ("run", "b"), ("held out", "c")]
+    designs = [("run", "a", {}), ("run", "b", {}), ("held out", "c", {})]
     with ResultStore(tmp_path / "runs.sqlite") as store:
         store.register_study("s", {"held_out": 1}, designs)
         store.register_study("s", {"held_out": 1}, designs)
@@ -126,23 +139,186 @@ def test_a_study_registered_twice_stands_once(tmp_path):
 
 def test_results_can_be_read_with_plain_sql(tmp_path):
     path = tmp_path / "runs.sqlite"
+    factors = {"web_width": 0.3, "width_ratio": 1.6, "web_outline": "obround"}
     with ResultStore(path) as store:
-        store.register_study("s", {}, [("run", DONE.key), ("run", FAILED.key), ("held out", "c")])
-        store.record(DONE)
+        store.register_study(
+            "s", {}, [("run", DONE.key, factors), ("run", FAILED.key, {}), ("held out", "c", {})]
+        )
+        store.record(DONE, 4)
         store.record(FAILED)
     connection = sqlite3.connect(path)
     connection.row_factory = sqlite3.Row
     rows = [dict(row) for row in connection.execute("SELECT * FROM results ORDER BY place")]
-    width = connection.execute(
-        "SELECT json_extract(inputs, '$.throw.web_width') FROM designs WHERE status = 'done'"
+    ratio = connection.execute(
+        "SELECT json_extract(factors, '$.width_ratio') FROM results WHERE status = 'done'"
     ).fetchone()[0]
     connection.close()
     assert [row["role"] for row in rows] == ["run", "run", "held out"]
     assert [row["status"] for row in rows] == ["done", "failed", None]
     assert [row["axial_compliance_pinned"] for row in rows] == [1.5e-9, None, None]
+    assert [row["web_width"] for row in rows] == [0.3, 0.1, None]
     assert rows[1]["reason"] == "MeshError: too narrow"
-    assert rows[0]["seconds"] == 0.5
-    assert width == 0.3
+    assert ratio == 1.6
+    told = ("seconds", "unknowns", "model_version", "worker", "attempts")
+    assert [rows[0][name] for name in told] == [0.5, 14000, 4, "host:12", 2]
+    assert json.loads(rows[0]["errors"]) == {"axial_compliance_pinned": 0.004}
+
+
+def test_the_columns_of_the_view_are_fields_and_responses_that_there_are():
+    assert set(store_schema.DIMENSIONS) <= set(CrankThrow.model_fields)
+    assert set(store_schema.RESPONSES) == set(responses.RESPONSES)
+
+
+# --------------------------------------------------------------------------------- rows from elsewhere
+
+ROW = ExtraRow(
+    "held out",
+    {"web_width": 0.3},
+    {"web_outline": "obround"},
+    (0.3, 0.1),
+    {"mass": 170.0},
+    {},
+    "a.csv",
+)
+MEASURED = ExtraRow("measured", {"web_width": 0.3}, {}, None, {"mass": 171.0}, {"mass": 0.1}, "b")
+
+
+def test_rows_from_elsewhere_come_back_as_they_went_in_and_stand_once(tmp_path):
+    with ResultStore(tmp_path / "runs.sqlite") as store:
+        assert store.add_extra_rows("s", [ROW, MEASURED]) == 2
+        assert store.add_extra_rows("s", [ROW]) == 0
+        assert store.add_extra_rows("t", [ROW]) == 1
+    with ResultStore(tmp_path / "runs.sqlite", readonly=True) as store:
+        assert store.extra_rows("s") == (ROW, MEASURED)
+        assert store.extra_rows("t") == (ROW,)
+        assert store.extra_rows("u") == ()
+
+
+# ------------------------------------------------------------------------------------ earlier releases
+
+FIRST_RELEASE = """
+CREATE TABLE designs (
+    key TEXT PRIMARY KEY, inputs TEXT NOT NULL, status TEXT NOT NULL, responses TEXT, reason TEXT,
+    seconds REAL NOT NULL, finished_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP
+);
+CREATE TABLE study_designs (
+    study TEXT NOT NULL, place INTEGER NOT NULL, role TEXT NOT NULL, design TEXT NOT NULL,
+    PRIMARY KEY (study, place)
+);
+CREATE TABLE studies (study TEXT PRIMARY KEY, plan TEXT NOT NULL);
+CREATE VIEW results AS
+    SELECT s.study, s.place, s.role, d.status, d.reason, d.inputs, d.responses, d.seconds
+    FROM study_designs s LEFT JOIN designs d ON d.key = s.design;
+INSERT INTO studies VALUES ('old', '{"model_version": 3}');
+INSERT INTO study_designs VALUES ('old', 0, 'run', 'k1');
+INSERT INTO designs (key, inputs, status, responses, seconds)
+    VALUES ('k1', '{"throw": {"web_width": 0.3}}', 'done', '{"axial_compliance_pinned": 2e-9}', 1.0);
+"""
+
+
+@pytest.fixture
+def old_store(tmp_path):
+    path = tmp_path / "old.sqlite"
+    connection = sqlite3.connect(path)
+    connection.executescript(FIRST_RELEASE)
+    connection.execute(f"PRAGMA application_id={store_schema.APPLICATION_ID}")
+    connection.execute("PRAGMA journal_mode=WAL")
+    connection.close()
+    return path
+
+
+def test_a_store_of_the_first_release_is_brought_up_to_date_and_keeps_its_rows(old_store):
+    for _ in range(2):  # the second time there is nothing to do
+        with ResultStore(old_store) as store:
+            found = store.outcomes(["k1"])["k1"]
+            assert found.responses == {"axial_compliance_pinned": 2e-9}
+            assert (found.errors, found.unknowns) == ({}, None)
+            assert [(o.key, version) for _, o, version in store.results()] == [("k1", 3)]
+            store.record(DONE, 4)
+            store.add_extra_rows("old", [ROW])
+    connection = sqlite3.connect(old_store)
+    rows = connection.execute(
+        "SELECT study, axial_compliance_pinned, model_version FROM results"
+    ).fetchall()
+    connection.close()
+    assert rows == [("old", 2e-9, 3)]
+
+
+def test_a_store_of_the_first_release_can_be_read_without_a_change(old_store):
+    before = old_store.read_bytes()
+    with ResultStore(old_store, readonly=True) as store:
+        assert store.outcomes(["k1"])["k1"].responses == {"axial_compliance_pinned": 2e-9}
+        assert store.extra_rows("old") == ()
+        assert [(o.key, version) for _, o, version in store.results()] == [("k1", None)]
+    assert old_store.read_bytes() == before
+
+
+@pytest.mark.parametrize("readonly", [False, True])
+def test_a_store_of_a_later_release_is_refused_and_left_alone(tmp_path, readonly):
+    path = tmp_path / "runs.sqlite"
+    with ResultStore(path):
+        pass
+    connection = sqlite3.connect(path)
+    connection.execute(f"PRAGMA user_version={store_schema.SCHEMA_VERSION + 1}")
+    connection.close()
+    before = path.read_bytes()
+    with pytest.raises(
+        InputError, match=r"^store: given .*, whose layout 3 is of a later release; "
+    ):
+        ResultStore(path, readonly=readonly)
+    assert path.read_bytes() == before
+
+
+# -------------------------------------------------------------------------------- what stops a study
+
+
+def test_a_locked_store_stops_the_study_with_one_sentence(tmp_path, monkeypatch):
+    monkeypatch.setattr(store_module, "PATIENCE", 0.1)
+    path = tmp_path / "runs.sqlite"
+    with ResultStore(path) as store:
+        store.record(DONE)
+        other = sqlite3.connect(path, isolation_level=None)
+        other.execute("BEGIN IMMEDIATE")
+        with pytest.raises(StudyStoppedError) as caught:
+            store.record(FAILED)
+        with pytest.raises(StudyStoppedError, match="another program holds it locked"):
+            store.add_extra_rows("s", [ROW])
+        other.execute("ROLLBACK")
+        other.close()
+        assert set(store.outcomes([DONE.key, FAILED.key])) == {DONE.key}
+        store.record(FAILED)  # goes on when it is free
+        assert set(store.outcomes([DONE.key, FAILED.key])) == {DONE.key, FAILED.key}
+    message = str(caught.value)
+    assert message.startswith(
+        f"store: {path} cannot be used now (another program holds it locked); "
+    )
+    assert message.endswith(".")
+    assert "\n" not in message
+
+
+def test_a_full_store_stops_the_study_and_keeps_what_it_has(tmp_path):
+    with ResultStore(tmp_path / "runs.sqlite") as store:
+        store.record(DONE)
+        (pages,) = store._connection.execute("PRAGMA page_count").fetchone()
+        # SQLite then answers as on a full disk.
+        store._connection.execute(f"PRAGMA max_page_count={pages}")
+        big = Outcome("big", {"text": "x" * 100_000}, None, "no", 0.0)
+        for _ in range(2):
+            with pytest.raises(StudyStoppedError, match=r"cannot be used now \(the disk is full\)"):
+                store.record(big)
+        assert set(store.outcomes([DONE.key, "big"])) == {DONE.key}
+        store._connection.execute("PRAGMA max_page_count=1000000")
+        store.record(big)
+    with ResultStore(tmp_path / "runs.sqlite", readonly=True) as store:
+        assert set(store.outcomes([DONE.key, "big"])) == {DONE.key, "big"}
+
+
+def test_a_store_that_cannot_be_written_stops_the_study(tmp_path):
+    with ResultStore(tmp_path / "runs.sqlite") as store:
+        store.record(DONE)
+        store._connection.execute("PRAGMA query_only=ON")  # answers as a read-only file does
+        with pytest.raises(StudyStoppedError, match=r"cannot be used now \(it is read-only\)"):
+            store.record(FAILED)
 
 
 @pytest.mark.parametrize(

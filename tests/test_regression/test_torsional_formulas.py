@@ -38,6 +38,7 @@ RANGE = {
     "Ker Wilson": (1.02, 1.10),
     "Geiger": (0.93, 0.99),
     "Timoshenko (free)": (1.03, 1.23),
+    "Zimanenko": (1.05, 1.25),
 }
 
 
@@ -58,6 +59,12 @@ def test_values_by_hand():
         * ((L + 0.4 * D) / D**4 + (l + 0.4 * d) / d**4 + (R - 0.2 * (D + d)) / (h * B**3)),
         "Geiger": stiff * ((L + 0.4 * h) / D**4 + (l + 0.4 * h) / d**4) + beams,
         "Timoshenko (free)": stiff * ((L + 0.9 * h) / D**4 + (l + 0.9 * h) / d**4) + beams,
+        "Zimanenko": stiff
+        * (
+            (L + 0.6 * h * D / L) / D**4
+            + (0.8 * l + 0.2 * B / R * D) / d**4
+            + R * math.sqrt(R / d) / (h * B**3)
+        ),
     }
     found = {name: value.value for name, value in torsional_formulas(MEDIUM_SPEED).items()}
     assert found == pytest.approx(expected, rel=1e-12)
@@ -84,6 +91,16 @@ def test_ker_wilson_without_a_web_left_is_refused():
     values = torsional_formulas(short)
     assert not values["Ker Wilson"].valid
     assert values["Carter"].valid
+
+
+def test_zimanenko_says_what_the_other_diameter_gives():
+    G = 2.1e11 / 2.6
+    value = torsional_formulas(MEDIUM_SPEED)["Zimanenko"]
+    change = 32 / (math.pi * G) * 0.2 * 300 / 170 * (0.22 - 0.18) / 0.18**4
+    other = f"{(value.value - change) * 1e9:.4g}e-9 rad/(N m)"
+    assert any(other in remark for remark in value.remarks)
+    equal = torsional_formulas(throw_of_mm(170, 200, 200, 120, 139, 300, 68))["Zimanenko"]
+    assert not any("Reprints" in remark for remark in equal.remarks)
 
 
 def test_modulus_scales_and_is_checked():

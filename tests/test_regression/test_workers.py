@@ -2,19 +2,23 @@ import io
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 import uuid
 from pathlib import Path
 
 import pytest
 
-from fem.analysis import throw_responses
 from fem.material import STEEL
+from fem.responses import ThrowResponses, evaluate_throw
+from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression import worker, workers
+from regression import supervised, worker
+from regression.supervised import Limits, design_limits
 from regression.workers import run_designs
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -41,12 +45,22 @@ for line in sys.stdin:
         time.sleep(600)
     if key.startswith("slow"):
         time.sleep(0.3)
+    if key.startswith("half"):
+        os.write(1, b'{"key": "ha')
+        os._exit(0)
+    if key.startswith("large"):
+        held = b"x" * 560_000_000
+        time.sleep(600)
+    if key.startswith("shy") and not os.path.exists(key.split()[1]):
+        open(key.split()[1], "w").close()
+        os._exit(7)
     print(json.dumps({"key": key, "responses": {"x": 1.0}, "seconds": 0.0}), flush=True)
 """
 
 
 def design(**changes):
-    return {"throw": THROW | changes, "material": STEEL.model_dump(), "accuracy": 0.1}
+    throw = THROW | changes
+    return {"throw": throw, "material": STEEL.model_dump(), "accuracy": 0.1, "stresses": False}
 
 
 @pytest.fixture
@@ -84,7 +98,7 @@ def puppets(monkeypatch):
         started.append(process)
         return process
 
-    monkeypatch.setattr(workers, "_spawn", spawn)
+    monkeypatch.setattr(supervised, "spawn_worker", spawn)
     return started
 
 
@@ -95,7 +109,7 @@ def collect(keys, count=2, **options):
         assert outcome.key not in found, "a design has one outcome"
         found[outcome.key] = outcome
 
-    run_designs([(key, {"number": key}) for key in keys], keep, count, **options)
+    run_designs([(key, {"number": key}) for key in keys], keep, count, Limits(**options))
     return found
 
 
@@ -125,6 +139,7 @@ def test_a_design_that_kills_its_worker_costs_itself_alone(puppets):
     found = collect(["a", "die", "b", "c", "d"])
     assert {key for key, outcome in found.items() if outcome.responses} == {"a", "b", "c", "d"}
     assert found["die"].reason == "the worker process died (exit code 7)"
+    assert (found["die"].lost, found["die"].attempts, found["a"].attempts) == (True, 2, 1)
     # Two to begin with, and one more after each of the two tries.
     assert len(puppets) <= 4
 
@@ -137,12 +152,83 @@ def test_only_deadly_designs(puppets):
 
 def test_a_design_that_hangs_is_given_up(puppets):
     began = time.monotonic()
-    found = collect(["a", "hang", "b"], time_limit=0.7)
+    found = collect(["a", "hang", "b"], seconds=0.7)
     assert time.monotonic() - began < 10.0
     assert {key for key, outcome in found.items() if outcome.responses} == {"a", "b"}
     assert found["hang"].reason == "took longer than the limit of 0.7 s"
     assert found["hang"].seconds >= 0.7
     assert all(process.poll() is not None for process in puppets)
+
+
+def test_a_crash_that_happens_once_costs_a_retry(puppets, tmp_path):
+    key = f"shy {tmp_path / 'mark'}"
+    found = collect(["a", key, "b"])
+    assert all(outcome.responses for outcome in found.values())
+    assert found[key].attempts == 2
+    assert found[key].worker
+
+
+def test_a_worker_that_dies_in_the_middle_of_its_answer(puppets):
+    found = collect(["a", "half", "b"])
+    assert {key for key, outcome in found.items() if outcome.responses} == {"a", "b"}
+    assert found["half"].reason == "the worker process died (exit code 0)"
+
+
+def test_the_signal_that_ended_a_worker_is_named(puppets):
+    over = threading.Event()
+
+    def kill():  # as the system does when memory runs out
+        while not over.wait(0.1):
+            for process in list(puppets):
+                process.kill()
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    found = collect(["hang"], 1)
+    over.set()
+    killer.join()
+    assert found["hang"].reason == (
+        "the worker process was ended by SIGKILL, as the system does when memory runs out"
+    )
+
+
+def test_a_design_that_takes_too_much_memory_is_given_up(puppets):
+    found = collect(["a", "large", "b"], memory=0.5e9)
+    assert {key for key, outcome in found.items() if outcome.responses} == {"a", "b"}
+    # The peak seen lies between the limit and what the puppet took in all.
+    named = re.fullmatch(
+        r"took (0\.\d\d) GB of memory, more than the limit of 0\.5 GB", found["large"].reason
+    )
+    assert 0.5 <= float(named[1]) <= 0.6
+    assert found["large"].attempts == 2
+    assert all(process.poll() is not None for process in puppets)
+
+
+def test_the_next_design_is_given_before_the_answer_is_stored(puppets):
+    began = time.monotonic()
+    run_designs([(f"slow {n}", {}) for n in range(4)], lambda _: time.sleep(0.3), 1, Limits())
+    # 4 x 0.3 s of work and the last store, 1.5 s; one after the other it would be 2.4 s.
+    assert time.monotonic() - began < 2.1
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"time_limit": 0.0}, "time_limit: given 0 s; allowed is a positive"),
+        ({"time_limit": math.inf}, "time_limit: given inf s; allowed is a positive"),
+        ({"memory_limit": 1e8}, r"memory_limit: given 0\.1 GB; allowed is 0\.5 GB or more"),
+        ({"memory_limit": math.nan}, "memory_limit: given nan GB; allowed is"),
+    ],
+)
+def test_limits_that_cannot_be(given, message):
+    with pytest.raises(InputError, match=f"^{message}"):
+        design_limits(0.01, **given)
+
+
+def test_a_finer_study_may_take_longer():
+    assert design_limits(0.1).seconds == design_limits(0.01).seconds == 300.0
+    assert design_limits(0.001).seconds == 3000.0
+    assert design_limits(0.001, 60.0, 2e9) == Limits(60.0, 2e9)
 
 
 @needs_proc
@@ -177,18 +263,22 @@ def test_a_worker_computes_and_tells_what_it_cannot():
     assert bad["reason"].startswith("InputError: throw.main_journal_diameter: given 220 mm")
     assert "responses" not in bad
     assert "reason" in worse
-    assert good["responses"] == throw_responses(CrankThrow(**THROW), STEEL, 0.1)
+    expected = evaluate_throw(CrankThrow(**THROW), STEEL, 0.1)
+    assert good["responses"] == expected.values
+    assert good["errors"] == expected.errors
+    assert good["unknowns"] == expected.unknowns
     assert good["seconds"] > 0.0
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_a_result_that_is_no_number_is_a_failure(monkeypatch, value):
-    monkeypatch.setattr(
-        worker, "throw_responses", lambda *_, **__: {"axial_compliance_pinned": value, "mass": 1.0}
-    )
+@pytest.mark.parametrize("part", [0, 1])
+def test_a_result_that_is_no_number_is_a_failure(monkeypatch, value, part):
+    bad, good = {"axial_compliance_pinned": value, "mass": 1.0}, {"mass": 1.0}
+    found = ThrowResponses(*((bad, good) if part == 0 else (good, bad)), 10)
+    monkeypatch.setattr(worker, "evaluate_throw", lambda *_, **__: found)
     (answer,) = serve({"key": "k", "inputs": design()})
-    assert "responses" not in answer
-    assert "axial_compliance_pinned" in answer["reason"]
+    assert set(answer) == {"key", "reason", "seconds"}
+    assert "axial_compliance_pinned came out as" in answer["reason"]
 
 
 # ------------------------------------------------------------------------------------ real workers
@@ -247,9 +337,33 @@ run_designs(
 
 
 def test_a_worker_ends_when_its_coordinator_is_gone():
-    process = workers._spawn()
+    process = supervised.spawn_worker()
     assert process.poll() is None
     process.stdin.close()
     assert process.wait(timeout=30.0) == 0
     assert process.stdout.read() == b""
     process.stdout.close()
+
+
+@needs_proc
+def test_a_worker_ends_in_the_middle_of_a_design_when_its_owner_is_gone(mark):
+    worker_code = (
+        "import os, threading, time; from regression.worker import _end_with_owner;"
+        "threading.Thread(target=_end_with_owner, args=(os.getppid(),), daemon=True).start();"
+        "print('ready', flush=True); time.sleep(600)"
+    )
+    owner_code = (
+        "import subprocess, sys;"
+        f"started = subprocess.Popen([sys.executable, '-c', {worker_code!r}], stdout=subprocess.PIPE);"
+        "assert started.stdout.readline() == b'ready\\n'"
+    )
+    subprocess.run(
+        [sys.executable, "-c", owner_code],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        check=True,
+        timeout=60,
+    )
+    deadline = time.monotonic() + 20.0
+    while marked(mark) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert marked(mark) == []

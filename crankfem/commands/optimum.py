@@ -1,0 +1,180 @@
+"""The best throw of a model's family under limits."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from crankfem import console
+from crankfem.commands.options import JsonOption
+from crankfem.console import print_json, print_table
+from geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from regression.compliance_model import ComplianceModel
+    from regression.optimum import Optimum
+    from regression.optimum_limits import Limit
+
+
+def optimum(
+    model: Annotated[Path, typer.Argument(metavar="MODEL.json", help="Model file.")],
+    minimize: Annotated[
+        str, typer.Option(metavar="NAME", help="Dimension or response to make smallest.")
+    ],
+    limits: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--limit",
+            metavar='"NAME <= VALUE"',
+            help="Bound on a response or dimension; once for each.",
+        ),
+    ] = None,
+    engine: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ENGINE.toml", help="Engine whose frequencies are limited; takes seconds."
+        ),
+    ] = None,
+    first_axial_frequency: Annotated[
+        str | None, typer.Option(metavar='">= 40 Hz"', help="Lower bound, with --engine.")
+    ] = None,
+    first_torsional_frequency: Annotated[
+        str | None, typer.Option(metavar='">= 40 Hz"', help="Lower bound, with --engine.")
+    ] = None,
+    fixed: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="Factor that shall not vary; once for each."),
+    ] = None,
+    no_margin: Annotated[
+        bool,
+        typer.Option("--no-margin", help="Keep limits by the equations alone, not their bands."),
+    ] = False,
+    json: JsonOption = False,
+) -> None:
+    """Find the thinnest web, the lightest throw, or the least of anything, under limits."""
+    from crankfem.model_arguments import model_dimensions, parse_limit
+    from regression.compliance_model import ComplianceModel
+    from regression.optimum import find_optimum
+
+    loaded = ComplianceModel.load(model)
+    held = model_dimensions(loaded, fixed or [])
+    wanted = [parse_limit(loaded, text) for text in limits or []]
+    bounds = {"axial": first_axial_frequency, "torsional": first_torsional_frequency}
+    wanted += _frequency_limits(loaded, engine, bounds)
+    found = find_optimum(loaded, minimize, wanted, fixed=held, margins=not no_margin)
+    if engine is not None:
+        kept = (
+            f"of the throw of {engine}, the ratio of its compliance in the shaft to the pinned one and "
+            "its moment of inertia are kept as the throw changes"
+        )
+        found = replace(found, remarks=(*found.remarks, kept))
+    if json:
+        print_json(_record(found))
+        return
+    _print_optimum(loaded, found)
+
+
+def _frequency_limits(
+    model: "ComplianceModel", engine: str | None, bounds: dict[str, str | None]
+) -> "list[Limit]":
+    """Limits on the engine's frequencies; its throw is analyzed only if there are any."""
+    from crankfem.model_arguments import parse_bound
+
+    given = {
+        kind: parse_bound(f"--first-{kind}-frequency", text)
+        for kind, text in bounds.items()
+        if text is not None
+    }
+    if not given and engine is None:
+        return []
+    if engine is None:
+        raise InputError(
+            f"--first-{next(iter(given))}-frequency: given without --engine; allowed is both, because "
+            "the frequency is that of a whole engine."
+        )
+    if not given:
+        raise InputError(
+            f"--engine: given {engine!r} without a frequency; allowed is both, like "
+            '--first-axial-frequency ">= 40 Hz".'
+        )
+    for kind in given:
+        if f"{kind}_compliance" not in model.responses:
+            raise InputError(
+                f"--first-{kind}-frequency: given for a model without {kind}_compliance; allowed is a "
+                "model that holds it, because the frequency follows from it."
+            )
+    from crankfem.engine_file import load_engine
+    from crankfem.frequency_limits import engine_frequencies, frequency_limit
+
+    frequencies = engine_frequencies(load_engine(engine))
+    return [
+        frequency_limit(kind, frequencies, model, bound)  # type: ignore[arg-type]
+        for kind, bound in given.items()
+    ]
+
+
+def _record(found: "Optimum") -> dict[str, Any]:
+    return {
+        "minimized": found.minimized,
+        "value": found.value,
+        "unit": found.unit,
+        "factors": found.factors,
+        "dimensions": found.dimensions,
+        "at_ends": list(found.at_ends),
+        "limits": [
+            {
+                "name": check.limit.name,
+                "sign": check.limit.sign,
+                "bound": check.limit.bound,
+                "unit": check.limit.unit,
+                "value": check.value,
+                "worst": check.worst,
+                "active": check.active,
+            }
+            for check in found.limits
+        ],
+        "responses": {
+            name: {
+                "value": answer.value,
+                "lower": answer.lower,
+                "upper": answer.upper,
+                "unit": answer.unit,
+                "inside": answer.inside,
+            }
+            for name, answer in found.lookups.items()
+        },
+        "throw": None if found.throw is None else found.throw.model_dump(mode="json"),
+        "remarks": list(found.remarks),
+        "evaluations": found.evaluations,
+    }
+
+
+def _print_optimum(model: "ComplianceModel", found: "Optimum") -> None:
+    from crankfem.model_arguments import dimensions_text, value_text
+
+    _print(f"Smallest {found.minimized}: {value_text(found.value, found.unit)}")
+    for text in dimensions_text(model, found.factors):
+        end = " (end of its range)" if text.partition(" ")[0] in found.at_ends else ""
+        _print(f"  {text}{end}")
+    if found.limits:
+        print_table(
+            "Limits",
+            ["limit", "bound", "by the equation", "worst in its band", "kept:"],
+            [
+                [
+                    check.limit.name.replace("_", " "),
+                    f"{check.limit.sign} {value_text(check.limit.bound, check.limit.unit)}",
+                    value_text(check.value, check.limit.unit),
+                    value_text(check.worst, check.limit.unit),
+                    "just" if check.active else "with room",
+                ]
+                for check in found.limits
+            ],
+        )
+    for remark in found.remarks:
+        _print(f"{remark[0].upper()}{remark[1:].rstrip('.')}.")
+
+
+def _print(text: str) -> None:
+    console.output.print(text, soft_wrap=True, highlight=False)

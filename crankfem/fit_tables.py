@@ -1,0 +1,207 @@
+"""The tables of `crankfem fit`: all responses, and the forms of one with all that is known of them."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from crankfem import console
+from crankfem.console import number, print_table
+from crankfem.fit_records import LACK_OF_FIT
+from geometry.quantity import show_quantity
+
+Record = dict[str, Any]
+MAIN_RESPONSE = "axial_compliance"
+# Relative errors below this are round-off.
+LEAST_SHOWN = 1e-5
+
+
+def print_fits(
+    fits: Mapping[str, Record], response: str | None = None, form: str | None = None
+) -> None:
+    """Print all responses in one table, and one of them with all its forms.
+
+    Parameters
+    ----------
+    fits : mapping
+        Response name to its record (`crankfem.fit_records.fits_record`).
+    response : str, optional
+        Which one in detail; the axial compliance, or the first, otherwise.
+    form : str, optional
+        Whose equation and coefficients are printed; the chosen one's otherwise.
+    """
+    detailed = response or (MAIN_RESPONSE if MAIN_RESPONSE in fits else next(iter(fits)))
+    _print_overview(fits)
+    record = fits[detailed]
+    _print_forms(detailed, record)
+    shown = next(f for f in record["forms"] if f["form"] == (form or record["chosen"]))
+    _say(f"Chosen: {record['reason']}")
+    _say("That error chose the form, so it is slightly optimistic for other designs.")
+    for line in record["skipped"]:
+        _say(f"Not fitted: {line}")
+    _say(f"\n{shown['form']}: {shown['equation']}\n")
+    if "[" in shown["equation"]:
+        _say("A condition in square brackets is 1 where it holds, 0 elsewhere.")
+    _print_coefficients(shown)
+    for title, terms in (
+        ("Dropped, because PRESS does not grow without them", shown["dropped"]),
+        ("Left out, because the runs do not determine them", shown["undetermined"]),
+    ):
+        if terms:
+            _say(f"{title}: {', '.join(terms)}.")
+    for line in shown["warnings"]:
+        _say(f"Warning: {line}")
+    _say(LACK_OF_FIT)
+    _print_sensitivities(detailed, record)
+
+
+def print_main_fits(fits: Mapping[str, Record]) -> None:
+    """Print all responses in one table, and the equation chosen for the axial compliance."""
+    _print_overview(fits)
+    record = fits.get(MAIN_RESPONSE)
+    if record is not None:
+        chosen = next(f for f in record["forms"] if f["form"] == record["chosen"])
+        _say(f"{chosen['form']}: {chosen['equation']}")
+
+
+def print_comparisons(records: list[Record]) -> None:
+    """Print imported measured values beside the equations; nothing if there are none."""
+    if not records:
+        return
+    print_table(
+        "Measured values beside the equations",
+        ["source", "response:", "measured", "calculated", "calculated / measured"],
+        [
+            [
+                r["source"],
+                _words(r["response"]),
+                number(r["measured"]),
+                number(r["calculated"]) if "calculated" in r else "none",
+                f"{r['ratio']:.3f}" if r.get("ratio") is not None else "",
+            ]
+            for r in records
+        ],
+    )
+    for reason in dict.fromkeys(f"{r['source']}: {r['reason']}" for r in records if "reason" in r):
+        _say(f"Not compared: {reason}")
+
+
+def _print_overview(fits: Mapping[str, Record]) -> None:
+    chosen = {
+        name: next(f for f in record["forms"] if f["form"] == record["chosen"])
+        for name, record in fits.items()
+    }
+    print_table(
+        "All responses by their chosen equations: largest and mean error held out, estimated error of FE",
+        ["response", "form:", "Q2", "held out", "mean", "FE"],
+        [
+            [
+                _words(name),
+                f["form"],
+                _share(f["q_squared"]),
+                _percent(f["largest_error_held_out"]),
+                _percent(f["mean_error_held_out"]),
+                _percent(fits[name]["fe_error"]),
+            ]
+            for name, f in chosen.items()
+        ],
+    )
+
+
+def _print_forms(name: str, record: Record) -> None:
+    support = f", {record['support']}" if record["support"] else ""
+    print_table(
+        f"{_words(name).capitalize()} {record['symbol']}{support}: largest (mean) errors in %",
+        ["form", "terms", "R2", "adj. R2", "Q2", "at the runs", "held out"],
+        [
+            [
+                ("* " if f["form"] == record["chosen"] else "") + f["form"],
+                str(f["coefficient_count"]),
+                _share(f["r_squared"]),
+                _share(f["adjusted_r_squared"]),
+                _share(f["q_squared"]),
+                _both(f["largest_error_at_runs"], f["mean_error_at_runs"]),
+                _both(f["largest_error_held_out"], f["mean_error_held_out"]),
+            ]
+            for f in record["forms"]
+        ],
+    )
+
+
+def _print_coefficients(form: Record) -> None:
+    natural = form["coefficients"]
+    print_table(
+        f"Coefficients of {form['form']}: coded (-1 ... 1 over the runs), and natural in SI units",
+        ["term", "coded", "std. error", "t", "VIF", "natural"],
+        [
+            [
+                c["symbols"],
+                number(c["coefficient"], 5),
+                _or_none(c["standard_error"], 2),
+                _or_none(c["t"], 3),
+                _or_none(c["variance_inflation"], 3),
+                number(natural[c["term"]], 6),
+            ]
+            for c in form["coded"]
+        ],
+    )
+    _say(
+        f"F {_or_none(form['f_value'])}, AIC {_or_none(form['aic'], 5)}, BIC {_or_none(form['bic'], 5)}, "
+        f"condition number {form['condition_number']:.3g}, largest leverage "
+        f"{form['largest_leverage']:.2f}."
+    )
+
+
+def _print_sensitivities(name: str, record: Record) -> None:
+    found = record["sensitivities"]
+    sobol = found["sobol"] or {"first": {}, "total": {}}
+    print_table(
+        f"Sensitivity of the {_words(name)} by the chosen equation",
+        ["factor", "nominal", "elasticity", "Sobol, first", "total"],
+        [
+            [
+                factor,
+                value if isinstance(value, str) else show_quantity(value, found["units"][factor]),
+                f"{round(found['elasticity'][factor], 3) + 0.0:+.3f}"
+                if factor in found["elasticity"]
+                else "",
+                *(
+                    f"{round(sobol[order][factor], 3) + 0.0:.3f}"
+                    if factor in sobol[order]
+                    else "none"
+                    for order in ("first", "total")
+                ),
+            ]
+            for factor, value in found["nominal"].items()
+        ],
+    )
+    _say(
+        "Elasticity: change in per cent for one per cent of the factor, at the nominal values. "
+        "Sobol indices: shares of the variance over the ranges, alone and with others."
+    )
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _share(value: float | None) -> str:
+    return "none" if value is None else f"{value:.5f}"
+
+
+def _percent(value: float | None) -> str:
+    if value is None:
+        return "none"
+    return f"{100.0 * value:.3g} %" if value >= LEAST_SHOWN else f"< {100.0 * LEAST_SHOWN:g} %"
+
+
+def _both(largest: float, mean: float) -> str:
+    if largest < LEAST_SHOWN:
+        return f"< {100.0 * LEAST_SHOWN:g}"
+    return f"{100.0 * largest:.3g} ({100.0 * mean:.2g})"
+
+
+def _or_none(value: float | None, digits: int = 4) -> str:
+    return "none" if value is None else number(value, digits)
+
+
+def _say(text: str) -> None:
+    console.output.print(text, soft_wrap=True, highlight=False, markup=False)

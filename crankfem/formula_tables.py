@@ -1,0 +1,222 @@
+"""The tables of `crankfem formulas`: one throw, all engines, and the published table."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rich.table import Table
+
+from crankfem import console
+from crankfem.console import number, print_table
+from crankfem.formula_spread import EngineSpread, FormulaSpread, Ratio, formula_spreads
+from regression.published_table import FINITE_ELEMENTS, FINITE_ELEMENTS_DOUBT, PublishedValue
+
+# Column heads for a table with all formulas beside each other.
+SHORT_NAMES: Mapping[str, str] = {
+    "Guglielmotti-Macchiotta": "GM",
+    "Draminsky (1)": "D1",
+    "Draminsky (2)": "D2",
+    "TsNIIMF": "TsN",
+    "Anderson": "And",
+    "Gorbunov": "Gor",
+    "Dorey": "Dor",
+    "Skorchev": "Sko",
+    "Stoyanov": "Sto",
+    FINITE_ELEMENTS: "FE",
+}
+# What may stand behind a number.
+MARKS = ("*", "?")
+
+
+def say(text: str) -> None:
+    """Print a line of text below a table, unwrapped."""
+    console.output.print(text, soft_wrap=True, highlight=False, markup=False)
+
+
+def _print_title(text: str) -> None:
+    console.output.print(text, style="bold", soft_wrap=True, highlight=False)
+
+
+def print_one_throw(records: dict[str, Any], gamma_deg: float) -> None:
+    """Print the formulas for one throw, beside finite elements if they are among the records."""
+    fe = records.get("fe")
+    for kind, support in (("axial", f"neighbors at {gamma_deg:g} deg"), ("torsional", "pinned")):
+        angle = f", gamma = {gamma_deg:g} deg" if kind == "axial" else ""
+        beside = "" if fe is None else f" (finite elements: {support})"
+        left_out = records["left_out"] if kind == "axial" else []
+        _print_kind(
+            f"{kind.capitalize()} compliance{angle}{beside}",
+            records[kind],
+            left_out,
+            None if fe is None else fe[kind],
+        )
+    if fe is not None and fe["angle_law"] is not None:
+        law = fe["angle_law"]
+        say(
+            "Finite elements over the angle: e(gamma) = e_0 + (e_180 - e_0) / (1 + rho cot^2(gamma/2)) "
+            f"with e_0 = {number(law['e_0'] * 1e9)}e-9 m/N, e_180 = {number(law['e_180'] * 1e9)}e-9 m/N, "
+            f"rho = {law['rho']:.3g}."
+        )
+
+
+def _print_kind(
+    title: str,
+    records: list[dict[str, Any]],
+    left_out: list[dict[str, Any]],
+    fe: float | None,
+) -> None:
+    texts = [text for record in records for text in record["remarks"]]
+    numbers = {text: str(place) for place, text in enumerate(dict.fromkeys(texts), start=1)}
+    unit = records[0]["unit"] if records else "m/N"
+
+    def row(name: str, value: float, applies: str, remarks: str) -> list[str]:
+        ratio = [] if fe is None else [f"{value / fe:.2f}"]
+        return [name, f"{value * 1e9:#.4g}", *ratio, applies, remarks]
+
+    rows = [
+        row(
+            record["name"],
+            record["value"],
+            "yes" if record["valid"] else "no",
+            ", ".join(sorted((numbers[text] for text in record["remarks"]), key=int)),
+        )
+        for record in records
+    ]
+    if fe is not None:
+        rows.insert(0, row("finite elements", fe, "", ""))
+    ratio = [] if fe is None else ["beside FE"]
+    print_table(title, ["formula", f"value [1e-9 {unit}]", *ratio, "applies:", "remarks:"], rows)
+    for text, place in numbers.items():
+        say(f"  {place}. {text}")
+    for record in left_out:
+        say(f"  Left out: {record['reason']}.")
+    inside = [record["value"] / fe for record in records if record["valid"]] if fe else []
+    if len(inside) > 1:
+        say(
+            f"  The {len(inside)} formulas that apply give {min(inside):.2f} to {max(inside):.2f} of "
+            "finite elements."
+        )
+
+
+def print_spread(spreads: Sequence[EngineSpread], gamma_deg: float, variant: str) -> None:
+    """Print formula / finite elements of all engines, one row for each."""
+    for kind, unit, head in (
+        ("axial", "m/N", f"gamma = {gamma_deg:g} deg, {variant} formulas"),
+        ("torsional", "rad/(N m)", "pinned"),
+    ):
+        names = list(dict.fromkeys(name for spread in spreads for name in spread.ratios[kind]))
+        if not names:
+            continue
+        _print_title(
+            f"{kind.capitalize()} compliance: formula / finite elements, {head} (FE in 1e-9 {unit})"
+        )
+        table = _wide_table(
+            ["engine", "s/R", "FE", *(SHORT_NAMES.get(name, name) for name in names)]
+        )
+        rows = [
+            [
+                spread.engine,
+                f"{spread.overlap:.2f}",
+                _compliance(spread.fe[kind]),
+                *(_ratio(spread.ratios[kind].get(name)) for name in names),
+            ]
+            for spread in spreads
+        ]
+        summary = formula_spreads(spreads, kind)
+        for word in ("least", "mean", "greatest"):
+            rows.append([word, "", "", *(_summary(summary.get(name), word) for name in names)])
+        _add_rows(table, rows, section=len(spreads))
+        console.output.print(table)
+    say(
+        "* outside the range where the formula has a meaning. s/R: overlap of main journal and crankpin "
+        "beside the crank radius. Mean: geometric."
+    )
+    say(_legend())
+
+
+def print_published(values: Sequence[PublishedValue]) -> None:
+    """Print the survey's table, repaired values marked, with its doubts."""
+    names = [
+        name for name in dict.fromkeys(value.formula for value in values) if name != FINITE_ELEMENTS
+    ]
+    _print_title("Published axial compliance of one throw [1e-9 m/N]")
+    table = _wide_table(["engine", *(SHORT_NAMES.get(name, name) for name in names)])
+    cells = {(value.engine, value.formula): value for value in values}
+    rows = [
+        [engine, *(_published(cells.get((engine, name))) for name in names)]
+        for engine in dict.fromkeys(value.engine for value in values)
+    ]
+    _add_rows(table, rows)
+    console.output.print(table)
+    say("* power of ten repaired; printed are:")
+    for value in values:
+        if value.mark == "*" and value.repaired is not None and value.formula != FINITE_ELEMENTS:
+            say(
+                f"    {value.engine}, {value.formula}: {value.digits}, taken as "
+                f"{value.repaired * 1e9:.6g}"
+            )
+    say("? as printed, and doubted:")
+    for value in values:
+        if value.mark == "?" and value.exponent_factor is not None:
+            say(f"    {value.engine}, {value.formula}: {value.doubt}")
+    say("    Guglielmotti-Macchiotta: exponents of this column lost one by one")
+    say(FINITE_ELEMENTS_DOUBT)
+    say(
+        "The paper gives no dimensions, and no dimensions make all columns agree: TsN, D2, And, Dor and "
+        "Sko go with one web thickness, D1, Gor and Sto with a thicker one."
+    )
+    say(_legend())
+
+
+def _wide_table(columns: Sequence[str]) -> Table:
+    """Return a table without lines, so that a dozen columns go on 80 characters."""
+    table = Table(header_style="bold", box=None, padding=(0, 0, 0, 1), pad_edge=False)
+    for place, column in enumerate(columns):
+        table.add_column(
+            column, justify="left" if place == 0 else "right", no_wrap=place == 0, overflow="fold"
+        )
+    return table
+
+
+def _compliance(value: float) -> str:
+    """Write a compliance in 1e-9 of its unit with three digits, without a power of ten."""
+    scaled = value * 1e9
+    return f"{scaled:.0f}" if scaled >= 100.0 else f"{scaled:#.3g}"
+
+
+def _ratio(ratio: Ratio | None) -> str:
+    if ratio is None:
+        return "-"
+    return f"{ratio.value:.2f}{'' if ratio.valid else '*'}"
+
+
+def _summary(spread: FormulaSpread | None, word: str) -> str:
+    return "-" if spread is None else f"{getattr(spread, word):.2f}"
+
+
+def _published(value: PublishedValue | None) -> str:
+    if value is None:
+        return "-"
+    if value.repaired is None:
+        return f"{value.digits}{value.mark}"
+    return f"{value.repaired * 1e9:#.4g}{value.mark}"
+
+
+def _add_rows(table: Table, rows: Sequence[Sequence[str]], section: int | None = None) -> None:
+    """Add rows so that digits stand below digits in columns where some cells have a mark."""
+    marked = [any(cell.endswith(MARKS) for cell in column) for column in zip(*rows, strict=True)]
+    for place, row in enumerate(rows):
+        if place == section:
+            table.add_section()
+        table.add_row(
+            *(
+                cell + " " if mark and not cell.endswith(MARKS) else cell
+                for cell, mark in zip(row, marked, strict=True)
+            )
+        )
+
+
+def _legend() -> str:
+    named = ", ".join(
+        f"{short} {name}" for name, short in SHORT_NAMES.items() if name != FINITE_ELEMENTS
+    )
+    return f"{named}."

@@ -1,0 +1,123 @@
+"""Natural frequencies of an engine as functions of its throws' compliance, to be limited in a search."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankfem.engine_file import EngineFile
+from dynamics.engine_chains import NamedChain, axial_chain, torsional_chain
+from regression.compliance_model import ComplianceModel
+from regression.optimum_limits import Limit
+
+Array = NDArray[np.float64]
+Kind = Literal["axial", "torsional"]
+
+
+@dataclass(frozen=True, eq=False)
+class EngineFrequencies:
+    """First natural frequencies of an engine over the compliance of its throws.
+
+    In the shaft each throw has another compliance than pinned alone; its ratio to the pinned one is
+    taken from finite elements of the engine's own throw, and kept as the throw changes.
+
+    Attributes
+    ----------
+    engine_file : EngineFile
+    axial_shares, torsional_shares : (n,) array
+        Compliance of each throw in the shaft, divided by that of the pinned throw.
+    throw_mass : float
+        Of the engine's throw [kg], for models that hold no mass.
+    throw_inertia : float
+        Of the engine's throw with its share of rod and piston [kg m^2]; kept as the throw changes.
+    """
+
+    engine_file: EngineFile
+    axial_shares: Array
+    torsional_shares: Array
+    throw_mass: float
+    throw_inertia: float
+
+    def axial(self, compliance: float, mass: float | None = None) -> float:
+        """First axial natural frequency [Hz] for throws of this pinned compliance [m/N] and mass [kg]."""
+        engine = self.engine_file
+        return _first(
+            axial_chain(
+                compliance * self.axial_shares,
+                np.full(len(self.axial_shares), self.throw_mass if mass is None else mass),
+                engine.flywheel.mass,
+                engine.thrust_bearing.bearing,
+                engine.thrust_bearing.stiffness,
+            )
+        )
+
+    def torsional(self, compliance: float) -> float:
+        """First torsional natural frequency [Hz] for throws of this pinned compliance [rad/(N m)]."""
+        engine = self.engine_file
+        return _first(
+            torsional_chain(
+                compliance * self.torsional_shares,
+                np.full(len(self.torsional_shares), self.throw_inertia),
+                engine.flywheel.inertia,
+                0.0 if engine.free_end is None else engine.free_end.inertia,
+            )
+        )
+
+
+def _first(named: NamedChain) -> float:
+    """First elastic frequency [Hz]; a search asks thousands of times, and needs no mode shapes."""
+    chain = named.chain
+    root = np.sqrt(chain.inertia)
+    squares = np.linalg.eigvalsh(chain.stiffness_matrix() / np.outer(root, root))
+    rigid = 0 if np.any(chain.ground) else 1
+    return float(np.sqrt(squares[rigid]) / (2.0 * np.pi))
+
+
+def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
+    """Prepare the frequencies of an engine; its throw is analyzed by finite elements (seconds).
+
+    Raises
+    ------
+    MeshError, SolveError
+        If the throw cannot be meshed or solved.
+    """
+    from crankfem.vibration import compliances_in_shaft, throw_rotational_inertia
+    from fem.analysis import analyze_throw
+
+    analysis = analyze_throw(engine_file.throw, engine_file.material)
+    shaft = compliances_in_shaft(engine_file, analysis)
+    return EngineFrequencies(
+        engine_file=engine_file,
+        axial_shares=shaft.axial / analysis.axial_compliance("pinned"),
+        torsional_shares=shaft.torsional / analysis.torsional_compliance("pinned"),
+        throw_mass=analysis.mass,
+        throw_inertia=throw_rotational_inertia(engine_file, analysis),
+    )
+
+
+def frequency_limit(
+    kind: Kind, frequencies: EngineFrequencies, model: ComplianceModel, at_least: float
+) -> Limit:
+    """Limit the first frequency of an engine.
+
+    Parameters
+    ----------
+    kind : {"axial", "torsional"}
+    frequencies : EngineFrequencies
+    model : ComplianceModel
+        With mass among its responses the axial frequency follows the mass of the throw too.
+    at_least : float
+        [Hz].
+    """
+    name = f"first {kind} frequency"
+    if kind == "torsional":
+        return Limit(
+            ("torsional_compliance",),
+            at_least=at_least,
+            function=frequencies.torsional,
+            name=name,
+            unit="Hz",
+        )
+    quantities = ("axial_compliance", *(["mass"] if "mass" in model.responses else []))
+    return Limit(quantities, at_least=at_least, function=frequencies.axial, name=name, unit="Hz")

@@ -1,0 +1,125 @@
+r"""The angle between neighboring cranks in closed form: e(gamma) from three numbers of one throw.
+
+Identical throws with equal webs in a row, each turned by gamma against the one before, all main
+journals held laterally: a half turn about the crank's own axis y carries a throw into itself. So its
+left end tilts by (t, u) about x and y when its right end tilts by (-t, u); and the right end of a throw
+is the left end of the next, which is turned by gamma, whence u = t cot(gamma / 2). With k_t and k_u the
+stiffness against these two tilts (lengthening and twist free), the energy of the tilts under an axial
+force is that of k_t t^2 (1 + rho cot^2(gamma / 2)) with rho = k_u / k_t, and therefore::
+
+    e(gamma) = e_0 + (e_180 - e_0) / (1 + rho cot^2(gamma / 2))
+
+The influence coefficient c follows the same law. rho = 1 makes it linear in cos gamma, as the angle
+factors of most published formulas are; throws have rho of 1.8 to 3.4.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fem.superelement import Superelement
+from fem.supports import Neighbors, support_throw
+from fem.symmetry import MIRROR_X, MIRROR_Z
+from geometry.errors import InputError
+
+# A stiffness that its mirror image repeats within this share is symmetric.
+SYMMETRIC = 1e-6
+
+
+@dataclass(frozen=True)
+class AngleLaw:
+    """Axial compliance and influence coefficient of a throw over the angle to its neighbors.
+
+    Attributes
+    ----------
+    in_line, opposite : float
+        e_0 and e_180 [m/N].
+    ratio : float
+        rho, stiffness against tilting across the crank plane divided by that in it.
+    influence_in_line, influence_opposite : float
+        c_0 and c_180 [m/N].
+    """
+
+    in_line: float
+    opposite: float
+    ratio: float
+    influence_in_line: float
+    influence_opposite: float
+
+    def share(self, gamma_deg: ArrayLike) -> NDArray[np.float64]:
+        """How far the throw is from in line (0) to opposite (1) at these angles [deg].
+
+        Raises
+        ------
+        InputError
+            If an angle is not a finite number.
+        """
+        angles = np.asarray(gamma_deg, dtype=np.float64)
+        if not np.all(np.isfinite(angles)):
+            raise InputError(f"gamma_deg: given {gamma_deg!r}; allowed are finite angles in deg.")
+        half = np.deg2rad(angles) / 2.0
+        sine, cosine = np.sin(half) ** 2, np.cos(half) ** 2
+        return np.asarray(sine / (sine + self.ratio * cosine))
+
+    def axial(self, gamma_deg: ArrayLike) -> NDArray[np.float64]:
+        """Axial compliance between neighbors at these angles [deg], e(gamma) [m/N]."""
+        return np.asarray(self.in_line + (self.opposite - self.in_line) * self.share(gamma_deg))
+
+    def influence(self, gamma_deg: ArrayLike) -> NDArray[np.float64]:
+        """Influence coefficient between neighbors at these angles [deg], c(gamma) [m/N]."""
+        change = self.influence_opposite - self.influence_in_line
+        return np.asarray(self.influence_in_line + change * self.share(gamma_deg))
+
+
+def angle_law(throw: Superelement) -> AngleLaw:
+    """Find the angle law of a throw with equal webs.
+
+    Parameters
+    ----------
+    throw : Superelement
+
+    Raises
+    ------
+    InputError
+        If the throw is not symmetric about the crank plane and the middle of its pin: then no closed
+        form holds.
+    """
+    if not is_symmetric(throw):
+        raise InputError(
+            "throw: given one that is not symmetric about the crank plane and the middle of one pin; the "
+            "angle law holds for equal webs only, for others use Neighbors(left_deg, right_deg)."
+        )
+    return effective_angle_law(throw)
+
+
+def effective_angle_law(throw: Superelement) -> AngleLaw:
+    """The angle law through e(0), e(90) and e(180), exact for equal webs, an interpolation for others."""
+    in_line, quarter, opposite = (
+        support_throw(throw, Neighbors(angle, angle)) for angle in (0.0, 90.0, 180.0)
+    )
+    return AngleLaw(
+        in_line=in_line.axial,
+        opposite=opposite.axial,
+        ratio=(opposite.axial - quarter.axial) / (quarter.axial - in_line.axial),
+        influence_in_line=in_line.influence,
+        influence_opposite=opposite.influence,
+    )
+
+
+def is_symmetric(throw: Superelement) -> bool:
+    """Whether a throw of one pin is symmetric about the crank plane and the middle of that pin."""
+    if len(throw.pin_loads) != 1:
+        return False
+    across_crank = np.diag(np.tile(MIRROR_X, 2))
+    across_middle = np.kron([[0.0, 1.0], [1.0, 0.0]], np.diag(MIRROR_Z))
+    size = np.sqrt(np.diag(throw.stiffness))
+    return all(
+        bool(
+            np.all(
+                np.abs(mirror @ throw.stiffness @ mirror.T - throw.stiffness)
+                <= SYMMETRIC * np.outer(size, size)
+            )
+        )
+        for mirror in (across_crank, across_middle)
+    )

@@ -1,0 +1,276 @@
+"""What a study keeps of a throw: its responses, each with an estimate of its discretization error.
+
+Under its supports a throw's axial answers are those of one symmetry class, its torsional ones those of
+another; no others are solved for a throw with equal webs. Every answer is the mutual energy of two
+displacement fields: of the field of a unit axial force with itself for e_n, with that of a unit radial
+force on the pin for c, and so on. What discretization takes from it is the mutual energy of the errors
+of the two, which recovered stresses estimate.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.accuracy import SAFETY, Level, Mesher, Problem, solve_to
+from fem.angle_law import effective_angle_law
+from fem.class_compliances import unit_response
+from fem.condensation import CondensedClass
+from fem.fillet_stress import fillet_stresses
+from fem.loads import RADIAL, radial_directions
+from fem.material import STEEL, Material
+from fem.recovery import energy_products
+from fem.superelement import RX, RY, combine_classes
+from fem.supports import STRETCH, TWIST
+from fem.symmetry import symmetry_classes, torsional_class
+from geometry.mass import mass_properties
+from geometry.mesher import mesh_isolated
+from geometry.stopwatch import Stopwatch
+from geometry.throw import CrankThrow
+
+Array = NDArray[np.float64]
+
+SUPPORTS = ("pinned", "guided")
+# Loads that tilt the two ends as neighbors do: against each other in the crank plane, alike across it.
+TILT_IN_PLANE = np.zeros(12)
+TILT_IN_PLANE[[RX, 6 + RX]] = 1.0, -1.0
+TILT_ACROSS = np.zeros(12)
+TILT_ACROSS[[RY, 6 + RY]] = 1.0, 1.0
+# Of the unit loads of `fem.unit_loads`, those whose concentration factors the field knows.
+STRESS_LOADS = ("bending", "torsion")
+STRESS_ACCURACY = 0.05
+
+# A value, and how much too small it is by estimate, as a share of it.
+Answer = tuple[float, float]
+# Estimates are true within this share (tests/campaigns/compliance_errors.py).
+ESTIMATE_SPREAD = 0.15
+
+
+@dataclass(frozen=True)
+class ResponseKind:
+    """A response: its symbol, SI unit ("" for a plain number) and meaning."""
+
+    symbol: str
+    unit: str
+    meaning: str
+
+
+RESPONSES: Mapping[str, ResponseKind] = MappingProxyType(
+    {
+        "axial_compliance_pinned": ResponseKind("e_n", "m/N", "axial compliance, ends pinned"),
+        "axial_compliance_guided": ResponseKind("e_g", "m/N", "axial compliance, ends guided"),
+        "axial_compliance_opposite": ResponseKind(
+            "e_180", "m/N", "axial compliance between opposite neighbors, 180 deg"
+        ),
+        "axial_compliance_in_line": ResponseKind(
+            "e_0", "m/N", "axial compliance between neighbors in line, 0 deg"
+        ),
+        "tilt_stiffness_ratio": ResponseKind(
+            "rho", "", "tilt stiffness across the crank plane divided by that in it"
+        ),
+        "torsional_compliance_pinned": ResponseKind(
+            "e_t", "rad/(N m)", "torsional compliance, ends pinned"
+        ),
+        "torsional_compliance_guided": ResponseKind(
+            "e_tg", "rad/(N m)", "torsional compliance, ends guided"
+        ),
+        "influence_coefficient_pinned": ResponseKind(
+            "c", "m/N", "lengthening per unit radial force on the pin, ends pinned"
+        ),
+        "influence_coefficient_guided": ResponseKind(
+            "c_g", "m/N", "lengthening per unit radial force on the pin, ends guided"
+        ),
+        "influence_coefficient_opposite": ResponseKind(
+            "c_180", "m/N", "influence coefficient between opposite neighbors, 180 deg"
+        ),
+        "influence_coefficient_in_line": ResponseKind(
+            "c_0", "m/N", "influence coefficient between neighbors in line, 0 deg"
+        ),
+        "axial_reaction_pinned": ResponseKind(
+            "P/Z", "", "axial reaction per unit radial force on the pin, length kept, ends pinned"
+        ),
+        "axial_reaction_guided": ResponseKind(
+            "P_g/Z", "", "axial reaction per unit radial force on the pin, length kept, ends guided"
+        ),
+        "mass": ResponseKind("m", "kg", "mass"),
+        "fillet_stress_factor": ResponseKind(
+            "k_s",
+            "",
+            "largest stress concentration factor at the fillets, under bending in the crank plane and "
+            "under torque",
+        ),
+    }
+)
+
+
+@dataclass(frozen=True)
+class ThrowResponses:
+    """The responses of one throw.
+
+    Attributes
+    ----------
+    values : dict
+        By the names of `RESPONSES`, SI units.
+    errors : dict
+        Estimated relative error of each.
+    unknowns : int
+        Of the meshed part.
+    """
+
+    values: dict[str, float]
+    errors: dict[str, float]
+    unknowns: int
+
+
+def evaluate_throw(
+    throw: CrankThrow,
+    material: Material = STEEL,
+    accuracy: float = 0.01,
+    stresses: bool = False,
+    mesher: Mesher = mesh_isolated,
+) -> ThrowResponses:
+    """Compute all responses of a throw.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+    material : Material
+    accuracy : float
+        Wished relative accuracy of the axial compliance (pinned), 0.001 to 0.1; the others share its
+        mesh and come out with errors of their own.
+    stresses : bool
+        Also find the largest stress concentration factor at the fillets, which takes several times as
+        long as everything else.
+    mesher : callable
+        As for `fem.analysis.analyze_throw`.
+
+    Returns
+    -------
+    ThrowResponses
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range, or stresses are asked of a throw without fillets.
+    MeshError, SolveError
+        If the throw cannot be meshed or solved.
+    """
+    problem = Problem(material, "auto", "rigid", Stopwatch())
+    level = solve_to(throw, accuracy, problem, mesher)
+    axial = _class_answers(level.axial_part, level, material, STRETCH, TILT_IN_PLANE, radial=True)
+    torsional_part = level.condense(torsional_class(level.mesh.part), problem)
+    torsional = _class_answers(torsional_part, level, material, TWIST, TILT_ACROSS, radial=False)
+    answers: dict[str, Answer] = {}
+    for number, support in enumerate(SUPPORTS):
+        compliance, influence = axial.compliances[number], axial.influences[number]
+        answers[f"axial_compliance_{support}"] = compliance
+        answers[f"torsional_compliance_{support}"] = torsional.compliances[number]
+        answers[f"influence_coefficient_{support}"] = influence
+        answers[f"axial_reaction_{support}"] = _ratio(influence, compliance)
+    answers |= _angle_law_answers(throw, level, problem, axial, torsional)
+    mass = mass_properties(level.mesh, material.density).mass
+    answers["mass"] = (mass, abs(mass / (material.density * throw.volume) - 1.0))
+    if stresses:
+        answers["fillet_stress_factor"] = _largest_factor(throw, material, mesher)
+    order = [name for name in RESPONSES if name in answers]
+    return ThrowResponses(
+        {name: answers[name][0] for name in order},
+        {name: abs(answers[name][1]) for name in order},
+        level.mesh.unknowns,
+    )
+
+
+@dataclass(frozen=True)
+class _Answers:
+    """Answers of one symmetry class.
+
+    Attributes
+    ----------
+    compliances : list of (value, error)
+        Under the class's unit end load, for each of `SUPPORTS`.
+    influences : list of (value, error)
+        Motion along that load under a unit radial force on the first pin, for each of `SUPPORTS`.
+    tilt : (value, error)
+        Of the moments that tilt both ends as neighbors do, ends pinned.
+    """
+
+    compliances: list[Answer]
+    influences: list[Answer]
+    tilt: Answer
+
+
+def _class_answers(
+    part: CondensedClass, level: Level, material: Material, load: Array, tilt: Array, radial: bool
+) -> _Answers:
+    """Solve a class under its end load and the tilting moments; `radial` adds the force on the pin."""
+    pull, moments = load @ part.symmetry.ends, tilt @ part.symmetry.ends
+    amplitudes = [unit_response(part, support, pull) for support in SUPPORTS]
+    amplitudes.append(unit_response(part, "pinned", moments))
+    on_pin = np.zeros((len(amplitudes), part.pin_fields.shape[2]))
+    if radial:
+        work = part.pin_loads[0, :, :3] @ RADIAL
+        amplitudes += [unit_response(part, support, work) for support in SUPPORTS]
+        pins, components = part.pin_components.T
+        share = np.where(pins == 0, np.append(RADIAL, np.zeros(3))[components], 0.0)
+        on_pin = np.vstack([on_pin, share, share])
+    motions = np.array(amplitudes)
+    fields = part.fields @ motions.T + part.pin_fields @ on_pin.T
+    products = energy_products(level.mesh.points, level.mesh.elements, fields, material)
+    lost = SAFETY * part.symmetry.copies * products.errors
+
+    def answer(value: float, one: int, other: int) -> Answer:
+        return float(value), float(lost[one, other] / value)
+
+    return _Answers(
+        compliances=[answer(motions[n] @ pull, n, n) for n in range(2)],
+        influences=[answer(motions[3 + n] @ pull, n, 3 + n) for n in range(2)] if radial else [],
+        tilt=answer(motions[2] @ moments, 2, 2),
+    )
+
+
+def _ratio(numerator: Answer, denominator: Answer) -> Answer:
+    """Quotient of two answers; what both miss alike cancels, as far as the estimates are true."""
+    spread = ESTIMATE_SPREAD * max(abs(numerator[1]), abs(denominator[1]))
+    return numerator[0] / denominator[0], abs(numerator[1] - denominator[1]) + spread
+
+
+def _angle_law_answers(
+    throw: CrankThrow,
+    level: Level,
+    problem: Problem,
+    axial: _Answers,
+    torsional: _Answers,
+) -> dict[str, Answer]:
+    """e_0, e_180, c_0, c_180 and rho; see `fem.angle_law`.
+
+    For equal webs the tilts of neighbors in line and opposite are those of guided and pinned ends. For
+    others the numbers come from chains of the whole throw, with the errors of guided and pinned ends.
+    """
+    pinned, guided = range(2)
+    ratio = _ratio(axial.tilt, torsional.tilt)
+    if level.mesh.part == "quarter":
+        return {
+            "axial_compliance_opposite": axial.compliances[pinned],
+            "axial_compliance_in_line": axial.compliances[guided],
+            "tilt_stiffness_ratio": ratio,
+            "influence_coefficient_opposite": axial.influences[pinned],
+            "influence_coefficient_in_line": axial.influences[guided],
+        }
+    classes = [level.condense(one, problem) for one in symmetry_classes(level.mesh.part)]
+    law = effective_angle_law(combine_classes(classes, radial_directions(throw)))
+    return {
+        "axial_compliance_opposite": (law.opposite, axial.compliances[pinned][1]),
+        "axial_compliance_in_line": (law.in_line, axial.compliances[guided][1]),
+        "tilt_stiffness_ratio": (law.ratio, ratio[1]),
+        "influence_coefficient_opposite": (law.influence_opposite, axial.influences[pinned][1]),
+        "influence_coefficient_in_line": (law.influence_in_line, axial.influences[guided][1]),
+    }
+
+
+def _largest_factor(throw: CrankThrow, material: Material, mesher: Mesher) -> Answer:
+    found = fillet_stresses(throw, material, STRESS_ACCURACY, mesher=mesher)
+    peaks = [peak for peak in found.peaks if peak.load.kind in STRESS_LOADS]
+    largest = max(peaks, key=lambda peak: peak.factor)
+    return largest.factor, largest.error_estimate

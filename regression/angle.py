@@ -1,0 +1,84 @@
+"""The angle law for looked-up values: e(gamma) from e_0, e_180 and rho.
+
+e = e_0 + (e_180 - e_0) / (1 + rho cot^2(gamma / 2)), written without the cotangent, which is infinite
+at 0; for its derivation see `fem.angle_law`, which a lookup does not load because it loads a solver.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geometry.errors import InputError
+
+
+def fold_angle(gamma_deg: ArrayLike) -> Any:
+    """Fold angles between neighbors to 0 ... 180 deg: 240 deg one way are 120 deg the other.
+
+    Raises
+    ------
+    InputError
+        If an angle is not a finite number.
+
+    Examples
+    --------
+    >>> fold_angle(240.0), fold_angle(-90.0), fold_angle(540.0)
+    (120.0, 90.0, 180.0)
+    """
+    if isinstance(gamma_deg, float) and math.isfinite(gamma_deg):
+        return abs((gamma_deg + 180.0) % 360.0 - 180.0)
+    try:
+        angles = np.asarray(gamma_deg)
+        if angles.dtype.kind not in "iuf" or angles.size == 0:
+            raise TypeError
+    except (TypeError, ValueError):
+        angles = np.array(math.nan)
+    if not np.all(np.isfinite(angles)):
+        raise InputError(
+            f"gamma_deg: given {gamma_deg!r}; allowed are finite angles in degrees, because they "
+            "stand between neighboring cranks."
+        )
+    folded = np.abs(np.remainder(angles + 180.0, 360.0) - 180.0)
+    return folded if folded.ndim else float(folded)
+
+
+def between(gamma_deg: ArrayLike, in_line: Any, opposite: Any, ratio: Any) -> Any:
+    """Value at an angle from those at 0 and 180 deg.
+
+    Parameters
+    ----------
+    gamma_deg : float or array_like
+        Angle between neighboring cranks [deg], folded to 0 ... 180.
+    in_line, opposite : float or ndarray
+        Values at 0 and 180 deg, axial compliances or influence coefficients.
+    ratio : float or ndarray
+        rho, stiffness against tilting across the crank plane divided by that in it.
+    """
+    half = np.pi / 360.0 * fold_angle(gamma_deg)
+    if isinstance(half, float):
+        sine, cosine = math.sin(half) ** 2, math.cos(half) ** 2
+    else:
+        sine, cosine = np.sin(half) ** 2, np.cos(half) ** 2
+    share = sine / (sine + ratio * cosine)
+    # In this form both ends are met to the last digit.
+    values = in_line * (1.0 - share) + opposite * share
+    return values if isinstance(values, np.ndarray) else float(values)
+
+
+def between_values(angle: Any, values: Sequence[Any]) -> Any:
+    """Apply the angle law to e_0, e_180 and rho; see `between`.
+
+    Raises
+    ------
+    InputError
+        If the shapes of angles and values do not fit each other.
+    """
+    try:
+        return between(angle, *values)
+    except ValueError:
+        raise InputError(
+            f"gamma_deg: given an array of shape {np.shape(angle)} for dimensions of shape "
+            f"{np.shape(values[0])}; allowed are shapes that can be broadcast together."
+        ) from None

@@ -1,0 +1,183 @@
+"""Designs that fill a box: Latin hypercubes and Sobol sequences, drawn repeatably from a seed.
+
+All points are in the unit cube. A column of a factor with q choices holds the middle of the q-th part
+that the point fell in, so that the choices come up evenly.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+# Latin hypercubes tried, of which the one with the largest smallest distance is taken; fewer of large
+# ones, which take long and gain little: so many points in all.
+TRIES, POINTS_TRIED = 400, 100_000
+# From here on, near points are found by a tree: the table of distances grows large.
+FEW_POINTS = 1500
+# More points than this are not thinned by distance: the table of distances would not fit.
+LARGEST_THINNED = 4000
+
+Points = NDArray[np.float64]
+
+
+def tries_of(count: int) -> int:
+    """Return how many Latin hypercubes of so many points are tried."""
+    return max(1, min(TRIES, POINTS_TRIED // count))
+
+
+def latin_hypercube_points(
+    count: int, choices: Sequence[int], seed: Sequence[int], tries: int | None = None
+) -> Points:
+    """Draw a Latin hypercube: each column cut into `count` strata, one point in each.
+
+    Of `tries` hypercubes of `scipy.stats.qmc` the one is taken whose nearest two points are farthest
+    apart (maximin).
+
+    Parameters
+    ----------
+    count : int
+        Number of points n.
+    choices : sequence of int
+        For each of the k columns, the number of its choices; 0 for a continuous one.
+    seed : sequence of int
+        Entropy of the random numbers.
+    tries : int, optional
+        `tries_of` so many points by default.
+
+    Returns
+    -------
+    (n, k) ndarray
+        Within [0, 1).
+    """
+    from scipy.stats import qmc
+
+    sampler = qmc.LatinHypercube(len(choices), rng=np.random.default_rng(list(seed)))
+    best = _at_choices(sampler.random(count), choices)
+    if count == 1 or len(choices) == 1:
+        return best
+    best_distance = smallest_distance(best)
+    for _ in range((tries or tries_of(count)) - 1):
+        candidate = _at_choices(sampler.random(count), choices)
+        distance = smallest_distance(candidate)
+        if distance > best_distance:
+            best, best_distance = candidate, distance
+    return best
+
+
+def sobol_points(count: int, choices: Sequence[int], seed: Sequence[int]) -> Points:
+    """Draw the first points of a scrambled Sobol sequence.
+
+    Parameters
+    ----------
+    count, choices, seed
+        As of `latin_hypercube_points`. The first points do not depend on how many are drawn.
+
+    Returns
+    -------
+    (n, k) ndarray
+        Within [0, 1).
+    """
+    from scipy.stats import qmc
+
+    sampler = qmc.Sobol(len(choices), rng=np.random.default_rng(list(seed)))
+    power = max(0, math.ceil(math.log2(count)))
+    return _at_choices(sampler.random_base2(power)[:count], choices)
+
+
+def _at_choices(points: Points, choices: Sequence[int]) -> Points:
+    placed = points.copy()
+    for column, number in enumerate(choices):
+        if number:
+            placed[:, column] = (np.floor(points[:, column] * number) + 0.5) / number
+    return placed
+
+
+def smallest_distance(points: Points) -> float:
+    """Return the distance of the two nearest points."""
+    from scipy.spatial import cKDTree
+    from scipy.spatial.distance import pdist
+
+    if len(points) <= FEW_POINTS:
+        return math.sqrt(pdist(points, "sqeuclidean").min())
+    distances, _ = cKDTree(points).query(points, k=[2])
+    return float(np.min(distances))
+
+
+def thinned(points: Points, count: int) -> NDArray[np.int64]:
+    """Choose `count` of the points, far apart: of the nearest two, one is left out, and again.
+
+    Parameters
+    ----------
+    points : (n, k) ndarray
+    count : int
+        1 to n.
+
+    Returns
+    -------
+    (count,) ndarray
+        Indices of those that stay, ascending.
+    """
+    number = len(points)
+    if number > LARGEST_THINNED:
+        return np.arange(count)
+    from scipy.spatial.distance import cdist
+
+    distances = cdist(points, points)
+    np.fill_diagonal(distances, np.inf)
+    staying = np.ones(number, dtype=bool)
+    for _ in range(number - count):
+        nearest = distances.min(axis=1)
+        first = int(np.argmin(nearest))
+        second = int(np.argmin(distances[first]))
+        # Of the two, the one whose next neighbor is nearer goes.
+        others = np.sort(distances[[first, second]], axis=1)[:, 1]
+        gone = first if others[0] <= others[1] else second
+        distances[gone, :] = distances[:, gone] = np.inf
+        staying[gone] = False
+    return np.flatnonzero(staying)
+
+
+def drawn(
+    draw: Callable[[int], Points],
+    possible: Callable[[Points], NDArray[np.bool_]],
+    count: int,
+    *,
+    in_order: bool,
+) -> tuple[Points, NDArray[np.bool_], NDArray[np.bool_]] | None:
+    """Draw points until `count` of them are possible.
+
+    Parameters
+    ----------
+    draw : callable
+        Draws so many points.
+    possible : callable
+        Which of (n, k) points can be used.
+    count : int
+    in_order : bool
+        Take the first possible ones (a sequence), not those farthest apart.
+
+    Returns
+    -------
+    points : (n, k) ndarray
+        All points drawn.
+    taken : (n,) ndarray of bool
+        The `count` points that are used.
+    impossible : (n,) ndarray of bool
+    or None, if so few are possible that the search is given up.
+    """
+    number = count
+    while True:
+        points = draw(number)
+        usable = possible(points)
+        found = int(np.count_nonzero(usable))
+        if found >= count:
+            taken = np.zeros(number, dtype=bool)
+            indices = np.flatnonzero(usable)
+            chosen = np.arange(count) if in_order else thinned(points[indices], count)
+            taken[indices[chosen]] = True
+            return points, taken, ~usable
+        if number >= max(2000, 50 * count):
+            return None
+        share = max(found, 0.5) / number
+        number = min(max(2000, 50 * count), max(number + 1, math.ceil(1.1 * count / share)))

@@ -1,0 +1,274 @@
+"""What a study varies: fields of a throw, ratios and choices, each over a range or at levels."""
+
+import difflib
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from typing import Any, Literal, get_args, get_origin
+
+import numpy as np
+
+from geometry.errors import InputError
+from geometry.model import InputModel, field_extra, part_kind
+from geometry.quantity import show_quantity
+from geometry.throw import CrankThrow
+
+SPACINGS = ("even", "log", "chebyshev", "log chebyshev")
+FREE_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
+# Digits to which calculated values are rounded: 285 mm found by halving and 285 mm written in a file
+# shall be one design, whose result is then found in the store.
+DIGITS = 12
+
+
+@dataclass(frozen=True)
+class Factor:
+    """One thing that a study varies.
+
+    Parameters
+    ----------
+    name : str
+        A field of the throw ("web_width", "counterweight.thickness"), or a free name that relations
+        use.
+    unit : str
+        SI unit; "" for a pure number or a choice.
+    lowest, highest : float
+        Ends of the range [SI]; of a choice 0 and the last label's index.
+    levels : tuple of float, optional
+        The values that a factorial runs, ascending or not [SI]; None for a range.
+    labels : tuple of str
+        What a choice chooses from; its values are the labels' indices. Empty for numbers.
+
+    Raises
+    ------
+    InputError
+        If the range is empty or not finite, a level stands twice or lies outside, or there are fewer
+        than two levels or labels.
+    """
+
+    name: str
+    unit: str
+    lowest: float
+    highest: float
+    levels: tuple[float, ...] | None = None
+    labels: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        name = f"study.factors.{self.name}"
+        given = (self.lowest, self.highest, *(self.levels or ()))
+        if not all(math.isfinite(value) for value in given):
+            raise InputError(f"{name}: given {given}; allowed are finite numbers.")
+        if self.labels and (
+            len(set(self.labels)) != len(self.labels)
+            or self.levels != tuple(map(float, range(len(self.labels))))
+        ):
+            raise InputError(
+                f"{name}: given {', '.join(self.labels)}; allowed is each choice once, because "
+                "repeated finite element runs give the same result."
+            )
+        if self.levels is not None:
+            self._check_levels(name, self.levels)
+        if not self.lowest < self.highest:
+            raise InputError(
+                f"{name}: given the range {self.show(self.lowest)} to {self.show(self.highest)}; the "
+                "lowest value must lie below the highest, or the factor does not vary."
+            )
+
+    def _check_levels(self, name: str, levels: tuple[float, ...]) -> None:
+        number = len(set(levels))
+        if number < 2:
+            raise InputError(
+                f"{name}: given {number} level; allowed are two or more different ones, three for a "
+                "quadratic equation."
+            )
+        if number != len(levels):
+            raise InputError(
+                f"{name}: given {', '.join(map(self.show, levels))}; each level may stand once, "
+                "because repeated finite element runs give the same result."
+            )
+        if min(levels) < self.lowest or max(levels) > self.highest:
+            raise InputError(
+                f"{name}: given levels {', '.join(map(self.show, levels))}; allowed are levels within "
+                f"the range {self.show(self.lowest)} to {self.show(self.highest)}."
+            )
+
+    @classmethod
+    def of_levels(cls, name: str, unit: str, levels: Sequence[float]) -> "Factor":
+        """Make a factor that has the given levels, and the range between the outermost."""
+        values = tuple(float(value) for value in levels)
+        if not values:
+            raise InputError(f"study.factors.{name}: given no level; allowed are two or more.")
+        return cls(name, unit, min(values), max(values), values)
+
+    @classmethod
+    def of_labels(cls, name: str, labels: Sequence[str]) -> "Factor":
+        """Make a choice between labels."""
+        if len(labels) < 2:
+            raise InputError(
+                f"study.factors.{name}: given {', '.join(labels) or 'nothing'}; allowed are two or "
+                "more different choices, or the factor does not vary."
+            )
+        levels = tuple(float(index) for index in range(len(labels)))
+        return cls(name, "", 0.0, levels[-1], levels, tuple(labels))
+
+    @classmethod
+    def spread(
+        cls, name: str, unit: str, lowest: float, highest: float, levels: int, spacing: str
+    ) -> "Factor":
+        """Make a factor with levels spread over a range, both ends among them.
+
+        Parameters
+        ----------
+        name, unit, lowest, highest
+            As of the factor.
+        levels : int
+            How many, 2 or more.
+        spacing : str
+            "even"; "log" (even in the logarithm); "chebyshev" (the extremes of a Chebyshev
+            polynomial, denser at the ends, which keeps the error of a polynomial even over the
+            range); "log chebyshev" (those in the logarithm).
+
+        Raises
+        ------
+        InputError
+            If a spacing is unknown, or is logarithmic over a range that reaches zero.
+        """
+        field = f"study.factors.{name}"
+        if spacing not in SPACINGS:
+            raise InputError(
+                f"{field}.spacing: given {spacing!r}; allowed are {', '.join(SPACINGS)}."
+            )
+        if isinstance(levels, bool) or not isinstance(levels, int) or not 2 <= levels <= 1000:
+            raise InputError(
+                f"{field}.levels: given {levels!r}; allowed is a whole number from 2 to 1000."
+            )
+        plain = cls(name, unit, lowest, highest)  # refuses an empty range
+        logarithmic = spacing.startswith("log")
+        if logarithmic and lowest <= 0.0:
+            raise InputError(
+                f"{field}.from: given {plain.show(lowest)}; allowed is more than 0 with spacing "
+                f"{spacing!r}, because zero has no logarithm."
+            )
+        ends = np.log([lowest, highest]) if logarithmic else np.array([lowest, highest])
+        place = np.linspace(0.0, 1.0, levels)
+        if "chebyshev" in spacing:
+            place = 0.5 - 0.5 * np.cos(np.pi * place)
+        inner = ends[0] + place * (ends[1] - ends[0])
+        values = np.exp(inner) if logarithmic else inner
+        return cls(
+            name, unit, lowest, highest, (lowest, *map(rounded, values[1:-1].tolist()), highest)
+        )
+
+    @property
+    def categorical(self) -> bool:
+        """Whether the factor is a choice between labels."""
+        return bool(self.labels)
+
+    def show(self, value: float) -> str:
+        """Write one of the factor's values as people read it."""
+        if self.labels:
+            return self.labels[round(value)]
+        return show_quantity(value, self.unit)
+
+
+def rounded(value: float) -> float:
+    """Round a calculated value to `DIGITS` significant digits."""
+    return float(f"{value:.{DIGITS - 1}e}")
+
+
+@dataclass(frozen=True)
+class ThrowField:
+    """A field of a throw that a study can vary: a quantity with its unit, or a choice."""
+
+    path: str
+    unit: str
+    choices: tuple[str, ...] = ()
+
+
+def throw_fields(throw: CrankThrow) -> dict[str, ThrowField]:
+    """List the fields that can vary, by path ("web_width", "further_pins.0.length").
+
+    Fields of a part that the throw does not have are left out, unless the part has no field that
+    must be given (a web of its own).
+    """
+    return {field.path: field for field in _fields_of(throw, CrankThrow, "")}
+
+
+def _fields_of(
+    record: InputModel | None, kind: type[InputModel], prefix: str
+) -> Iterator[ThrowField]:
+    for name, info in kind.model_fields.items():
+        path, part = prefix + name, part_kind(info)
+        value = None if record is None else getattr(record, name)
+        if part is not None and field_extra(info, "many"):
+            for place, item in enumerate(value or ()):
+                yield from _fields_of(item, part, f"{path}.{place}.")
+        elif part is not None:
+            if value is not None or _needs_nothing(part):
+                yield from _fields_of(value, part, f"{path}.")
+        elif field_extra(info, "unit") is not None:
+            yield ThrowField(path, field_extra(info, "unit"))
+        elif choices := _choices(info.annotation):
+            yield ThrowField(path, "", choices)
+
+
+def _needs_nothing(kind: type[InputModel]) -> bool:
+    return not any(info.is_required() for info in kind.model_fields.values())
+
+
+def _choices(annotation: Any) -> tuple[str, ...]:
+    """Labels of a Literal, also within an optional one."""
+    if get_origin(annotation) is Literal:
+        return get_args(annotation)
+    return next((found for item in get_args(annotation) if (found := _choices(item))), ())
+
+
+def field_value(record: Mapping[str, Any], path: str) -> Any:
+    """Return the value at a path of a throw's record, None where the part is missing."""
+    found: Any = record
+    for step in path.split("."):
+        if found is None:
+            return None
+        found = found[int(step)] if isinstance(found, list) else found.get(step)
+    return found
+
+
+def changed_record(record: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a copy of a throw's record with other values at some paths.
+
+    Parameters
+    ----------
+    record : mapping
+        As ``throw.model_dump(mode="json")`` gives it.
+    changes : mapping
+        Path to value; parts that the record lacks are made.
+    """
+    changed = deepcopy(dict(record))
+    for path, value in changes.items():
+        *steps, last = path.split(".")
+        place: Any = changed
+        for step in steps:
+            if isinstance(place, list):
+                place = place[int(step)]
+                continue
+            if place.get(step) is None:
+                place[step] = {}
+            place = place[step]
+        place[last] = value
+    return changed
+
+
+def unknown_field(path: str, fields: Mapping[str, ThrowField], throw: CrankThrow) -> str:
+    """Say why a name is no field that this throw can vary, and what may have been meant."""
+    steps = path.split(".")
+    for count in range(1, len(steps)):
+        part = ".".join(steps[:count])
+        if part.split(".")[0] not in CrankThrow.model_fields:
+            break
+        if not any(name.startswith(f"{part}.") for name in fields):
+            return f"the throw has no {part} to vary; give it in [throw]"
+    close = difflib.get_close_matches(path, fields, n=1)
+    hint = f"did you mean {close[0]}? " if close else ""
+    own = [name for name in fields if "." not in name or getattr(throw, name.split(".")[0])]
+    return f"{hint}allowed are {', '.join(own)}"

@@ -1,0 +1,1 @@
+"""The published axial formulas, one author to a module. The face is `regression.axial_formulas`."""

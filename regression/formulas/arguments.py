@@ -1,0 +1,48 @@
+"""Arguments that all formulas share: the angle between neighboring cranks, and the moduli."""
+
+import math
+
+from geometry.errors import InputError
+
+
+def fold_angle_deg(gamma_deg: float) -> float:
+    """Fold an angle between neighboring cranks to 0 ... 180 deg (240 and -120 become 120)."""
+    rest = math.fmod(abs(gamma_deg), 360.0)
+    return 360.0 - rest if rest > 180.0 else rest
+
+
+def checked_angle_deg(gamma_deg: float) -> float:
+    """Return the folded angle [deg] after checking it.
+
+    Raises
+    ------
+    InputError
+        If the angle is not finite.
+    """
+    if not math.isfinite(gamma_deg):
+        raise InputError(
+            f"gamma_deg: given {gamma_deg!r}; allowed is a finite angle in deg between "
+            "neighboring cranks, because it is folded to 0 to 180 deg."
+        )
+    return fold_angle_deg(gamma_deg)
+
+
+def shear_modulus(youngs_modulus: float, poisson_ratio: float) -> float:
+    """Return G = E / (2 (1 + nu)) [Pa] after checking both.
+
+    Raises
+    ------
+    InputError
+        If E is not positive, or nu lies outside -1 < nu <= 0.5.
+    """
+    if not (math.isfinite(youngs_modulus) and youngs_modulus > 0.0):
+        raise InputError(
+            f"youngs_modulus: given {youngs_modulus!r}; allowed is a positive number of Pa, "
+            "because a throw without stiffness has no compliance."
+        )
+    if not -1.0 < poisson_ratio <= 0.5:
+        raise InputError(
+            f"poisson_ratio: given {poisson_ratio!r}; allowed is above -1 up to 0.5, the range of "
+            "an isotropic material."
+        )
+    return youngs_modulus / (2.0 * (1.0 + poisson_ratio))

@@ -1,0 +1,67 @@
+"""A published formula and its readings: the corrected one, the printed one, and others."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from regression.formulas.case import ThrowCase
+from regression.formulas.remarks import Remark
+
+SURVEY = (
+    "A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Ser. Marine Engineering and Technologies, 2021, "
+    "no. 4, pp. 75-83, doi 10.24143/2073-1574-2021-4-75-83"
+)
+
+
+def no_remarks(case: ThrowCase) -> list[Remark]:
+    """Return that there is nothing to say."""
+    del case
+    return []
+
+
+def no_fault(case: ThrowCase) -> str:
+    """Return that nothing hinders the evaluation."""
+    del case
+    return ""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One way to read a formula.
+
+    Attributes
+    ----------
+    evaluate : callable
+        Compliance of a case [m/N]; called only where there is no fault.
+    remarks : callable
+        What to know about that value.
+    fault : callable
+        Why this reading cannot be evaluated for a case; empty where it can.
+    """
+
+    evaluate: Callable[[ThrowCase], float]
+    remarks: Callable[[ThrowCase], list[Remark]] = no_remarks
+    fault: Callable[[ThrowCase], str] = no_fault
+
+
+@dataclass(frozen=True)
+class AxialFormula:
+    """A published formula for the axial compliance.
+
+    Attributes
+    ----------
+    authors : str
+        Who published it, and where.
+    readings : mapping of str to Reading
+        "corrected", "printed" and others by name.
+    printed_fault : str
+        Why the print cannot be evaluated for any throw, if it is not among the readings.
+    """
+
+    authors: str
+    readings: Mapping[str, Reading]
+    printed_fault: str = ""
+
+    @property
+    def source(self) -> str:
+        """The first publication, and the survey that quotes it."""
+        return f"{self.authors}; quoted in {SURVEY}"

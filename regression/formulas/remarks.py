@@ -1,0 +1,99 @@
+"""What there is to know about a formula's value for one throw, in a sentence each."""
+
+from dataclasses import dataclass
+
+from geometry.quantity import show_quantity
+from geometry.throw import CrankThrow
+from regression.formulas.case import ThrowCase
+
+
+@dataclass(frozen=True)
+class Remark:
+    """One sentence, and whether the formula does not apply because of it."""
+
+    text: str
+    invalidates: bool = False
+
+
+def shape_remarks(throw: CrankThrow) -> list[tuple[str, bool]]:
+    """What of a throw the published formulas do not know, and whether that makes them void."""
+    remarks = []
+    if throw.further_pins:
+        remarks.append(
+            ("The throw has several pins between its bearings; the formula knows one.", True)
+        )
+    for table in (throw.left_web, throw.right_web):
+        if table is not None and (
+            table.thickness not in (None, throw.web_thickness)
+            or table.width not in (None, throw.web_width)
+        ):
+            remarks.append(
+                ("The webs differ; the formula takes web_width and web_thickness for both.", False)
+            )
+            break
+    if throw.web_tip_thickness is not None or throw.web_foot_thickness is not None:
+        remarks.append(("The formula takes the web's full thickness; it is thinned.", False))
+    if throw.main_journal_bore_offset or throw.pin_bore_offset:
+        remarks.append(("The formula takes eccentric bores for concentric ones.", False))
+    return remarks
+
+
+def plain_web_remarks(case: ThrowCase) -> list[Remark]:
+    """For a formula whose web has its plain section B h, whatever the overlap."""
+    overlap = case.throw.overlap
+    if overlap <= 0.0:
+        return []
+    return [
+        Remark(
+            f"Main journal and crankpin overlap by {show_quantity(overlap, 'm')}: a formula with "
+            "the plain web section overestimates the compliance, up to about threefold beside "
+            "finite elements."
+        )
+    ]
+
+
+def negative_shear_remarks(case: ThrowCase) -> list[Remark]:
+    """For a formula whose web shears over 2 R - D_km - D_shm only."""
+    overlap = case.throw.overlap
+    if overlap <= 0.0:
+        return []
+    return [
+        Remark(
+            f"Main journal and crankpin overlap by {show_quantity(overlap, 'm')}: the formula's "
+            "shear term is negative there."
+        )
+    ]
+
+
+def no_angle_remarks(case: ThrowCase) -> list[Remark]:
+    """For a formula that has no angle between neighboring cranks."""
+    if case.gamma_deg == 180.0:
+        return []
+    return [
+        Remark(
+            "The formula has no angle: it holds for opposite neighbors, gamma = 180 deg, and "
+            f"not for {case.gamma_deg:g} deg, where the throw is stiffer.",
+            invalidates=True,
+        )
+    ]
+
+
+def open_angle_factor_remarks(case: ThrowCase, constant: str) -> list[Remark]:
+    """For a formula whose factor for the angle is not published, unless the factor is given."""
+    if case.gamma_deg == 180.0 or constant in case.given_constants:
+        return []
+    return [
+        Remark(
+            f"The factor {constant} for gamma = {case.gamma_deg:g} deg is not published: the value "
+            f"stands for opposite neighbors, gamma = 180 deg ({constant} = 1), unless "
+            f"constants={{{constant!r}: ...}} gives it.",
+            invalidates=True,
+        )
+    ]
+
+
+def unused_bores_remarks(case: ThrowCase) -> list[Remark]:
+    """For a formula into which the bores do not enter."""
+    if case.throw.main_journal_bore == 0.0 and case.throw.pin_bore == 0.0:
+        return []
+    return [Remark("The bores do not enter this formula.")]

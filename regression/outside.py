@@ -1,0 +1,106 @@
+"""Values outside the range that an equation was fitted over: how far, and what to say of them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from regression.throw_values import SAME, show
+
+
+class OutsideRangeWarning(UserWarning):
+    """A compliance was asked for outside the range of dimensions of its fit."""
+
+
+@dataclass(frozen=True)
+class Outside:
+    """One column whose values leave its range.
+
+    Attributes
+    ----------
+    name : str
+        Of the dimension or the ratio.
+    value : float
+        The farthest of them [SI].
+    number : int
+        How many of the values lie outside.
+    lowest, highest : float
+        The range.
+    unit : str
+        SI unit.
+    """
+
+    name: str
+    value: float
+    number: int
+    lowest: float
+    highest: float
+    unit: str
+
+    @property
+    def distance(self) -> float:
+        """How far the farthest value lies beyond the range, as a share of the range's width."""
+        beyond = max(self.lowest - self.value, self.value - self.highest)
+        return beyond / (self.highest - self.lowest)
+
+    @property
+    def remark(self) -> str:
+        """One sentence for a value that is given all the same."""
+        several = f" (and {self.number - 1} more)" if self.number > 1 else ""
+        return (
+            f"{self.name}: given {self._show(self.value)}{several}; the range of the fit is "
+            f"{self._show(self.lowest)} to {self._show(self.highest)}, and "
+            f"{100.0 * self.distance:.3g} % of its width beyond it the error is unknown."
+        )
+
+    @property
+    def refusal(self) -> str:
+        """One sentence for a value that is not given."""
+        several = f" (and {self.number - 1} more)" if self.number > 1 else ""
+        return (
+            f"{self.name}: given {self._show(self.value)}{several}; allowed is the range of the fit, "
+            f"{self._show(self.lowest)} to {self._show(self.highest)}, because an answer "
+            f"{100.0 * self.distance:.3g} % of its width beyond it has no known error and strict "
+            "answers are asked for."
+        )
+
+    def _show(self, value: float) -> str:
+        return show(self.name, value, self.unit)
+
+
+def edges(lowest: float, highest: float) -> tuple[float, float]:
+    """Return a range widened by rounding, so that its own ends lie inside."""
+    margin = SAME * max(abs(lowest), abs(highest))
+    return lowest - margin, highest + margin
+
+
+def outside(
+    name: str, values: float | NDArray[np.float64], lowest: float, highest: float, unit: str
+) -> Outside | None:
+    """Find what leaves a range; None if nothing does."""
+    low, high = edges(lowest, highest)
+    if isinstance(values, float):
+        if low <= values <= high:
+            return None
+        return Outside(name, values, 1, lowest, highest, unit)
+    least, most = float(np.min(values)), float(np.max(values))
+    if low <= least and most <= high:
+        return None
+    number = int(np.count_nonzero((values < low) | (values > high)))
+    farthest = least if lowest - least >= most - highest else most
+    return Outside(name, farthest, number, lowest, highest, unit)
+
+
+def worst(found: list[Outside]) -> list[Outside]:
+    """Join findings of pieces of one array: one for each name, with the farthest value."""
+    joined: dict[str, Outside] = {}
+    for one in found:
+        other = joined.get(one.name)
+        if other is None:
+            joined[one.name] = one
+            continue
+        far = one if one.distance > other.distance else other
+        joined[one.name] = Outside(
+            one.name, far.value, one.number + other.number, one.lowest, one.highest, one.unit
+        )
+    return list(joined.values())

@@ -1,0 +1,149 @@
+"""The survey's table of axial compliances: what is printed, and which powers of ten were lost.
+
+Yamanin and Zhukov give the axial compliance of one throw of ten engines by nine formulas, with the
+column heading 1e9. Single values are off by powers of ten beside the rest of their row and column;
+they look like mantissas of a spreadsheet whose exponents were lost. The file keeps the digits of the
+print and, as a hypothesis in a column of its own, the power of ten that each needs.
+
+The paper gives no dimensions of the throws, and no single set of dimensions makes all columns agree
+(groups A and B of the file). The table shows how far the formulas spread; it can prove none of them.
+"""
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from geometry.errors import InputError
+
+FINITE_ELEMENTS = "finite elements"
+COLUMNS = (
+    "engine",
+    "strokes",
+    "bore_mm",
+    "stroke_mm",
+    "formula",
+    "printed_1e-9_m_per_N",
+    "exponent_factor",
+    "group",
+    "doubt",
+)
+# The value by finite elements that the paper gives for one engine is doubted in words of its own.
+FINITE_ELEMENTS_DOUBT = (
+    "The survey's value by finite elements for ChN 26/26, 3.3220e-9 m/N, is probably 3.3220e-10 m/N: "
+    "as printed it is at least twice what any formula gives in its row, and four to eight times what "
+    "finite elements give for throws of that size between opposite neighbors. It is no validation "
+    "target."
+)
+
+
+@dataclass(frozen=True)
+class PublishedValue:
+    """One value of the survey's table.
+
+    Attributes
+    ----------
+    engine : str
+        Designation: cylinder bore / stroke [cm].
+    strokes : int
+        4 or 2.
+    bore, stroke : float
+        From the designation [m].
+    formula : str
+        Name of the formula as in `AXIAL_FORMULA_NAMES`, or "finite elements".
+    digits : str
+        The digits of the print.
+    exponent_factor : float or None
+        The power of ten by which the print has to be multiplied, a hypothesis; 1 where nothing speaks
+        for one, None where none can be found.
+    group : str
+        "A" or "B": formulas that agree with each other's web thickness; empty where neither.
+    doubt : str
+        What is doubted; empty if nothing.
+    """
+
+    engine: str
+    strokes: int
+    bore: float
+    stroke: float
+    formula: str
+    digits: str
+    exponent_factor: float | None
+    group: str
+    doubt: str
+
+    @property
+    def printed(self) -> float:
+        """The value as printed [m/N]."""
+        return float(self.digits) * 1e-9
+
+    @property
+    def repaired(self) -> float | None:
+        """The printed value times its hypothetical power of ten [m/N]; None where there is none."""
+        return None if self.exponent_factor is None else self.printed * self.exponent_factor
+
+    @property
+    def mark(self) -> str:
+        """Return "*" if the power of ten was repaired, "?" if it is doubted only, or ""."""
+        if self.exponent_factor not in (None, 1.0):
+            return "*"
+        return "?" if self.doubt else ""
+
+
+def read_published_table(path: Path) -> tuple[PublishedValue, ...]:
+    """Read the survey's table.
+
+    Parameters
+    ----------
+    path : Path
+        The file ``axial_compliance_published.csv`` of the shipped tables.
+
+    Returns
+    -------
+    tuple of PublishedValue
+        In the order of the file, which is that of the print.
+
+    Raises
+    ------
+    InputError
+        If the file does not exist or does not have this table's form.
+    """
+    if not path.is_file():
+        raise InputError(f"{path}: given as the published table, but there is no such file.")
+    lines = [
+        line
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if line.strip() and not line.startswith("#")
+    ]
+    rows = csv.DictReader(lines)
+    if tuple(rows.fieldnames or ()) != COLUMNS:
+        raise InputError(
+            f"{path}: given columns {', '.join(rows.fieldnames or ['none'])}; allowed are "
+            f"{', '.join(COLUMNS)}, those of the published table."
+        )
+    return tuple(_value(path, number, row) for number, row in enumerate(rows, start=1))
+
+
+def _value(path: Path, number: int, row: Mapping[str, str]) -> PublishedValue:
+    try:
+        factor = row["exponent_factor"]
+        value = PublishedValue(
+            engine=row["engine"],
+            strokes=int(row["strokes"]),
+            bore=float(row["bore_mm"]) / 1e3,
+            stroke=float(row["stroke_mm"]) / 1e3,
+            formula=row["formula"],
+            digits=row["printed_1e-9_m_per_N"],
+            exponent_factor=float(factor) if factor else None,
+            group=row["group"],
+            doubt=row["doubt"],
+        )
+        positive = value.printed > 0.0
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{path}: row {number} of the table cannot be read: {error}.") from None
+    if not positive:
+        raise InputError(
+            f"{path}: row {number} gives {value.digits}; allowed is a positive number, because it "
+            "is a compliance."
+        )
+    return value

@@ -1,0 +1,346 @@
+"""Relations between the dimensions of a study, and constraints on them, as text with units.
+
+pint calculates them, with their units and for all designs at once; no text is ever run as Python. What
+pint would take loosely ("a b" is a product to it, "1,6" is 16, "410 mm / 2 mm" an area) is refused or
+set in brackets before pint sees it.
+"""
+
+import difflib
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import InputError
+from geometry.quantity import show_quantity, unit_registry
+
+TOKEN = re.compile(
+    r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
+    r"|(?P<name>[A-Za-z_]\w*(?:\.\w+)*)|(?P<sign>\*\*|[-+*/^()])|(?P<space>\s+)",
+    re.ASCII,
+)
+COMPARISON = re.compile(r"(<=|>=|==|!=|=|<|>)")
+# Sides of a constraint that differ by less than this part count as equal: rounding must not exclude a
+# design that lies on it.
+EQUAL_WITHIN = 1e-9
+
+Values = Mapping[str, NDArray[np.float64]]
+Units = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A checked expression.
+
+    Attributes
+    ----------
+    field : str
+        What to call it in messages.
+    text : str
+        As given.
+    names : tuple of str
+        Quantities of the study that it uses.
+    prepared : str
+        The text as pint reads it, the names replaced by placeholders.
+    """
+
+    field: str
+    text: str
+    names: tuple[str, ...]
+    prepared: str
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """Comparisons that all must hold, such as ``0.2 <= web_thickness / pin_diameter <= 0.6``."""
+
+    field: str
+    text: str
+    sides: tuple[Expression, ...]
+    signs: tuple[str, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Quantities of the study that it uses."""
+        return tuple(dict.fromkeys(name for side in self.sides for name in side.names))
+
+
+def read_expression(text: object, field: str, units: Units) -> Expression:
+    """Check the grammar of an expression and its names.
+
+    Parameters
+    ----------
+    text : str
+        Numbers, quantities such as ``410 mm``, names, ``+ - * / ** ^`` and brackets.
+    field : str
+        What to call it in messages.
+    units : mapping
+        Names that may be used, to their SI units.
+
+    Raises
+    ------
+    InputError
+        If it is no such text or names something unknown.
+    """
+    if isinstance(text, int | float) and not isinstance(text, bool):
+        text = repr(text)
+    if not isinstance(text, str) or not text.strip():
+        raise InputError(
+            f'{field}: given {text!r}; allowed is an expression in quotes, like "1.6 * pin_diameter".'
+        )
+    names: list[str] = []
+    pieces: list[str] = []
+    depth, operand_next = 0, True
+    tokens = _tokens(text, field)
+    for place, (kind, token) in enumerate(tokens):
+        before = tokens[place - 1] if place else ("", "")
+        if kind == "name" and before[0] == "number" and token not in units:
+            _check_unit(token, text, field, units)
+            pieces[-1] += f"*{token}"
+            continue
+        operand = kind != "sign" or token == "("
+        prefix = token in ("+", "-") and before[1] not in ("+", "-")
+        if operand != operand_next and not (operand_next and prefix):
+            raise _no_grammar(text, field, before[1], token)
+        if kind == "name":
+            if token not in units:
+                raise _unknown_name(token, text, field, units)
+            if token not in names:
+                names.append(token)
+            token = f"quantity_{names.index(token)}"
+        depth += {"(": 1, ")": -1}.get(token, 0) if kind == "sign" else 0
+        if depth < 0:
+            raise _no_grammar(text, field, before[1], token)
+        pieces.append(token)
+        operand_next = kind == "sign" and token != ")"
+    if depth or operand_next:
+        raise _no_grammar(text, field, tokens[-1][1], "the end")
+    return Expression(field, text, tuple(names), " ".join(_bracketed(pieces)))
+
+
+def _tokens(text: str, field: str) -> list[tuple[str, str]]:
+    tokens, place = [], 0
+    while place < len(text):
+        found = TOKEN.match(text, place)
+        if found is None:
+            raise InputError(
+                f"{field}: given {text!r}, with {text[place]!r} in it; allowed are numbers with a "
+                "decimal point, units, names, + - * / ** and brackets."
+            )
+        if found.lastgroup != "space":
+            tokens.append((str(found.lastgroup), found[0]))
+        place = found.end()
+    return tokens
+
+
+def _bracketed(pieces: list[str]) -> list[str]:
+    """Set a number with its unit, and the power of the unit, in brackets: divide by all of it."""
+    done, place = [], 0
+    while place < len(pieces):
+        piece = pieces[place]
+        if "*" in piece and piece not in ("*", "**"):
+            if pieces[place + 1 : place + 2] in (["^"], ["**"]) and place + 2 < len(pieces):
+                piece += f"**{pieces[place + 2]}"
+                place += 2
+            piece = f"({piece})"
+        done.append(piece)
+        place += 1
+    return done
+
+
+def _no_grammar(text: str, field: str, before: str, token: str) -> InputError:
+    where = f"{token!r} after {before!r}" if before else f"{token!r} at its start"
+    where = where.replace("'the end'", "the end")
+    return InputError(
+        f"{field}: given {text!r}, which is no expression ({where}); allowed is one like "
+        '"410 mm - 2 * web_thickness".'
+    )
+
+
+def _check_unit(token: str, text: str, field: str, units: Units) -> None:
+    if not is_unit(token):
+        raise _unknown_name(token, text, field, units)
+
+
+def _unknown_name(token: str, text: str, field: str, units: Units) -> InputError:
+    close = difflib.get_close_matches(token, units, n=1)
+    hint = f"did you mean {close[0]}? " if close else ""
+    if is_unit(token):
+        hint = "a unit stands after a number, like 1 mm; "
+    return InputError(
+        f"{field}: given {text!r}, in which {token} is no known quantity; {hint}allowed are the "
+        "factors, the fields of [throw] that have a value, and numbers with units."
+    )
+
+
+def read_constraint(text: object, field: str, units: Units) -> Constraint:
+    """Check the grammar of a constraint and that its sides are of one kind.
+
+    Raises
+    ------
+    InputError
+        If it is no comparison by <, <=, > or >=, or compares quantities of different kinds.
+    """
+    pieces = COMPARISON.split(text) if isinstance(text, str) else []
+    sides, signs = pieces[0::2], pieces[1::2]
+    if not signs or not set(signs) <= {"<", "<=", ">", ">="}:
+        raise InputError(
+            f"{field}: given {text!r}; allowed is a comparison by <, <=, > or >=, like "
+            '"web_thickness >= 0.25 * pin_diameter".'
+        )
+    assert isinstance(text, str)
+    read = tuple(read_expression(side, field, units) for side in sides)
+    ones = {name: np.array(1.0) for side in read for name in side.names}
+    first, *others = (_calculated(side, ones, units) for side in read)
+    for other in others:
+        if not _same_kind(first, other):
+            raise InputError(
+                f"{field}: given {text!r}, which compares {_kind_of(first)} with {_kind_of(other)}; "
+                "allowed are sides of one kind."
+            )
+    return Constraint(field, text, read, tuple(signs))
+
+
+def calculate(
+    expression: Expression, values: Values, units: Units, unit: str
+) -> NDArray[np.float64]:
+    """Calculate an expression.
+
+    Parameters
+    ----------
+    expression : Expression
+    values : mapping
+        Name to () or (n,) values [SI].
+    units : mapping
+        Name to SI unit.
+    unit : str
+        SI unit of the result; "" for a pure number.
+
+    Returns
+    -------
+    ndarray
+        () or (n,) [SI]; not finite where the expression has no value.
+
+    Raises
+    ------
+    InputError
+        If the result is not of that unit.
+    """
+    found = _calculated(expression, values, units)
+    wanted = unit_registry().Quantity(1.0, unit)
+    if not _same_kind(found, wanted):
+        raise InputError(
+            f"{expression.field}: given {expression.text!r}, which is {_kind_of(found)}; allowed is "
+            f"{_kind_of(wanted)}."
+        )
+    return np.asarray(found.to(unit).magnitude, dtype=np.float64)
+
+
+def broken(constraint: Constraint, values: Values, units: Units, count: int) -> list[str | None]:
+    """Say for each of `count` designs how it breaks a constraint; None where it does not.
+
+    Sides that differ by less than one part in 1e9 count as equal.
+    """
+    found = [_calculated(side, values, units) for side in constraint.sides]
+    unit = _shown_unit(found[0])
+    sides = np.array(
+        [np.broadcast_to(side.to(unit or "").magnitude, (count,)) for side in found], dtype=float
+    )
+    reasons: list[str | None] = [None] * count
+    for sign, left, right in zip(constraint.signs, sides[:-1], sides[1:], strict=True):
+        holds = _holds(sign, left, right)
+        for place in np.flatnonzero(~holds):
+            if reasons[place] is None:
+                reasons[place] = (
+                    f"the constraint {constraint.text!r} is broken: "
+                    f"{show_quantity(left[place], unit)} is not {sign} "
+                    f"{show_quantity(right[place], unit)}"
+                )
+    return reasons
+
+
+def _holds(sign: str, left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Compare; what is not finite holds nothing."""
+    with np.errstate(invalid="ignore"):
+        margin = EQUAL_WITHIN * np.maximum(np.abs(left), np.abs(right))
+        gap = right - left if sign.startswith("<") else left - right
+        return np.isfinite(gap) & (gap >= -margin if "=" in sign else gap > margin)
+
+
+def _calculated(expression: Expression, values: Values, units: Units) -> Any:
+    """Let pint calculate; the result is its quantity."""
+    registry = unit_registry()
+    quantities = {
+        f"quantity_{place}": registry.Quantity(np.asarray(values[name], dtype=float), units[name])
+        for place, name in enumerate(expression.names)
+    }
+    try:
+        with np.errstate(all="ignore"):
+            return registry.Quantity(registry.parse_expression(expression.prepared, **quantities))
+    except ZeroDivisionError:
+        reason = "it divides by zero"
+    except Exception as error:  # pint raises a dozen kinds
+        reason = " ".join(str(error).split()).rstrip(".")
+    raise InputError(
+        f"{expression.field}: given {expression.text!r}, which cannot be calculated ({reason}); "
+        "allowed are quantities that fit together."
+    )
+
+
+def _angle(quantity: Any) -> bool:
+    """Whether a quantity is an angle: a pure number is not taken for one."""
+    return quantity.dimensionless and "radian" in str(quantity.to_root_units().units)
+
+
+def _same_kind(first: Any, second: Any) -> bool:
+    return bool(first.check(second.dimensionality)) and _angle(first) == _angle(second)
+
+
+def _kind_of(quantity: Any) -> str:
+    if quantity.dimensionless:
+        return "an angle" if _angle(quantity) else "a pure number"
+    kinds = {"[length]": "a length", "[length] ** 2": "an area", "[length] ** 3": "a volume"}
+    return kinds.get(str(quantity.dimensionality), f"in {quantity.to_base_units().units:~P}")
+
+
+def _shown_unit(quantity: Any) -> str:
+    """SI unit in which to compare and show a quantity."""
+    if quantity.dimensionless:
+        return "rad" if _angle(quantity) else ""
+    return "m" if quantity.check("[length]") else f"{quantity.to_base_units().units:~C}"
+
+
+def in_order(relations: Mapping[str, Expression]) -> tuple[str, ...]:
+    """Order the relations so that each uses only what stands before it.
+
+    Raises
+    ------
+    InputError
+        If they go round in a circle.
+    """
+    graph = {
+        name: sorted(set(expression.names) & set(relations))
+        for name, expression in sorted(relations.items())
+    }
+    try:
+        return tuple(TopologicalSorter(graph).static_order())
+    except CycleError as error:
+        circle = " -> ".join(reversed(error.args[1]))
+        raise InputError(
+            f"study.relations: given a circle ({circle}); allowed are relations that end at the "
+            "factors and the fields of [throw]."
+        ) from None
+
+
+def is_unit(name: str) -> bool:
+    """Whether a name is that of a unit, such as h or mm."""
+    return "." not in name and name in unit_registry()
+
+
+def names_used(expressions: Iterable[Expression | Constraint]) -> set[str]:
+    """Return all quantities that some expressions or constraints use."""
+    return {name for expression in expressions for name in expression.names}

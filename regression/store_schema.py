@@ -1,0 +1,151 @@
+"""The tables of a result store, and how files of earlier releases become such."""
+
+import sqlite3
+
+# Marks our files in SQLite's header: "crfm".
+APPLICATION_ID = 0x6372666D
+# In the header's user version: 0 is the first release's, raised whenever a table changes.
+SCHEMA_VERSION = 2
+
+# What the view shows as columns of its own; everything else is in its JSON columns.
+DIMENSIONS = (
+    "crank_radius",
+    "main_journal_diameter",
+    "pin_diameter",
+    "main_journal_length",
+    "pin_length",
+    "web_width",
+    "web_thickness",
+    "fillet_radius",
+    "main_journal_bore",
+    "pin_bore",
+    "web_outline",
+)
+RESPONSES = (
+    "axial_compliance_pinned",
+    "axial_compliance_guided",
+    "axial_compliance_opposite",
+    "axial_compliance_in_line",
+    "tilt_stiffness_ratio",
+    "torsional_compliance_pinned",
+    "torsional_compliance_guided",
+    "influence_coefficient_pinned",
+    "influence_coefficient_guided",
+    "influence_coefficient_opposite",
+    "influence_coefficient_in_line",
+    "axial_reaction_pinned",
+    "axial_reaction_guided",
+    "mass",
+    "fillet_stress_factor",
+)
+
+TABLES = (
+    """
+    CREATE TABLE IF NOT EXISTS designs (
+        key TEXT PRIMARY KEY,          -- hash of inputs and model version
+        inputs TEXT NOT NULL,          -- JSON, SI units: throw, material, accuracy, stresses
+        status TEXT NOT NULL,          -- 'done', 'failed', or 'lost' with its worker: tried again
+        responses TEXT,                -- JSON, SI units; null unless done
+        reason TEXT,                   -- why it has no responses
+        seconds REAL NOT NULL,
+        finished_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP,
+        errors TEXT,                   -- JSON: estimated relative error of each response
+        unknowns INTEGER,              -- of the mesh
+        model_version INTEGER,         -- of the finite element model behind the responses
+        worker TEXT,                   -- machine and process
+        attempts INTEGER               -- in the run that recorded it
+    )
+    """,
+    """
+    CREATE TABLE IF NOT EXISTS study_designs (
+        study TEXT NOT NULL,           -- hash of the study's plan
+        place INTEGER NOT NULL,        -- order in the plan
+        role TEXT NOT NULL,            -- 'run' (fitted) or 'held out' (judged by)
+        design TEXT NOT NULL,          -- key in designs
+        factors TEXT,                  -- JSON: factor to its value, SI units
+        PRIMARY KEY (study, place)
+    )
+    """,
+    """
+    CREATE TABLE IF NOT EXISTS studies (
+        study TEXT PRIMARY KEY,
+        plan TEXT NOT NULL             -- JSON, SI units
+    )
+    """,
+    """
+    CREATE TABLE IF NOT EXISTS extra_rows (
+        study TEXT NOT NULL,           -- the study that the row was imported into
+        key TEXT NOT NULL,             -- hash of the row: imported twice, it stands once
+        role TEXT NOT NULL,            -- 'run', 'held out' or 'measured'
+        source TEXT NOT NULL,          -- where it comes from
+        factors TEXT,                  -- JSON list in the plan's order; null for a measured throw
+        dimensions TEXT NOT NULL,      -- JSON, SI units
+        outlines TEXT NOT NULL,        -- JSON: fields that hold words
+        responses TEXT NOT NULL,       -- JSON, SI units
+        errors TEXT NOT NULL,          -- JSON: estimated relative errors, where known
+        imported_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP,
+        PRIMARY KEY (study, key)
+    )
+    """,
+)
+# What the first release's tables lack.
+ADDED_COLUMNS = {
+    "designs": (
+        "errors TEXT",
+        "unknowns INTEGER",
+        "model_version INTEGER",
+        "worker TEXT",
+        "attempts INTEGER",
+    ),
+    "study_designs": ("factors TEXT",),
+}
+# Its designs do not tell their model version; the studies that hold them do.
+FILL_MODEL_VERSION = """
+    UPDATE designs SET model_version = (
+        SELECT json_extract(s.plan, '$.model_version')
+        FROM study_designs d JOIN studies s ON s.study = d.study WHERE d.design = designs.key
+    ) WHERE model_version IS NULL
+"""
+
+
+def results_view() -> str:
+    """Statement that makes the view `results`, one row for each design of each study."""
+    dimensions = (f"json_extract(d.inputs, '$.throw.{name}') AS {name}" for name in DIMENSIONS)
+    responses = (f"json_extract(d.responses, '$.{name}') AS {name}" for name in RESPONSES)
+    columns = ", ".join((*dimensions, *responses))
+    return (
+        "CREATE VIEW results AS SELECT s.study, s.place, s.role, s.design AS key, d.status, d.reason, "
+        f"s.factors, {columns}, d.seconds, d.unknowns, d.model_version, d.worker, d.attempts, "
+        "d.finished_at, d.inputs, d.responses, d.errors "
+        "FROM study_designs s LEFT JOIN designs d ON d.key = s.design ORDER BY s.study, s.place"
+    )
+
+
+def prepare(connection: sqlite3.Connection) -> None:
+    """Make the tables of an empty file, or bring those of an earlier release up to date.
+
+    To be called within a transaction.
+    """
+    tables = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
+    version = schema_version(connection)
+    if version == SCHEMA_VERSION and "extra_rows" in tables:
+        return
+    for statement in TABLES:
+        connection.execute(statement)
+    for table, columns in ADDED_COLUMNS.items():
+        present = {row[1] for row in connection.execute(f"PRAGMA table_info({table})")}
+        for column in columns:
+            if column.split()[0] not in present:
+                connection.execute(f"ALTER TABLE {table} ADD COLUMN {column}")
+    if "designs" in tables:
+        connection.execute(FILL_MODEL_VERSION)
+    connection.execute("DROP VIEW IF EXISTS results")
+    connection.execute(results_view())
+    connection.execute(f"PRAGMA application_id={APPLICATION_ID}")
+    connection.execute(f"PRAGMA user_version={SCHEMA_VERSION}")
+
+
+def schema_version(connection: sqlite3.Connection) -> int:
+    """Return the schema version of a file."""
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
+    return int(version)

@@ -1,0 +1,109 @@
+"""The dimensions of a throw by name, also those of its parts: "counterweight.thickness"."""
+
+from pydantic.fields import FieldInfo
+
+from geometry.model import InputModel, field_extra, part_kind
+from geometry.quantity import show_quantity
+from geometry.throw import CrankThrow
+
+# What a dimension is where it is not given: a share of another one.
+DEFAULTS = {
+    "main_journal_fillet_radius": ("fillet_radius", 1.0),
+    "pin_fillet_radius": ("fillet_radius", 1.0),
+    "web_journal_end": ("web_width", 0.5),
+    "web_pin_end": ("web_width", 0.5),
+    "web_tip_thickness": ("web_thickness", 1.0),
+    "web_foot_thickness": ("web_thickness", 1.0),
+}
+# Two numbers are one dimension if they differ by less than this share: "98 mm" read from text and
+# 0.098 may differ in the last digit.
+SAME = 1e-9
+
+
+def declaration(name: str) -> FieldInfo | None:
+    """Return the declaration of a throw's field, or of one of its parts' fields; else None."""
+    kind: type[InputModel] = CrankThrow
+    *parts, last = name.split(".")
+    for part in parts:
+        if part.isdigit():
+            continue
+        info = kind.model_fields.get(part)
+        inner = None if info is None else part_kind(info)
+        if inner is None:
+            return None
+        kind = inner
+    return kind.model_fields.get(last)
+
+
+def field_unit(name: str) -> str | None:
+    """Return the SI unit of a throw's field; None if there is no such field or it is no quantity.
+
+    Examples
+    --------
+    >>> field_unit("web_width"), field_unit("counterweight.angle"), field_unit("width_ratio")
+    ('m', 'rad', None)
+    """
+    info = declaration(name)
+    unit = None if info is None else field_extra(info, "unit")
+    return None if unit is None else str(unit)
+
+
+def show(name: str, value: float, unit: str | None = None) -> str:
+    """Write a value in the unit in which engineers read it: of its field, or the one given."""
+    known = field_unit(name) if unit is None else unit
+    return f"{value:g}" if not known else show_quantity(value, known)
+
+
+def throw_values(throw: CrankThrow) -> dict[str, float | str]:
+    """Return everything that describes a throw, by name; what is absent or default is left out.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+
+    Returns
+    -------
+    dict
+        Dimensions [SI] and labels. A dimension that is spelled out but has the value that it would
+        have anyway, such as a pin's fillet equal to all fillets, is left out.
+
+    Examples
+    --------
+    >>> throw = CrankThrow(
+    ...     crank_radius=0.170, main_journal_diameter=0.220, pin_diameter=0.180,
+    ...     main_journal_length=0.120, pin_length=0.139, web_width=0.285, web_thickness=0.068,
+    ...     fillet_radius=0.012, pin_fillet_radius=0.012,
+    ... )
+    >>> list(throw_values(throw))[-3:]
+    ['web_thickness', 'fillet_radius', 'web_outline']
+    """
+    found: dict[str, float | str] = {}
+    _collect(throw, "", found)
+    for name, (other, share) in DEFAULTS.items():
+        base = found.get(other)
+        given = found.get(name)
+        if isinstance(given, float) and isinstance(base, float) and same(given, share * base):
+            del found[name]
+    for name, info in CrankThrow.model_fields.items():
+        if field_extra(info, "feature") and found.get(name) == 0.0:
+            del found[name]
+    return found
+
+
+def _collect(record: InputModel, prefix: str, found: dict[str, float | str]) -> None:
+    for name in type(record).model_fields:
+        value = getattr(record, name)
+        if isinstance(value, InputModel):
+            _collect(value, f"{prefix}{name}.", found)
+        elif isinstance(value, tuple):
+            for place, item in enumerate(value):
+                _collect(item, f"{prefix}{name}.{place}.", found)
+        elif isinstance(value, str):
+            found[prefix + name] = value
+        elif value is not None:
+            found[prefix + name] = float(value)
+
+
+def same(one: float, other: float) -> bool:
+    """Whether two numbers are the same dimension."""
+    return abs(one - other) <= SAME * max(abs(one), abs(other))

@@ -1,0 +1,67 @@
+"""Which designs still wait, and how often each was tried."""
+
+from collections import deque
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from regression.records import Outcome
+
+# A design is tried once more after its worker is lost, then set aside.
+TRIES = 2
+
+
+class WorkList:
+    """Designs to compute, handed out one by one.
+
+    Parameters
+    ----------
+    designs : iterable of (key, inputs)
+    """
+
+    def __init__(self, designs: Iterable[tuple[str, Mapping[str, Any]]]) -> None:
+        self._inputs = dict(designs)
+        self._waiting = deque(self._inputs)
+        self._tries = dict.fromkeys(self._inputs, 0)
+
+    def __len__(self) -> int:
+        """Count the designs that wait."""
+        return len(self._waiting)
+
+    def take(self) -> dict[str, Any] | None:
+        """Hand out the next design as a request to a worker; None if none waits."""
+        if not self._waiting:
+            return None
+        key = self._waiting.popleft()
+        self._tries[key] += 1
+        return {"key": key, "inputs": self._inputs[key]}
+
+    def answered(self, answer: Mapping[str, Any], worker: str) -> Outcome:
+        """Make the outcome of a worker's answer."""
+        key = answer["key"]
+        return Outcome(
+            key=key,
+            inputs=self._inputs[key],
+            responses=answer.get("responses"),
+            reason=answer.get("reason"),
+            seconds=answer["seconds"],
+            errors=answer.get("errors") or {},
+            unknowns=answer.get("unknowns"),
+            worker=worker,
+            attempts=self._tries[key],
+        )
+
+    def lost(self, key: str, reason: str, seconds: float, worker: str) -> Outcome | None:
+        """Take back a design whose worker is lost: None if it is tried again, else its outcome."""
+        if self._tries[key] < TRIES:
+            self._waiting.append(key)
+            return None
+        return Outcome(
+            key=key,
+            inputs=self._inputs[key],
+            responses=None,
+            reason=reason,
+            seconds=seconds,
+            lost=True,
+            worker=worker,
+            attempts=self._tries[key],
+        )

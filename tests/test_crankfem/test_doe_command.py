@@ -1,0 +1,271 @@
+"""The command doe with workers that do no finite elements: what it takes, says and leaves behind."""
+
+import csv
+import json
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from crankfem.console import pace
+from fem.responses import RESPONSES
+from regression import store as store_module
+from regression import supervised
+from regression.records import StudyStoppedError
+from regression.store import ResultStore
+
+NAMES = [name for name in RESPONSES if name != "fillet_stress_factor"]
+ROOT = Path(__file__).resolve().parents[2]
+PUPPET = f"""
+import json, sys, time
+for line in sys.stdin:
+    request = json.loads(line)
+    throw = request["inputs"]["throw"]
+    if throw["web_width"] == 0.299:
+        time.sleep(600)
+    value = 1e-9 * (0.3 / throw["web_width"]) * (throw["pin_length"] / 0.139)
+    responses = {{name: (n + 1.0) * value for n, name in enumerate({NAMES!r})}}
+    errors = dict.fromkeys(responses, 0.004)
+    answer = {{"key": request["key"], "responses": responses, "errors": errors, "seconds": 0.1}}
+    print(json.dumps(answer | {{"unknowns": 9}}), flush=True)
+"""
+THROW = """
+[throw]
+crank_radius = "170 mm"
+main_journal_diameter = "220 mm"
+pin_diameter = "180 mm"
+main_journal_length = "120 mm"
+pin_length = "139 mm"
+web_width = "285 mm"
+web_thickness = "68 mm"
+"""
+STUDY = (
+    THROW
+    + """
+[study]
+held_out = 3
+[study.factors]
+web_width = ["270 mm", "300 mm", "330 mm"]
+pin_length = ["120 mm", "139 mm", "158 mm"]
+"""
+)
+
+
+@pytest.fixture
+def study(tmp_path, monkeypatch):
+    def spawn():
+        return subprocess.Popen(
+            [sys.executable, "-S", "-c", PUPPET], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+
+    monkeypatch.setattr(supervised, "spawn_worker", spawn)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    return "study.toml"
+
+
+def rows(path):
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_doe_runs_a_study_and_says_what_it_has(call, study, tmp_path):
+    answer = call("doe", study)
+    assert answer.code == 0, answer.err
+    assert "9 runs and 3 held-out designs in runs.sqlite; 12 computed now, 0 failed." in answer.out
+    again = call("doe", study, "--json")
+    assert again.code == 0
+    record = again.json()
+    assert (record["runs"], record["held_out"], record["computed_now"]) == (9, 3, 0)
+    assert record["fits"]["axial_compliance"]["chosen"]
+
+
+def test_doe_shows_the_plan_and_computes_nothing(call, study, tmp_path):
+    answer = call("doe", study, "--plan")
+    assert answer.code == 0
+    assert "9 runs" in " ".join(answer.out.split())
+    record = call("doe", study, "--plan", "--json").json()
+    assert [design["role"] for design in record["designs"]] == ["run"] * 9 + ["held out"] * 3
+    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
+
+
+@pytest.mark.parametrize("file", ["runs.csv", "runs.parquet"])
+def test_doe_exports_a_table(call, study, tmp_path, file):
+    if file.endswith("parquet"):
+        pytest.importorskip("pyarrow")
+    answer = call("doe", study, "--export", file)
+    assert answer.code == 0
+    assert f"12 rows written to {file}." in answer.out
+    assert (tmp_path / file).stat().st_size > 1000
+
+
+def test_doe_takes_earlier_and_measured_results_over(call, study, tmp_path):
+    assert call("doe", study, "--store", "a.sqlite", "--export", "a.csv").code == 0
+    (tmp_path / "bench.csv").write_text(
+        "web_width [mm],axial_compliance_pinned [nm/N]\n301,1.02\n", encoding="utf-8"
+    )
+    taken = ("--import", "a.sqlite", "--import", "bench.csv")
+    answer = call("doe", study, "--store", "b.sqlite", *taken, "--export", "b.csv")
+    assert answer.code == 0
+    assert "a.sqlite: 12 finished designs and 0 further rows taken over." in answer.err
+    assert "bench.csv: 0 finished designs and 1 further rows taken over." in answer.err
+    assert "0 computed now, 0 failed, 1 imported rows." in answer.out
+    assert rows(tmp_path / "b.csv")[:12] == rows(tmp_path / "a.csv")
+    assert [row["role"] for row in rows(tmp_path / "b.csv")[12:]] == ["measured"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (
+            ["--time-limit", "300"],
+            "--time-limit: given '300', a bare number that could be in any unit",
+        ),
+        (["--time-limit", "3 m"], "--time-limit: given '3 m', which is no"),
+        (["--time-limit", "0 s"], "time_limit: given 0 s; allowed is a positive"),
+        (["--memory-limit", "4"], "--memory-limit: given '4', a bare number"),
+        (["--memory-limit", "4 MB"], "memory_limit: given 0.004 GB; allowed is 0.5 GB or more"),
+        (["--export", "runs.xlsx"], "export: given 'runs.xlsx'; allowed are .csv and .parquet"),
+        (["--export", "none/runs.csv"], "export: given 'none/runs.csv'; there is no folder none"),
+        (["--import", "none.csv"], "import: given 'none.csv'; there is no such file"),
+    ],
+)
+def test_doe_refuses_options(call, study, tmp_path, options, message):
+    answer = call("doe", study, *options)
+    assert (answer.code, answer.out) == (2, "")
+    assert " ".join(answer.err.split()).startswith(f"Error: {message}")
+    assert not (tmp_path / "runs.sqlite").exists()
+
+
+def test_doe_says_which_table_cannot_be_read(call, study, tmp_path):
+    (tmp_path / "bad.csv").write_text(
+        "web_width [mm],axial_compliance_pinned [nm/N]\n301,about 1\n", encoding="utf-8"
+    )
+    answer = call("doe", study, "--import", "bad.csv")
+    assert answer.code == 2
+    assert "bad.csv, line 2, column axial_compliance_pinned [nm/N]: given 'about 1'" in answer.err
+
+
+def test_limits_are_quantities(call, study, monkeypatch):
+    given = {}
+    monkeypatch.setattr("regression.cluster.quiet_dask", lambda: None)
+
+    def run_plan(*_, **options):
+        given.update(options)
+        raise StudyStoppedError("store: runs.sqlite cannot be used now (the disk is full).")
+
+    monkeypatch.setattr("regression.study.run_plan", run_plan)
+    answer = call(
+        "doe", study, "--time-limit", "2 min", "--memory-limit", "4 GiB", "--dask", "tcp://h:1"
+    )
+    assert answer.code == 1
+    assert answer.err.strip() == "Error: store: runs.sqlite cannot be used now (the disk is full)."
+    assert (given["time_limit"], given["memory_limit"]) == (120.0, 4 * 2.0**30)
+    assert given["dask"] == "tcp://h:1"
+
+
+def test_a_design_beyond_its_time_is_told_and_the_others_are_fitted(call, study, tmp_path):
+    text = STUDY.replace('"300 mm"', '"299 mm", "300 mm"')
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    answer = call("doe", study, "--time-limit", "0.4 s", "--workers", "4")
+    assert answer.code == 0
+    assert "Note: a design failed: took longer than the limit of 0.4 s" in answer.err
+    assert "9 runs and 3 held-out designs in runs.sqlite; 15 computed now, 3 failed." in answer.out
+
+
+def test_a_locked_store_ends_doe_with_one_sentence_and_1(call, study, tmp_path, monkeypatch):
+    monkeypatch.setattr(store_module, "PATIENCE", 0.1)
+    with ResultStore(tmp_path / "runs.sqlite"):
+        pass
+    other = sqlite3.connect(tmp_path / "runs.sqlite", isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    answer = call("doe", study)
+    other.close()
+    assert (answer.code, answer.out) == (1, "")
+    assert answer.err.strip().startswith(
+        "Error: store: runs.sqlite cannot be used now (another program"
+    )
+    assert "Traceback" not in answer.err
+
+
+INTERRUPTED = """
+import os, signal, subprocess, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored if the tests run in the background
+from regression import supervised
+supervised.spawn_worker = lambda: subprocess.Popen(
+    [sys.executable, "-S", "-c", os.environ["PUPPET"]], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+)
+from crankfem.entry import main
+main()
+"""
+
+
+def test_ctrl_c_says_how_many_designs_are_kept(study, tmp_path):
+    """One design hangs; the interrupt comes when all others are finished."""
+    text = STUDY.replace('"300 mm"', '"299 mm"').replace(
+        '"120 mm", "139 mm", "158 mm"', '"120 mm", "158 mm"'
+    )
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    process = subprocess.Popen(
+        [sys.executable, "-c", INTERRUPTED, "doe", study, "--workers", "3"],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT), "PUPPET": PUPPET},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    store, deadline = tmp_path / "runs.sqlite", time.monotonic() + 60.0
+    while time.monotonic() < deadline and finished(store) < 7:
+        assert process.poll() is None, process.stderr.read()
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30.0)
+    assert (process.returncode, out) == (130, "")
+    assert " ".join(err.split()).endswith(
+        "Stopped. 7 of 9 designs are finished and kept in runs.sqlite; the same command continues "
+        "where it stopped."
+    )
+    assert finished(store) == 7
+
+
+def finished(store):
+    if not store.is_file():
+        return 0
+    connection = sqlite3.connect(store)
+    try:
+        return connection.execute("SELECT count(*) FROM designs").fetchone()[0]
+    except sqlite3.OperationalError:
+        return 0
+    finally:
+        connection.close()
+
+
+@pytest.mark.parametrize(
+    ("given", "text"),
+    [
+        ((0, 5.0, 10), ""),
+        ((10, 60.0, 190), "10 designs/min, 19 min left"),
+        ((1, 2.0, 3), "30 designs/min, 6 s left"),
+        ((200, 1234.0, 0), "9.72 designs/min"),
+        ((10, 3600.0, 40), "0.167 designs/min, 4.0 h left"),
+    ],
+)
+def test_pace(given, text):
+    assert pace(*given) == text
+
+
+def test_the_store_of_the_command_is_plain_sql(call, study, tmp_path):
+    call("doe", study)
+    connection = sqlite3.connect(tmp_path / "runs.sqlite")
+    query = (
+        "SELECT web_width, json_extract(errors, '$.mass') FROM results WHERE role = 'run' LIMIT 1"
+    )
+    assert connection.execute(query).fetchone() == (0.27, 0.004)
+    (plan,) = connection.execute("SELECT plan FROM studies").fetchone()
+    connection.close()
+    assert json.loads(plan)["accuracy"] == 0.01

@@ -1,0 +1,82 @@
+"""`crankfem fit` on a store whose results are calculated, not computed by finite elements."""
+
+import pytest
+
+from geometry.throw import CrankThrow
+from regression.compliance_model import ComplianceModel
+from regression.plan import MODEL_VERSION, StudyPlan, plan_designs
+from regression.records import Outcome
+from regression.store import ResultStore
+from regression.study import run_plan
+
+THROW = CrankThrow(
+    crank_radius=0.170,
+    main_journal_diameter=0.220,
+    pin_diameter=0.180,
+    main_journal_length=0.135,
+    pin_length=0.139,
+    web_width=0.285,
+    web_thickness=0.068,
+)
+LEVELS = {"web_width": (0.27, 0.30, 0.33), "web_thickness": (0.038, 0.048, 0.077, 0.098)}
+
+
+@pytest.fixture
+def store(tmp_path):
+    plan = StudyPlan.from_levels(THROW, LEVELS, held_out=5)
+    path = tmp_path / "runs.sqlite"
+    with ResultStore(path) as results:
+        for design in plan_designs(plan).designs:
+            B, h = (design.inputs["throw"][name] for name in LEVELS)
+            e = 1e-9 * (0.2 + 0.3 / B * (0.05 / h) ** 1.5)
+            responses = {"axial_compliance_pinned": e, "mass": 2000.0 * B * h + 40.0}
+            errors = dict.fromkeys(responses, 0.008)
+            outcome = Outcome(design.key, design.inputs, responses, None, 1.0, errors=errors)
+            results.record(outcome, MODEL_VERSION)
+    run_plan(plan, path)  # computes nothing, but registers the study
+    return path
+
+
+def test_fit_prints_and_saves_a_model(store, call, tmp_path):
+    answer = call("fit", store)
+    assert answer.code == 0, answer.err
+    text = " ".join(answer.out.split())
+    for part in ("All responses", "* log-cubic", "Chosen: ", "Sobol, first", "Model: model.json"):
+        assert part in text
+    model = ComplianceModel.load(tmp_path / "model.json")
+    assert model.axial_compliance(web_width=0.31, web_thickness=0.06) == pytest.approx(
+        1e-9 * (0.2 + 0.3 / 0.31 * (0.05 / 0.06) ** 1.5), rel=5e-3
+    )
+
+
+def test_fit_takes_a_form_and_shows_a_response(store, call, tmp_path):
+    answer = call("fit", store, "--form", "linear", "--response", "mass")
+    assert answer.code == 0, answer.err
+    text = " ".join(answer.out.split())
+    assert "Mass m: largest (mean) errors" in text
+    assert "linear: m = (" in text
+    assert ComplianceModel.load(tmp_path / "model.json").responses["mass"].form == "linear"
+
+
+def test_fit_writes_diagrams_and_json(store, call, tmp_path):
+    answer = call("fit", store, "--plots", "diagrams", "--json", "--model", "other.json")
+    assert answer.code == 0, answer.err
+    record = answer.json()
+    assert record["fits"]["mass"]["chosen"] in ("interactions", "quadratic")
+    assert len(list((tmp_path / "diagrams").glob("axial_compliance_*.svg"))) == 5
+    assert (tmp_path / "other.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "message"),
+    [
+        ("--form", "cubic", "form: given 'cubic'; allowed are linear"),
+        ("--response", "nothing", "response: given 'nothing'; allowed are axial_compliance, mass"),
+        ("--model", "nowhere/model.json", "there is no folder nowhere"),
+    ],
+)
+def test_fit_refuses(store, call, tmp_path, option, value, message):
+    answer = call("fit", store, option, value)
+    assert (answer.code, answer.out) == (2, "")
+    assert message in " ".join(answer.err.split())
+    assert not (tmp_path / "model.json").exists()

@@ -1,0 +1,368 @@
+"""Fits of a whole study, their records, tables and diagrams, on a puppet instead of finite elements."""
+
+import json
+import math
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+from crankfem.fit_records import comparisons, study_record, warnings_of
+from crankfem.fit_tables import print_comparisons, print_fits
+from crankfem.fitting import (
+    compliance_model,
+    dimensions_at,
+    fit_study,
+    nominal_points,
+    predicted,
+    response_name,
+    sensitivities,
+    surface,
+    unfitted,
+)
+from crankfem.pictures.fit_plots import plot_fits
+from geometry.errors import InputError
+from geometry.throw import CrankThrow
+from regression.designs import DesignChoice
+from regression.factors import Factor
+from regression.plan import StudyPlan, plan_designs
+from regression.records import ExtraRow, Outcome
+from regression.study_table import study_table
+
+THROW = CrankThrow(
+    crank_radius=0.170,
+    main_journal_diameter=0.220,
+    pin_diameter=0.180,
+    main_journal_length=0.135,
+    pin_length=0.139,
+    web_width=0.285,
+    web_thickness=0.068,
+    fillet_radius=0.012,
+)
+LEVELS = {
+    "web_width": (0.27, 0.30, 0.33),
+    "web_thickness": (0.038, 0.048, 0.077, 0.098),
+    "pin_length": (0.120, 0.158),
+}
+RATIOS = (
+    Factor("crank_radius", "m", 0.065, 0.175),
+    Factor("overlap_ratio", "", 0.05, 0.4),
+    Factor("slimness", "", 1.9, 3.3),
+    Factor("width_ratio", "", 1.5, 1.8),
+)
+RELATIONS = {
+    "pin_diameter": "0.9 * crank_radius * (1 + overlap_ratio)",
+    "main_journal_diameter": "1.1 * crank_radius * (1 + overlap_ratio)",
+    "main_journal_length": "0.7 * pin_diameter",
+    "pin_length": "0.75 * pin_diameter",
+    "web_width": "width_ratio * pin_diameter",
+    "web_thickness": "crank_radius / slimness",
+    "fillet_radius": "0.06 * pin_diameter",
+}
+
+
+def puppet(throw):
+    """Responses shaped like a throw's: a pin and webs in bending, stiffened by the overlap."""
+    R, B, h, L, D = (
+        throw[name]
+        for name in ("crank_radius", "web_width", "web_thickness", "pin_length", "pin_diameter")
+    )
+    s = 0.5 * (D + throw["main_journal_diameter"]) - R
+    pin = R**2 * (L + 0.33 * h) / (2.1e11 * math.pi * D**4 / 64)
+    web = 8 * R**3 / (2.1e11 * B * (h**2 + 0.3 * s**2) ** 1.5)
+    share = 1.0 if throw["web_outline"] == "obround" else 0.9
+    e = 0.6 * pin + 0.5 * web * share
+    return {
+        "axial_compliance_pinned": e,
+        "axial_compliance_in_line": 0.3 * e + 0.1 * pin,
+        "torsional_compliance_pinned": e * (1.0 + B) / D**2,
+        "axial_reaction_pinned": 0.0,  # nothing that relative errors could be taken of
+        "mass": 7850 * (2 * B * h * 2 * R + D**2 * L),
+        "unknown_to_all": 1.0,
+    }
+
+
+def puppet_table(plan, extra=()):
+    planned = plan_designs(plan)
+    outcomes = {}
+    for place, design in enumerate(planned.designs):
+        responses = puppet(design.inputs["throw"])
+        errors = dict.fromkeys(responses, 0.009 + 1e-4 * (place % 3))
+        outcomes[design.key] = Outcome(
+            design.key, design.inputs, responses, None, 1.0, errors=errors
+        )
+    return study_table(plan, planned.designs, outcomes, extra, planned.excluded)
+
+
+@pytest.fixture(scope="module")
+def table():
+    return puppet_table(StudyPlan.from_levels(THROW, LEVELS, held_out=12))
+
+
+@pytest.fixture(scope="module")
+def fits(table):
+    return fit_study(table)
+
+
+@pytest.fixture(scope="module")
+def outlines():
+    factors = (
+        Factor("web_thickness", "m", 0.04, 0.09),
+        Factor("fillet_radius", "m", 0.0, 0.012),
+        Factor.of_labels("web_outline", ("obround", "rectangle")),
+    )
+    return puppet_table(StudyPlan(THROW, factors, DesignChoice("latin hypercube", runs=30)))
+
+
+@pytest.fixture(scope="module")
+def family():
+    choice = DesignChoice("latin hypercube", runs=60)
+    return puppet_table(StudyPlan(THROW, RATIOS, choice, relations=RELATIONS))
+
+
+def test_every_response_gets_an_equation(fits):
+    assert list(fits) == [
+        "axial_compliance",
+        "axial_compliance_in_line",
+        "torsional_compliance",
+        "mass",
+    ]
+    axial = fits["axial_compliance"]
+    assert (axial.column, axial.symbol, axial.unit) == ("axial_compliance_pinned", "e_n", "m/N")
+    assert axial.support == "pinned"
+    assert fits["mass"].support == ""
+    assert axial.chosen.form == "log-cubic"
+    assert axial.chosen.largest_heldout_error < 0.01
+    assert axial.fe_error == pytest.approx(0.0092)
+    assert 0.0 < axial.fe_scatter < 1e-4
+    # B h is a term of the quadratic form, and that is the mass.
+    assert fits["mass"].chosen.largest_heldout_error < 1e-9
+
+
+def test_forms_of_the_same_terms_stand_once(fits):
+    told = [text for found in fits.values() for text in found.skipped]
+    assert any("has the same terms as" in text for text in told)
+    for found in fits.values():
+        terms = [(f.basis, f.fitted.logarithmic, frozenset(f.fitted.terms)) for f in found.fits]
+        assert len(set(terms)) == len(terms)
+
+
+def test_a_response_without_equation_is_told(table, fits):
+    reasons = unfitted(table, fits)
+    assert list(reasons) == ["axial_reaction_pinned"]
+    assert "given a response of 0" in reasons["axial_reaction_pinned"]
+
+
+def test_response_names():
+    assert response_name("influence_coefficient_pinned") == ("influence_coefficient", "pinned")
+    assert response_name("axial_compliance_guided") == ("axial_compliance_guided", "guided")
+    assert response_name("fillet_stress_factor") == ("fillet_stress_factor", "")
+
+
+def test_equations_between_the_designs(table, fits):
+    """The surface is the fit: at the designs it gives what the fit gives, on groups too."""
+    for form in ("log-cubic", "group quadratic", "linear"):
+        found = fits["axial_compliance"]
+        fit = found.fit_named(form)
+        values = surface(table.plan, found, fit)(table.values)
+        assert values == pytest.approx(predicted(table, found, fit), rel=1e-12)
+    with pytest.raises(
+        InputError, match="form: given 'interactions'; allowed are linear, quadratic"
+    ):
+        fits["axial_compliance"].fit_named("interactions")
+
+
+def test_groups_and_logarithms_of_lengths_are_the_same_in_one_size(fits):
+    found = fits["axial_compliance"]
+    one, other = found.fit_named("log-cubic"), found.fit_named("group cubic")
+    assert one.largest_heldout_error == pytest.approx(other.largest_heldout_error, rel=1e-6)
+    assert found.chosen is one
+
+
+def test_family_carries_over_to_another_size(family):
+    found = fit_study(family)["axial_compliance"]
+    fit = found.fit_named("group quadratic")
+    assert fit.factors == ("s/R", "R/h", "B/D_shm")
+    # The same throws, half as large: twice the compliance.
+    values = surface(family.plan, found, fit)
+    half = family.values * [0.5, 1.0, 1.0, 1.0]
+    assert values(half) == pytest.approx(2.0 * values(family.values), rel=1e-12)
+    # Nothing else differs between sizes: all errors come from the form, and fall with its degree.
+    cubic = found.fit_named("group cubic")
+    assert cubic.largest_heldout_error < 0.3 * fit.largest_heldout_error < 0.02
+
+
+def test_dimensions_follow_from_relations(family):
+    found = dimensions_at(family.plan, family.values, list(RELATIONS))
+    for name in RELATIONS:
+        assert found[name] == pytest.approx(family.dimensions[name], rel=1e-10)
+
+
+def test_groups_are_not_offered_where_a_part_keeps_its_size():
+    throw = THROW.model_copy(update={"left_web": None})
+    heavy = CrankThrow(**throw.model_dump() | {"left_web": {"thickness": 0.05}})
+    plan = StudyPlan.from_levels(heavy, {"pin_diameter": (0.17, 0.18, 0.19)}, held_out=3)
+    found = fit_study(puppet_table(plan))["axial_compliance"]
+    assert all(fit.basis == "factors" for fit in found.fits)
+    assert any("the part does not grow with the throw" in text for text in found.skipped)
+
+
+def test_categories(outlines):
+    found = fit_study(outlines)["axial_compliance"]
+    assert "web_outline=rectangle" in found.chosen.factors
+    assert found.chosen.largest_heldout_error < 0.01
+    assert "[web_outline = rectangle]" in found.equation(found.chosen)
+    # The fillet may be 0: no logarithm of it.
+    assert "ln(r" not in found.equation(found.chosen)
+
+
+def test_sensitivities(table, fits):
+    known = sensitivities(table, fits["axial_compliance"])
+    assert known.nominal == {"web_width": 0.285, "web_thickness": 0.068, "pin_length": 0.139}
+    record = THROW.model_dump(mode="json")
+    for name, found in known.elasticity.items():
+        up, down = (
+            puppet(record | {name: record[name] * (1 + step)})["axial_compliance_pinned"]
+            for step in (1e-5, -1e-5)
+        )
+        # Equation and puppet differ by less than 1 %, their slopes by a little more.
+        assert found == pytest.approx(math.log(up / down) / 2e-5, abs=0.05)
+    assert max(known.sobol.first) > 0.9
+    assert sum(known.sobol.first) <= 1.0
+
+
+def test_nominal_of_free_names_is_the_middle(family, outlines):
+    assert nominal_points(family.plan) == pytest.approx([0.170, 0.225, 2.6, 1.65])
+    assert nominal_points(outlines.plan) == pytest.approx([0.068, 0.012, 0.0])
+
+
+def test_model_gives_what_the_chosen_equation_gives(table, fits):
+    model = compliance_model(table, fits)
+    point = {"web_width": 0.311, "web_thickness": 0.055, "pin_length": 0.133}
+    values = surface(table.plan, fits["axial_compliance"], fits["axial_compliance"].chosen)
+    expected = float(values(np.array([list(point.values())]))[0])
+    assert model.axial_compliance(**point) == pytest.approx(expected, rel=1e-12)
+    linear = compliance_model(table, fits, "linear")
+    assert linear.responses["mass"].form == "linear"
+
+
+def test_models_of_ratios_and_categories(family, outlines):
+    found = fit_study(family)
+    model = compliance_model(family, found, "group quadratic")
+    point = dict(zip(family.plan.names, family.values[0].tolist(), strict=True))
+    fit = found["axial_compliance"].fit_named("group quadratic")
+    expected = predicted(family, found["axial_compliance"], fit)[0]
+    assert model.axial_compliance(**point) == pytest.approx(expected, rel=1e-9)
+    found = fit_study(outlines)
+    model = compliance_model(outlines, found)
+    place = int(np.flatnonzero(outlines.values[:, 2] == 1.0)[0])
+    value = model.axial_compliance(
+        web_thickness=outlines.values[place, 0],
+        fillet_radius=outlines.values[place, 1],
+        web_outline="rectangle",
+    )
+    chosen = found["axial_compliance"]
+    assert value == pytest.approx(predicted(outlines, chosen, chosen.chosen)[place], rel=1e-9)
+
+
+def test_record_is_plain_json_with_everything(table, fits):
+    record = json.loads(json.dumps(study_record(table, fits), allow_nan=False))
+    assert (record["runs"], record["held_out"]) == (24, 12)
+    assert record["factors"]["web_width"]["levels"] == [0.27, 0.30, 0.33]
+    assert record["largest_fe_error_estimate"] == pytest.approx(0.0092)
+    axial = record["fits"]["axial_compliance"]
+    assert axial["chosen"] == "log-cubic"
+    chosen = next(form for form in axial["forms"] if form["form"] == "log-cubic")
+    fit = fits["axial_compliance"].chosen
+    assert chosen["coefficients"] == pytest.approx(fit.coefficients)
+    assert [row["term"] for row in chosen["coded"]] == list(fit.term_names)
+    assert chosen["adjusted_r_squared"] < chosen["r_squared"]
+    assert chosen["undetermined"]
+    assert set(axial["sensitivities"]["elasticity"]) == set(LEVELS)
+    assert record["unfitted"].keys() == {"axial_reaction_pinned"}
+
+
+def test_warnings(fits):
+    by_form = {fit.form: fit for fit in fits["axial_compliance"].fits}
+    assert warnings_of(by_form["linear"]) == []
+    told = warnings_of(by_form["log-cubic"])
+    assert any(text.startswith("Variance inflation above 10 of ln(web_thickness)") for text in told)
+
+
+def test_tables(table, fits, capsys):
+    record = study_record(table, fits)
+    print_fits(record["fits"])
+    text = " ".join(capsys.readouterr().out.split())
+    for part in (
+        "* log-cubic",
+        "Chosen: log-cubic",
+        "slightly optimistic",
+        "ln(e_n / (1e-9 m/N)) = ",
+        "Left out, because the runs do not determine them",
+        "no replication noise",
+        "Sensitivity of the axial compliance",
+        "68 mm",
+    ):
+        assert part in text
+    print_fits(record["fits"], "mass", "power law")
+    assert "power law: m = " in " ".join(capsys.readouterr().out.split())
+
+
+def test_measured_values_are_compared(capsys):
+    row = ExtraRow("measured", THROW.model_dump(), {}, None, {"mass": 95.0}, {}, "scales")
+    numbers = {n: v for n, v in row.dimensions.items() if isinstance(v, float) and v}
+    rows = (
+        ExtraRow(
+            "measured", numbers, {}, None, {"mass": 95.0, "tilt_stiffness_ratio": 2.0}, {}, "A"
+        ),
+        ExtraRow("measured", numbers | {"crank_radius": 0.2}, {}, None, {"mass": 95.0}, {}, "B"),
+    )
+    table = puppet_table(StudyPlan.from_levels(THROW, LEVELS, held_out=5), rows)
+    model = compliance_model(table, fit_study(table))
+    found = comparisons(table, model)
+    mass = puppet(THROW.model_dump(mode="json"))["mass"]
+    assert found[0]["ratio"] == pytest.approx(mass / 95.0, rel=1e-6)
+    assert found[1]["reason"] == "the model has no such response"
+    assert "crank_radius: given 200 mm" in found[2]["reason"]
+    print_comparisons(found)
+    text = capsys.readouterr().out
+    assert "Measured values beside the equations" in text
+    assert "Not compared: B" in text
+    print_comparisons([])
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    "study",
+    ["outlines", *(pytest.param(name, marks=pytest.mark.slow) for name in ("table", "family"))],
+)
+def test_diagrams(study, request, tmp_path):
+    some = request.getfixturevalue(study)
+    found = fit_study(some)["axial_compliance"]
+    paths = plot_fits(tmp_path / "plots", some, found)
+    assert [path.name for path in paths] == [
+        f"axial_compliance_{name}.svg"
+        for name in ("response", "parity", "effects", "residuals", "sensitivities")
+    ]
+    for path in paths:
+        # Well-formed, and more than empty axes.
+        drawing = ElementTree.parse(path).getroot()
+        assert len(list(drawing.iter("{http://www.w3.org/2000/svg}use"))) > 10
+
+
+def test_diagrams_need_a_folder(table, fits, tmp_path):
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(InputError, match=r"plots: .*taken cannot be made"):
+        plot_fits(tmp_path / "taken", table, fits["mass"])
+
+
+def test_no_held_out_design_with_a_result(table):
+    plan = table.plan
+    planned = plan_designs(plan)
+    outcomes = {
+        design.key: Outcome(design.key, design.inputs, puppet(design.inputs["throw"]), None, 1.0)
+        for design in planned.designs
+        if design.role == "run"
+    }
+    with pytest.raises(InputError, match="no held-out design has a result"):
+        fit_study(study_table(plan, planned.designs, outcomes))

@@ -1,0 +1,206 @@
+"""The command `formulas`, its tables, and the pictures of the angle."""
+
+import functools
+import math
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+from crankfem import data_files, formula_spread
+from crankfem.engine_file import load_throw
+from crankfem.formula_records import fe_axial
+from crankfem.formula_spread import EngineSpread, Ratio, formula_spreads
+from crankfem.pictures.formula_plots import plot_angle_factors, plot_formulas
+from fem.analysis import analyze_throw
+from fem.supports import Neighbors
+from geometry.throw import CrankThrow
+from geometry.throw_sections import Web
+from regression.axial_formulas import AXIAL_FORMULA_NAMES, axial_formulas
+from regression.formulas.angle_factors import ANGLE_FACTORS
+from regression.torsional_formulas import TORSIONAL_FORMULA_NAMES
+
+coarse = functools.partial(analyze_throw, accuracy=0.1)
+
+
+@pytest.fixture(scope="module")
+def analysis():
+    return coarse(*load_throw("6chn25-34"))
+
+
+def test_remarks_stand_below_the_table_once(call):
+    answer = call("formulas", "6chn25-34", "--no-fe")
+    assert answer.code == 0
+    row = next(line for line in answer.out.splitlines() if "Gorbunov" in line)
+    assert [cell.strip() for cell in row.strip("│").split("│")][1:] == ["2.976", "yes", "4, 5"]
+    assert answer.out.count("the formula's shear term is negative there") == 1
+    assert "  5. The angle factor k_phi = 0.8 (1 - cos gamma)" in answer.out
+    assert "beside FE" not in answer.out
+
+
+def test_printed_says_what_is_left_out(call):
+    answer = call("formulas", "6chn25-34", "--no-fe", "--variant", "printed")
+    assert answer.code == 0
+    assert answer.out.count("Left out: the printed formula") == 3
+    content = call("formulas", "6chn25-34", "--no-fe", "--variant", "printed", "--json").json()
+    assert [record["name"] for record in content["left_out"]] == [
+        "Draminsky (2)",
+        "Anderson",
+        "Gorbunov",
+    ]
+    assert len(content["axial"]) == 6
+    low_speed = call("formulas", "6s50mc-c", "--no-fe", "--variant", "printed").out
+    assert "is the root of -1.8" in low_speed
+
+
+def test_other_readings(call):
+    for variant, name in (("plain", "TsNIIMF"), ("k/4", "Draminsky (2)")):
+        content = call("formulas", "6chn25-34", "--no-fe", "--variant", variant, "--json").json()
+        assert [record["name"] for record in content["axial"]] == [name]
+        assert content["left_out"] == []
+
+
+def test_constants(call):
+    arguments = ("formulas", "6chn25-34", "--no-fe", "--json")
+    plain = call(*arguments).json()["axial"]
+    given = call(*arguments, "--constant", "k_n=0.5", "--constant", "C=2").json()["axial"]
+    for before, after in zip(plain, given, strict=True):
+        if before["name"] == "Guglielmotti-Macchiotta":
+            assert after["value"] == pytest.approx(2.0 * before["value"], rel=1e-12)
+        elif before["name"] == "Stoyanov":
+            assert after["value"] < before["value"]
+            assert after["valid"] > before["valid"]
+        else:
+            assert after == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fragment"),
+    [
+        ((), "given not exactly one of ENGINE.toml, --all and --published"),
+        (("6chn25-34", "--all"), "given not exactly one of ENGINE.toml"),
+        (("--all", "--published"), "given not exactly one of ENGINE.toml"),
+        (("--all", "--no-fe"), "--no-fe: given together with --all"),
+        (("6chn25-34", "--constant", "k_9=1"), "constants: given 'k_9'; allowed are C, k_3"),
+        (("6chn25-34", "--constant", "k_3=one"), "constant k_3: given 'one'"),
+        (("6chn25-34", "--constant", "k_3=nan"), "constants['k_3']: given nan"),
+        (("6chn25-34", "--constant", "k_3"), "k_3: given without a value"),
+    ],
+)
+def test_refuses(call, arguments, fragment):
+    answer = call("formulas", *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert fragment in answer.err
+
+
+def test_published_table(call):
+    answer = call("formulas", "--published")
+    assert answer.code == 0
+    lines = answer.out.splitlines()
+    row = next(line for line in lines if line.startswith("ChN 26/26"))
+    assert row.split()[2:] == [
+        "1.394", "0.2108*", "0.4390*", "1.445", "0.6538*", "1.656", "0.45358?", "0.4951*", "1.006",
+    ]  # fmt: skip
+    assert max(map(len, lines[:12])) <= 80
+    assert "ChN 26/26, Gorbunov: 21.0847, taken as 0.210847" in answer.out
+    assert "3.3220e-9 m/N, is probably 3.3220e-10 m/N" in answer.out
+    content = call("formulas", "--published", "--json").json()
+    assert len(content["values"]) == 91
+    fe = next(v for v in content["values"] if v["formula"] == "finite elements")
+    assert (fe["printed"], fe["exponent_factor"]) == (pytest.approx(3.322e-9), 0.1)
+    assert "3.3220e-10" in content["finite_elements_doubt"]
+
+
+def test_all_engines_in_one_table(call, monkeypatch, analysis):
+    monkeypatch.setattr(data_files, "shipped_engines", lambda: ("6chn25-34", "6chn25-34"))
+    monkeypatch.setattr(formula_spread, "analyze_throw", lambda *_, **__: analysis)
+    answer = call("formulas", "--all", "--gamma", "120")
+    assert answer.code == 0
+    assert answer.err.splitlines() == [
+        "finite elements: 6chn25-34 (1 of 2)",
+        "finite elements: 6chn25-34 (2 of 2)",
+    ]
+    lines = answer.out.split("* outside")[0].splitlines()
+    assert max(len(line) for line in lines if " compliance: " not in line) <= 80
+    rows = [line.split() for line in answer.out.splitlines() if line.startswith("6chn25-34")]
+    counts = len(AXIAL_FORMULA_NAMES), len(TORSIONAL_FORMULA_NAMES)
+    assert [len(row) - 3 for row in rows] == [counts[0], counts[0], counts[1], counts[1]]
+    throw, _ = load_throw("6chn25-34")
+    expected = axial_formulas(throw, 120.0)
+    fe = fe_axial(analysis, 120.0)
+    assert float(rows[0][2]) == pytest.approx(fe * 1e9, abs=0.0005)
+    for name, cell in zip(AXIAL_FORMULA_NAMES, rows[0][3:], strict=True):
+        assert cell.endswith("*") == (not expected[name].valid), name
+        assert float(cell.rstrip("*")) == pytest.approx(expected[name].value / fe, abs=0.0051), name
+    assert [line.split()[0] for line in answer.out.splitlines()].count("greatest") == 2
+
+
+def test_summary_over_engines():
+    def engine(name, ratio, valid):
+        return EngineSpread(name, 0.1, {}, 0.0, {"axial": {"Dorey": Ratio(ratio, valid)}})
+
+    spreads = [engine("a", 0.5, True), engine("b", 2.0, True), engine("c", 27.0, False)]
+    found = formula_spreads(spreads, "axial")["Dorey"]
+    assert (found.least, found.mean, found.greatest) == pytest.approx((0.5, 3.0, 27.0))
+    found = formula_spreads(spreads, "axial", valid_only=True)["Dorey"]
+    assert (found.least, found.mean, found.greatest) == pytest.approx((0.5, 1.0, 2.0))
+    # A ratio that is not positive has no logarithm; nothing is left of a formula without others.
+    assert formula_spreads([engine("d", -0.2, False)], "axial") == {}
+
+
+def test_one_throw_beside_finite_elements(call, monkeypatch, analysis):
+    monkeypatch.setattr("fem.analysis.analyze_throw", lambda *_: analysis)
+    content = call("formulas", "6chn25-34", "--gamma", "120", "--json").json()
+    law = content["fe"]["angle_law"]
+    assert law["e_180"] == pytest.approx(analysis.axial_compliance("pinned"), rel=1e-9)
+    cotangent = 1.0 / math.tan(math.radians(60.0))
+    expected = law["e_0"] + (law["e_180"] - law["e_0"]) / (1.0 + law["rho"] * cotangent**2)
+    assert content["fe"]["axial"] == pytest.approx(expected, rel=1e-12)
+    out = call("formulas", "6chn25-34", "--gamma", "120").out
+    assert "The 4 formulas that apply give" in out
+    assert "Finite elements over the angle: e(gamma) = e_0" in out
+    assert "finite elements: neighbors at 120 deg" in out
+
+
+def test_finite_elements_over_the_angle_are_the_chain(analysis):
+    # Exact for equal webs; the chain of neighbors itself ends where it changes by 1e-3 no more.
+    for gamma in (30.0, 90.0, 120.0, 240.0):
+        chain = analysis.axial_compliance(Neighbors(gamma, gamma))
+        assert fe_axial(analysis, gamma) == pytest.approx(chain, rel=1e-3)
+
+
+def test_finite_elements_of_unequal_webs_are_the_chain(dimensions):
+    unequal = coarse(CrankThrow(**dimensions, right_web=Web(thickness=0.09)))
+    chain = unequal.axial_compliance(Neighbors(120.0, 120.0))
+    assert fe_axial(unequal, 120.0) == chain
+
+
+def texts(path):
+    """Labels of an SVG file, which matplotlib writes as comments beside their outlines."""
+    parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
+    tree = ElementTree.parse(path, parser=parser)
+    return [node.text.strip() for node in tree.iter(ElementTree.Comment)]
+
+
+def test_pictures_of_the_angle(tmp_path):
+    gammas = np.linspace(0.0, 180.0, 37)
+    share = np.sin(np.deg2rad(gammas) / 2) ** 2
+    law = 0.2 + 0.8 * share / (share + 2.65 * (1 - share))
+    plot_angle_factors(
+        tmp_path / "factors.svg",
+        gammas,
+        law,
+        2.65,
+        {n: f(gammas) for n, f in ANGLE_FACTORS.items()},
+    )
+    shown = texts(tmp_path / "factors.svg")
+    for name in ANGLE_FACTORS:
+        assert shown.count(name) == 1
+    assert any("= 2.65" in text for text in shown)
+    assert sum("angle between neighboring cranks" in text for text in shown) == 2
+    throw, _ = load_throw("6chn25-34")
+    tables = [axial_formulas(throw, gamma) for gamma in gammas]
+    values = {name: np.array([t[name].value for t in tables]) for name in AXIAL_FORMULA_NAMES}
+    plot_formulas(tmp_path / "formulas.svg", gammas, law * 1e-9, values, (0.2e-9, 1e-9))
+    shown = texts(tmp_path / "formulas.svg")
+    assert {*AXIAL_FORMULA_NAMES, "finite elements", "guided", "pinned"} <= set(shown)

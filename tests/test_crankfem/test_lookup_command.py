@@ -1,0 +1,388 @@
+"""The commands that ask a compliance model: lookup with its options, and optimum."""
+
+import itertools
+import json
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+import typer
+from typer.testing import CliRunner
+
+import crankfem.frequency_limits
+from crankfem.commands import optimum as optimum_command
+from crankfem.commands.lookup import lookup
+from crankfem.commands.optimum import optimum
+from crankfem.data_files import engine_path
+from crankfem.engine_file import load_engine, load_throw
+from crankfem.frequency_limits import EngineFrequencies, frequency_limit
+from dynamics.engine_chains import axial_chain
+from geometry.errors import InputError
+from regression.compliance_model import ComplianceModel, ResponseModel
+from regression.fits import fit_form
+
+ENGINE = "6chn25-34"
+THROW = load_throw(engine_path(ENGINE))[0]
+BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.050, 0.090)}
+GRID = np.array(list(itertools.product(*(np.linspace(*ends, 3) for ends in BOX.values()))))
+FIXED = (
+    *("crank_radius", "main_journal_diameter", "pin_diameter", "main_journal_length"),
+    *("pin_length", "fillet_radius", "main_journal_bore", "pin_bore"),
+)
+SIZES = {
+    "axial_compliance": (1.3e-9, -1.0, "e_n", "m/N"),
+    "axial_compliance_in_line": (0.26e-9, -0.5, "e_0", "m/N"),
+    "axial_compliance_opposite": (1.3e-9, -1.0, "e_180", "m/N"),
+    "tilt_stiffness_ratio": (2.6, -0.2, "rho", ""),
+    "torsional_compliance": (4e-8, -0.1, "e_t", "rad/(N m)"),
+    "mass": (100.0, 0.8, "m", "kg"),
+}
+
+
+def power(size, exponent):
+    return lambda x: size * (x[:, 0] / 0.3) ** -0.5 * (x[:, 1] / 0.068) ** exponent
+
+
+def made_model(**others):
+    responses = {}
+    for name, (size, exponent, symbol, unit) in SIZES.items():
+        values = power(size, exponent)(GRID)
+        fit = fit_form("log-quadratic", tuple(BOX), GRID, values, GRID, values)
+        made = ResponseModel.from_fit(fit, symbol=symbol, unit=unit, fe_error=0.01)
+        responses[name] = ResponseModel(**(made.model_dump() | {"largest_heldout_error": 0.005}))
+    content = {
+        "responses": responses,
+        "fixed": {name: getattr(THROW, name) for name in FIXED},
+        "ranges": BOX,
+        "throw": THROW.model_dump(mode="json"),
+    }
+    return ComplianceModel(**(content | others))
+
+
+@pytest.fixture
+def path(tmp_path):
+    made_model().save(tmp_path / "m.json")
+    return tmp_path / "m.json"
+
+
+@pytest.fixture
+def run():
+    app = typer.Typer()
+    app.command()(lookup)
+    app.command()(optimum)
+
+    def call(*arguments):
+        found = CliRunner().invoke(app, [str(argument) for argument in arguments])
+        if found.exception is not None and not isinstance(found.exception, SystemExit):
+            raise found.exception
+        assert found.exit_code == 0, found.output
+        return found.stdout
+
+    return call
+
+
+# ------------------------------------------------------------------------------------------ lookup
+
+PAIRS = ("web_width=300mm", "web_thickness=68 mm")
+
+
+def test_values_with_bands(run, path):
+    out = run("lookup", path, *PAIRS)
+    lines = out.splitlines()
+    lower, upper = 1.3 / 1.005, 1.3 / 0.995 * 1.01
+    assert lines[0] == (
+        f"axial compliance: 1.3e-9 m/N (pinned), {lower:.4g}e-9 m/N to {upper:.4g}e-9 m/N, "
+        "inside the range"
+    )
+    assert "largest error 0.5 % at 9 held-out designs" in lines[1]
+    assert out.count("inside the range") == len(SIZES)
+    assert "mass: 100 kg (pinned)" in out
+
+
+def test_json_has_all(run, path):
+    found = json.loads(run("lookup", path, *PAIRS, "--json"))
+    model = ComplianceModel.load(path)
+    assert set(found) == set(SIZES)
+    answer = model.lookup("mass", web_width=0.3, web_thickness=0.068)
+    assert found["mass"] == {
+        "value": answer.value,
+        "lower": answer.lower,
+        "upper": answer.upper,
+        "unit": "kg",
+        "symbol": "m",
+        "support": "pinned",
+        "inside": True,
+        "remarks": [],
+        "largest_held_out_error": 0.005,
+        "largest_fe_error_estimate": 0.01,
+        "band": answer.band,
+        "equation": answer.equation,
+    }
+
+
+def test_the_throw_of_an_engine_file(run, path):
+    model = ComplianceModel.load(path)
+    expected = model.of_throw(THROW)["axial_compliance"].value
+    found = json.loads(run("lookup", path, "--throw", ENGINE, "--json"))
+    assert found["axial_compliance"]["value"] == expected
+    changed = json.loads(run("lookup", path, "web_width=280mm", "--throw", ENGINE, "--json"))
+    assert changed["axial_compliance"]["value"] == pytest.approx(
+        model.axial_compliance(web_width=0.28, web_thickness=THROW.web_thickness), rel=1e-14
+    )
+
+
+def test_another_engines_throw_is_refused(run, path):
+    with pytest.raises(InputError, match=r": given .*; allowed is "):
+        run("lookup", path, "--throw", "yamz-5340")
+
+
+def test_gamma(run, path):
+    found = json.loads(run("lookup", path, *PAIRS, "--gamma", "120", "--json"))
+    model = ComplianceModel.load(path)
+    expected = model.axial_compliance(gamma_deg=120.0, web_width=0.3, web_thickness=0.068)
+    assert found["axial_compliance"]["value"] == pytest.approx(expected, rel=1e-14)
+    assert found["axial_compliance"]["support"] == "between neighbors at 120 deg"
+    assert found["mass"]["support"] == "pinned"
+    assert "between neighbors at 90 deg" in run("lookup", path, *PAIRS, "--gamma", "-90")
+
+
+def test_gamma_without_its_numbers(run, path):
+    model = ComplianceModel.load(path)
+    bare = ComplianceModel(responses={"axial_compliance": model.responses["axial_compliance"]})
+    bare.save(path)
+    with pytest.raises(InputError, match="the model has no axial_compliance_in_line"):
+        run("lookup", path, *PAIRS, "--gamma", "120")
+    ComplianceModel(responses={"mass": model.responses["mass"]}).save(path)
+    with pytest.raises(InputError, match="--gamma: given 120; allowed only with a model of"):
+        run("lookup", path, *PAIRS, "--gamma", "120")
+
+
+def test_outside_and_strict(run, path):
+    outside = ("web_width=345mm", "web_thickness=68mm")
+    out = run("lookup", path, *outside)
+    assert out.count("OUTSIDE the range, where no band holds") == len(SIZES)
+    assert "and 25 % of its width beyond it the error is unknown" in out
+    with pytest.raises(
+        InputError, match="web_width: given 345 mm; allowed is the range of the fit"
+    ):
+        run("lookup", path, *outside, "--strict")
+
+
+def test_choices_and_free_factors_on_the_command_line(run, path):
+    columns = ("width_ratio", "web_outline=rectangle")
+    x = np.array([[r, label] for r in (1.4, 1.6, 1.8) for label in (0.0, 1.0)])
+    fit = fit_form("power law", columns, x, 1e-9 * (1.0 + x[:, 1]) / x[:, 0])
+    ComplianceModel(
+        responses={"axial_compliance": ResponseModel.from_fit(fit, symbol="e_n", unit="m/N")},
+        ranges={"width_ratio": (1.4, 1.8)},
+        units={"width_ratio": ""},
+        categories={"web_outline": ("obround", "rectangle")},
+    ).save(path)
+    out = run("lookup", path, "width_ratio=1.6", "web_outline=rectangle", "--json")
+    assert json.loads(out)["axial_compliance"]["value"] == pytest.approx(1.25e-9, rel=1e-9)
+    with pytest.raises(InputError, match="web_outline: given 'round'; allowed is obround or"):
+        run("lookup", path, "width_ratio=1.6", "web_outline=round")
+    with pytest.raises(InputError, match=r"width_ratio: given '1\.6 mm'; write a plain number"):
+        run("lookup", path, "width_ratio=1.6 mm", "web_outline=obround")
+
+
+def test_a_response_that_cannot_be_told_is_left_out(run, path):
+    from fem.material import STEEL
+
+    model = ComplianceModel.load(path)
+    x = np.linspace(1.4, 1.9, 4)[:, None]
+    fit = fit_form("power law", ("B/D_shm",), x, 60.0 / x[:, 0])
+    groups = ResponseModel.from_fit(
+        fit, symbol="e_n", unit="m/N", basis="groups", equation="dimensionless"
+    )
+    ComplianceModel(
+        **(
+            model.model_dump()
+            | {
+                "responses": {"axial_compliance": groups, "mass": model.responses["mass"]},
+                "fixed": {"pin_diameter": 0.18},
+                "material": STEEL.model_dump(),
+            }
+        )
+    ).save(path)
+    pairs = ("web_width=600mm", "web_thickness=136mm", "pin_diameter=360mm")
+    out = run("lookup", path, *pairs)
+    assert "mass: left out; pin_diameter: given 360 mm; allowed is 180 mm" in out
+    assert "refused" in json.loads(run("lookup", path, *pairs, "--json"))["mass"]
+    with pytest.raises(InputError, match="pin_diameter: given 360 mm"):
+        run("lookup", path, *pairs, "--strict")
+
+
+# ----------------------------------------------------------------------------------------- optimum
+
+
+def test_thinnest_web(run, path):
+    arguments = ("optimum", path, "--minimize", "web_thickness")
+    limit = ("--limit", "axial_compliance <= 1.2e-9 m/N")
+    found = json.loads(run(*arguments, *limit, "--json"))
+    needed = 0.068 * 1.3 / 1.2 * 1.01 / 0.995 * (0.3 / 0.33) ** 0.5
+    assert found["value"] == pytest.approx(needed, rel=1e-6)
+    assert found["factors"]["web_width"] == 0.330
+    assert found["limits"][0]["worst"] == pytest.approx(1.2e-9, rel=1e-6)
+    assert found["throw"]["web_thickness"] == found["value"]
+    held = json.loads(run(*arguments, *limit, "--fixed", "web_width=300mm", "--json"))
+    assert held["value"] == pytest.approx(needed * (0.33 / 0.3) ** 0.5, rel=1e-6)
+    plain = json.loads(run(*arguments, *limit, "--no-margin", "--json"))
+    assert plain["value"] == pytest.approx(needed * 0.995 / 1.01, rel=1e-6)
+    out = run(*arguments, *limit, "--limit", "mass <= 200 kg")
+    assert f"Smallest web_thickness: {1e3 * needed:.4g} mm" in out
+    assert "web_width = 330 mm (end of its range)" in out
+    assert "just" in out
+    assert "with room" in out
+    assert "The limits are kept at the worst end of the model's error band." in out
+
+
+ENDS = ("lower", "upper")
+
+
+@pytest.fixture
+def frequencies():
+    """An engine whose throws are 0.5 and 0.8 times as soft in the shaft as pinned."""
+    engine = load_engine(engine_path(ENGINE))
+    shares = np.array([0.8, 0.5, 0.5, 0.5, 0.5, 0.8])
+    return EngineFrequencies(engine, shares, shares, throw_mass=110.0, throw_inertia=8.0)
+
+
+def test_frequencies_fall_as_throws_soften(frequencies):
+    first = [frequencies.axial(e) for e in (0.8e-9, 1.0e-9, 1.2e-9)]
+    assert first[0] > first[1] > first[2] > 0.0
+    assert frequencies.axial(1e-9, mass=150.0) < frequencies.axial(1e-9)
+    assert frequencies.axial(1e-9, mass=110.0) == frequencies.axial(1e-9)
+    twist = [frequencies.torsional(e) for e in (3e-8, 4e-8)]
+    chain = axial_chain(
+        1e-9 * frequencies.axial_shares,
+        np.full(6, 110.0),
+        frequencies.engine_file.flywheel.mass,
+        frequencies.engine_file.thrust_bearing.bearing,
+        frequencies.engine_file.thrust_bearing.stiffness,
+    )
+    modes = chain.chain.modes()
+    assert frequencies.axial(1e-9) == pytest.approx(modes.frequencies[modes.rigid], rel=1e-9)
+    # Without a stiffness to ground the frequency goes with the root of the stiffness.
+    assert twist[0] / twist[1] == pytest.approx((4.0 / 3.0) ** 0.5, rel=1e-9)
+
+
+def test_frequency_limits(run, path, frequencies, monkeypatch):
+    monkeypatch.setattr(crankfem.frequency_limits, "engine_frequencies", lambda _: frequencies)
+    model = ComplianceModel.load(path)
+    needed = frequencies.torsional(3.9e-8)
+    found = json.loads(
+        run(
+            *("optimum", path, "--minimize", "web_thickness", "--engine", ENGINE),
+            *("--first-torsional-frequency", f">= {needed:.9f} Hz"),
+            *("--first-axial-frequency", ">= 60 Hz", "--json"),
+        )
+    )
+    axial, torsional = found["limits"]
+    assert (axial["name"], axial["sign"], axial["unit"]) == ("first axial frequency", ">=", "Hz")
+    e, m = (found["responses"][name] for name in ("axial_compliance", "mass"))
+    corners = [frequencies.axial(e[one], m[two]) for one in ENDS for two in ENDS]
+    assert axial["worst"] == pytest.approx(min(corners), rel=1e-12)
+    assert not axial["active"]
+    assert torsional["worst"] == pytest.approx(needed, rel=1e-6)
+    assert torsional["active"]
+    assert found["responses"]["torsional_compliance"]["upper"] == pytest.approx(3.9e-8, rel=1e-6)
+    assert 0.050 < found["value"] < 0.090
+    assert found["remarks"][-1].startswith(f"of the throw of {ENGINE}, the ratio")
+    torsional = frequency_limit("torsional", frequencies, model, 30.0)
+    assert torsional.quantities == ("torsional_compliance",)
+    alone = ComplianceModel(responses={"axial_compliance": model.responses["axial_compliance"]})
+    assert frequency_limit("axial", frequencies, alone, 30.0).quantities == ("axial_compliance",)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "match"),
+    [
+        (("--limit", "axial_compliance"), "--limit: given 'axial_compliance'; allowed is NAME <= "),
+        (("--limit", "axial_compliance <= 1"), "axial_compliance: given '1', a bare number"),
+        (("--limit", "hue <= 1 mm"), "--limit: given 'hue'; allowed are the responses axial_comp"),
+        (("--limit", "mass <= 1 mm"), "mass: given '1 mm', which is no mass"),
+        (("--limit", "tilt_stiffness_ratio <= soft"), "given 'soft'; write a plain number"),
+        (("--first-axial-frequency", ">= 40 Hz"), "frequency: given without --engine"),
+        (("--engine", ENGINE), "--engine: given '6chn25-34' without a frequency"),
+        (
+            ("--engine", ENGINE, "--first-axial-frequency", "<= 40 Hz"),
+            "--first-axial-frequency: given '<= 40 Hz'; allowed is at least",
+        ),
+        (
+            ("--engine", ENGINE, "--first-axial-frequency", ">= -4 Hz"),
+            "allowed is a frequency above 0 Hz",
+        ),
+        (("--fixed", "web_width=400mm"), "fixed: given 400 mm for web_width; allowed is 270 mm"),
+        (
+            ("--limit", "axial_compliance <= 0.1e-9 m/N"),
+            "that no throw of the model's family keeps",
+        ),
+    ],
+)
+def test_unusable_searches(run, path, arguments, match):
+    with pytest.raises(InputError, match=match):
+        run("optimum", path, "--minimize", "web_thickness", *arguments)
+
+
+def test_a_frequency_needs_its_compliance(run, path):
+    model = ComplianceModel.load(path)
+    ComplianceModel(responses={"mass": model.responses["mass"]}).save(path)
+    with pytest.raises(InputError, match="given for a model without torsional_compliance"):
+        run(
+            *("optimum", path, "--minimize", "mass", "--engine", ENGINE),
+            *("--first-torsional-frequency", "40 Hz"),
+        )
+
+
+def test_the_command_says_what_it_is_for():
+    assert optimum_command.optimum.__doc__.startswith("Find the thinnest web")
+
+
+# -------------------------------------------------------------------------------------------- docs
+
+PAGE = Path(__file__).parents[2] / "docs" / "lookup.md"
+
+
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+
+
+@pytest.fixture
+def documented(tmp_path, monkeypatch, frequencies):
+    """The model of the page: three dimensions, in the folder where its examples run."""
+    box = BOX | {"web_thickness": (0.038, 0.098), "pin_length": (0.120, 0.158)}
+    grid = np.array(list(itertools.product(*(np.linspace(*ends, 3) for ends in box.values()))))
+    responses = {}
+    sizes = SIZES | {"influence_coefficient": (0.6e-9, -1.0, "c", "m/N")}
+    for name, (size, exponent, symbol, unit) in sizes.items():
+        values = power(size, exponent)(grid)
+        fit = fit_form("log-quadratic", tuple(box), grid, values, grid, values)
+        made = ResponseModel.from_fit(fit, symbol=symbol, unit=unit, fe_error=0.01)
+        responses[name] = ResponseModel(**(made.model_dump() | {"largest_heldout_error": 0.005}))
+    fixed = {name: getattr(THROW, name) for name in FIXED if name != "pin_length"}
+    made_model(responses=responses, fixed=fixed, ranges=box).save(tmp_path / "model.json")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(crankfem.frequency_limits, "engine_frequencies", lambda _: frequencies)
+
+
+def test_the_page_of_lookups_runs(documented):
+    examples = blocks("python")
+    assert len(examples) == 7
+    names = {}
+    for example in examples:
+        exec(compile(example, str(PAGE), "exec"), names)
+    assert names["thinnest"].limits[0].worst == pytest.approx(1.2e-9, rel=1e-6)
+    assert names["at_120"] < names["e"]
+    assert names["lightest"].factors["pin_length"] == 0.139
+
+
+def test_the_commands_of_the_page_run(documented, run):
+    (lines,) = blocks("sh")
+    commands = [shlex.split(line) for line in lines.splitlines()]
+    assert len(commands) == 4
+    for program, *arguments in commands:
+        assert program == "crankfem"
+        assert run(*arguments)

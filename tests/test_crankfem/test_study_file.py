@@ -1,0 +1,442 @@
+"""Study files: what they say becomes the plan, what they cannot say is refused in one sentence."""
+
+import json
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from crankfem import console
+from crankfem.design_tables import plan_record, print_plan
+from crankfem.study_file import FIELDS, study_plan
+from crankfem.toml_file import read_toml
+from fem.material import STEEL
+from geometry.errors import InputError
+from geometry.throw import CrankThrow
+from regression.designs import OPTIONS, DesignChoice
+from regression.factors import Factor
+from regression.plan import StudyPlan, plan_designs
+
+ROOT = Path(__file__).resolve().parents[2]
+THROW = CrankThrow(
+    crank_radius=0.170,
+    main_journal_diameter=0.220,
+    pin_diameter=0.180,
+    main_journal_length=0.120,
+    pin_length=0.139,
+    web_width=0.285,
+    web_thickness=0.068,
+    fillet_radius=0.012,
+)
+HEAVY = CrankThrow(
+    **THROW.model_dump(mode="json") | {"counterweight": {"outer_radius": 0.25, "angle": 2.0}}
+)
+WIDTH = 'web_width = ["270 mm", "300 mm", "330 mm"]'
+RANGE = 'web_thickness = { from = "38 mm", to = "98 mm" }'
+
+
+@pytest.fixture
+def read(tmp_path):
+    def reader(text, throw=THROW):
+        file = tmp_path / "study.toml"
+        file.write_text(text, encoding="utf-8")
+        return study_plan(read_toml(file), throw, STEEL)
+
+    return reader
+
+
+def study(head="", factors=WIDTH, tail=""):
+    return f"[study]\n{head}\n[study.factors]\n{factors}\n{tail}\n"
+
+
+def test_a_file_without_a_study(read):
+    assert read("[throw]\n") is None
+
+
+def test_a_file_of_levels_is_a_full_factorial(read):
+    """The form of files from before designs had names."""
+    text = study(
+        "held_out = 8\nseed = 3\naccuracy = 0.02", f'{WIDTH}\npin_length = ["12 cm", "0.158 m"]'
+    )
+    assert read(text) == StudyPlan.from_levels(
+        THROW,
+        {"web_width": (0.27, 0.30, 0.33), "pin_length": (0.12, 0.158)},
+        held_out=8,
+        seed=3,
+        accuracy=0.02,
+    )
+
+
+def test_what_is_not_said(read):
+    plan = read(study())
+    assert (plan.held_out, plan.seed, plan.accuracy, plan.stresses) == (10, 1, 0.01, False)
+    assert plan.design == DesignChoice()
+
+
+@pytest.mark.parametrize(
+    ("line", "factor"),
+    [
+        (RANGE, Factor("web_thickness", "m", 0.038, 0.098)),
+        (
+            'web_thickness = { from = "38 mm", to = "98 mm", levels = 4 }',
+            Factor("web_thickness", "m", 0.038, 0.098, (0.038, 0.058, 0.078, 0.098)),
+        ),
+        (
+            'web_thickness = { from = "38 mm", to = "98 mm", levels = 4, spacing = "chebyshev" }',
+            Factor("web_thickness", "m", 0.038, 0.098, (0.038, 0.053, 0.083, 0.098)),
+        ),
+        (
+            '"counterweight.angle" = { from = "60 deg", to = "120 deg" }',
+            Factor("counterweight.angle", "rad", 1.0471975511965976, 2.0943951023931953),
+        ),
+        (
+            'counterweight.offset = ["1 mm", "2 mm"]',
+            Factor.of_levels("counterweight.offset", "m", (0.001, 0.002)),
+        ),
+    ],
+)
+def test_factors(read, line, factor):
+    (_, found) = read(study(factors=f"{WIDTH}\n{line}"), HEAVY).factors
+    assert found.levels == factor.levels
+    assert (found.lowest, found.highest) == pytest.approx(
+        (factor.lowest, factor.highest), rel=1e-15
+    )
+    assert (found.name, found.unit) == (factor.name, factor.unit)
+
+
+def test_factors_keep_their_order(read):
+    plan = read(study(factors=f'web_outline = ["rectangle", "obround"]\n{RANGE}\n{WIDTH}'))
+    assert plan.names == ("web_outline", "web_thickness", "web_width")
+    assert plan.factors[0].labels == ("rectangle", "obround")
+
+
+def test_tables_of_parts(read):
+    text = """
+[study]
+constraints = ["counterweight.thickness <= web_thickness"]
+[study.factors.counterweight]
+angle = ["80 deg", "120 deg"]
+[study.relations.counterweight]
+thickness = "0.9 * web_thickness"
+[study.relations]
+pin_fillet_radius = "0.07 * pin_diameter"
+"""
+    plan = read(text, HEAVY)
+    assert plan.names == ("counterweight.angle",)
+    assert plan.relations == {
+        "counterweight.thickness": "0.9 * web_thickness",
+        "pin_fillet_radius": "0.07 * pin_diameter",
+    }
+    throw = plan_designs(plan).designs[0].inputs["throw"]
+    assert throw["counterweight"]["thickness"] == 0.0612
+    assert throw["pin_fillet_radius"] == 0.0126
+
+
+@pytest.mark.parametrize(
+    ("head", "design"),
+    [
+        ('design = "full factorial"', DesignChoice()),
+        ('design = "Box-Behnken"', DesignChoice("box-behnken")),
+        ('design = "latin hypercube"\nruns = 12', DesignChoice("latin hypercube", runs=12)),
+        ('design = "sobol"\nruns = 8', DesignChoice("sobol", runs=8)),
+        (
+            'design = "fractional factorial"\nresolution = "III"',
+            DesignChoice("fractional factorial", resolution=3),
+        ),
+        (
+            'design = "fractional factorial"\ngenerators = "a b ab"',
+            DesignChoice("fractional factorial", generators="a b ab"),
+        ),
+        (
+            'design = "central composite"\nface = "inscribed"',
+            DesignChoice("central composite", face="inscribed"),
+        ),
+    ],
+)
+def test_designs(read, head, design):
+    factors = f'{RANGE}\nweb_width = ["270 mm", "330 mm"]\npin_length = ["120 mm", "158 mm"]'
+    assert read(study(head, factors)).design == design
+
+
+def test_stresses_and_constraints(read):
+    plan = read(study('stresses = true\nconstraints = ["web_width > 280 mm"]'))
+    assert plan.stresses is True
+    assert plan.constraints == ("web_width > 280 mm",)
+
+
+ERRORS = [
+    (study("helt_out = 8"), "study.helt_out: unknown field; allowed are design, "),
+    (study('design = "taguchi"'), "study.design: given 'taguchi'; allowed are full factorial, "),
+    (study("design = 3"), "study.design: given 3; allowed are"),
+    (study("held_out = 0"), "study.held_out: given 0; allowed is a whole number from 1 to 1000"),
+    (study("held_out = 2.5"), "study.held_out: given 2.5"),
+    (study("held_out = true"), "study.held_out: given True"),
+    (study("seed = -1"), "study.seed: given -1"),
+    (study("accuracy = 1"), "study.accuracy: given 1; allowed is a number from 0.001 to 0.1"),
+    (study('accuracy = "1 %"'), "study.accuracy: given '1 %'"),
+    (study('stresses = "yes"'), "study.stresses: given 'yes'; allowed are true and false"),
+    (study('constraints = "a < b"'), "study.constraints: given 'a < b'; allowed is a list"),
+    (study('constraints = ["web_width < 3"]'), "study.constraints[0]: given 'web_width < 3'"),
+    (study("constraints = [3]"), "study.constraints[0]: given 3; allowed is a comparison"),
+    (study("runs = 20"), "study.runs: given 20 with the design 'full factorial'"),
+    (study('design = "sobol"'), "study.runs: given None; allowed with 'sobol'"),
+    (study('resolution = "IV"'), "study.resolution: given 4 with the design 'full factorial'"),
+    (
+        study('design = "fractional factorial"\nresolution = 4'),
+        "study.resolution: given 4; allowed are III, IV, V, VI, VII, VIII, in quotes",
+    ),
+    (study('design = "central composite"\nface = 1'), "study.face: given 1; allowed is text"),
+    (study('file = "a.csv"'), "study.file: given 'a.csv' with the design 'full factorial'"),
+    ("[study]\nfactors = 3\n", "study.factors: given 3; allowed is a section [study.factors]"),
+    ("[study]\nrelations = 3\n", "study.relations: given 3; allowed is a section"),
+    ("[study]\n", "study.factors: given none; allowed is at least one"),
+    (study(factors="web_width = 0.3"), "study.factors.web_width: given 0.3; allowed is a list"),
+    (study(factors='web_width = "300 mm"'), "study.factors.web_width: given '300 mm'; allowed is"),
+    (study(factors="web_width = [270, 300]"), "study.factors.web_width[0]: given 270, a bare"),
+    (study(factors='web_width = ["270 kg", "1 m"]'), "study.factors.web_width[0]: given '270 kg'"),
+    (study(factors='web_width = ["270 mm"]'), "study.factors.web_width: given 1 level"),
+    (study(factors="web_width = []"), "study.factors.web_width: given no level"),
+    (study(factors="web_width = {}"), "study.factors.web_width.from: missing; a range needs"),
+    (
+        study(factors='web_width = { from = "270 mm" }'),
+        "study.factors.web_width.to: missing; a range needs both",
+    ),
+    (
+        study(factors='web_width = { from = "270 mm", to = "300 mm", step = 3 }'),
+        "study.factors.web_width.step: unknown field; allowed are from, to, levels, spacing",
+    ),
+    (
+        study(factors='web_width = { from = 270, to = "300 mm" }'),
+        "study.factors.web_width.from: given 270, a bare number",
+    ),
+    (
+        study(factors='web_width = { from = "300 mm", to = "270 mm" }'),
+        "study.factors.web_width: given the range 300 mm to 270 mm",
+    ),
+    (
+        study(factors='web_width = { from = "270 mm", to = "300 mm", spacing = "log" }'),
+        "study.factors.web_width.spacing: given without levels",
+    ),
+    (
+        study(factors='web_width = { from = "270 mm", to = "300 mm", levels = "3" }'),
+        "study.factors.web_width.levels: given '3'; allowed is a whole number from 2",
+    ),
+    (
+        study(factors='web_with = ["270 mm", "300 mm"]'),
+        "study.factors.web_with: unknown throw dimension; did you mean web_width?",
+    ),
+    (
+        study(factors='web_with = { from = "270 mm", to = "300 mm" }'),
+        "study.factors.web_with: unknown throw dimension; did you mean web_width?",
+    ),
+    (
+        study(factors=f"{WIDTH}\nratio = [1.5, 1.6]"),
+        "study.factors.ratio: unknown throw dimension, and no relation uses it as a ratio",
+    ),
+    (
+        study(factors='counterweight.angle = ["80 deg", "90 deg"]'),
+        "study.factors.counterweight.angle: unknown throw dimension; the throw has no counterweight",
+    ),
+    (
+        study(factors=f'{WIDTH}\nweb_outline = "obround"'),
+        "study.factors.web_outline: given 'obround'; allowed is a list of obround, rectangle",
+    ),
+    (
+        study(factors=f'{WIDTH}\nweb_outline = ["obround", "square"]'),
+        "study.factors.web_outline: given square; allowed is obround, rectangle",
+    ),
+    (
+        study(tail='[study.relations]\npin_length = "2 * web_with"'),
+        "study.relations.pin_length: given '2 * web_with', in which web_with is no known",
+    ),
+    (
+        study(tail="[study.relations]\npin_length = true"),
+        "study.relations.pin_length: given True; allowed is an expression in quotes",
+    ),
+    (
+        study('constraints = ["web_width > 1 m"]'),
+        "study.factors: none of the 3 designs can be used; the first is excluded because of this",
+    ),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), ERRORS)
+def test_what_a_file_cannot_say(read, text, message):
+    with pytest.raises(InputError) as caught:
+        read(text)
+    assert str(caught.value).startswith(message)
+    assert str(caught.value).endswith(".")
+    assert "\n" not in str(caught.value)
+
+
+# --------------------------------------------------------------------------------------- own designs
+
+
+@pytest.fixture
+def read_rows(read, tmp_path):
+    def reader(rows, factors="", throw=THROW):
+        (tmp_path / "runs.csv").write_text(rows, encoding="utf-8-sig")
+        head = '[study]\ndesign = "file"\nfile = "runs.csv"\n'
+        return read(head + (f"[study.factors]\n{factors}\n" if factors else ""), throw)
+
+    return reader
+
+
+EXPECTED = ((0.27, 0.0), (0.30, 1.0), (0.33, 0.0))
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        "web_width [mm],web_outline\n270,obround\n300,rectangle\n330,obround\n",
+        "web_width,web_outline\n270 mm,obround\n\n30 cm , rectangle\n0.33 m,obround\n",
+        "web_width [m]; web_outline\n0.27;obround\n0.30;rectangle\n0.33;obround",
+    ],
+)
+def test_runs_from_a_file(read_rows, rows):
+    plan = read_rows(rows)
+    assert plan.design.rows == EXPECTED
+    assert plan.factors == (
+        Factor("web_width", "m", 0.27, 0.33),
+        Factor.of_labels("web_outline", ("obround", "rectangle")),
+    )
+    assert [design.values for design in plan_designs(plan).designs[:3]] == list(EXPECTED)
+
+
+def test_factors_of_the_study_give_order_and_ranges(read_rows):
+    plan = read_rows("web_width [mm],web_thickness [mm]\n270,50\n330,60\n", f"{RANGE}\n{WIDTH}")
+    assert plan.names == ("web_thickness", "web_width")
+    assert plan.design.rows == ((0.05, 0.27), (0.06, 0.33))
+    assert plan.factors[0].highest == 0.098
+
+
+def test_ratios_in_a_file(read, tmp_path):
+    (tmp_path / "runs.csv").write_text("ratio\n1.5\n1.7\n", encoding="utf-8")
+    plan = read(
+        '[study]\ndesign = "file"\nfile = "runs.csv"\n'
+        '[study.relations]\nweb_width = "ratio * pin_diameter"\n'
+    )
+    assert plan.factors == (Factor("ratio", "", 1.5, 1.7),)
+
+
+@pytest.mark.parametrize(
+    ("rows", "factors", "message"),
+    [
+        ("web_width [mm]\n", "", "study.file: given 'runs.csv' without any run"),
+        ("", "", "study.file: given 'runs.csv' without any run"),
+        (
+            "web_width\n270\n300\n",
+            "",
+            "study.file: web_width in line 2 of runs.csv: given '270', a b",
+        ),
+        (
+            "web_width [mm]\n270\nx\n",
+            "",
+            "study.file: web_width in line 3 of runs.csv: given 'x mm'",
+        ),
+        (
+            "web_width [mm]\n270 mm\n",
+            "",
+            "study.file: web_width in line 2 of runs.csv: given '270 mm m",
+        ),
+        (
+            "web_width [mm]\n270,3\n",
+            "",
+            "study.file: given 2 cells in line 2 of runs.csv; allowed are 1",
+        ),
+        (
+            "web_width [mm],web_width [mm]\n270,3\n",
+            "",
+            "study.file: web_width stands twice in runs.csv",
+        ),
+        (
+            "web_width [mm]\n270\n300\n",
+            RANGE,
+            "study.file: given the columns web_width in runs.csv; allowed are the factors web_thick",
+        ),
+        (
+            "web_thickness [mm]\n270\n",
+            RANGE,
+            "study.file: given web_thickness = 270 mm in row 1; allowed is the factor's range",
+        ),
+        (
+            "web_width [mm],web_outline\n270,obround\n300,round\n",
+            f'{WIDTH}\nweb_outline = ["obround", "rectangle"]',
+            "study.file: given web_outline = 'round' in line 3 of runs.csv; allowed are obround",
+        ),
+        ("ratio\n1.5\nmuch\n", "", "study.file: ratio in line 3 of runs.csv: given 'much'; write"),
+        ("web_with [mm]\n270\n300\n", "", "study.file: web_with in runs.csv is an unknown throw"),
+    ],
+)
+def test_rows_that_cannot_be(read_rows, rows, factors, message):
+    with pytest.raises(InputError) as caught:
+        read_rows(rows, factors)
+    assert str(caught.value).startswith(message)
+    assert str(caught.value).endswith(".")
+
+
+@pytest.mark.parametrize("name", ['"missing.csv"', "3"])
+def test_files_that_are_none(read, name):
+    with pytest.raises(InputError, match=r"^study\.file: given"):
+        read(f'[study]\ndesign = "file"\nfile = {name}\n')
+
+
+# -------------------------------------------------------------------------------------------- showing
+
+
+def test_a_plan_is_shown(read, capsys, monkeypatch):
+    monkeypatch.setattr(console.output, "_width", 200)
+    text = study(
+        'constraints = ["web_thickness > 40 mm"]',
+        f'{WIDTH}\n{RANGE}\nweb_outline = ["obround", "rectangle"]',
+        '[study.relations]\npin_fillet_radius = "0.07 * pin_diameter"',
+    )
+    planned = plan_designs(read(text))
+    print_plan(planned)
+    shown = capsys.readouterr().out
+    assert (
+        "Full factorial, 3 x 2 x 2 = 12 runs, 6 of them excluded; 10 held-out designs to" in shown
+    )
+    assert "web_width [mm]" in shown
+    assert "rectangle" in shown
+    assert "pin_fillet_radius = 0.07 * pin_diameter" in shown
+    assert "Excluded designs" in shown
+    assert "38 mm is not > 40 mm" in " ".join(shown.split())
+    record = plan_record(planned)
+    assert json.loads(json.dumps(record)) == record
+    assert len(record["designs"]) == 16
+    assert record["designs"][0]["values"] == {
+        "web_width": 0.27,
+        "web_thickness": 0.098,
+        "web_outline": "obround",
+    }
+    assert {design["role"] for design in record["excluded"]} == {"run", "held out"}
+
+
+# ----------------------------------------------------------------------------------------------- docs
+
+PAGE = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```toml\n(.*?)```", PAGE, flags=re.DOTALL)
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_examples_of_the_page_can_be_run(read, tmp_path, block):
+    (tmp_path / "runs.csv").write_text(
+        re.search(r"```csv\n(.*?)```", PAGE, flags=re.DOTALL)[1], encoding="utf-8"
+    )
+    assert set(tomllib.loads(block)) == {"study"}
+    planned = plan_designs(read(block, HEAVY))
+    for comment in re.findall(r"# (\d+) runs", block):
+        assert sum(design.role == "run" for design in planned.designs) == int(comment)
+
+
+def test_the_page_names_every_field_and_design():
+    assert len(BLOCKS) >= 5
+    assert {tomllib.loads(block)["study"].get("design", "full factorial") for block in BLOCKS} >= {
+        "latin hypercube",
+        "file",
+        "full factorial",
+    }
+    for name in (*FIELDS, *OPTIONS):
+        assert re.search(rf"`[^`]*\b{name}\b[^`]*`", PAGE)

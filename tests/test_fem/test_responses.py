@@ -1,0 +1,122 @@
+import numpy as np
+import pytest
+
+from fem.analysis import analyze_throw
+from fem.fillet_stress import fillet_stresses
+from fem.material import STEEL
+from fem.responses import RESPONSES, evaluate_throw
+from fem.supports import Neighbors
+from geometry.errors import InputError
+from geometry.throw import CrankThrow
+from geometry.throw_sections import Web
+
+PLAIN = CrankThrow(
+    crank_radius=0.170,
+    main_journal_diameter=0.220,
+    pin_diameter=0.180,
+    main_journal_length=0.120,
+    pin_length=0.139,
+    web_width=0.285,
+    web_thickness=0.068,
+    fillet_radius=0.012,
+)
+UNEQUAL = PLAIN.model_copy(update={"right_web": Web(thickness=0.080)})
+
+
+def changed(throw, **values):
+    return CrankThrow(**throw.model_dump() | values)
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    return evaluate_throw(PLAIN, accuracy=0.03)
+
+
+@pytest.mark.parametrize("throw", [PLAIN, UNEQUAL], ids=["equal webs", "unequal webs"])
+def test_responses_are_those_of_the_whole_analysis(throw):
+    found = evaluate_throw(throw, accuracy=0.05)
+    analysis = analyze_throw(throw, accuracy=0.05)
+    wanted = {"mass": analysis.mass}
+    for support in ("pinned", "guided"):
+        answer = analysis.supported(support)
+        wanted[f"axial_compliance_{support}"] = answer.axial
+        wanted[f"torsional_compliance_{support}"] = answer.torsional
+        wanted[f"influence_coefficient_{support}"] = answer.influence
+        reaction = analysis.reactions((0.0, -1.0, 0.0), support).left.force[2]
+        wanted[f"axial_reaction_{support}"] = reaction
+    for name, angle in (("in_line", 0.0), ("opposite", 180.0)):
+        answer = analysis.supported(Neighbors(angle, angle))
+        wanted[f"axial_compliance_{name}"] = answer.axial
+        wanted[f"influence_coefficient_{name}"] = answer.influence
+    low, high = wanted["axial_compliance_in_line"], wanted["axial_compliance_opposite"]
+    middle = analysis.axial_compliance(Neighbors(90.0, 90.0))
+    wanted["tilt_stiffness_ratio"] = (high - middle) / (middle - low)
+    assert set(found.values) == set(wanted) == set(RESPONSES) - {"fillet_stress_factor"}
+    # The same mesh and the same matrices, added up in another order; the ratio is one of differences.
+    for name, value in wanted.items():
+        assert found.values[name] == pytest.approx(value, rel=1e-8), name
+    assert found.errors["axial_compliance_pinned"] == pytest.approx(analysis.error_estimate)
+    assert found.unknowns == analysis.mesh.unknowns
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "throw",
+    [
+        PLAIN,
+        changed(PLAIN, web_thickness=0.045, pin_bore=0.06, main_journal_bore=0.08),
+    ],
+    ids=["plain", "bored and thin"],
+)
+def test_true_errors_are_those_estimated(throw):
+    coarse = evaluate_throw(throw, accuracy=0.03)
+    fine = evaluate_throw(throw, accuracy=0.003)
+    for name, value in fine.values.items():
+        if name == "mass":
+            continue
+        true = abs(value / coarse.values[name] - 1.0)
+        estimate = coarse.errors[name]
+        # What is asked of the axial compliance (docs/accuracy.md): hardly ever above 1.5 estimates, and
+        # mostly above a fifth. The reference still misses a tenth of what the coarse mesh does.
+        assert true < 1.5 * estimate, name
+        if not name.startswith(("axial_reaction", "tilt")):
+            assert true > 0.2 * estimate, name
+
+
+def test_errors_fall_with_the_accuracy(coarse):
+    finer = evaluate_throw(PLAIN, accuracy=0.01)
+    for name, error in finer.errors.items():
+        if name != "mass":
+            assert 0.0 < error < coarse.errors[name], name
+    assert coarse.errors["mass"] < 1e-4
+
+
+def test_symmetric_throws_have_one_name_for_two_supports(coarse):
+    values = coarse.values
+    assert values["axial_compliance_opposite"] == values["axial_compliance_pinned"]
+    assert values["axial_compliance_in_line"] == values["axial_compliance_guided"]
+    # Out of plane the webs are stiffer: every throw with a crank radius has a ratio above 1.
+    assert 1.8 < values["tilt_stiffness_ratio"] < 3.4
+
+
+def test_every_response_says_what_it_is(coarse):
+    for name, kind in RESPONSES.items():
+        assert kind.unit in ("m/N", "rad/(N m)", "kg", ""), name
+        assert kind.symbol
+        assert kind.meaning
+    assert len({kind.symbol for kind in RESPONSES.values()}) == len(RESPONSES)
+    assert all(np.isfinite(list(coarse.values.values())))
+
+
+@pytest.mark.slow
+def test_the_largest_stress_factor():
+    found = evaluate_throw(PLAIN, accuracy=0.1, stresses=True)
+    peaks = fillet_stresses(PLAIN, STEEL, 0.05).peaks
+    wanted = max(p.factor for p in peaks if p.load.kind in ("bending", "torsion"))
+    assert found.values["fillet_stress_factor"] == pytest.approx(wanted, rel=1e-6)
+    assert 0.0 < found.errors["fillet_stress_factor"] <= 0.05
+
+
+def test_stresses_of_sharp_corners_are_refused():
+    with pytest.raises(InputError, match="fillet"):
+        evaluate_throw(changed(PLAIN, fillet_radius=0.0), accuracy=0.1, stresses=True)

@@ -1,0 +1,469 @@
+"""The loop over a cluster, by a cluster that plays every trick; then Dask itself, by puppets.
+
+Nothing here computes finite elements; that a cluster gives the numbers of a local run is shown by
+tests/campaigns/dask_study.py.
+"""
+
+import math
+import subprocess
+import sys
+import threading
+import time
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError, MissingLibraryError
+from geometry.throw import CrankThrow
+from regression import cluster as cluster_module
+from regression import shelf as shelf_module
+from regression import supervised
+from regression.cluster import DaskCluster, TaskLostError, compute_design, identity, run_on_cluster
+from regression.records import StudyStoppedError
+from regression.shelf import Shelf
+from regression.study import StudyPlan, run_plan
+from regression.supervised import Limits
+
+THROW = CrankThrow(
+    crank_radius=0.170,
+    main_journal_diameter=0.220,
+    pin_diameter=0.180,
+    main_journal_length=0.120,
+    pin_length=0.139,
+    web_width=0.285,
+    web_thickness=0.068,
+)
+PUPPET = """
+import json, os, sys, time
+for line in sys.stdin:
+    request = json.loads(line)
+    key = request["key"]
+    if key.startswith("die"):
+        os._exit(7)
+    if key.startswith("hang"):
+        time.sleep(600)
+    time.sleep(0.05)
+    answer = {"key": key, "responses": {"mass": 1.0 / 3.0}, "seconds": 0.05}
+    print(json.dumps(answer), flush=True)
+"""
+
+
+@pytest.fixture
+def puppets(monkeypatch):
+    started = []
+
+    def spawn():
+        process = subprocess.Popen(
+            [sys.executable, "-S", "-c", PUPPET], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+        started.append(process)
+        return process
+
+    monkeypatch.setattr(supervised, "spawn_worker", spawn)
+    yield started
+    for process in started:
+        process.kill()
+        process.wait()
+
+
+class FakeTask:
+    """Done at once; its behaviour is a function that answers or raises."""
+
+    def __init__(self, behave, done=True):
+        self.behave, self.is_done = behave, done
+        self.fetched = self.released = False
+
+    def done(self):
+        return self.is_done
+
+    def result(self):
+        assert not self.released
+        self.fetched = True
+        return self.behave()
+
+    def release(self):
+        self.released = True
+
+
+class FakeCluster:
+    """Places that come and go; `answer(place, key)` says what becomes of a design there."""
+
+    def __init__(self, answer, places=("one", "two")):
+        self.answer, self.there = answer, dict.fromkeys(places, True)
+        self.given, self.tasks = [], []
+
+    def places(self):
+        return dict(self.there)
+
+    def submit(self, place, request, _limits):
+        busy = [t for p, t in self.tasks if p == place and not (t.fetched or t.released)]
+        assert place not in self.there or not busy, "one design at a time for each worker"
+        key = request["key"]
+        self.given.append((place, key))
+        task = self.answer(self, place, key)
+        self.tasks.append((place, task))
+        return task
+
+    def wait(self, _seconds):
+        time.sleep(0.001)
+
+
+def answer_of(key, **other):
+    return {
+        "identity": identity(),
+        "worker": "host:1",
+        "answer": {"key": key, "responses": {"mass": 1.0}, "seconds": 0.0},
+    } | other
+
+
+def good(cluster, place, key):
+    return FakeTask(lambda: answer_of(key))
+
+
+def collect(cluster, keys, limits=None):
+    found, notes = {}, []
+
+    def keep(outcome):
+        assert outcome.key not in found, "a design has one outcome"
+        found[outcome.key] = outcome
+
+    limits = limits or Limits(60.0)
+    run_on_cluster([(key, {"n": key}) for key in keys], keep, cluster, limits, notes.append)
+    assert all(task.released for _, task in cluster.tasks)
+    return found, notes
+
+
+@pytest.fixture(autouse=True)
+def quick_looks(monkeypatch):
+    monkeypatch.setattr(cluster_module, "LOOK", 0.0)
+
+
+def test_every_design_has_one_outcome_and_all_workers_work():
+    cluster = FakeCluster(good, ("one", "two", "three"))
+    found, notes = collect(cluster, [f"k{n}" for n in range(30)])
+    assert len(found) == 30
+    assert all(o.responses == {"mass": 1.0} and o.attempts == 1 for o in found.values())
+    assert all(found[key].inputs == {"n": key} for key in found)
+    assert {place for place, _ in cluster.given} == {"one", "two", "three"}
+    assert notes == []
+
+
+def test_a_result_is_stored_before_it_is_released():
+    """A result that is released before it is stored could be lost; one that is held too long could be
+    computed again when its worker is lost."""
+    cluster = FakeCluster(good, ("one",))
+    stored = []
+
+    def keep(outcome):
+        (task,) = [
+            t
+            for (_, t), (_, k) in zip(cluster.tasks, cluster.given, strict=True)
+            if k == outcome.key
+        ]
+        assert not task.released
+        stored.append(outcome.key)
+
+    run_on_cluster([(k, {}) for k in "abc"], keep, cluster, Limits(60.0), str)
+    assert stored == ["a", "b", "c"]
+    assert all(task.released for _, task in cluster.tasks)
+
+
+def test_a_design_whose_worker_leaves_is_tried_elsewhere():
+    def answer(cluster, place, key):
+        if place == "one":
+            del cluster.there["one"]
+            return FakeTask(None, done=False)
+        return good(cluster, place, key)
+
+    cluster = FakeCluster(answer)
+    found, _ = collect(cluster, "abcd")
+    assert all(outcome.responses for outcome in found.values())
+    assert sorted(outcome.attempts for outcome in found.values()) == [1, 1, 1, 2]
+
+
+def test_a_design_that_takes_two_workers_with_it_is_set_aside():
+    def answer(cluster, place, key):
+        if key != "bad":
+            return good(cluster, place, key)
+        del cluster.there[place]
+        cluster.there[place + "'"] = True  # its nanny starts a new one
+        return FakeTask(None, done=False)
+
+    cluster = FakeCluster(answer)
+    found, _ = collect(cluster, ["a", "bad", "b", "c"])
+    assert [key for key, outcome in found.items() if outcome.responses is None] == ["bad"]
+    assert (found["bad"].lost, found["bad"].attempts) == (True, 2)
+    assert found["bad"].reason == "the cluster lost the worker"
+    assert sum(key == "bad" for _, key in cluster.given) == 2
+
+
+def test_a_result_that_is_lost_is_computed_again():
+    lost = []
+
+    def answer(cluster, place, key):
+        def behave():
+            if key == "b" and not lost:
+                lost.append(key)
+                raise TaskLostError("the result was lost with its worker")
+            return answer_of(key)
+
+        return FakeTask(behave)
+
+    found, _ = collect(FakeCluster(answer), "abc")
+    assert {key: outcome.attempts for key, outcome in found.items()} == {"a": 1, "b": 2, "c": 1}
+    assert all(outcome.responses for outcome in found.values())
+
+
+def test_what_the_worker_says_of_a_lost_design_is_recorded():
+    def answer(cluster, place, key):
+        told = {"lost": "took longer than the limit of 5 s", "seconds": 5.0, "worker": "far:7"}
+        return FakeTask(lambda: {"identity": identity(), **told})
+
+    found, _ = collect(FakeCluster(answer), ["k"])
+    outcome = found["k"]
+    assert (outcome.reason, outcome.seconds, outcome.worker, outcome.attempts, outcome.lost) == (
+        "took longer than the limit of 5 s",
+        5.0,
+        "far:7",
+        2,
+        True,
+    )
+
+
+def test_a_worker_that_is_silent_beyond_the_limit_is_given_up(monkeypatch):
+    monkeypatch.setattr(cluster_module, "GRACE", 0.0)
+
+    def answer(cluster, place, key):
+        return FakeTask(None, done=False) if place == "one" else good(cluster, place, key)
+
+    cluster = FakeCluster(answer)
+    found, notes = collect(cluster, [f"k{n}" for n in range(6)], Limits(0.05))
+    assert all(outcome.responses for outcome in found.values())
+    assert "worker one has not answered for 0 s: set aside" in notes
+    assert cluster.given.count(("one", "k0")) == 1
+
+
+def test_a_worker_that_pauses_keeps_its_design_and_gets_no_other():
+    def answer(cluster, place, key):
+        if place == "one":
+            cluster.there["one"] = False  # short of memory, but at work
+        return good(cluster, place, key)
+
+    cluster = FakeCluster(answer)
+    found, _ = collect(cluster, [f"k{n}" for n in range(6)])
+    assert all(outcome.attempts == 1 for outcome in found.values())
+    assert [place for place, _ in cluster.given].count("one") == 1
+
+
+def test_without_workers_it_says_so_and_waits(monkeypatch):
+    monkeypatch.setattr(cluster_module, "QUIET", 0.02)
+    cluster = FakeCluster(good, ())
+    timer = threading.Timer(0.1, lambda: cluster.there.update(late=True))
+    timer.start()
+    found, notes = collect(cluster, "ab")
+    assert all(outcome.responses for outcome in found.values())
+    assert notes == ["the cluster has no workers; waiting for one (Ctrl-C stops)"]
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, StudyStoppedError])
+def test_an_error_lets_go_of_everything(error):
+    def answer(cluster, place, key):
+        return good(cluster, place, key) if key == "a" else FakeTask(None, done=False)
+
+    def fail(_):
+        raise error
+
+    cluster = FakeCluster(answer)
+    with pytest.raises(error):
+        run_on_cluster([(k, {}) for k in "abc"], fail, cluster, Limits(60.0), str)
+    running = [
+        task for (_, task), (_, key) in zip(cluster.tasks, cluster.given, strict=True) if key != "a"
+    ]
+    assert running
+    assert all(task.released for task in running)
+
+
+@pytest.mark.parametrize("name", ["model_version", "crankfem"])
+def test_a_worker_of_another_version_is_refused(name):
+    other = identity() | {name: "other"}
+    assert compute_design("run", {"key": "k"}, Limits(), other) == {"identity": identity()}
+    cluster = FakeCluster(lambda *_: FakeTask(lambda: {"identity": other}))
+    with pytest.raises(
+        InputError, match=r"^dask: given a cluster whose worker one has crankfem "
+    ) as e:
+        collect(cluster, "ab")
+    assert "other" in str(e.value)
+    assert "must not be mixed." in str(e.value)
+
+
+def test_a_worker_with_other_libraries_is_told_once():
+    libraries = identity()["libraries"] | {"gmsh": "0.1"}
+    other = identity() | {"libraries": libraries}
+
+    def answer(_cluster, _place, key):
+        return FakeTask(lambda: answer_of(key, identity=other))
+
+    cluster = FakeCluster(answer, ("one",))
+    found, notes = collect(cluster, "abc")
+    assert len(found) == 3
+    assert len(notes) == 1
+    assert notes[0].startswith("worker one has other libraries than the coordinator (gmsh 0.1)")
+
+
+# --------------------------------------------------------------------------- on the worker's machine
+
+
+def test_a_process_is_kept_between_designs_and_replaced_when_it_dies(puppets):
+    shelf, limits = Shelf(), Limits(20.0)
+    answers = [shelf.compute("run", {"key": key}, limits) for key in ("a", "b", "die", "c")]
+    shelf.close()
+    assert [answer["answer"]["key"] for answer in answers if "answer" in answer] == ["a", "b", "c"]
+    assert answers[2]["lost"] == "the worker process died (exit code 7)"
+    assert answers[0]["worker"] == answers[1]["worker"] == answers[2]["worker"]
+    assert answers[3]["worker"] != answers[0]["worker"]
+    assert len(puppets) == 2
+    assert all(process.poll() is not None for process in puppets)
+
+
+def test_limits_are_kept_on_the_workers_machine(puppets):
+    answer = Shelf().compute("run", {"key": "hang"}, Limits(0.3))
+    assert answer["lost"] == "took longer than the limit of 0.3 s"
+    assert puppets[0].poll() is not None
+
+
+def test_a_process_that_nobody_asks_ends(puppets, monkeypatch):
+    monkeypatch.setattr(shelf_module, "IDLE", 0.1)
+    shelf = Shelf()
+    shelf.compute("run", {"key": "a"}, Limits(20.0))
+    puppets[0].wait(timeout=10.0)
+
+
+def test_a_run_that_stops_ends_its_own_designs_alone(puppets):
+    shelf, answers = Shelf(), {}
+
+    def compute(run):
+        answers[run] = shelf.compute(run, {"key": f"hang {run}"}, Limits(3.0))
+
+    threads = [threading.Thread(target=compute, args=(run,)) for run in ("mine", "yours")]
+    for thread in threads:
+        thread.start()
+    while len(puppets) < 2:
+        time.sleep(0.01)
+    time.sleep(0.1)
+    shelf.end_run("mine")
+    threads[0].join(timeout=2.0)
+    assert "SIGKILL" in answers["mine"]["lost"]
+    assert "yours" not in answers
+    # What was on its way when the run was stopped is not begun.
+    assert shelf.compute("mine", {"key": "hang"}, Limits(3.0))["lost"] == "the run was stopped"
+    assert len(puppets) == 2
+    shelf.end_run("yours")
+    threads[1].join()
+
+
+# ---------------------------------------------------------------------------------------------- Dask
+
+
+def test_dask_that_is_not_installed_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(MissingLibraryError, match=r"install crankfem\[cluster\]\.$"):
+        DaskCluster("tcp://127.0.0.1:1")
+
+
+@pytest.fixture
+def local_cluster():
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2,
+        threads_per_worker=2,
+        processes=False,
+        protocol="tcp://",
+        host="127.0.0.1",
+        dashboard_address=None,
+    ) as cluster:
+        yield cluster
+
+
+STUDY = StudyPlan.from_levels(
+    THROW,
+    {"web_width": (0.27, 0.28, 0.29, 0.30), "pin_length": (0.12, 0.13, 0.14, 0.15)},
+    held_out=4,
+)
+
+
+@pytest.mark.slow
+def test_dask_gives_the_table_of_a_local_run(puppets, local_cluster, tmp_path):
+    local = run_plan(STUDY, tmp_path / "local.sqlite", 2)
+    before = len(puppets)
+    table = run_plan(STUDY, tmp_path / "dask.sqlite", dask=local_cluster.scheduler_address)
+    assert table.computed == local.computed == 20
+    assert table.failures == ()
+    np.testing.assert_array_equal(table.values, local.values)
+    np.testing.assert_array_equal(table.responses["mass"], local.responses["mass"])
+    # One process for each of the two workers, whatever the number of their threads.
+    assert len(puppets) - before <= 2
+    again = run_plan(STUDY, tmp_path / "dask.sqlite", dask="tcp://127.0.0.1:1")
+    assert again.computed == 0  # nothing left: no cluster is needed
+
+
+@pytest.mark.slow
+def test_a_dask_worker_that_leaves_in_the_middle_costs_nothing(puppets, local_cluster, tmp_path):
+    told = []
+
+    def progress(finished, total, newest):
+        if finished == 4 and not told:
+            told.append(finished)
+            victim = next(iter(local_cluster.workers.values()))
+            local_cluster.sync(victim.close, nanny=False, reason="test")
+
+    table = run_plan(
+        STUDY, tmp_path / "dask.sqlite", progress=progress, dask=local_cluster.scheduler_address
+    )
+    assert told == [4]
+    assert table.failures == ()
+    assert len(table.values) == 20
+    assert np.all(table.responses["mass"] == 1.0 / 3.0)
+
+
+@pytest.mark.slow
+def test_an_interrupt_leaves_the_cluster_and_keeps_what_arrived(puppets, local_cluster, tmp_path):
+    def interrupt(finished, *_):
+        if finished == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_plan(
+            STUDY, tmp_path / "d.sqlite", progress=interrupt, dask=local_cluster.scheduler_address
+        )
+    table = run_plan(STUDY, tmp_path / "d.sqlite", dask=local_cluster.scheduler_address)
+    assert 20 - 3 - 2 <= table.computed <= 20 - 3
+    assert table.failures == ()
+    assert math.isclose(table.responses["mass"][0], 1.0 / 3.0)
+
+
+@pytest.mark.slow
+def test_leaving_the_cluster_ends_what_is_under_way_there(puppets, local_cluster):
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    designs = [(key, {}) for key in ("a", "hang 1", "hang 2")]
+    with closing(DaskCluster(local_cluster.scheduler_address)) as cluster:
+        with pytest.raises(KeyboardInterrupt):
+            run_on_cluster(designs, interrupt, cluster, Limits(300.0), str)
+        # Those that hang are the ones that do not wait on the shelf for a next design.
+        assert len(puppets) == 2
+    deadline = time.monotonic() + 5.0
+    while all(process.poll() is None for process in puppets) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert any(process.poll() is not None for process in puppets)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nonsense://x", ""])
+def test_an_address_without_a_scheduler(address, monkeypatch):
+    # The last of all: a client that fails leaves an event loop behind that ends while others start.
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(cluster_module, "CONNECT", 0.5)
+    with pytest.raises(InputError, match=r"^dask: given '.*'; allowed is the address of a running"):
+        DaskCluster(address)

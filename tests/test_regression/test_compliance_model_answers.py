@@ -1,0 +1,448 @@
+"""What comes with an answer: the error band, the distance from the range, refusals, the angle law.
+
+Bands and the angle law are recalculated here from their definitions; they agree to rounding (1e-12).
+"""
+
+import copy
+import itertools
+import json
+import math
+import pickle
+import re
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from geometry.errors import InputError
+from regression.angle import between, fold_angle
+from regression.compliance_model import ComplianceModel, OutsideRangeWarning, ResponseModel
+from regression.evaluator import PIECE, compile_equation
+from regression.fits import fit_form
+from regression.forms import FittedForm
+from regression.model_file import checksum
+from regression.terms import polynomial_terms
+
+BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098)}
+GRID = np.array(list(itertools.product(*(np.linspace(*ends, 3) for ends in BOX.values()))))
+HELD = np.array([[0.28, 0.05], [0.31, 0.09]])
+MIDDLE = {"web_width": 0.300, "web_thickness": 0.068}
+
+
+def power(size, exponent):
+    return lambda x: size * (x[:, 0] / 0.3) ** -0.5 * (x[:, 1] / 0.068) ** exponent
+
+
+def response(function, symbol, unit, form="log-quadratic", **changes):
+    fit = fit_form(form, tuple(BOX), GRID, function(GRID), HELD, function(HELD))
+    made = ResponseModel.from_fit(fit, symbol=symbol, unit=unit)
+    return ResponseModel(**(made.model_dump() | changes))
+
+
+ERRORS = {"largest_heldout_error": 0.02, "largest_fe_error": 0.01, "heldout_runs": 10}
+ANGLE = {
+    "axial_compliance_in_line": (0.26e-9, "e_0", "m/N"),
+    "axial_compliance_opposite": (1.34e-9, "e_180", "m/N"),
+    "influence_coefficient_in_line": (0.08e-9, "c_0", "m/N"),
+    "influence_coefficient_opposite": (0.6e-9, "c_180", "m/N"),
+    "tilt_stiffness_ratio": (2.65, "rho", ""),
+}
+
+
+@pytest.fixture(scope="module")
+def model():
+    responses = {
+        "axial_compliance": response(power(1.3e-9, -1.2), "e_n", "m/N", **ERRORS),
+        "influence_coefficient": response(power(0.6e-9, -1.2), "c", "m/N", **ERRORS),
+        "mass": response(power(100.0, 0.8), "m", "kg", **ERRORS),
+    }
+    responses |= {
+        name: response(power(size, -0.9), symbol, unit, **ERRORS)
+        for name, (size, symbol, unit) in ANGLE.items()
+    }
+    return ComplianceModel(responses=responses)
+
+
+# ------------------------------------------------------------------------------------------- bands
+
+
+def test_band_of_a_compliance(model):
+    found = model.lookup("axial_compliance", **MIDDLE)
+    # |equation / fe - 1| <= 2 %, and the truth is up to 1 % above fe.
+    assert found.lower == pytest.approx(found.value / 1.02, rel=1e-12)
+    assert found.upper == pytest.approx(found.value / 0.98 * 1.01, rel=1e-12)
+    assert (found.error, found.fe_error) == (0.02, 0.01)
+    assert found.band == (
+        "largest error 2 % at 10 held-out designs; the finite elements' own estimate is 1 %, by which "
+        "they are too small"
+    )
+    assert found.symbol == "e_n"
+
+
+def test_band_of_a_response_that_may_err_either_way(model):
+    for name in ("mass", "influence_coefficient", "tilt_stiffness_ratio"):
+        found = model.lookup(name, **MIDDLE)
+        assert found.lower == pytest.approx(found.value / 1.02 * 0.99, rel=1e-12)
+        assert found.upper == pytest.approx(found.value / 0.98 * 1.01, rel=1e-12)
+        assert "either way" in found.band
+
+
+def test_the_band_holds_every_true_value_it_promises(model):
+    """Any fe value that the equation misses by 2 % at most, and any truth up to 1 % above it."""
+    found = model.lookup("axial_compliance", **MIDDLE)
+    for miss, own in itertools.product((-0.02, -0.01, 0.0, 0.02), (0.0, 0.005, 0.01)):
+        truth = found.value / (1.0 + miss) * (1.0 + own)
+        assert found.lower * (1.0 - 1e-12) <= truth <= found.upper * (1.0 + 1e-12)
+
+
+def test_band_of_a_negative_response():
+    negative = response(lambda x: -power(1e-9, -1.0)(x), "c", "m/N", "quadratic", **ERRORS)
+    model = ComplianceModel(responses={"influence_coefficient": negative})
+    found = model.lookup("influence_coefficient", **MIDDLE)
+    assert found.lower < found.value < found.upper < 0.0
+
+
+def test_bands_without_held_out_designs_or_estimates():
+    bare = response(
+        power(1e-9, -1.0),
+        "e_n",
+        "m/N",
+        largest_heldout_error=None,
+        largest_error=0.03,
+        largest_fe_error=None,
+    )
+    found = ComplianceModel(responses={"axial_compliance": bare}).lookup(
+        "axial_compliance", **MIDDLE
+    )
+    assert found.lower == pytest.approx(found.value / 1.03, rel=1e-12)
+    assert found.upper == pytest.approx(found.value / 0.97, rel=1e-12)
+    assert found.error is None
+    assert "9 fitted runs themselves, without held-out designs too small an error" in found.band
+    assert "was not estimated" in found.band
+
+
+def test_a_band_of_100_percent_is_open():
+    poor = response(power(1e-9, -1.0), "e_n", "m/N", largest_heldout_error=1.2)
+    found = ComplianceModel(responses={"axial_compliance": poor}).lookup(
+        "axial_compliance", **MIDDLE
+    )
+    assert found.upper is None
+    assert found.lower == pytest.approx(found.value / 2.2, rel=1e-12)
+
+
+# ------------------------------------------------------------------------------------------ ranges
+
+
+@settings(deadline=None, max_examples=30)
+@given(beyond=st.floats(0.001, 2.0), above=st.booleans(), name=st.sampled_from(list(BOX)))
+def test_distance_from_the_range(model, beyond, above, name):
+    low, high = BOX[name]
+    beyond = min(beyond, 0.5 * low / (high - low)) if not above else beyond
+    value = high + beyond * (high - low) if above else low - beyond * (high - low)
+    found = model.lookup("mass", **(MIDDLE | {name: value}))
+    (remark,) = found.remarks
+    assert not found.inside
+    told = float(re.search(r"and (\S+) % of its width beyond", remark)[1])
+    assert told == pytest.approx(100.0 * beyond, rel=6e-3)  # three digits
+    with pytest.raises(InputError, match=r"because an answer \S+ % of its width beyond it"):
+        model.value("mass", strict=True, **(MIDDLE | {name: value}))
+    with pytest.raises(InputError, match=f"{name}: given .*; allowed is the range of the fit"):
+        model.lookup("mass", strict=True, **(MIDDLE | {name: value}))
+
+
+def test_strict_takes_all_that_is_inside(model):
+    edge = {name: high for name, (_, high) in BOX.items()}
+    assert model.axial_compliance(strict=True, **edge) == model.axial_compliance(**edge)
+    assert model.lookup("mass", strict=True, **edge).inside
+    with pytest.raises(InputError, match=r"web_width: given 350 mm \(and 1 more\); allowed is"):
+        model.value("mass", strict=True, web_width=[0.3, 0.34, 0.35], web_thickness=0.05)
+
+
+def test_outside_counts_over_all_pieces_of_an_array(model):
+    widths = np.full(3 * PIECE, 0.300)
+    widths[[5, PIECE + 5, 2 * PIECE + 5]] = 0.340, 0.350, 0.345
+    with pytest.warns(OutsideRangeWarning, match=r"web_width: given 350 mm \(and 2 more\)") as told:
+        values = model.axial_compliance(web_width=widths, web_thickness=0.068)
+    assert len(told) == 1
+    assert values.shape == widths.shape
+    with pytest.warns(OutsideRangeWarning):
+        one = model.axial_compliance(web_width=0.350, web_thickness=0.068)
+    assert values[PIECE + 5] == pytest.approx(one, rel=1e-14)
+
+
+def test_far_outside_there_is_an_error_and_no_infinite_number(model):
+    with pytest.raises(
+        InputError, match="so far outside the range of the fit that its equation has"
+    ):
+        model.axial_compliance(web_width=0.3, web_thickness=1e-300)
+    with pytest.raises(InputError, match="so far outside the range"):
+        model.axial_compliance(web_width=[0.3, 0.31], web_thickness=1e-300)
+
+
+# --------------------------------------------------------------------------------------- angle law
+
+
+def law(gamma, in_line, opposite, ratio):
+    return in_line + (opposite - in_line) / (1.0 + ratio / math.tan(math.radians(gamma) / 2.0) ** 2)
+
+
+@pytest.mark.parametrize("kind", ["axial_compliance", "influence_coefficient"])
+@pytest.mark.parametrize("gamma", [1.0, 60.0, 90.0, 120.0, 179.0])
+def test_angle_law(model, kind, gamma):
+    parts = [
+        model.value(name, **MIDDLE)
+        for name in (f"{kind}_in_line", f"{kind}_opposite", "tilt_stiffness_ratio")
+    ]
+    value = getattr(model, kind)(gamma_deg=gamma, **MIDDLE)
+    assert isinstance(value, float)
+    assert value == pytest.approx(law(gamma, *parts), rel=1e-12)
+    for same in (-gamma, 360.0 - gamma, 360.0 + gamma, int(gamma)):
+        assert model.value(kind, gamma_deg=same, **MIDDLE) == pytest.approx(value, rel=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["axial_compliance", "influence_coefficient"])
+def test_limits_of_the_angle_law(model, kind):
+    """In line and opposite are met to the last digit, and so are many angles at once."""
+    ends = [model.value(f"{kind}_{end}", **MIDDLE) for end in ("in_line", "opposite")]
+    assert model.value(kind, gamma_deg=0.0, **MIDDLE) == ends[0]
+    assert model.value(kind, gamma_deg=180.0, **MIDDLE) == pytest.approx(ends[1], rel=1e-15)
+    values = model.value(kind, gamma_deg=[0.0, 90.0, 180.0, 270.0], **MIDDLE)
+    assert values[0] == ends[0]
+    assert values[1] == pytest.approx(values[3], rel=1e-14)
+    assert np.all(np.diff(values[:3]) > 0.0)
+    many = model.value(kind, gamma_deg=120.0, web_width=[0.3, 0.31], web_thickness=0.068)
+    assert many[0] == pytest.approx(model.value(kind, gamma_deg=120.0, **MIDDLE), rel=1e-14)
+
+
+def test_a_ratio_of_one_makes_the_law_linear_in_the_cosine():
+    gamma = np.linspace(0.0, 180.0, 7)
+    expected = 2.0 - 1.0 * np.cos(np.deg2rad(gamma))
+    assert between(gamma, 1.0, 3.0, 1.0) == pytest.approx(expected, rel=1e-12)
+
+
+def test_band_between_neighbors_covers_the_bands_of_its_parts(model):
+    found = model.lookup("axial_compliance", gamma_deg=120.0, **MIDDLE)
+    parts = [
+        model.lookup(name, **MIDDLE)
+        for name in (
+            "axial_compliance_in_line",
+            "axial_compliance_opposite",
+            "tilt_stiffness_ratio",
+        )
+    ]
+    inner = np.random.default_rng(1).random((200, 3))
+    values = [
+        law(120.0, *(p.lower + u * (p.upper - p.lower) for p, u in zip(parts, row, strict=True)))
+        for row in inner
+    ]
+    assert found.lower <= min(values) < max(values) <= found.upper
+    # A softer throw, or a smaller rho, gives more.
+    assert found.upper == pytest.approx(
+        law(120.0, parts[0].upper, parts[1].upper, parts[2].lower), rel=1e-12
+    )
+    assert found.support == "between neighbors at 120 deg"
+    assert found.symbol == "e_n(120 deg)"
+    assert found.value == model.axial_compliance(gamma_deg=120.0, **MIDDLE)
+
+
+def test_angles_outside_the_range_of_the_dimensions_warn_once(model):
+    with pytest.warns(OutsideRangeWarning, match="web_width") as told:
+        model.axial_compliance(gamma_deg=120.0, web_width=0.34, web_thickness=0.068)
+    assert len(told) == 1
+    assert told[0].filename == __file__
+    assert not model.lookup(
+        "axial_compliance", gamma_deg=120.0, web_width=0.34, web_thickness=0.068
+    ).inside
+    with pytest.raises(InputError, match="web_width: given 340 mm; allowed is the range"):
+        model.axial_compliance(gamma_deg=120.0, strict=True, web_width=0.34, web_thickness=0.068)
+
+
+@pytest.mark.parametrize(
+    ("name", "gamma", "match"),
+    [
+        ("mass", 90.0, "gamma_deg: given for mass; allowed is an angle for axial_compliance and"),
+        ("axial_compliance", float("nan"), "gamma_deg: given nan; allowed are finite angles"),
+        ("axial_compliance", float("inf"), "gamma_deg: given inf"),
+        ("axial_compliance", "120 deg", "gamma_deg: given '120 deg'"),
+        ("axial_compliance", [], r"gamma_deg: given \[\]"),
+        ("axial_compliance", True, "gamma_deg: given True"),
+    ],
+)
+def test_unusable_angles(model, name, gamma, match):
+    with pytest.raises(InputError, match=match):
+        model.value(name, gamma_deg=gamma, **MIDDLE)
+
+
+def test_angles_of_another_shape_than_the_dimensions(model):
+    with pytest.raises(
+        InputError, match=r"gamma_deg: given an array of shape \(3,\) for dimensions"
+    ):
+        model.axial_compliance(gamma_deg=[0, 1, 2], web_width=[0.3, 0.31], web_thickness=0.068)
+    with pytest.raises(InputError, match=r"gamma_deg: given an array of shape \(2,\)"):
+        model.lookup("axial_compliance", gamma_deg=[0.0, 90.0], **MIDDLE)
+
+
+def test_an_angle_needs_its_three_numbers(model):
+    kept = {"axial_compliance", "axial_compliance_in_line", "mass"}
+    less = ComplianceModel(responses={name: model.responses[name] for name in kept})
+    with pytest.raises(
+        InputError, match="has no axial_compliance_opposite, no tilt_stiffness_ratio; allowed"
+    ):
+        less.axial_compliance(gamma_deg=120.0, **MIDDLE)
+
+
+def test_fold_angle():
+    angles = np.array([0.0, 90.0, 180.0, 181.0, 270.0, 360.0, -30.0, 725.0])
+    folded = [0.0, 90.0, 180.0, 179.0, 90.0, 0.0, 30.0, 5.0]
+    assert fold_angle(angles) == pytest.approx(folded)
+    assert [fold_angle(float(angle)) for angle in angles] == pytest.approx(folded)
+
+
+# --------------------------------------------------------------------------------------- equations
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    columns=st.integers(1, 4),
+    degree=st.integers(1, 3),
+    logarithmic=st.booleans(),
+    seed=st.integers(0, 2**31),
+)
+def test_compiled_equations_are_the_fitted_ones(columns, degree, logarithmic, seed):
+    """Scalars and arrays agree to 1e-14, both with the plain evaluation to its own rounding."""
+    rng = np.random.default_rng(seed)
+    terms = polynomial_terms(columns, degree)
+    kept = tuple(term for term in terms if not term or rng.random() < 0.8)
+    logged = tuple(bool(flag) for flag in rng.integers(0, 2, columns))
+    coefficients = 0.5 * rng.standard_normal(len(kept))
+    coefficients[0] = -20.0 if logarithmic else 5.0
+    fitted = FittedForm(
+        form="any",
+        factors=tuple(f"x{n}" for n in range(columns)),
+        logarithmic=logarithmic,
+        log_factors=logged,
+        center=tuple(np.where(logged, -1.0, 0.3).tolist()),
+        half_range=(0.2,) * columns,
+        terms=kept,
+        coefficients=tuple(coefficients.tolist()),
+    )
+    compiled = compile_equation(fitted)
+    coded = rng.uniform(-1.0, 1.0, (50, columns))
+    x = np.where(logged, np.exp(-1.0 + 0.2 * coded), 0.3 + 0.2 * coded)
+    arrays = compiled.array(list(x.T))
+    scalars = np.array([compiled.scalar(row) for row in x.tolist()])
+    size = np.maximum(np.abs(arrays), 1.0 if not logarithmic else 0.0)
+    assert np.max(np.abs(arrays - scalars) / size) <= 1e-14
+    # The exponent of the plain evaluation is of the size 20 to 40: 40 * 2^-53 and a few of its sums.
+    assert np.max(np.abs(arrays - fitted.predict(x)) / size) <= 1e-13
+
+
+def test_arrays_of_any_shape_in_pieces(model):
+    rng = np.random.default_rng(3)
+    widths = rng.uniform(0.27, 0.33, (7, PIECE // 2))
+    heights = rng.uniform(0.04, 0.09, (7, 1))
+    values = model.axial_compliance(web_width=widths, web_thickness=heights)
+    assert values.shape == widths.shape
+    places = [(0, 0), (3, 17), (6, PIECE // 2 - 1)]
+    for i, j in places:
+        one = model.axial_compliance(
+            web_width=float(widths[i, j]), web_thickness=float(heights[i, 0])
+        )
+        assert values[i, j] == pytest.approx(one, rel=1e-14)
+
+
+def test_kinds_of_numbers_give_one_answer(model):
+    plain = model.axial_compliance(**MIDDLE)
+    assert model.axial_compliance(web_width=np.float64(0.3), web_thickness=0.068) == plain
+    assert model.axial_compliance(web_width=np.array(0.3), web_thickness=0.068) == plain
+    assert model.axial_compliance(web_thickness=0.068, web_width=0.3) == plain
+    with pytest.raises(InputError, match="web_width: given True"):
+        model.axial_compliance(web_width=True, web_thickness=0.068)
+    with pytest.warns(OutsideRangeWarning):
+        assert isinstance(model.axial_compliance(web_width=1, web_thickness=0.068), float)
+
+
+def test_copies_and_processes_answer_alike(model):
+    value = model.axial_compliance(**MIDDLE)
+    for other in (pickle.loads(pickle.dumps(model)), copy.copy(model), copy.deepcopy(model)):
+        assert other == model
+        assert other.axial_compliance(**MIDDLE) == value
+    changed = model.model_copy(
+        update={"responses": {"axial_compliance": model.responses["axial_compliance_in_line"]}}
+    )
+    assert changed.axial_compliance(**MIDDLE) == model.value("axial_compliance_in_line", **MIDDLE)
+
+
+def test_many_spellings_do_not_fill_the_memory(model):
+    for names in itertools.permutations(BOX):
+        model.axial_compliance(**{name: MIDDLE[name] for name in names})
+    for number in range(1200):
+        with pytest.raises(InputError, match="unknown dimension"):
+            model.axial_compliance(**MIDDLE, **{f"color_{number}": 1.0})
+    assert len(model._ready._ways) <= 1000
+    assert model.axial_compliance(**MIDDLE) > 0.0
+
+
+# ------------------------------------------------------------------------------------- older files
+
+
+def old_file(model):
+    """The file of the previous format for the first response of a model."""
+    kept = (
+        *("form", "factors", "center", "half_range", "coefficients", "lowest", "highest", "symbol"),
+        *("unit", "support", "r_squared", "q_squared", "largest_error", "largest_heldout_error"),
+        *("runs", "heldout_runs", "equation"),
+    )
+    responses = {
+        name: {field: response.model_dump(mode="json")[field] for field in kept}
+        for name, response in model.responses.items()
+    }
+    content = {
+        "responses": responses,
+        "fixed": {"crank_radius": 0.17},
+        "material": {},
+        "provenance": {"study": "abc", "largest_fe_error_estimate": 0.008},
+    }
+    return {
+        "format": "crankfem compliance model",
+        "version": 1,
+        "checksum": checksum(content),
+        **content,
+    }
+
+
+@pytest.mark.parametrize("form", ["linear", "quadratic", "log-quadratic"])
+def test_files_of_the_previous_format_are_read(tmp_path, form):
+    model = ComplianceModel(
+        responses={"axial_compliance": response(power(1e-9, -1.0), "e_n", "m/N", form)}
+    )
+    path = tmp_path / "old.json"
+    path.write_text(json.dumps(old_file(model)))
+    loaded = ComplianceModel.load(path)
+    assert loaded.axial_compliance(**MIDDLE) == model.axial_compliance(**MIDDLE)
+    assert loaded.lookup("axial_compliance", **MIDDLE).fe_error == 0.008
+    assert loaded.provenance["study"] == "abc"
+    loaded.save(path)
+    assert json.loads(path.read_text())["version"] == 2
+    assert ComplianceModel.load(path) == loaded
+
+
+def test_a_damaged_file_of_the_previous_format(tmp_path, model):
+    record = old_file(model)
+    del record["responses"]["mass"]["factors"]
+    record["checksum"] = checksum(
+        {name: record[name] for name in ("responses", "fixed", "material", "provenance")}
+    )
+    path = tmp_path / "old.json"
+    path.write_text(json.dumps(record))
+    with pytest.raises(InputError, match="given a damaged compliance model; 'factors'"):
+        ComplianceModel.load(path)
+
+
+def test_no_warning_from_numpy(model):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        model.axial_compliance(gamma_deg=[0.0, 180.0], **MIDDLE)
+        model.lookup("axial_compliance", gamma_deg=0.0, **MIDDLE)

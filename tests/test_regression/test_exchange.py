@@ -1,0 +1,413 @@
+import csv
+import json
+import math
+import sqlite3
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from fem.responses import RESPONSES
+from geometry.errors import InputError, MissingLibraryError
+from geometry.throw import CrankThrow
+from regression import supervised
+from regression.export_table import export_table
+from regression.factors import Factor
+from regression.records import HELD_OUT, MEASURED, RUN
+from regression.store import ResultStore
+from regression.study import StudyPlan, import_results, read_study, run_plan
+
+THROW = CrankThrow(
+    crank_radius=0.170,
+    main_journal_diameter=0.220,
+    pin_diameter=0.180,
+    main_journal_length=0.120,
+    pin_length=0.139,
+    web_width=0.285,
+    web_thickness=0.068,
+)
+NAMES = [name for name in RESPONSES if name != "fillet_stress_factor"]
+# All responses of a throw that fails where the web is 280 mm wide, without finite elements; numbers
+# with all digits, so that a file that rounds them is seen.
+PUPPET = f"""
+import json, sys
+NAMES = {NAMES!r}
+for line in sys.stdin:
+    request = json.loads(line)
+    width = request["inputs"]["throw"]["web_width"]
+    answer = {{"key": request["key"], "seconds": 0.1}}
+    if width == 0.280:
+        answer["reason"] = "MeshError: no, \\"never\\""
+    else:
+        answer["responses"] = {{name: width / (3.0 + n) for n, name in enumerate(NAMES)}}
+        answer["errors"] = {{name: 0.001 / 3.0 for name in NAMES}}
+        answer["unknowns"] = 14000
+    print(json.dumps(answer), flush=True)
+"""
+PLAN = StudyPlan.from_levels(
+    THROW, {"web_width": (0.270, 0.300), "pin_length": (0.130, 0.150)}, held_out=2
+)
+RATIO = StudyPlan(
+    THROW,
+    (
+        Factor.of_levels("width_ratio", "", (1.5, 1.6)),
+        Factor.of_labels("web_outline", ("obround", "rectangle")),
+    ),
+    relations={"web_width": "width_ratio * pin_diameter"},
+    held_out=1,
+)
+
+
+@pytest.fixture(autouse=True)
+def puppets(monkeypatch):
+    def spawn():
+        return subprocess.Popen(
+            [sys.executable, "-S", "-c", PUPPET], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+
+    monkeypatch.setattr(supervised, "spawn_worker", spawn)
+
+
+@pytest.fixture
+def store(tmp_path):
+    return tmp_path / "runs.sqlite"
+
+
+def read(path):
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def table_of(path, *lines):
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+# -------------------------------------------------------------------------------------------- export
+
+
+def test_an_exported_table_tells_everything_with_units(store, tmp_path):
+    plan = StudyPlan.from_levels(THROW, {"web_width": (0.270, 0.280)}, held_out=1)
+    table = run_plan(plan, store)
+    assert export_table(table, tmp_path / "runs.csv") == 3
+    rows = read(tmp_path / "runs.csv")
+    assert [row["role"] for row in rows] == [RUN, RUN, HELD_OUT]
+    assert [row["status"] for row in rows] == ["done", "failed", "done"]
+    assert [float(row["web_width [m]"]) for row in rows[:2]] == [0.270, 0.280]
+    assert rows[1]["reason"] == 'MeshError: no, "never"'
+    assert rows[1]["axial_compliance_pinned [m/N]"] == ""
+    for name in NAMES:
+        unit = RESPONSES[name].unit
+        column = f"{name} [{unit}]" if unit else name
+        assert [float(rows[place][column]) for place in (0, 2)] == table.responses[name].tolist()
+        assert float(rows[0][f"{name} error"]) == 0.001 / 3.0
+    assert float(rows[0]["seconds [s]"]) == 0.1
+    assert rows[0]["unknowns"] == "14000"
+    assert float(rows[0]["crank_radius [m]"]) == 0.170
+    assert rows[0]["web_outline"] == "obround"
+
+
+def test_factors_that_are_no_fields_have_columns_of_their_own(store, tmp_path):
+    export_table(run_plan(RATIO, store), tmp_path / "runs.csv")
+    rows = read(tmp_path / "runs.csv")
+    assert [float(row["width_ratio"]) for row in rows[:4]] == [1.5, 1.5, 1.6, 1.6]
+    assert [row["web_outline"] for row in rows[:4]] == ["obround", "rectangle"] * 2
+    assert {float(row["web_width [m]"]) for row in rows[:4]} == {0.27, 0.288}
+
+
+def test_parquet_holds_the_same_table_with_units_as_metadata(store, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table = run_plan(PLAN, store)
+    export_table(table, tmp_path / "runs.csv")
+    export_table(table, tmp_path / "runs.parquet")
+    found = parquet.read_table(tmp_path / "runs.parquet")
+    rows = read(tmp_path / "runs.csv")
+    assert found.column_names == list(rows[0])
+    for name in found.column_names:
+        values = ["" if value is None else str(value) for value in found[name].to_pylist()]
+        assert values == [row[name] for row in rows]
+    assert found.schema.field("web_width [m]").metadata[b"unit"] == b"m"
+    assert found.schema.metadata[b"study"].decode() == PLAN.key
+
+
+def test_parquet_without_its_package_and_other_formats(store, tmp_path, monkeypatch):
+    table = run_plan(PLAN, store)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(MissingLibraryError, match=r"install crankfem\[tables\], or write a \.csv"):
+        export_table(table, tmp_path / "runs.parquet")
+    with pytest.raises(InputError, match=r"^export: given '.*\.xlsx'; allowed are \.csv and"):
+        export_table(table, tmp_path / "runs.xlsx")
+    with pytest.raises(InputError, match=r"^export: given '.*'; there is no folder"):
+        export_table(table, tmp_path / "none" / "runs.csv")
+    assert [path.name for path in tmp_path.iterdir() if "runs.sqlite" not in path.name] == []
+
+
+# ------------------------------------------------------------------------------- import of a CSV table
+
+
+@pytest.mark.parametrize("plan", [PLAN, RATIO], ids=["fields", "ratio and choice"])
+def test_an_exported_table_comes_back_with_all_digits(plan, store, tmp_path):
+    table = run_plan(plan, store)
+    export_table(table, tmp_path / "runs.csv")
+    other = tmp_path / "other.sqlite"
+    rows = len(table.values)
+    assert import_results(plan, other, tmp_path / "runs.csv").rows == rows
+    assert import_results(plan, other, tmp_path / "runs.csv").rows == 0
+    back = read_study(other)
+    assert back.values.tolist() == table.values.tolist()
+    assert back.held_out.tolist() == table.held_out.tolist()
+    assert back.outlines == table.outlines
+    for part in ("responses", "errors", "dimensions"):
+        one, two = getattr(back, part), getattr(table, part)
+        assert {n: c.tolist() for n, c in one.items()} == {n: c.tolist() for n, c in two.items()}
+    assert len(back.failures) == len(table.rows)  # nothing of them is computed yet
+
+
+def test_results_of_the_study_itself_stand_before_imported_ones(store, tmp_path):
+    table = run_plan(PLAN, store)
+    export_table(table, tmp_path / "runs.csv")
+    text = (tmp_path / "runs.csv").read_text(encoding="utf-8")
+    # The same designs with another answer.
+    first = repr(float(table.responses["mass"][0]))
+    assert first in text
+    (tmp_path / "runs.csv").write_text(text.replace(first, "1.0"), encoding="utf-8")
+    assert import_results(PLAN, store, tmp_path / "runs.csv").rows == 6
+    again = run_plan(PLAN, store)
+    assert again.computed == 0
+    assert again.values.tolist() == table.values.tolist()
+    assert again.responses["mass"].tolist() == table.responses["mass"].tolist()
+    assert len(again.extra) == 6
+
+
+def test_measured_values_stand_apart(store, tmp_path):
+    before = run_plan(PLAN, store)
+    table_of(
+        tmp_path / "bench.csv",
+        "web_width [mm], pin_length [cm] ,main_journal_bore [mm],axial_compliance_pinned [nm/N],source",
+        "300,15,20,1.42,test bench",
+        "301.5,15,,1.5e0,",
+        ",,,1.6,elsewhere",
+    )
+    assert import_results(PLAN, store, tmp_path / "bench.csv").rows == 3
+    table = run_plan(PLAN, store)
+    assert table.computed == 0
+    assert table.values.tolist() == before.values.tolist()
+    first, second, third = table.extra
+    assert (first.role, first.source) == (MEASURED, "test bench")
+    assert second.source == "bench.csv, line 3"
+    assert first.values == (0.3, 0.15)
+    assert second.values == (0.3015, 0.15)
+    assert third.values is None
+    assert first.dimensions["main_journal_bore"] == 0.02
+    assert second.dimensions["main_journal_bore"] == 0.0  # as the study's throw has it
+    assert third.dimensions["web_width"] == 0.285
+    assert first.responses == {"axial_compliance_pinned": pytest.approx(1.42e-9, rel=1e-15)}
+    assert first.errors == {}
+    assert [row.role for row in table.rows[-3:]] == [MEASURED] * 3
+
+
+def test_earlier_rows_are_fitted_beside_the_studys_own(store, tmp_path):
+    run_plan(PLAN, store)
+    responses = [
+        "axial_compliance_pinned [nm/N]"
+        if n == NAMES[0]
+        else f"{n} [{RESPONSES[n].unit}]"
+        if RESPONSES[n].unit
+        else n
+        for n in NAMES
+    ]
+    numbers = [str(n + 1.5) for n in range(len(NAMES))]
+    table_of(
+        tmp_path / "more.csv",
+        ",".join(["role", "web_width [mm]", "pin_length [mm]", *responses]),
+        ",".join(["run", "285", "140", *numbers]),
+        ",".join(["held out", "286", "141", *numbers]),
+    )
+    import_results(PLAN, store, tmp_path / "more.csv")
+    table = read_study(store)
+    assert table.values[-2:].tolist() == [[0.285, 0.140], [0.286, 0.141]]
+    assert table.held_out[-2:].tolist() == [False, True]
+    assert table.responses["axial_compliance_pinned"][-1] == 1.5e-9
+    assert table.responses["mass"][-1] == NAMES.index("mass") + 1.5
+    # Errors that are not known for every row are not told at all; seconds are those of the study.
+    assert table.errors == {}
+    assert table.seconds[-2:].tolist() == [0.0, 0.0]
+    assert all(np.all(np.isfinite(column)) for column in table.responses.values())
+
+
+HEADER = "web_width [mm],pin_length [mm],axial_compliance_pinned [m/N]"
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ([""], "bad.csv, line 1: empty; the first line must name the columns"),
+        (["web_width [mm]", "1"], "bad.csv, line 1: given no response; allowed are axial_"),
+        ([HEADER], "bad.csv: given no line with results"),
+        (
+            [HEADER.replace("web_width [mm]", "web_with [mm]")],
+            "bad.csv, line 1, column 1 ('web_with [mm]'): unknown; allowed are",
+        ),
+        (
+            [HEADER.replace("[mm]", "", 1)],
+            "bad.csv, line 1, column 1 ('web_width'): given without a unit; write it in brackets",
+        ),
+        (
+            [HEADER.replace("[mm]", "[kg]", 1)],
+            "bad.csv, line 1, column 1 ('web_width [kg]'): given '1 kg', which is no length",
+        ),
+        (
+            [HEADER + ",mass [m]"],
+            "bad.csv, line 1, column 4 ('mass [m]'): given '1 m', which is no mass",
+        ),
+        (
+            [HEADER + ",tilt_stiffness_ratio [m]"],
+            "bad.csv, line 1, column 4 ('tilt_stiffness_ratio [m]'): given in m; allowed is a plain",
+        ),
+        ([HEADER + "]"], "bad.csv, line 1, column 3 ("),
+        ([HEADER + ",web_width [m]"], "bad.csv, line 1, column 4 ('web_width [m]'): given twice"),
+        (
+            [HEADER, "300,150,1e-9", "300,abc,1e-9"],
+            "bad.csv, line 3, column pin_length [mm]: given 'abc'; allowed is a finite number",
+        ),
+        (
+            [HEADER, "300,150,nan"],
+            "bad.csv, line 2, column axial_compliance_pinned [m/N]: given 'nan'; allowed is a finite",
+        ),
+        ([HEADER, '"300,5",150,1e-9'], "bad.csv, line 2, column web_width [mm]: given '300,5'"),
+        ([HEADER, "300,5,150,1e-9"], "bad.csv, line 2: given 4 cells; allowed are 3"),
+        ([HEADER, "300,150,"], "bad.csv, line 2: given no response"),
+        ([HEADER, "100,150,1e-9"], "bad.csv, line 2: throw."),
+        (
+            [HEADER + ",role", "300,150,1e-9,seen"],
+            "bad.csv, line 2, column role: given 'seen'; allowed are run, held out, measured",
+        ),
+        (
+            [HEADER + ",role", "300,150,1e-9,run"],
+            "bad.csv, line 2: given no axial_compliance_guided, ",
+        ),
+        (
+            [HEADER + ",role", "300,,1e-9,run"],
+            "bad.csv, line 2: given no pin_length; a line that is fitted or held out must have all",
+        ),
+        (
+            [HEADER + ",web_outline", "300,150,1e-9,round"],
+            "bad.csv, line 2, column web_outline: given 'round'; allowed are obround, rectangle",
+        ),
+    ],
+)
+def test_bad_tables_are_refused_with_line_and_column(store, tmp_path, lines, message):
+    run_plan(PLAN, store)
+    with pytest.raises(InputError) as caught:
+        import_results(PLAN, store, table_of(tmp_path / "bad.csv", *lines))
+    text = str(caught.value)
+    assert text.startswith(message)
+    assert text.endswith(".")
+    assert "\n" not in text
+    assert read_study(store).extra == ()
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "message"),
+    [
+        ("web_thickness [mm]", "70", "given 70 mm; allowed is 68 mm, as the study has it"),
+        ("web_outline", "rectangle", "given rectangle; allowed is obround, as the study has it"),
+        ("model_version", "3", "given 3; allowed is 4, because results of different models must"),
+    ],
+)
+def test_rows_that_do_not_belong_to_the_study_are_not_fitted(
+    store, tmp_path, column, value, message
+):
+    names = [f"{n} [{RESPONSES[n].unit}]" if RESPONSES[n].unit else n for n in NAMES]
+    header = ",".join(["role", "web_width [mm]", "pin_length [mm]", *names, column])
+    cells = ",".join(["run", "300", "150", *["1.0"] * len(names), value])
+    with pytest.raises(InputError) as caught:
+        import_results(PLAN, store, table_of(tmp_path / "bad.csv", header, cells))
+    assert str(caught.value).startswith(f"bad.csv, line 2, column {column}: {message}")
+    if column != "model_version":  # as a measured throw it may differ
+        table_of(tmp_path / "good.csv", header, cells.replace("run", "measured", 1))
+        assert import_results(PLAN, store, tmp_path / "good.csv").rows == 1
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe\x00w", b'a,"b\n'])
+def test_what_is_no_table_is_refused(store, tmp_path, content):
+    (tmp_path / "bad.csv").write_bytes(content)
+    with pytest.raises(InputError, match=r"^bad\.csv: is no CSV table in UTF-8 \("):
+        import_results(PLAN, store, tmp_path / "bad.csv")
+    with pytest.raises(InputError, match=r"^import: given '.*none\.csv'; there is no such file\.$"):
+        import_results(PLAN, store, tmp_path / "none.csv")
+    assert not store.exists()
+
+
+# -------------------------------------------------------------------------------- import of a store
+
+
+def test_designs_of_another_store_that_are_the_studys_own_need_no_computing(store, tmp_path):
+    other = tmp_path / "other.sqlite"
+    part = StudyPlan.from_levels(
+        THROW, {"web_width": (0.270, 0.300), "pin_length": (0.130, 0.145)}, held_out=2
+    )
+    run_plan(part, other)
+    before = other.read_bytes()
+    found = import_results(PLAN, store, other)
+    # Two corners are shared; two runs and two held-out designs lie elsewhere in the same plane.
+    assert (found.designs, found.rows, found.left_out) == (2, 4, 0)
+    assert import_results(PLAN, store, other).designs == 0
+    assert other.read_bytes() == before
+    table = run_plan(PLAN, store)
+    assert table.computed == 4
+    assert len(table.values) == 6 + 4
+    assert table.held_out.tolist() == [False] * 4 + [True] * 2 + [False] * 2 + [True] * 2
+    width = table.values[:, 0]
+    np.testing.assert_array_equal(table.responses["axial_compliance_pinned"], width / 3.0)
+    assert all(row.source.startswith("other.sqlite, design ") for row in table.rows[6:])
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        StudyPlan.from_levels(THROW, {"crank_radius": (0.165, 0.168)}, held_out=1),
+        StudyPlan.from_levels(THROW, {"web_width": (0.290, 0.310)}, held_out=1, accuracy=0.02),
+    ],
+    ids=["throw", "accuracy"],
+)
+def test_a_store_with_nothing_of_the_study_is_refused(store, tmp_path, other):
+    run_plan(other, tmp_path / "other.sqlite")
+    with pytest.raises(InputError, match=r"^import: given '.*', in which 3 results are of another"):
+        import_results(PLAN, store, tmp_path / "other.sqlite")
+
+
+def test_results_of_an_earlier_model_are_left_out(store, tmp_path):
+    other = tmp_path / "other.sqlite"
+    run_plan(StudyPlan.from_levels(THROW, {"web_width": (0.260, 0.310)}, held_out=1), other)
+    connection = sqlite3.connect(other)
+    connection.execute("UPDATE designs SET model_version = 3")
+    connection.commit()
+    connection.close()
+    with pytest.raises(
+        InputError, match=r"in which 3 results are of another throw, .*model version"
+    ):
+        import_results(PLAN, store, other)
+
+
+def test_the_database_of_another_program_is_no_source(store, tmp_path):
+    connection = sqlite3.connect(tmp_path / "other.sqlite")
+    connection.execute("CREATE TABLE notes (text TEXT)")
+    connection.close()
+    with pytest.raises(
+        InputError, match=r"^store: given '.*other\.sqlite', which is no result store"
+    ):
+        import_results(PLAN, store, tmp_path / "other.sqlite")
+
+
+def test_imported_rows_can_be_read_with_plain_sql(store, tmp_path):
+    table_of(tmp_path / "bench.csv", HEADER, "300,150,1.5e-9")
+    import_results(PLAN, store, tmp_path / "bench.csv")
+    connection = sqlite3.connect(store)
+    (row,) = connection.execute("SELECT role, source, responses FROM extra_rows").fetchall()
+    connection.close()
+    assert row[:2] == (MEASURED, "bench.csv, line 2")
+    assert math.isclose(json.loads(row[2])["axial_compliance_pinned"], 1.5e-9)
+    with ResultStore(store, readonly=True) as results:
+        assert len(results.extra_rows(PLAN.key)) == 1

@@ -1,0 +1,498 @@
+"""Plans of studies: their designs, what is excluded, and that nothing of a plan is lost.
+
+Numbers are compared exactly: what a plan gives is rounded to 12 digits, and so are the expectations.
+"""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.distance import cdist
+
+from fem.material import STEEL
+from geometry.errors import InputError
+from geometry.throw import CrankThrow
+from regression.designs import SPACE_FILLING, DesignChoice
+from regression.factors import Factor, rounded
+from regression.plan import (
+    HELD_OUT,
+    MODEL_VERSION,
+    RUN,
+    StudyPlan,
+    plan_designs,
+)
+from regression.records import content_key
+from regression.store import ResultStore
+
+THROW = CrankThrow(
+    crank_radius=0.170,
+    main_journal_diameter=0.220,
+    pin_diameter=0.180,
+    main_journal_length=0.120,
+    pin_length=0.139,
+    web_width=0.285,
+    web_thickness=0.068,
+    fillet_radius=0.012,
+)
+HEAVY = CrankThrow(
+    **THROW.model_dump(mode="json")
+    | {
+        "counterweight": {"outer_radius": 0.25, "angle": 2.0},
+        "further_pins": ({"angle": 2.0, "web_thickness": 0.06},),
+    }
+)
+# The factors do not stand in alphabetical order: it must not matter.
+THREE = {
+    "web_width": (0.270, 0.300, 0.330),
+    "web_thickness": (0.038, 0.068, 0.098),
+    "pin_length": (0.120, 0.139, 0.158),
+}
+WIDTH, THICKNESS, LENGTH = (
+    Factor(name, "m", min(levels), max(levels)) for name, levels in THREE.items()
+)
+OUTLINE = Factor.of_labels("web_outline", ("obround", "rectangle"))
+RATIO = Factor("width_ratio", "", 1.5, 1.8)
+HYPERCUBE = DesignChoice("latin hypercube", runs=12)
+
+
+def of_role(planned, role):
+    return [design for design in planned.designs if design.role == role]
+
+
+def values_of(planned, role):
+    return np.array([design.values for design in of_role(planned, role)])
+
+
+# ----------------------------------------------------------------------------- runs and held-out designs
+
+
+def test_all_combinations_and_the_held_out_designs():
+    planned = plan_designs(StudyPlan.from_levels(THROW, THREE))
+    assert [design.role for design in planned.designs] == [RUN] * 27 + [HELD_OUT] * 10
+    assert len({design.key for design in planned.designs}) == 37
+    assert {design.values for design in of_role(planned, RUN)} == {
+        (b, h, length)
+        for b in THREE["web_width"]
+        for h in THREE["web_thickness"]
+        for length in THREE["pin_length"]
+    }
+    assert planned.statement == "full factorial, 3 x 3 x 3 = 27 runs"
+    assert planned.excluded == ()
+
+
+def test_held_out_designs_lie_between_the_levels_one_in_each_stratum():
+    held = values_of(plan_designs(StudyPlan.from_levels(THROW, THREE, held_out=8)), HELD_OUT)
+    for column, levels in zip(held.T, THREE.values(), strict=True):
+        strata = np.floor(8 * (column - min(levels)) / (max(levels) - min(levels)))
+        assert sorted(strata) == list(range(8))
+        assert not set(column) & set(levels)
+
+
+def test_inputs_are_the_base_throw_with_the_factors_changed():
+    plan = StudyPlan.from_levels(THROW, THREE, accuracy=0.05, stresses=True)
+    for design in plan_designs(plan).designs:
+        changes = dict(zip(plan.names, design.values, strict=True))
+        assert design.inputs == {
+            "throw": THROW.model_dump(mode="json") | changes,
+            "material": STEEL.model_dump(),
+            "accuracy": 0.05,
+            "stresses": True,
+        }
+        assert design.key == content_key(design.inputs | {"model_version": MODEL_VERSION})
+        assert json.loads(json.dumps(design.inputs)) == design.inputs
+
+
+@pytest.mark.parametrize("kind", SPACE_FILLING)
+def test_held_out_designs_are_no_runs(kind):
+    """One seed for both, but not the same points, even if as many are drawn by the same method."""
+    plan = StudyPlan(THROW, (WIDTH, THICKNESS), DesignChoice(kind, runs=10), held_out=10)
+    planned = plan_designs(plan)
+    apart = cdist(values_of(planned, RUN), values_of(planned, HELD_OUT))
+    assert apart.min() > 1e-5
+
+
+def test_all_designs_over_a_box_are_judged_by_the_same():
+    held = [
+        values_of(plan_designs(StudyPlan(THROW, (WIDTH, THICKNESS, LENGTH), design)), HELD_OUT)
+        for design in (DesignChoice(), DesignChoice("box-behnken"), HYPERCUBE)
+    ]
+    assert np.array_equal(held[0], held[1])
+    assert np.array_equal(held[0], held[2])
+
+
+def test_the_seed_moves_what_is_drawn_alone():
+    first, second = (
+        plan_designs(StudyPlan.from_levels(THROW, THREE, seed=seed)) for seed in (1, 2)
+    )
+    assert of_role(first, RUN) == of_role(second, RUN)
+    keys = [{design.key for design in of_role(planned, HELD_OUT)} for planned in (first, second)]
+    assert not keys[0] & keys[1]
+    assert plan_designs(StudyPlan.from_levels(THROW, THREE, seed=1)) == first
+
+
+def test_a_middle_that_is_calculated_is_the_level_that_is_written():
+    """Designs of different studies share their results where they are the same throw."""
+    written = plan_designs(StudyPlan.from_levels(THROW, THREE))
+    halved = plan_designs(StudyPlan(THROW, (WIDTH, THICKNESS, LENGTH), DesignChoice("box-behnken")))
+    keys = [{design.key for design in of_role(planned, RUN)} for planned in (written, halved)]
+    assert keys[1] < keys[0]
+
+
+# ------------------------------------------------------------------------------ factors of all kinds
+
+
+def test_choices_are_run_and_held_out():
+    plan = StudyPlan(THROW, (WIDTH, OUTLINE), DesignChoice(), held_out=10)
+    planned = plan_designs(plan)
+    assert {design.values for design in of_role(planned, RUN)} == {
+        (0.27, 0.0),
+        (0.27, 1.0),
+        (0.33, 0.0),
+        (0.33, 1.0),
+    }
+    outlines = [design.inputs["throw"]["web_outline"] for design in of_role(planned, HELD_OUT)]
+    assert sorted(outlines) == ["obround"] * 5 + ["rectangle"] * 5
+    for design in planned.designs:
+        assert design.inputs["throw"]["web_outline"] == OUTLINE.show(design.values[1])
+
+
+def test_nested_fields_and_fields_that_are_angles():
+    factors = (
+        Factor("counterweight.angle", "rad", 1.0, 2.5),
+        Factor("further_pins.0.web_thickness", "m", 0.05, 0.07),
+        Factor("left_web.width", "m", 0.28, 0.30),
+    )
+    planned = plan_designs(StudyPlan(HEAVY, factors))
+    assert len(of_role(planned, RUN)) == 8
+    for design in planned.designs:
+        throw = CrankThrow(**design.inputs["throw"])
+        assert design.values == (
+            throw.counterweight.angle,
+            throw.further_pins[0].web_thickness,
+            throw.left_web.width,
+        )
+
+
+def test_relations_follow_the_factors():
+    plan = StudyPlan(
+        THROW,
+        (RATIO, THICKNESS, LENGTH),
+        HYPERCUBE,
+        relations={
+            "main_journal_length": "410 mm - pin_length - 2 * web_thickness",
+            "web_width": "width_ratio * pin_diameter",
+            "pin_fillet_radius": "main_journal_fillet_radius / 2",
+            "main_journal_fillet_radius": "0.08 * pin_diameter",
+        },
+    )
+    for design in plan_designs(plan).designs:
+        ratio, thickness, length = design.values
+        throw = design.inputs["throw"]
+        assert throw["web_width"] == rounded(ratio * 0.18)
+        assert throw["main_journal_length"] == rounded(0.41 - length - 2 * thickness)
+        assert throw["main_journal_fillet_radius"] == 0.0144
+        assert throw["pin_fillet_radius"] == 0.0072
+        assert "width_ratio" not in throw
+        assert CrankThrow(**throw).length == pytest.approx(0.41, rel=1e-11)
+
+
+# ----------------------------------------------------------------------------------------- exclusion
+
+
+def test_corners_that_break_a_constraint_are_excluded_and_told():
+    plan = StudyPlan.from_levels(
+        THROW, THREE, constraints=("web_thickness >= 0.25 * pin_diameter", "pin_length <= 150 mm")
+    )
+    planned = plan_designs(plan)
+    assert len(of_role(planned, RUN)) == 3 * 2 * 2
+    assert len(of_role(planned, HELD_OUT)) == 10
+    for design in planned.designs:
+        assert design.values[1] >= 0.045
+        assert design.values[2] <= 0.150
+    excluded = [design for design in planned.excluded if design.role == RUN]
+    assert len(excluded) == 15
+    thin = [design for design in excluded if design.values[1] == 0.038]
+    assert len(thin) == 9
+    assert {design.reason for design in thin} == {
+        "the constraint 'web_thickness >= 0.25 * pin_diameter' is broken: 38 mm is not >= 45 mm"
+    }
+    assert planned.statement == "full factorial, 3 x 3 x 3 = 27 runs, 15 of them excluded"
+    assert planned.remarks[-1].startswith("15 of 27 designs are excluded, so")
+
+
+def test_corners_that_cannot_be_built_are_excluded_and_told():
+    plan = StudyPlan.from_levels(THROW, {"web_width": (0.225, 0.300), "pin_length": (0.12, 0.15)})
+    planned = plan_designs(plan)
+    assert {design.values for design in of_role(planned, RUN)} == {(0.3, 0.12), (0.3, 0.15)}
+    reason = planned.excluded[0].reason
+    assert reason.startswith("it cannot be built: throw.fillet")
+    assert "web of 225 mm is too narrow" in reason
+    # Held-out designs are drawn until ten of them can be built.
+    assert len(of_role(planned, HELD_OUT)) == 10
+    assert values_of(planned, HELD_OUT)[:, 0].min() > 0.225
+
+
+@pytest.mark.parametrize("kind", SPACE_FILLING)
+def test_space_filling_designs_keep_their_number(kind):
+    plan = StudyPlan(
+        THROW,
+        (WIDTH, THICKNESS, LENGTH),
+        DesignChoice(kind, runs=24),
+        constraints=("web_thickness < 0.2 * web_width",),
+    )
+    planned = plan_designs(plan)
+    assert len(of_role(planned, RUN)) == 24
+    assert len(of_role(planned, HELD_OUT)) == 10
+    for design in planned.designs:
+        assert design.values[1] < 0.2 * design.values[0]
+    excluded = [design for design in planned.excluded if design.role == RUN]
+    assert excluded
+    for design in excluded:
+        assert design.values[1] >= 0.2 * design.values[0]
+    assert f"{len(excluded)} of them excluded" in planned.statement
+
+
+def test_a_relation_without_a_value_excludes_the_design():
+    plan = StudyPlan(
+        THROW,
+        (Factor.of_levels("ratio", "", (0.0, 1.0, 2.0)),),
+        relations={"web_width": "300 mm / ratio"},
+    )
+    planned = plan_designs(plan)
+    assert [design.values for design in of_role(planned, RUN)] == [(1.0,)]
+    reasons = {design.values: design.reason for design in planned.excluded if design.role == RUN}
+    assert reasons[(0.0,)] == "the relation web_width = '300 mm / ratio' has no finite value"
+    assert reasons[(2.0,)].startswith("it cannot be built: throw.")
+
+
+@pytest.mark.parametrize(
+    ("design", "message"),
+    [
+        (
+            DesignChoice(),
+            r"^study\.factors: none of the 4 designs can be used; the first is excluded because of "
+            r"this: the constraint 'web_width < 0.2 m' is broken: 270 mm is not < 200 mm\.",
+        ),
+        (HYPERCUBE, r"^study\.factors: fewer than 12 of the points drawn .*\(run\) can be used; "),
+    ],
+)
+def test_a_study_of_which_nothing_remains(design, message):
+    plan = StudyPlan(THROW, (WIDTH, LENGTH), design, constraints=("web_width < 0.2 m",))
+    with pytest.raises(InputError, match=message):
+        plan_designs(plan)
+
+
+# ------------------------------------------------------------------------------------ what cannot be
+
+
+@pytest.mark.parametrize(
+    ("factors", "options", "message"),
+    [
+        ((), {}, r"^study\.factors: given none; allowed is at least one factor that is a number"),
+        ((OUTLINE,), {}, r"^study\.factors: given web_outline; allowed is at least one"),
+        ((WIDTH, WIDTH), {}, r"^study\.factors\.web_width: given twice"),
+        (
+            (Factor("web_with", "m", 0.1, 0.2),),
+            {},
+            r"^study\.factors\.web_with: unknown throw dimension, .* did you mean web_width\?",
+        ),
+        ((WIDTH, RATIO), {}, r"^study\.factors\.width_ratio: unknown throw dimension, and no rel"),
+        (
+            (Factor("web_width", "rad", 0.1, 0.2),),
+            {},
+            r"^study\.factors\.web_width: given in rad; allowed is m",
+        ),
+        (
+            (WIDTH, Factor.of_labels("web_outline", ("obround", "hexagon"))),
+            {},
+            r"^study\.factors\.web_outline: given hexagon; allowed is obround, rectangle",
+        ),
+        (
+            (WIDTH, Factor.of_labels("pin_length", ("short", "long"))),
+            {},
+            r"^study\.factors\.pin_length: given short; allowed is a range or levels in m",
+        ),
+        (
+            (WIDTH, Factor("web_outline", "", 0.0, 1.0)),
+            {},
+            r"^study\.factors\.web_outline: given 0 to 1; allowed is obround, rectangle",
+        ),
+        (
+            (Factor("counterweight.angle", "rad", 1.0, 2.0),),
+            {},
+            r"^study\.factors\.counterweight\.angle: unknown .* has no counterweight to vary",
+        ),
+        ((WIDTH,), {"held_out": 0}, r"^study\.held_out: given 0; allowed is 1 or more"),
+        ((WIDTH,), {"seed": -1}, r"^study\.seed: given -1"),
+        ((WIDTH,), {"accuracy": 0.0}, r"^study\.accuracy: given 0.0"),
+        (
+            (WIDTH,),
+            {"relations": {"web_width": "2 * pin_diameter"}},
+            r"^study\.relations\.web_width: is a factor as well",
+        ),
+        (
+            (WIDTH,),
+            {"relations": {"web_outline": "2 * pin_diameter"}},
+            r"^study\.relations\.web_outline: is a choice",
+        ),
+        (
+            (WIDTH,),
+            {"relations": {"overlap": "2 * pin_diameter"}},
+            r"^study\.relations\.overlap: unknown throw dimension; ",
+        ),
+        (
+            (WIDTH,),
+            {"relations": {"pin_length": "web_width ** 2"}},
+            r"^study\.relations\.pin_length: given 'web_width \*\* 2', which is an area",
+        ),
+        (
+            (WIDTH,),
+            {"relations": {"pin_length": "web_tip_thickness"}},
+            r"^study\.relations\.pin_length: .* web_tip_thickness is no known quantity",
+        ),
+        (
+            (WIDTH,),
+            {"relations": {"pin_length": "web_thickness", "web_thickness": "pin_length"}},
+            r"^study\.relations: given a circle",
+        ),
+        (
+            (WIDTH,),
+            {"constraints": ("web_width > 3",)},
+            r"^study\.constraints\[0\]: .* compares a length with a pure number",
+        ),
+        (
+            (WIDTH, Factor("h", "", 1.0, 2.0)),
+            {"relations": {"pin_length": "h * pin_diameter"}},
+            r"^study\.factors\.h: is the name of a unit",
+        ),
+        (
+            (Factor.of_levels("web_width", "m", (0.27, 0.28, 0.33)),),
+            {"design": HYPERCUBE},
+            r"^study\.factors\.web_width: given 3 levels; allowed with the design 'latin hyper",
+        ),
+    ],
+)
+def test_plans_that_cannot_be(factors, options, message):
+    with pytest.raises(InputError, match=message) as caught:
+        StudyPlan(THROW, factors, **options)
+    assert str(caught.value).endswith(".")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["web_with", "width_ratio", "web_outline", "counterweight.angle"])
+def test_levels_of_what_is_no_dimension(name):
+    with pytest.raises(InputError, match=rf"^study\.factors\.{name}: unknown throw dimension; "):
+        StudyPlan.from_levels(THROW, {name: (0.1, 0.2)})
+
+
+# ------------------------------------------------------------------------------------ keys and records
+
+PLAN = StudyPlan(
+    THROW,
+    (WIDTH, THICKNESS, RATIO),
+    DesignChoice("central composite"),
+    relations={"pin_length": "0.45 * width_ratio * pin_diameter"},
+    constraints=("web_thickness > 30 mm", "pin_length < 1 m"),
+)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"throw": THROW.model_copy(update={"fillet_radius": 0.0})},
+        {"factors": (THICKNESS, WIDTH, RATIO)},
+        {"factors": (WIDTH, THICKNESS, Factor("width_ratio", "", 1.5, 1.81))},
+        {"factors": (WIDTH, THICKNESS, Factor.of_levels("width_ratio", "", (1.5, 1.6, 1.8)))},
+        {"factors": (WIDTH, THICKNESS, RATIO, OUTLINE)},
+        {"design": DesignChoice("central composite", face="inscribed")},
+        {"design": DesignChoice("central composite", resolution=5)},
+        {"design": DesignChoice("sobol", runs=8)},
+        {"design": DesignChoice("sobol", runs=9)},
+        {"design": DesignChoice("fractional factorial", generators="a b ab")},
+        {"design": DesignChoice("file", rows=((0.3, 0.05, 1.6),))},
+        {"relations": {"pin_length": "0.46 * width_ratio * pin_diameter"}},
+        {"constraints": ("web_thickness > 30 mm",)},
+        {"held_out": 11},
+        {"seed": 2},
+        {"material": STEEL.model_copy(update={"density": 7800.0})},
+        {"accuracy": 0.02},
+        {"stresses": True},
+    ],
+)
+def test_plans_that_differ_have_keys_that_differ(change):
+    other = dataclasses.replace(PLAN, **change)
+    assert other.key != PLAN.key
+    assert other != PLAN
+    assert StudyPlan.from_record(other.as_record()) == other
+
+
+def test_the_order_of_relations_does_not_matter():
+    relations = {"pin_length": "0.45 * width_ratio * pin_diameter", "web_tip_thickness": "40 mm"}
+    first = dataclasses.replace(PLAN, relations=relations)
+    second = dataclasses.replace(PLAN, relations=dict(reversed(relations.items())))
+    assert first.key == second.key
+    assert plan_designs(first).designs == plan_designs(second).designs
+
+
+def test_every_field_of_a_plan_is_in_its_record():
+    names = {entry.name for entry in dataclasses.fields(StudyPlan)}
+    record = PLAN.as_record()
+    assert names | {"model_version"} == set(record)
+    assert set(record["design"]) == {entry.name for entry in dataclasses.fields(DesignChoice)}
+    assert set(record["factors"][0]) == {entry.name for entry in dataclasses.fields(Factor)}
+
+
+ENDS = st.tuples(st.floats(0.01, 1.0), st.floats(0.001, 1.0)).map(lambda e: (e[0], e[0] + e[1]))
+
+
+@st.composite
+def plans(draw):
+    factors = [
+        Factor(name, "m", *draw(ENDS))
+        for name in draw(st.permutations(["web_width", "pin_length", "web_thickness"]))
+    ]
+    if draw(st.booleans()):
+        low, high = draw(ENDS)
+        count = draw(st.integers(2, 5))
+        spacing = draw(st.sampled_from(["even", "log", "chebyshev"]))
+        factors.append(Factor.spread("pin_bore", "m", low, high, count, spacing))
+    if draw(st.booleans()):
+        factors.insert(0, OUTLINE)
+    return StudyPlan(
+        THROW,
+        tuple(factors),
+        relations=draw(st.sampled_from([{}, {"crank_radius": "1.1 * pin_diameter"}])),
+        constraints=draw(st.sampled_from([(), ("pin_length < 2 m",)])),
+        held_out=draw(st.integers(1, 100)),
+        seed=draw(st.integers(0, 2**31 - 1)),
+        accuracy=draw(st.floats(0.001, 0.1)),
+        stresses=draw(st.booleans()),
+    )
+
+
+@settings(deadline=None, max_examples=20)
+@given(plan=plans())
+def test_a_plan_comes_back_from_its_record(plan):
+    again = StudyPlan.from_record(json.loads(json.dumps(plan.as_record())))
+    assert again == plan
+    assert again.key == plan.key
+    assert again.names == plan.names
+
+
+def test_a_plan_comes_back_from_a_store(tmp_path):
+    with ResultStore(tmp_path / "runs.sqlite") as store:
+        store.register_study(PLAN.key, PLAN.as_record(), [])
+        stored = StudyPlan.from_record(store.studies()[PLAN.key])
+    assert stored.key == PLAN.key
+    assert plan_designs(stored) == plan_designs(PLAN)
+
+
+def test_a_plan_of_another_model_is_refused():
+    record = PLAN.as_record() | {"model_version": MODEL_VERSION - 1}
+    with pytest.raises(
+        InputError, match=rf"^study: given a study of model version {MODEL_VERSION - 1}"
+    ):
+        StudyPlan.from_record(record)

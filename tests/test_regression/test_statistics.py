@@ -1,0 +1,98 @@
+"""Least squares of small systems whose answers are known by hand; against statsmodels see validation."""
+
+import numpy as np
+import pytest
+
+from geometry.errors import InputError
+from regression.statistics import adjusted, explained, least_squares, press_without_each
+
+
+def random_system(seed=0, rows=30, columns=6):
+    rng = np.random.default_rng(seed)
+    matrix = np.column_stack([np.ones(rows), rng.uniform(-1, 1, (rows, columns - 1))])
+    return matrix, matrix @ rng.normal(size=columns) + 0.3 * rng.normal(size=rows)
+
+
+def names(matrix):
+    return [f"c{i}" for i in range(matrix.shape[1])]
+
+
+def test_a_line_through_three_points():
+    # y = 0, 1, 1 over x = -1, 0, 1: slope 1/2, mean 2/3, residuals -1/6, 1/3, -1/6.
+    matrix = np.array([[1.0, -1.0], [1.0, 0.0], [1.0, 1.0]])
+    found = least_squares(matrix, np.array([0.0, 1.0, 1.0]), names(matrix))
+    assert found.coefficients == pytest.approx([2 / 3, 1 / 2])
+    assert found.residuals == pytest.approx([-1 / 6, 1 / 3, -1 / 6])
+    assert found.residual_variance == pytest.approx(1 / 6)
+    assert found.standard_errors == pytest.approx([np.sqrt(1 / 18), np.sqrt(1 / 12)])
+    assert found.r_squared == pytest.approx(3 / 4)
+    assert found.adjusted_r_squared == pytest.approx(1 / 2)
+    assert found.f_value == pytest.approx(3.0)
+    assert found.leverage == pytest.approx([5 / 6, 1 / 3, 5 / 6])
+    # Left out one by one: -1 at the first, 1/2 at the second, 2 at the third.
+    assert found.left_out == pytest.approx([1.0, 0.5, 2.0])
+    assert found.press == pytest.approx(2.25)
+    assert found.q_squared == pytest.approx(1 - 2.25 / (2 / 3))
+    assert found.variance_inflation == pytest.approx([1.0])
+    assert found.condition_number == pytest.approx(np.sqrt(3 / 2))
+
+
+def test_as_many_rows_as_columns_leave_nothing_to_judge_by():
+    matrix, y = random_system(rows=6)
+    found = least_squares(matrix, y, names(matrix))
+    assert found.fitted == pytest.approx(y, rel=1e-9)
+    assert found.residual_variance is None
+    assert found.standard_errors is None
+    assert found.t_values is None
+    assert found.f_value is None
+    assert found.press is None
+    assert found.q_squared is None
+    assert found.adjusted_r_squared is None
+
+
+def test_a_constant_response_has_nothing_to_explain():
+    matrix, _ = random_system()
+    found = least_squares(matrix, np.full(30, 0.5), names(matrix))
+    assert found.r_squared is None
+    assert found.q_squared is None
+    assert explained(np.full(4, 2.0), np.full(4, 2.0)) == 1.0
+
+
+def test_variance_inflation_of_a_column_that_nearly_repeats_another():
+    matrix, y = random_system()
+    # x5 + a small part of its own: R2 of the new column by the others is 1 - (own part's share).
+    noise = 0.01 * np.random.default_rng(3).normal(size=30)
+    matrix = np.column_stack([matrix, matrix[:, 5] + noise])
+    found = least_squares(matrix, y, names(matrix))
+    others = least_squares(matrix[:, :-1], matrix[:, -1], names(matrix))
+    assert found.variance_inflation[-1] == pytest.approx(1 / (1 - others.r_squared), rel=1e-9)
+    assert found.variance_inflation[-1] > 1000
+
+
+def test_press_without_each_equals_the_fits_without():
+    matrix, y = random_system(2)
+    found = press_without_each(matrix, y, [1, 3, 5])
+    for place, value in zip([1, 3, 5], found, strict=True):
+        without = np.delete(matrix, place, axis=1)
+        assert value == pytest.approx(least_squares(without, y, names(without)).press, rel=1e-10)
+
+
+def test_press_is_infinite_where_a_row_cannot_be_missed():
+    matrix = np.column_stack([np.ones(5), [0, 0, 0, 0, 1.0], [0, 1, 2, 3, 4.0]])
+    without_last, without_second = press_without_each(matrix, np.arange(5.0) ** 2, [2, 1])
+    assert without_last == np.inf  # the fifth row alone determines the second column
+    assert np.isfinite(without_second)
+
+
+def test_what_cannot_be_solved():
+    matrix, y = random_system(rows=8)
+    with pytest.raises(InputError, match="runs: given 5; at least 6 are needed"):
+        least_squares(matrix[:5], y[:5], names(matrix))
+    double = np.column_stack([matrix, matrix[:, 2] - matrix[:, 1]])
+    with pytest.raises(InputError, match="do not determine the coefficient of c6"):
+        least_squares(double, y, names(double))
+
+
+def test_adjusted():
+    assert adjusted(0.9, 11, 3) == pytest.approx(0.875)
+    assert adjusted(0.9, 3, 3) is None

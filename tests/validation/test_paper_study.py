@@ -1,0 +1,189 @@
+"""The paper's regression done anew, and a family of engines, on golden numbers of our own.
+
+Yamanin and Zhukov (Vestnik AGTU, Morskaya tekhnika, 2021 no. 4, pp. 75-83) fit the axial compliance
+of a 25/34 throw by ``e = 1e-10 (6.1 - 0.0583 B - 0.0386 h + 0.0102 L_shm)`` for B 270 ... 330,
+h 38 ... 98, L_shm 120 ... 158 mm, without saying what units the variables have. Finite element
+results here are this program's (tests/golden, README.md there); they are not a check of the finite
+elements but of what a regression makes of them.
+
+Tolerances: the errors asked for are 2.5 % with 27 runs, 0.5 % with at most 40, 5 % for the left-out
+engine; measured are 1.9, 0.12 and 0.1 %. Q2 of the linear form is asked to be about 0.87 (within
+0.01). Golden numbers are recomputed within 0.2 %: another mesh of the same fineness moves e_n by
+some 0.05 %, other fineness by the estimated error, 0.9 %.
+"""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fem.material import STEEL
+from fem.responses import evaluate_throw
+from geometry.throw import CrankThrow
+from regression.fits import fit_form
+from regression.forms import FORMS
+from regression.groups import group_names, group_values, response_scale
+from regression.selection import choose
+from regression.terms import code, design_matrix
+
+GOLDEN = Path(__file__).parents[1] / "golden"
+FACTORS = ("web_width", "web_thickness", "pin_length")
+MAIN = (
+    "crank_radius",
+    "main_journal_diameter",
+    "pin_diameter",
+    "main_journal_length",
+    "pin_length",
+    "web_width",
+    "web_thickness",
+    "fillet_radius",
+)
+FACTOR_FORMS = [name for name, form in FORMS.items() if form.basis == "factors"]
+# What the paper does not vary, as benchmarks/paper_study.py has it.
+REST = dict(zip(MAIN[:4], (0.170, 0.220, 0.180, 0.135), strict=True)) | {"fillet_radius": 0.012}
+
+
+def rows_of(name):
+    with (GOLDEN / name).open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def paper(role):
+    rows = [row for row in rows_of("paper_study.csv") if role in row["role"].split("+")]
+    x = np.array([[float(row[name]) for name in FACTORS] for row in rows])
+    return x, np.array([float(row["axial_compliance_pinned"]) for row in rows])
+
+
+def scatter():
+    rows = rows_of("paper_study.csv")
+    return float(np.std([float(row["axial_compliance_pinned_error"]) for row in rows]))
+
+
+def best(role):
+    x, y = paper(role)
+    fits = [
+        fit_form(form, FACTORS, x, y, *paper("held out"), drop_terms=True) for form in FACTOR_FORMS
+    ]
+    return fits[choose(fits, scatter()).place]
+
+
+def test_held_out_designs_are_thirty_and_inside():
+    x, _ = paper("held out")
+    assert len(x) == 30
+    assert np.all((x >= [0.270, 0.038, 0.120]) & (x <= [0.330, 0.098, 0.158]))
+    assert len(paper("27")[0]) == 27
+    assert len(paper("36")[0]) == 36
+
+
+def test_factorial_of_27_runs():
+    found = best("27")
+    assert found.fitted.logarithmic
+    assert found.largest_heldout_error < 0.025
+    # The quadratic form has the largest Q2 but for rounding, and the larger error between the levels.
+    quadratic = fit_form("quadratic", FACTORS, *paper("27"), *paper("held out"))
+    assert quadratic.q_squared > 0.9999
+    assert quadratic.largest_error < 0.005
+    assert quadratic.largest_heldout_error > 0.05
+
+
+def test_36_runs_with_four_levels_of_the_thickness():
+    found = best("36")
+    assert found.form == "log-cubic"
+    assert found.largest_heldout_error < 0.005
+
+
+def test_linear_form_and_the_printed_one():
+    x, y = paper("27")
+    linear = fit_form("linear", FACTORS, x, y)
+    assert linear.q_squared == pytest.approx(0.87, abs=0.01)
+    # In 1e-10 m/N and mm; the printed ones beside it: 6.1, -0.0583, -0.0386, 0.0102.
+    constant, width, thickness, length = linear.fitted.natural_coefficients(
+        [1e-3] * 3, 1e-10
+    ).values()
+    assert constant == pytest.approx(36, rel=0.05)
+    assert width < 0.0 < length
+    # The thickness does 8 times as much as printed: 0.2965.
+    assert -0.32 < thickness < -0.28
+
+
+def printed(x):
+    return 1e-10 * (6.1 - 0.0583 * x[:, 0] - 0.0386 * x[:, 1] + 0.0102 * x[:, 2])
+
+
+def test_printed_form_in_three_readings():
+    x, y = paper("27")
+    in_mm = printed(1e3 * x)
+    assert in_mm.max() < 0.0  # no compliance
+    in_cm = printed(1e2 * x)
+    centered = printed(1e3 * (x - [0.300, 0.068, 0.139]))
+    for reading in (in_cm, centered):
+        assert np.all(reading < 0.94e-9)
+        assert np.max(np.abs(reading / y - 1.0)) > 0.6
+    # Nowhere does it see what h does: a factor of 3, against at most 1.5 printed.
+    middle = np.isclose(x[:, 0], 0.300) & np.isclose(x[:, 2], 0.139)
+    assert np.ptp(np.log(y[middle])) > np.log(2.5)
+    for reading in (in_cm, centered):
+        assert np.ptp(np.log(reading[middle])) < np.log(1.5)
+
+
+def family(role):
+    rows = [row for row in rows_of("engine_family.csv") if row["role"] == role]
+    dimensions = {name: np.array([float(row[name]) for row in rows]) for name in MAIN}
+    names = group_names(MAIN)
+    x = np.column_stack([group_values(dimensions)[name] for name in names])
+    return names, x, dimensions, rows
+
+
+@pytest.mark.parametrize(
+    ("response", "unit", "held_out_within", "engine_within"),
+    [
+        # The engine's bound is the one asked for; the held-out ones are what is measured (1.4, 0.3,
+        # 0.5 %) rounded up, so that a worse choice of groups shows.
+        ("axial_compliance_pinned", "m/N", 0.02, 0.05),
+        ("torsional_compliance_pinned", "rad/(N m)", 0.005, 0.05),
+        ("mass", "kg", 0.008, 0.05),
+    ],
+)
+def test_engine_left_out_of_its_family(response, unit, held_out_within, engine_within):
+    names, x, dimensions, rows = family("run")
+    _, held_x, held_dimensions, held_rows = family("held out")
+    _, engine_x, engine_dimensions, engine = family("6chn18-22")
+    y, held_y, engine_y = (
+        np.array([float(row[response]) for row in some]) for some in (rows, held_rows, engine)
+    )
+    found = fit_form(
+        "group quadratic",
+        names,
+        x,
+        y,
+        held_x,
+        held_y,
+        scale=response_scale(unit, dimensions, STEEL),
+        heldout_scale=response_scale(unit, held_dimensions, STEEL),
+        drop_terms=True,
+    )
+    assert found.largest_heldout_error < held_out_within
+    scale = response_scale(unit, engine_dimensions, STEEL)
+    assert scale * found.predict(engine_x) == pytest.approx(engine_y, rel=engine_within)
+
+
+def test_coding_of_the_study_is_well_conditioned():
+    found = best("36")
+    coded = code(
+        paper("36")[0],
+        found.fitted.center,
+        found.fitted.half_range,
+        found.fitted.log_factors,
+    )
+    assert np.linalg.cond(design_matrix(found.fitted.terms, coded)) < 20.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("place", [0, 40, 70])
+def test_golden_numbers_are_what_finite_elements_give(place):
+    row = rows_of("paper_study.csv")[place]
+    throw = CrankThrow(**REST, **{name: float(row[name]) for name in FACTORS})
+    found = evaluate_throw(throw, STEEL, 0.01).values
+    for column in ("axial_compliance_pinned", "torsional_compliance_pinned"):
+        assert found[column] == pytest.approx(float(row[column]), rel=2e-3)
