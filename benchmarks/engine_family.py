@@ -15,12 +15,12 @@ from crankfem.fitting import fit_study
 from fem.material import STEEL
 from fem.responses import evaluate_throw
 from geometry.throw import CrankThrow
-from regression.designs import DesignChoice
-from regression.factors import Factor
-from regression.groups import group_named, response_scale
-from regression.plan import StudyPlan
-from regression.study import run_plan
-from regression.study_table import StudyTable
+from regression.fits.groups import group_named, response_scale
+from regression.plans.designs import DesignChoice
+from regression.plans.factors import Factor
+from regression.plans.plan import StudyPlan
+from regression.runs.study import run_plan
+from regression.runs.study_table import StudyTable
 
 DIMENSIONS = (
     "crank_radius",

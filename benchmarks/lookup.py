@@ -16,9 +16,9 @@ from pathlib import Path
 import numpy as np
 
 from fem.material import STEEL
-from regression.compliance_model import ComplianceModel, ResponseModel
-from regression.fits import fit_form
-from regression.groups import group_named
+from regression.fits.fits import fit_form
+from regression.fits.groups import group_named
+from regression.models.compliance_model import ComplianceModel, ResponseModel
 
 ROOT = Path(__file__).resolve().parents[1]
 ROUNDS = 5

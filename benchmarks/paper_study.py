@@ -15,13 +15,13 @@ from pathlib import Path
 from crankfem.fitting import fit_study
 from crankfem.pictures.fit_plots import plot_parity, plot_response
 from geometry.throw import CrankThrow
-from regression.factors import Factor
-from regression.fits import Fit, fit_form
-from regression.forms import FORMS
-from regression.plan import StudyPlan
-from regression.selection import choose
-from regression.study import run_plan
-from regression.study_table import StudyTable
+from regression.fits.fits import Fit, fit_form
+from regression.fits.forms import FORMS
+from regression.fits.selection import choose
+from regression.plans.factors import Factor
+from regression.plans.plan import StudyPlan
+from regression.runs.study import run_plan
+from regression.runs.study_table import StudyTable
 
 FACTORS = ("web_width", "web_thickness", "pin_length")
 # Lengths that the paper does not give are those of a plausible throw of that size.

@@ -50,12 +50,12 @@ if TYPE_CHECKING:
     from geometry.solid_files import write_step
     from geometry.throw import CrankThrow
     from geometry.throw_sections import Counterweight, FurtherPin, Web
-    from regression.axial_formulas import axial_formula, axial_formulas
-    from regression.compliance_model import ComplianceModel, Lookup, OutsideRangeWarning
-    from regression.formula_value import FormulaValue
-    from regression.optimum import Optimum, find_optimum
-    from regression.optimum_limits import Limit
-    from regression.torsional_formulas import torsional_formulas
+    from regression.formulas.axial_formulas import axial_formula, axial_formulas
+    from regression.formulas.formula_value import FormulaValue
+    from regression.formulas.torsional_formulas import torsional_formulas
+    from regression.models.compliance_model import ComplianceModel, Lookup, OutsideRangeWarning
+    from regression.models.optimum import Optimum, find_optimum
+    from regression.models.optimum_limits import Limit
 
 # Where each public name lives.
 _HOMES = {
@@ -167,21 +167,21 @@ _HOMES = {
             "FurtherPin",
             "Web",
         ),
-        "regression.axial_formulas": (
+        "regression.formulas.axial_formulas": (
             "axial_formula",
             "axial_formulas",
         ),
-        "regression.compliance_model": (
+        "regression.models.compliance_model": (
             "ComplianceModel",
             "Limit",
             "Lookup",
             "OutsideRangeWarning",
         ),
-        "regression.formula_value": ("FormulaValue",),
-        "regression.optimum": ("Optimum", "find_optimum"),
-        "regression.optimum_limits": ("Limit",),
+        "regression.formulas.formula_value": ("FormulaValue",),
+        "regression.models.optimum": ("Optimum", "find_optimum"),
+        "regression.models.optimum_limits": ("Limit",),
         "fem.angle_law": ("AngleLaw",),
-        "regression.torsional_formulas": ("torsional_formulas",),
+        "regression.formulas.torsional_formulas": ("torsional_formulas",),
     }.items()
     for name in names
 }

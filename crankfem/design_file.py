@@ -7,7 +7,7 @@ from pathlib import Path
 from geometry.errors import InputError
 from geometry.quantity import parse_quantity
 from geometry.throw import CrankThrow
-from regression.factors import Factor, ThrowField, throw_fields, unknown_field
+from regression.plans.factors import Factor, ThrowField, throw_fields, unknown_field
 
 
 def read_design(

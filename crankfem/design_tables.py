@@ -5,8 +5,8 @@ from typing import Any
 from crankfem import console
 from crankfem.console import print_table
 from geometry.quantity import DISPLAY_UNITS
-from regression.factors import Factor
-from regression.plan import PlannedStudy
+from regression.plans.factors import Factor
+from regression.plans.plan import PlannedStudy
 from regression.records import HELD_OUT
 
 

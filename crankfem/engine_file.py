@@ -27,9 +27,9 @@ from geometry.errors import InputError
 from geometry.quantity import show_quantity
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
-from regression.axial_formulas import AXIAL_FORMULA_NAMES
-from regression.plan import StudyPlan
-from regression.torsional_formulas import TORSIONAL_FORMULA_NAMES
+from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
+from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
+from regression.plans.plan import StudyPlan
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ import numpy as np
 
 from crankfem.fitting import ResponseFits, Sensitivities, sensitivities, unfitted
 from geometry.errors import InputError
-from regression.compliance_model import ComplianceModel
-from regression.equation_text import term_symbols
-from regression.factors import Factor
-from regression.fits import Fit
+from regression.fits.equation_text import term_symbols
+from regression.fits.fits import Fit
+from regression.models.compliance_model import ComplianceModel
+from regression.plans.factors import Factor
 from regression.records import MEASURED, ExtraRow
-from regression.study_table import StudyTable
+from regression.runs.study_table import StudyTable
 
 Record = dict[str, Any]
 

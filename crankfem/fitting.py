@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 
 from fem.responses import RESPONSES
 from geometry.errors import InputError
-from regression.columns import Encoding, constant_groups, factor_encoding, group_encoding
-from regression.compliance_model import ComplianceModel
-from regression.equation_text import equation_text
-from regression.factors import Factor, field_value
-from regression.fits import Fit, fit_form
-from regression.forms import FORMS, Form
-from regression.groups import group_named, response_scale
-from regression.plan import MODEL_VERSION, StudyPlan
-from regression.relations import calculate
-from regression.response_model import ResponseModel
-from regression.selection import choose
-from regression.sensitivity import SobolIndices, elasticities, nominal_values, sobol_indices
-from regression.study_table import StudyTable
+from regression.fits.columns import Encoding, constant_groups, factor_encoding, group_encoding
+from regression.fits.equation_text import equation_text
+from regression.fits.fits import Fit, fit_form
+from regression.fits.forms import FORMS, Form
+from regression.fits.groups import group_named, response_scale
+from regression.fits.selection import choose
+from regression.fits.sensitivity import SobolIndices, elasticities, nominal_values, sobol_indices
+from regression.models.compliance_model import ComplianceModel
+from regression.models.response_model import ResponseModel
+from regression.plans.factors import Factor, field_value
+from regression.plans.plan import MODEL_VERSION, StudyPlan
+from regression.plans.relations import calculate
+from regression.runs.study_table import StudyTable
 from regression.throw_values import throw_values
 
 Array = NDArray[np.float64]

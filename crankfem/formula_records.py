@@ -8,9 +8,9 @@ from fem.angle_law import is_symmetric
 from fem.material import Material
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow
-from regression.axial_formulas import axial_formula_faults, axial_formulas
-from regression.formula_value import FormulaValue
-from regression.torsional_formulas import torsional_formulas
+from regression.formulas.axial_formulas import axial_formula_faults, axial_formulas
+from regression.formulas.formula_value import FormulaValue
+from regression.formulas.torsional_formulas import torsional_formulas
 
 Record = dict[str, Any]
 

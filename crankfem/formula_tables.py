@@ -8,7 +8,11 @@ from rich.table import Table
 from crankfem import console
 from crankfem.console import number, print_table
 from crankfem.formula_spread import EngineSpread, FormulaSpread, Ratio, formula_spreads
-from regression.published_table import FINITE_ELEMENTS, FINITE_ELEMENTS_DOUBT, PublishedValue
+from regression.formulas.published_table import (
+    FINITE_ELEMENTS,
+    FINITE_ELEMENTS_DOUBT,
+    PublishedValue,
+)
 
 # Column heads for a table with all formulas beside each other.
 SHORT_NAMES: Mapping[str, str] = {

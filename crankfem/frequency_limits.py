@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from crankfem.engine_file import EngineFile
 from dynamics.engine_chains import NamedChain, axial_chain, torsional_chain
-from regression.compliance_model import ComplianceModel
-from regression.optimum_limits import Limit
+from regression.models.compliance_model import ComplianceModel
+from regression.models.optimum_limits import Limit
 
 Array = NDArray[np.float64]
 Kind = Literal["axial", "torsional"]

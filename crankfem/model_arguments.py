@@ -7,8 +7,8 @@ from typing import Any, cast
 from crankfem import console
 from geometry.errors import InputError
 from geometry.quantity import parse_quantity, show_quantity
-from regression.compliance_model import ComplianceModel
-from regression.optimum_limits import Limit
+from regression.models.compliance_model import ComplianceModel
+from regression.models.optimum_limits import Limit
 
 _LIMIT = re.compile(r"\s*(?P<name>[\w.]+)\s*(?P<sign><=|>=)\s*(?P<value>.+?)\s*")
 _BOUND = re.compile(r"\s*(?P<sign><=|>=)\s*(?P<value>.+?)\s*")

@@ -32,11 +32,11 @@ from dynamics.torque_table import TorqueTable, read_torque_table
 from dynamics.two_mass import two_mass_check
 from fem.analysis import ThrowAnalysis, analyze_throw
 from geometry.errors import InputError, MissingLibraryError
-from regression.axial_formulas import axial_formulas
 from regression.formulas.angle_factors import ANGLE_FACTORS
+from regression.formulas.axial_formulas import axial_formulas
 from regression.records import Outcome
-from regression.study import check_workers, run_plan
-from regression.study_table import StudyTable
+from regression.runs.study import check_workers, run_plan
+from regression.runs.study_table import StudyTable
 
 RESULTS, REPORT, MODEL, STORE = "results.json", "report.html", "model.json", "study.sqlite"
 MESH_FILE, DRAWING = "throw.vtu", "drawing.svg"

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from crankfem.engine_file import load_study
 from crankfem.fitting import ResponseFits, compliance_model, fit_study
-from regression.compliance_model import ComplianceModel
-from regression.study import Progress, StudyTable, run_plan
+from regression.models.compliance_model import ComplianceModel
+from regression.runs.study import Progress, StudyTable, run_plan
 
 
 @dataclass(frozen=True)

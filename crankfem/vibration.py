@@ -14,9 +14,9 @@ from dynamics.engine_chains import NamedChain, axial_chain, throw_inertia, torsi
 from fem.analysis import ThrowAnalysis
 from fem.shaft import ShaftCompliances, shaft_compliances
 from geometry.errors import InputError
-from regression.axial_formulas import axial_formulas, fold_angle_deg
-from regression.compliance_model import ComplianceModel
-from regression.torsional_formulas import torsional_formulas
+from regression.formulas.axial_formulas import axial_formulas, fold_angle_deg
+from regression.formulas.torsional_formulas import torsional_formulas
+from regression.models.compliance_model import ComplianceModel
 
 FE, FE_PINNED, REGRESSION = "fe", "fe pinned", "regression"
 # The formulas know no free end: a throw tilts there as it does beside an opposite crank.

@@ -11,8 +11,8 @@ from crankfem.console import print_json
 from geometry.quantity import parse_quantity
 
 if TYPE_CHECKING:
-    from regression.plan import StudyPlan
-    from regression.study import StudyTable
+    from regression.plans.plan import StudyPlan
+    from regression.runs.study import StudyTable
 
 
 def doe(
@@ -52,7 +52,7 @@ def doe(
 ) -> None:
     """Run a design of experiments, or continue it where it stopped."""
     from crankfem.engine_file import load_study
-    from regression.export_table import check_export, export_table
+    from regression.runs.export_table import check_export, export_table
 
     limits = {
         "time_limit": _quantity(time_limit, "s", "--time-limit"),
@@ -109,7 +109,7 @@ def _quantity(text: str | None, unit: str, option: str) -> float | None:
 
 def _show_plan(plan: "StudyPlan", json: bool) -> None:
     from crankfem.design_tables import plan_record, print_plan
-    from regression.plan import plan_designs
+    from regression.plans.plan import plan_designs
 
     planned = plan_designs(plan)
     if json:
@@ -119,7 +119,7 @@ def _show_plan(plan: "StudyPlan", json: bool) -> None:
 
 
 def _import(plan: "StudyPlan", store: Path, file: Path) -> None:
-    from regression.study import import_results
+    from regression.runs.study import import_results
 
     found = import_results(plan, store, file)
     left_out = f"; {found.left_out} do not belong to this study" if found.left_out else ""
@@ -131,10 +131,10 @@ def _import(plan: "StudyPlan", store: Path, file: Path) -> None:
 
 
 def _run(plan: "StudyPlan", store: Path, workers: int, options: dict[str, Any]) -> "StudyTable":
-    from regression import study
+    from regression.runs import study
 
     if options["dask"] is not None:
-        from regression.cluster import quiet_dask
+        from regression.runs.cluster import quiet_dask
 
         quiet_dask()
     with console.RunProgress() as progress:

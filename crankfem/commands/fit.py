@@ -32,7 +32,7 @@ def fit(
     from crankfem.fitting import compliance_model, fit_study
     from crankfem.pictures.fit_plots import plot_fits
     from geometry.errors import InputError
-    from regression.study import read_study
+    from regression.runs.study import read_study
 
     console.check_folder(model)
     table = read_study(store, study)

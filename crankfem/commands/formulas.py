@@ -106,7 +106,7 @@ def _all_engines(
 
 def _published(json: bool) -> None:
     from crankfem.data_files import data_folder
-    from regression.published_table import FINITE_ELEMENTS_DOUBT, read_published_table
+    from regression.formulas.published_table import FINITE_ELEMENTS_DOUBT, read_published_table
 
     values = read_published_table(data_folder() / "tables" / "axial_compliance_published.csv")
     if not json:

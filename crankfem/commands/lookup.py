@@ -11,7 +11,7 @@ from crankfem.console import print_json
 from geometry.errors import InputError
 
 if TYPE_CHECKING:
-    from regression.compliance_model import ComplianceModel, Lookup
+    from regression.models.compliance_model import ComplianceModel, Lookup
 
 
 def lookup(
@@ -38,7 +38,7 @@ def lookup(
 ) -> None:
     """Look compliances up in a model, with range check and error band."""
     from crankfem.model_arguments import model_dimensions
-    from regression.compliance_model import ComplianceModel
+    from regression.models.compliance_model import ComplianceModel
 
     loaded = ComplianceModel.load(model)
     asked: dict[str, Any] = {}
@@ -62,7 +62,7 @@ def _answers(
     model: "ComplianceModel", asked: dict[str, Any], gamma: float | None, strict: bool
 ) -> tuple[dict[str, "Lookup"], dict[str, str]]:
     """Look all responses up; tell which cannot be, as long as any can."""
-    from regression.compliance_model import ANGLE_LAWS
+    from regression.models.compliance_model import ANGLE_LAWS
 
     answers: dict[str, Lookup] = {}
     refused: dict[str, str] = {}

@@ -12,9 +12,9 @@ from crankfem.console import print_json, print_table
 from geometry.errors import InputError
 
 if TYPE_CHECKING:
-    from regression.compliance_model import ComplianceModel
-    from regression.optimum import Optimum
-    from regression.optimum_limits import Limit
+    from regression.models.compliance_model import ComplianceModel
+    from regression.models.optimum import Optimum
+    from regression.models.optimum_limits import Limit
 
 
 def optimum(
@@ -54,8 +54,8 @@ def optimum(
 ) -> None:
     """Find the thinnest web, the lightest throw, or the least of anything, under limits."""
     from crankfem.model_arguments import model_dimensions, parse_limit
-    from regression.compliance_model import ComplianceModel
-    from regression.optimum import find_optimum
+    from regression.models.compliance_model import ComplianceModel
+    from regression.models.optimum import find_optimum
 
     loaded = ComplianceModel.load(model)
     held = model_dimensions(loaded, fixed or [])

@@ -20,10 +20,10 @@ from crankfem.fitting import (
 from crankfem.pictures.style import BLUE, GRAY, GREEN, ORANGE, figure, math_symbol
 from geometry.errors import InputError
 from geometry.quantity import DISPLAY_UNITS
-from regression.equation_text import factor_label, term_symbols
-from regression.factors import Factor
-from regression.fits import Fit
-from regression.study_table import StudyTable
+from regression.fits.equation_text import factor_label, term_symbols
+from regression.fits.fits import Fit
+from regression.plans.factors import Factor
+from regression.runs.study_table import StudyTable
 
 Array = NDArray[np.float64]
 

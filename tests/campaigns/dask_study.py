@@ -16,7 +16,7 @@ import numpy as np
 from distributed import Client, LocalCluster
 from study_tools import environment, said, study, total
 
-from regression.study import run_plan
+from regression.runs.study import run_plan
 
 ALLOWED = 1e-10
 

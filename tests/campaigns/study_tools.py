@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from geometry.throw import CrankThrow
-from regression.plan import DesignChoice, Factor, StudyPlan, plan_designs
+from regression.plans.plan import DesignChoice, Factor, StudyPlan, plan_designs
 
 ROOT = Path(__file__).resolve().parents[2]
 THROW = CrankThrow(
@@ -40,7 +40,7 @@ RANGES = {
 COORDINATOR = """
 import json, sys
 from crankfem.console import clear_errors
-from regression.study import StudyPlan, run_plan
+from regression.runs.study import StudyPlan, run_plan
 with clear_errors():
     plan = StudyPlan.from_record(json.loads(sys.argv[1]))
     run_plan(plan, sys.argv[2], int(sys.argv[3]))

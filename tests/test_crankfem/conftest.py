@@ -11,9 +11,9 @@ import pytest
 
 from crankfem import cli
 from crankfem.data_files import engine_path
-from regression.compliance_model import ComplianceModel, ResponseModel
-from regression.designs import full_factorial, latin_hypercube
-from regression.fits import fit_form
+from regression.fits.fits import fit_form
+from regression.models.compliance_model import ComplianceModel, ResponseModel
+from regression.plans.designs import full_factorial, latin_hypercube
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRY = [sys.executable, "-c", "from crankfem.entry import main; main()"]

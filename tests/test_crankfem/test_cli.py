@@ -8,7 +8,7 @@ import typer.main
 
 from crankfem import cli
 from crankfem.data_files import engine_path
-from regression.compliance_model import ComplianceModel
+from regression.models.compliance_model import ComplianceModel
 
 COMMANDS = sorted(typer.main.get_command(cli.app).commands)
 
@@ -416,7 +416,7 @@ def test_an_interrupt_ends_with_a_word_and_130(call, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("regression.study.run_plan", interrupted)
+    monkeypatch.setattr("regression.runs.study.run_plan", interrupted)
     answer = call("doe", "6chn25-34")
     assert answer.code == 130
     assert answer.out == ""

@@ -14,10 +14,10 @@ import pytest
 
 from crankfem.console import pace
 from fem.responses import RESPONSES
-from regression import store as store_module
-from regression import supervised
 from regression.records import StudyStoppedError
-from regression.store import ResultStore
+from regression.runs import store as store_module
+from regression.runs import supervised
+from regression.runs.store import ResultStore
 
 NAMES = [name for name in RESPONSES if name != "fillet_stress_factor"]
 ROOT = Path(__file__).resolve().parents[2]
@@ -153,13 +153,13 @@ def test_doe_says_which_table_cannot_be_read(call, study, tmp_path):
 
 def test_limits_are_quantities(call, study, monkeypatch):
     given = {}
-    monkeypatch.setattr("regression.cluster.quiet_dask", lambda: None)
+    monkeypatch.setattr("regression.runs.cluster.quiet_dask", lambda: None)
 
     def run_plan(*_, **options):
         given.update(options)
         raise StudyStoppedError("store: runs.sqlite cannot be used now (the disk is full).")
 
-    monkeypatch.setattr("regression.study.run_plan", run_plan)
+    monkeypatch.setattr("regression.runs.study.run_plan", run_plan)
     answer = call(
         "doe", study, "--time-limit", "2 min", "--memory-limit", "4 GiB", "--dask", "tcp://h:1"
     )
@@ -196,7 +196,7 @@ def test_a_locked_store_ends_doe_with_one_sentence_and_1(call, study, tmp_path, 
 INTERRUPTED = """
 import os, signal, subprocess, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored if the tests run in the background
-from regression import supervised
+from regression.runs import supervised
 supervised.spawn_worker = lambda: subprocess.Popen(
     [sys.executable, "-S", "-c", os.environ["PUPPET"]], stdin=subprocess.PIPE, stdout=subprocess.PIPE
 )

@@ -3,11 +3,11 @@
 import pytest
 
 from geometry.throw import CrankThrow
-from regression.compliance_model import ComplianceModel
-from regression.plan import MODEL_VERSION, StudyPlan, plan_designs
+from regression.models.compliance_model import ComplianceModel
+from regression.plans.plan import MODEL_VERSION, StudyPlan, plan_designs
 from regression.records import Outcome
-from regression.store import ResultStore
-from regression.study import run_plan
+from regression.runs.store import ResultStore
+from regression.runs.study import run_plan
 
 THROW = CrankThrow(
     crank_radius=0.170,

@@ -23,11 +23,11 @@ from crankfem.fitting import (
 from crankfem.pictures.fit_plots import plot_fits
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.designs import DesignChoice
-from regression.factors import Factor
-from regression.plan import StudyPlan, plan_designs
+from regression.plans.designs import DesignChoice
+from regression.plans.factors import Factor
+from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import ExtraRow, Outcome
-from regression.study_table import study_table
+from regression.runs.study_table import study_table
 
 THROW = CrankThrow(
     crank_radius=0.170,

@@ -16,9 +16,9 @@ from fem.analysis import analyze_throw
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Web
-from regression.axial_formulas import AXIAL_FORMULA_NAMES, axial_formulas
 from regression.formulas.angle_factors import ANGLE_FACTORS
-from regression.torsional_formulas import TORSIONAL_FORMULA_NAMES
+from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES, axial_formulas
+from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 
 coarse = functools.partial(analyze_throw, accuracy=0.1)
 

@@ -20,8 +20,8 @@ from crankfem.engine_file import load_engine, load_throw
 from crankfem.frequency_limits import EngineFrequencies, frequency_limit
 from dynamics.engine_chains import axial_chain
 from geometry.errors import InputError
-from regression.compliance_model import ComplianceModel, ResponseModel
-from regression.fits import fit_form
+from regression.fits.fits import fit_form
+from regression.models.compliance_model import ComplianceModel, ResponseModel
 
 ENGINE = "6chn25-34"
 THROW = load_throw(engine_path(ENGINE))[0]

@@ -13,7 +13,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from regression.compliance_model import ComplianceModel
+from regression.models.compliance_model import ComplianceModel
 
 pytestmark = pytest.mark.slow
 

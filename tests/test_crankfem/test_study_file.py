@@ -14,9 +14,9 @@ from crankfem.toml_file import read_toml
 from fem.material import STEEL
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.designs import OPTIONS, DesignChoice
-from regression.factors import Factor
-from regression.plan import StudyPlan, plan_designs
+from regression.plans.designs import OPTIONS, DesignChoice
+from regression.plans.factors import Factor
+from regression.plans.plan import StudyPlan, plan_designs
 
 ROOT = Path(__file__).resolve().parents[2]
 THROW = CrankThrow(

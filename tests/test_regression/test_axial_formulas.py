@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.axial_formulas import (
+from regression.formulas.axial_formulas import (
     AXIAL_FORMULA_NAMES,
     DEFAULT_CONSTANTS,
     FORMULA_CONSTANTS,

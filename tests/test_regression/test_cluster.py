@@ -16,14 +16,20 @@ import pytest
 
 from geometry.errors import InputError, MissingLibraryError
 from geometry.throw import CrankThrow
-from regression import cluster as cluster_module
-from regression import shelf as shelf_module
-from regression import supervised
-from regression.cluster import DaskCluster, TaskLostError, compute_design, identity, run_on_cluster
 from regression.records import StudyStoppedError
-from regression.shelf import Shelf
-from regression.study import StudyPlan, run_plan
-from regression.supervised import Limits
+from regression.runs import cluster as cluster_module
+from regression.runs import shelf as shelf_module
+from regression.runs import supervised
+from regression.runs.cluster import (
+    DaskCluster,
+    TaskLostError,
+    compute_design,
+    identity,
+    run_on_cluster,
+)
+from regression.runs.shelf import Shelf
+from regression.runs.study import StudyPlan, run_plan
+from regression.runs.supervised import Limits
 
 THROW = CrankThrow(
     crank_radius=0.170,

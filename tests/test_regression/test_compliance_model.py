@@ -12,13 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.errors import InputError
-from regression.compliance_model import (
+from regression.fits.fits import fit_form
+from regression.models.compliance_model import (
     ComplianceModel,
     Lookup,
     OutsideRangeWarning,
     ResponseModel,
 )
-from regression.fits import fit_form
 
 ROOT = Path(__file__).resolve().parents[2]
 FACTORS = ("web_width", "web_thickness", "pin_length")

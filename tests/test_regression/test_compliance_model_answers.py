@@ -17,13 +17,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.errors import InputError
-from regression.angle import between, fold_angle
-from regression.compliance_model import ComplianceModel, OutsideRangeWarning, ResponseModel
-from regression.evaluator import PIECE, compile_equation
-from regression.fits import fit_form
-from regression.forms import FittedForm
-from regression.model_file import checksum
-from regression.terms import polynomial_terms
+from regression.fits.fits import fit_form
+from regression.fits.forms import FittedForm
+from regression.fits.terms import polynomial_terms
+from regression.models.angle import between, fold_angle
+from regression.models.compliance_model import ComplianceModel, OutsideRangeWarning, ResponseModel
+from regression.models.evaluator import PIECE, compile_equation
+from regression.models.model_file import checksum
 
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098)}
 GRID = np.array(list(itertools.product(*(np.linspace(*ends, 3) for ends in BOX.values()))))

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from fem.material import STEEL
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.compliance_model import ComplianceModel, OutsideRangeWarning, ResponseModel
-from regression.fits import fit_form
-from regression.groups import group_named
+from regression.fits.fits import fit_form
+from regression.fits.groups import group_named
+from regression.models.compliance_model import ComplianceModel, OutsideRangeWarning, ResponseModel
 
 E, RHO = STEEL.youngs_modulus, STEEL.density
 THROW = {

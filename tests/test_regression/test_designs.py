@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 
 from geometry.errors import InputError
-from regression.designs import (
+from regression.plans.designs import (
     OPTIONS,
     SPACE_FILLING,
     DesignChoice,
@@ -29,14 +29,14 @@ from regression.designs import (
     values_at,
     without_repeats,
 )
-from regression.designs_factorial import (
+from regression.plans.designs_factorial import (
     confused,
     corner_fraction,
     corners_by_generators,
     resolution_of,
 )
-from regression.designs_space import drawn, latin_hypercube_points, sobol_points, thinned
-from regression.factors import Factor
+from regression.plans.designs_space import drawn, latin_hypercube_points, sobol_points, thinned
+from regression.plans.factors import Factor
 
 BOX = {
     "web_width": (0.270, 0.330),

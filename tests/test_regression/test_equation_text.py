@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 
-from regression.equation_text import FactorLabel, equation_text, factor_label, term_symbols
-from regression.fits import fit_form
-from regression.forms import FORMS, FittedForm
+from regression.fits.equation_text import FactorLabel, equation_text, factor_label, term_symbols
+from regression.fits.fits import fit_form
+from regression.fits.forms import FORMS, FittedForm
 
 FACTORS = ("web_width", "web_thickness", "pin_length")
 BOX = ((0.270, 0.330), (0.038, 0.098), (0.120, 0.158))

@@ -11,12 +11,12 @@ import pytest
 from fem.responses import RESPONSES
 from geometry.errors import InputError, MissingLibraryError
 from geometry.throw import CrankThrow
-from regression import supervised
-from regression.export_table import export_table
-from regression.factors import Factor
+from regression.plans.factors import Factor
 from regression.records import HELD_OUT, MEASURED, RUN
-from regression.store import ResultStore
-from regression.study import StudyPlan, import_results, read_study, run_plan
+from regression.runs import supervised
+from regression.runs.export_table import export_table
+from regression.runs.store import ResultStore
+from regression.runs.study import StudyPlan, import_results, read_study, run_plan
 
 THROW = CrankThrow(
     crank_radius=0.170,

@@ -10,7 +10,7 @@ import pytest
 
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.factors import (
+from regression.plans.factors import (
     Factor,
     changed_record,
     field_value,

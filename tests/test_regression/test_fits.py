@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from scipy.stats import qmc
 
 from geometry.errors import InputError
-from regression.fits import fit_form
-from regression.forms import FORMS
+from regression.fits.fits import fit_form
+from regression.fits.forms import FORMS
 
 FACTORS = ("web_width", "web_thickness", "pin_length")
 BOX = {

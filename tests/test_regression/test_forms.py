@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from geometry.errors import InputError
-from regression.forms import FORMS, FittedForm, form_named, form_terms
-from regression.terms import (
+from regression.fits.forms import FORMS, FittedForm, form_named, form_terms
+from regression.fits.terms import (
     divisors,
     levels_needed,
     polynomial_terms,

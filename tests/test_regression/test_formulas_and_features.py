@@ -4,8 +4,8 @@ import pytest
 
 from geometry.throw import CrankThrow
 from geometry.throw_sections import FurtherPin, Web
-from regression.axial_formulas import axial_formulas, round_area, round_inertia
-from regression.torsional_formulas import torsional_formulas
+from regression.formulas.axial_formulas import axial_formulas, round_area, round_inertia
+from regression.formulas.torsional_formulas import torsional_formulas
 
 
 def test_sections_with_bores():

@@ -3,9 +3,8 @@ import pytest
 
 from fem.material import STEEL
 from geometry.errors import InputError
-from regression.columns import Encoding, constant_groups, factor_encoding, group_encoding
-from regression.factors import Factor
-from regression.groups import (
+from regression.fits.columns import Encoding, constant_groups, factor_encoding, group_encoding
+from regression.fits.groups import (
     GROUPS,
     group_named,
     group_names,
@@ -13,6 +12,7 @@ from regression.groups import (
     independent_groups,
     response_scale,
 )
+from regression.plans.factors import Factor
 
 MAIN = {
     "crank_radius": 0.170,

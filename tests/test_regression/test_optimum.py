@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from geometry.errors import InputError
-from regression.compliance_model import ComplianceModel, ResponseModel
-from regression.fits import fit_form
-from regression.optimum import find_optimum
-from regression.optimum_limits import Limit, Points, limit_values
+from regression.fits.fits import fit_form
+from regression.models.compliance_model import ComplianceModel, ResponseModel
+from regression.models.optimum import find_optimum
+from regression.models.optimum_limits import Limit, Points, limit_values
 
 BOX = {
     "web_width": (0.270, 0.330),

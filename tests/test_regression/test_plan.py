@@ -15,9 +15,9 @@ from scipy.spatial.distance import cdist
 from fem.material import STEEL
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.designs import SPACE_FILLING, DesignChoice
-from regression.factors import Factor, rounded
-from regression.plan import (
+from regression.plans.designs import SPACE_FILLING, DesignChoice
+from regression.plans.factors import Factor, rounded
+from regression.plans.plan import (
     HELD_OUT,
     MODEL_VERSION,
     RUN,
@@ -25,7 +25,7 @@ from regression.plan import (
     plan_designs,
 )
 from regression.records import content_key
-from regression.store import ResultStore
+from regression.runs.store import ResultStore
 
 THROW = CrankThrow(
     crank_radius=0.170,

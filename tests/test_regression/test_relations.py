@@ -10,8 +10,8 @@ import pytest
 
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.factors import throw_fields
-from regression.relations import (
+from regression.plans.factors import throw_fields
+from regression.plans.relations import (
     broken,
     calculate,
     in_order,

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from geometry.errors import InputError
-from regression.fits import fit_form
-from regression.selection import backward, choose
-from regression.statistics import least_squares
-from regression.terms import design_matrix, divisors, polynomial_terms
+from regression.fits.fits import fit_form
+from regression.fits.selection import backward, choose
+from regression.fits.statistics import least_squares
+from regression.fits.terms import design_matrix, divisors, polynomial_terms
 
 TERMS = polynomial_terms(3, 2)
 

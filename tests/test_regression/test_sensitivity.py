@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from geometry.errors import InputError
-from regression.factors import Factor
-from regression.forms import FittedForm
-from regression.sensitivity import elasticities, nominal_values, sobol_indices
+from regression.fits.forms import FittedForm
+from regression.fits.sensitivity import elasticities, nominal_values, sobol_indices
+from regression.plans.factors import Factor
 
 A, B = Factor("a", "m", 1.0, 2.0), Factor("b", "m", 1.0, 3.0)
 KIND = Factor.of_labels("kind", ("x", "y", "z"))

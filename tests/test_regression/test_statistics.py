@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geometry.errors import InputError
-from regression.statistics import adjusted, explained, least_squares, press_without_each
+from regression.fits.statistics import adjusted, explained, least_squares, press_without_each
 
 
 def random_system(seed=0, rows=30, columns=6):

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from fem import responses
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression import store as store_module
-from regression import store_schema
 from regression.records import ExtraRow, Outcome, StudyStoppedError, content_key
-from regression.store import ResultStore
+from regression.runs import store as store_module
+from regression.runs import store_schema
+from regression.runs.store import ResultStore
 
 DONE = Outcome(
     "a" * 24,

@@ -15,13 +15,13 @@ from fem.material import STEEL
 from fem.responses import evaluate_throw
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression import plan as plan_module
-from regression import study as study_module
-from regression import supervised
-from regression.plan import Factor
+from regression.plans import plan as plan_module
+from regression.plans.plan import Factor
 from regression.records import HELD_OUT, RUN
-from regression.store import ResultStore
-from regression.study import StudyPlan, plan_designs, read_study, run_plan
+from regression.runs import study as study_module
+from regression.runs import supervised
+from regression.runs.store import ResultStore
+from regression.runs.study import StudyPlan, plan_designs, read_study, run_plan
 
 ROOT = Path(__file__).resolve().parents[2]
 THROW = CrankThrow(
@@ -358,7 +358,7 @@ def finished(store):
 
 COORDINATOR = """
 import sys
-from regression.study import StudyPlan, run_plan
+from regression.runs.study import StudyPlan, run_plan
 from geometry.throw import CrankThrow
 plan = StudyPlan.from_record(__import__("json").loads(sys.argv[1]))
 print(run_plan(plan, sys.argv[2], 2).computed)

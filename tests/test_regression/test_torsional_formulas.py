@@ -4,7 +4,7 @@ import pytest
 
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.torsional_formulas import TORSIONAL_FORMULA_NAMES, torsional_formulas
+from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES, torsional_formulas
 
 
 def throw_of_mm(R, D_km, D_shm, L_km, L_shm, B, h):

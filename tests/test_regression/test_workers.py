@@ -17,9 +17,9 @@ from fem.material import STEEL
 from fem.responses import ThrowResponses, evaluate_throw
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression import supervised, worker
-from regression.supervised import Limits, design_limits
-from regression.workers import run_designs
+from regression.runs import supervised, worker
+from regression.runs.supervised import Limits, design_limits
+from regression.runs.workers import run_designs
 
 ROOT = Path(__file__).resolve().parents[2]
 THROW = {
@@ -316,7 +316,7 @@ def test_workers_find_the_packages_of_their_coordinator(tmp_path, mark):
 import json, sys
 sys.path.insert(0, {str(ROOT)!r})
 sys.path[:] = [place for place in sys.path if place not in ("", {str(tmp_path)!r})]
-from regression.workers import run_designs
+from regression.runs.workers import run_designs
 run_designs(
     [("k", {design()!r})], lambda o: print(json.dumps([o.responses is not None, o.reason])), 1
 )
@@ -348,7 +348,7 @@ def test_a_worker_ends_when_its_coordinator_is_gone():
 @needs_proc
 def test_a_worker_ends_in_the_middle_of_a_design_when_its_owner_is_gone(mark):
     worker_code = (
-        "import os, threading, time; from regression.worker import _end_with_owner;"
+        "import os, threading, time; from regression.runs.worker import _end_with_owner;"
         "threading.Thread(target=_end_with_owner, args=(os.getppid(),), daemon=True).start();"
         "print('ready', flush=True); time.sleep(600)"
     )

@@ -21,13 +21,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geometry.throw import CrankThrow
-from regression.axial_formulas import (
+from regression.formulas.angle_factors import ANGLE_FACTORS
+from regression.formulas.axial_formulas import (
     AXIAL_VARIANTS,
     DEFAULT_CONSTANTS,
     axial_formula,
     axial_formulas,
 )
-from regression.formulas.angle_factors import ANGLE_FACTORS
 from regression.formulas.catalogue import AXIAL_FORMULAS
 
 E = 2.1e11

@@ -17,9 +17,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from regression.fits import fit_form
-from regression.forms import FORMS
-from regression.terms import code, design_matrix
+from regression.fits.fits import fit_form
+from regression.fits.forms import FORMS
+from regression.fits.terms import code, design_matrix
 
 statsmodels = pytest.importorskip("statsmodels.api")
 influence_tools = pytest.importorskip("statsmodels.stats.outliers_influence")

@@ -21,11 +21,11 @@ import pytest
 from fem.material import STEEL
 from fem.responses import evaluate_throw
 from geometry.throw import CrankThrow
-from regression.fits import fit_form
-from regression.forms import FORMS
-from regression.groups import group_names, group_values, response_scale
-from regression.selection import choose
-from regression.terms import code, design_matrix
+from regression.fits.fits import fit_form
+from regression.fits.forms import FORMS
+from regression.fits.groups import group_names, group_values, response_scale
+from regression.fits.selection import choose
+from regression.fits.terms import code, design_matrix
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 FACTORS = ("web_width", "web_thickness", "pin_length")

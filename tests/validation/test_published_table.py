@@ -16,8 +16,8 @@ import pytest
 from crankfem.data_files import data_folder
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.axial_formulas import AXIAL_FORMULA_NAMES, axial_formula
-from regression.published_table import (
+from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES, axial_formula
+from regression.formulas.published_table import (
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,
     read_published_table,

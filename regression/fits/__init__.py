@@ -1,0 +1,1 @@
+"""Equations fitted to studies: forms, statistics, selection, sensitivities."""

@@ -1,0 +1,417 @@
+"""Least-squares fits of a response over a design, and how far each fit can be trusted.
+
+Finite element runs repeat exactly, so there is no replication noise: the residuals are lack of
+fit, and t and F values measure only that. Leave-one-out on a coarse grid does not see the error
+between its levels either. A fit is therefore judged by held-out designs spread over the box.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from geometry.errors import InputError
+from regression.fits.forms import Basis, FittedForm, Form, form_named, form_terms
+from regression.fits.groups import group_named
+from regression.fits.selection import backward
+from regression.fits.statistics import (
+    DEPENDENT_COLUMN,
+    LeastSquares,
+    adjusted,
+    explained,
+    least_squares,
+)
+from regression.fits.terms import Term, code, design_matrix, divisors, levels_needed, term_name
+
+Array = NDArray[np.float64]
+
+# Two values of a column are one level if they differ by less than this share of its range.
+_SAME_LEVEL = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted form and its errors. Errors are relative to the true response, 0.01 for 1 %.
+
+    Attributes
+    ----------
+    fitted : FittedForm
+        The equation.
+    statistics : LeastSquares
+        Of the polynomial in coded variables; in a form in logarithms of the response, of its
+        logarithm.
+    r_squared, adjusted_r_squared : float
+        R2 of the response itself at the runs, for a form in logarithms too; 1 for a constant
+        response. The adjusted one is None without degrees of freedom.
+    q_squared : float or None
+        Leave-one-out Q2 = 1 - PRESS / total sum of squares, of the response itself; None if some
+        run alone determines a coefficient (as with as many runs as coefficients).
+    largest_error, mean_error : float
+        At the runs.
+    largest_heldout_error, mean_heldout_error : float or None
+        At the held-out designs; None if there were none.
+    runs, heldout_runs : int
+        Numbers of runs fitted and held out.
+    lowest, highest : tuple of float
+        Of each column at the runs.
+    undetermined : tuple of str
+        Terms that the form has but the runs' levels do not determine.
+    dropped : tuple of str
+        Terms without which PRESS did not grow, in the order of their going.
+    """
+
+    fitted: FittedForm
+    statistics: LeastSquares
+    r_squared: float
+    adjusted_r_squared: float | None
+    q_squared: float | None
+    largest_error: float
+    mean_error: float
+    largest_heldout_error: float | None
+    mean_heldout_error: float | None
+    runs: int
+    heldout_runs: int
+    lowest: tuple[float, ...]
+    highest: tuple[float, ...]
+    undetermined: tuple[str, ...] = ()
+    dropped: tuple[str, ...] = ()
+
+    @property
+    def form(self) -> str:
+        """Name of the form."""
+        return self.fitted.form
+
+    @property
+    def basis(self) -> Basis:
+        """Whether the columns are a study's factors or dimensionless groups."""
+        return form_named(self.fitted.form).basis
+
+    @property
+    def factors(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return self.fitted.factors
+
+    @property
+    def coefficient_count(self) -> int:
+        """Number of coefficients."""
+        return len(self.fitted.coefficients)
+
+    @property
+    def term_names(self) -> tuple[str, ...]:
+        """Names of the terms, such as "web_width^2" or "ln(web_width)"."""
+        return _names(self.fitted.terms, self.factors, self.fitted.log_factors)
+
+    @property
+    def coefficients(self) -> dict[str, float]:
+        """Natural coefficients (SI units) by the name of their term, such as "web_width^2"."""
+        natural = self.fitted.natural_coefficients()
+        names = _names(list(natural), self.factors, self.fitted.log_factors)
+        return dict(zip(names, natural.values(), strict=True))
+
+    @property
+    def coded_coefficients(self) -> dict[str, float]:
+        """Coefficients in the coded variables, -1 ... 1 over the runs, by the name of their term."""
+        return dict(zip(self.term_names, self.fitted.coefficients, strict=True))
+
+    @property
+    def natural_standard_errors(self) -> dict[str, float] | None:
+        """Standard errors of `coefficients`; None without degrees of freedom."""
+        covariance = self.statistics.covariance
+        if covariance is None:
+            return None
+        _, change = self.fitted.natural_transformation()
+        errors = np.sqrt(np.einsum("ij,jk,ik->i", change, covariance, change))
+        return dict(zip(self.coefficients, errors.tolist(), strict=True))
+
+    @property
+    def variance_inflation(self) -> dict[str, float]:
+        """Variance inflation of the coded terms after the constant, by name."""
+        values = self.statistics.variance_inflation.tolist()
+        return dict(zip(self.term_names[1:], values, strict=True))
+
+    def predict(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Evaluate at points (..., k); see `FittedForm.predict`."""
+        return self.fitted.predict(x)
+
+
+def _names(
+    terms: Sequence[Term], factors: Sequence[str], log_factors: Sequence[bool]
+) -> tuple[str, ...]:
+    names = [f"ln({name})" if log else name for name, log in zip(factors, log_factors, strict=True)]
+    return tuple(term_name(term, names) for term in terms)
+
+
+def is_indicator(name: str) -> bool:
+    """Whether a column of this name is the 0/1 column of a category, such as "web_outline=b"."""
+    return "=" in name
+
+
+def fit_form(
+    form: str,
+    factors: Sequence[str],
+    x: ArrayLike,
+    y: ArrayLike,
+    heldout_x: ArrayLike | None = None,
+    heldout_y: ArrayLike | None = None,
+    *,
+    scale: ArrayLike = 1.0,
+    heldout_scale: ArrayLike = 1.0,
+    logged: Sequence[bool] | None = None,
+    drop_terms: bool = False,
+) -> Fit:
+    """Fit one form to a response by ordinary least squares.
+
+    Parameters
+    ----------
+    form : str
+        One of `regression.fits.forms.FORMS`. In a form in logarithms, squares of ln y are the smallest.
+    factors : sequence of str
+        Names of the k columns; one with "=" in it is the 0/1 column of a category.
+    x, heldout_x : (n, k), (m, k) array_like
+        Columns of the runs to fit, and of those to judge by.
+    y, heldout_y : (n,), (m,) array_like
+        The response; no value 0, for errors are relative.
+    scale, heldout_scale : array_like, optional
+        What the equation's value is multiplied with to give y, for an equation on dimensionless
+        groups; a number, or one for each run.
+    logged : sequence of bool, optional
+        Of which columns a form in logarithms may take them; otherwise of the groups that say so, and
+        of all factors. Only of columns that are positive at the runs, and never of 0/1 columns.
+    drop_terms : bool
+        Whether terms go without which PRESS does not grow (`regression.fits.selection`).
+
+    Returns
+    -------
+    Fit
+        Terms that need more levels of a column than the runs have are not in it; of a cubic form,
+        neither those that follow from the others at the runs.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not fit, a number is not finite, there are fewer runs than coefficients,
+        the runs do not determine a coefficient, or a form in logarithms meets a response that is
+        not positive.
+    """
+    kind = form_named(form)
+    names = tuple(factors)
+    points, values = _checked_runs("x", "y", names, x, y, kind)
+    log_factors = _log_factors(kind, names, points, logged)
+    center, half_range = _coding(names, points, log_factors)
+    coded = code(points, center, half_range, log_factors)
+    terms, undetermined = _determined_terms(kind, names, points, coded)
+    if len(values) < len(terms):
+        raise InputError(
+            f"runs: given {len(values)}; at least {len(terms)} are needed, because the {form} form "
+            f"of {len(names)} factors has {len(terms)} coefficients."
+        )
+    matrix = design_matrix(terms, coded)
+    sizes = _sizes("scale", scale, values)
+    target = np.log(values / sizes) if kind.logarithmic else values / sizes
+    dropped: tuple[Term, ...] = ()
+    # Solved in full first: that says which term the runs do not determine.
+    solution = least_squares(matrix, target, _names(terms, names, log_factors))
+    if drop_terms:
+        kept, gone = backward(matrix, target, terms)
+        dropped, terms = tuple(terms[i] for i in gone), tuple(terms[i] for i in kept)
+        solution = least_squares(matrix[:, kept], target, _names(terms, names, log_factors))
+    fitted = FittedForm(
+        form,
+        names,
+        kind.logarithmic,
+        log_factors,
+        center,
+        half_range,
+        terms,
+        tuple(solution.coefficients.tolist()),
+    )
+    predicted = sizes * fitted.predict(points)
+    errors = np.abs(predicted / values - 1.0)
+    heldout = _heldout_errors(fitted, kind, heldout_x, heldout_y, heldout_scale)
+    r_squared = explained(values, predicted)
+    return Fit(
+        fitted=fitted,
+        statistics=solution,
+        r_squared=r_squared,
+        adjusted_r_squared=adjusted(r_squared, len(values), len(terms)),
+        q_squared=_leave_one_out(solution, values, sizes, kind.logarithmic),
+        largest_error=float(np.max(errors)),
+        mean_error=float(np.mean(errors)),
+        largest_heldout_error=float(np.max(heldout)) if heldout is not None else None,
+        mean_heldout_error=float(np.mean(heldout)) if heldout is not None else None,
+        runs=len(values),
+        heldout_runs=len(heldout) if heldout is not None else 0,
+        lowest=tuple(np.min(points, axis=0).tolist()),
+        highest=tuple(np.max(points, axis=0).tolist()),
+        undetermined=_names(undetermined, names, log_factors),
+        dropped=_names(dropped, names, log_factors),
+    )
+
+
+def _checked_runs(
+    x_name: str, y_name: str, factors: tuple[str, ...], x: ArrayLike, y: ArrayLike, form: Form
+) -> tuple[Array, Array]:
+    if not factors or len(set(factors)) != len(factors):
+        raise InputError(
+            f"factors: given {list(factors)}; allowed is each varied dimension once, at least one."
+        )
+    points = np.asarray(x, dtype=np.float64)
+    values = np.asarray(y, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != len(factors) or points.shape[0] == 0:
+        raise InputError(
+            f"{x_name}: given an array of shape {points.shape}; allowed is (runs, {len(factors)}), "
+            f"one column for each of {', '.join(factors)}."
+        )
+    if values.shape != points.shape[:1]:
+        raise InputError(
+            f"{y_name}: given an array of shape {values.shape}; allowed is ({points.shape[0]},), "
+            f"one response for each row of {x_name}."
+        )
+    for name, array in ((x_name, points), (y_name, values)):
+        if not np.all(np.isfinite(array)):
+            raise InputError(
+                f"{name}: given a number that is not finite; leave failed runs out of a fit."
+            )
+    if np.any(values == 0.0):
+        raise InputError(
+            f"{y_name}: given a response of 0; allowed is any other number, because errors are "
+            "relative to the response."
+        )
+    if form.logarithmic and not np.all(values > 0.0):
+        raise InputError(
+            f"{y_name}: given {float(np.min(values)):g}, which is not positive; allowed are "
+            f"positive values, because the {form.name} form takes their logarithm."
+        )
+    return points, values
+
+
+def _sizes(name: str, scale: ArrayLike, values: Array) -> Array:
+    sizes = np.asarray(scale, dtype=np.float64)
+    if sizes.shape not in ((), values.shape) or not np.all(np.isfinite(sizes) & (sizes > 0.0)):
+        raise InputError(
+            f"{name}: given an array of shape {sizes.shape}; allowed are positive numbers, one or "
+            f"{len(values)}, because a response is divided by its scale."
+        )
+    return sizes
+
+
+def _log_factors(
+    form: Form, factors: tuple[str, ...], points: Array, logged: Sequence[bool] | None
+) -> tuple[bool, ...]:
+    if not form.logarithmic:
+        return (False,) * len(factors)
+    positive = np.all(points > 0.0, axis=0)
+    if logged is None:
+        grouped = form.basis == "groups"
+        logged = [
+            not is_indicator(name) and (not grouped or group_named(name).logged) for name in factors
+        ]
+    return tuple(
+        bool(wanted and can and not is_indicator(name))
+        for name, wanted, can in zip(factors, logged, positive, strict=True)
+    )
+
+
+def _coding(
+    factors: tuple[str, ...], points: Array, log_factors: tuple[bool, ...]
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return centers and half ranges of the runs; each column must vary."""
+    logged = np.asarray(log_factors)
+    spread = points.copy()
+    spread[:, logged] = np.log(points[:, logged])
+    low, high = np.min(spread, axis=0), np.max(spread, axis=0)
+    center, half_range = 0.5 * (low + high), 0.5 * (high - low)
+    for number, name in enumerate(factors):
+        if half_range[number] <= 1e-12 * max(abs(float(center[number])), 1e-300):
+            raise InputError(
+                f"{name}: given the same value {points[0, number]:g} in all runs; allowed are "
+                "factors that vary, because only they can be fitted."
+            )
+    return tuple(center.tolist()), tuple(half_range.tolist())
+
+
+def _determined_terms(
+    form: Form, factors: tuple[str, ...], points: Array, coded: Array
+) -> tuple[tuple[Term, ...], tuple[Term, ...]]:
+    """Split the form's terms into those that the runs may determine, and the others."""
+    indicators = [number for number, name in enumerate(factors) if is_indicator(name)]
+    levels = [_level_count(points[:, number]) for number in range(len(factors))]
+    candidates = [
+        term
+        for term in form_terms(form, len(factors), indicators)
+        # The 0/1 columns of one category are never 1 together.
+        if not _same_category(term, factors)
+    ]
+    kept = [
+        term
+        for term in candidates
+        if all(levels[number] >= needed for number, needed in levels_needed(term).items())
+    ]
+    if form.degree > 2 and len(kept) <= len(points):
+        kept = _independent(kept, coded)
+    return tuple(kept), tuple(term for term in candidates if term not in kept)
+
+
+def _level_count(column: Array) -> int:
+    ordered = np.sort(column)
+    steps = np.diff(ordered) > _SAME_LEVEL * (ordered[-1] - ordered[0])
+    return 1 + int(np.count_nonzero(steps))
+
+
+def _same_category(term: Term, factors: tuple[str, ...]) -> bool:
+    categories = [factors[n].partition("=")[0] for n in term if is_indicator(factors[n])]
+    return len(set(categories)) < len(categories)
+
+
+def _independent(terms: Sequence[Term], coded: Array) -> list[Term]:
+    """Leave out the terms that follow from earlier ones at the runs, and those that contain them."""
+    columns = design_matrix(terms, coded)
+    directions = np.empty((len(coded), 0))
+    kept: list[Term] = []
+    left_out: set[Term] = set()
+    for place, term in enumerate(terms):
+        column = columns[:, place]
+        own = column.copy()
+        for _ in range(2):  # twice, or round-off would pass for an own part
+            own -= directions @ (directions.T @ own)
+        length = float(np.linalg.norm(own))
+        dependent = length <= 1e2 * DEPENDENT_COLUMN * float(np.linalg.norm(column))
+        if dependent or not left_out.isdisjoint(divisors(term)):
+            left_out.add(term)
+            continue
+        kept.append(term)
+        directions = np.column_stack([directions, own / length])
+    return kept
+
+
+def _heldout_errors(
+    fitted: FittedForm,
+    form: Form,
+    heldout_x: ArrayLike | None,
+    heldout_y: ArrayLike | None,
+    heldout_scale: ArrayLike,
+) -> Array | None:
+    if heldout_x is None and heldout_y is None:
+        return None
+    if heldout_x is None or heldout_y is None:
+        raise InputError(
+            "heldout_x, heldout_y: given only one of the two; give the held-out designs with their "
+            "responses, or neither."
+        )
+    points, values = _checked_runs(
+        "heldout_x", "heldout_y", fitted.factors, heldout_x, heldout_y, form
+    )
+    sizes = _sizes("heldout_scale", heldout_scale, values)
+    errors: Array = np.abs(sizes * fitted.predict(points) / values - 1.0)
+    return errors
+
+
+def _leave_one_out(
+    solution: LeastSquares, values: Array, sizes: Array, logarithmic: bool
+) -> float | None:
+    """Return Q2 from each run's prediction by the fit to all others, by the hat matrix."""
+    left_out = solution.left_out
+    if left_out is None:
+        return None
+    return explained(values, sizes * (np.exp(left_out) if logarithmic else left_out))

@@ -1,0 +1,1 @@
+"""Compliance models: equations in a file, asked by dimensions; optimum search."""

@@ -1,0 +1,464 @@
+"""A fitted compliance model in a file: dimensions in, compliance out, with its known errors.
+
+A model answers for one family of throws: some dimensions are its factors, the others are fixed; in
+dimensionless groups it answers for throws of the family at any size. It needs neither mesh nor solver
+and is written as JSON that people can read.
+"""
+
+import os
+import warnings
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import ConfigDict, Field, FiniteFloat, model_validator
+
+from geometry.errors import InputError
+from geometry.model import InputModel
+from geometry.throw import CrankThrow
+from regression.models.angle import between_values, fold_angle
+from regression.models.family import Family
+from regression.models.family_throw import throw_question
+from regression.models.lookup import Lookup, tell, tell_between
+from regression.models.model_file import FILE_FORMAT, FORMAT_VERSION, read_model, write_model
+from regression.models.outside import Outside, OutsideRangeWarning
+from regression.models.question import Answer
+from regression.models.ready_model import ReadyModel, column_ranges
+from regression.models.response_model import ResponseModel
+
+__all__ = [
+    "FILE_FORMAT",
+    "FORMAT_VERSION",
+    "KNOWN_RESPONSES",
+    "ComplianceModel",
+    "Lookup",
+    "OutsideRangeWarning",
+    "ResponseModel",
+]
+
+AXIAL = "axial_compliance"
+TORSIONAL = "torsional_compliance"
+INFLUENCE = "influence_coefficient"
+TILT_RATIO = "tilt_stiffness_ratio"
+# Symbol and unit of the responses that have a method of their own.
+KNOWN_RESPONSES: Mapping[str, tuple[str, str]] = {
+    AXIAL: ("e_n", "m/N"),
+    TORSIONAL: ("e_t", "rad/(N m)"),
+}
+# Responses that depend on the angle to the neighbors, and what their angle law needs.
+ANGLE_LAWS: Mapping[str, tuple[str, str, str]] = {
+    name: (f"{name}_in_line", f"{name}_opposite", TILT_RATIO) for name in (AXIAL, INFLUENCE)
+}
+
+Value = float | NDArray[np.float64]
+
+
+class ComplianceModel(InputModel):
+    """Regression equations for the compliances of a family of crank throws.
+
+    Parameters
+    ----------
+    responses : dict of str to ResponseModel
+        By name: "axial_compliance", "torsional_compliance", "influence_coefficient", or others for
+        `value` and `lookup`.
+    fixed : dict of str to float
+        The throw's dimensions that did not vary, by field of `CrankThrow` [SI]; of a part as
+        "counterweight.thickness".
+    ranges : dict of str to (float, float), optional
+        Range of each numeric factor of the study [SI]; the ranges of the equations' columns, if not
+        given.
+    categories : dict of str to tuple of str
+        Labels of each factor that is a choice, such as web_outline.
+    labels : dict of str to str
+        Choices that did not vary.
+    units : dict of str to str
+        SI units of factors that are no fields of a throw.
+    relations : dict of str to str
+        Dimensions that followed from others in the study, and how.
+    constraints : tuple of str
+        What had to hold in the study.
+    constant_groups : dict of str to float
+        Dimensionless groups that did not vary although their dimensions did.
+    throw : dict, optional
+        The throw that the study varied, as a record.
+    material : dict
+        What the runs were calculated with, such as youngs_modulus [Pa] and poisson_ratio.
+    provenance : dict
+        Where the model comes from: key of the study, versions, date.
+
+    Raises
+    ------
+    InputError
+        If a field is missing or unknown, a dimension is both fixed and a factor, or an equation's
+        column is none of the model's factors.
+
+    Examples
+    --------
+    ``model = ComplianceModel.load("model.json")`` and then
+    ``model.axial_compliance(web_width=0.300, web_thickness=0.068, pin_length=0.139)``.
+    """
+
+    section: ClassVar[str] = "model"
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    responses: dict[str, ResponseModel] = Field(min_length=1)
+    fixed: dict[str, FiniteFloat] = Field(default_factory=dict)
+    ranges: dict[str, tuple[FiniteFloat, FiniteFloat]] = Field(default_factory=dict)
+    categories: dict[str, tuple[str, ...]] = Field(default_factory=dict)
+    labels: dict[str, str] = Field(default_factory=dict)
+    units: dict[str, str] = Field(default_factory=dict)
+    relations: dict[str, str] = Field(default_factory=dict)
+    constraints: tuple[str, ...] = ()
+    constant_groups: dict[str, FiniteFloat] = Field(default_factory=dict)
+    throw: dict[str, Any] | None = None
+    material: dict[str, str | FiniteFloat] = Field(default_factory=dict)
+    provenance: dict[str, str | int | FiniteFloat | None] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        for name, response in self.responses.items():
+            both = [factor for factor in response.factors if factor in self.fixed]
+            if both:
+                raise InputError(
+                    f"fixed: given {both[0]}, which is a factor of {name}; a dimension either "
+                    "varies or is fixed."
+                )
+        for name, (low, high) in self.ranges.items():
+            if not low < high or name in self.fixed:
+                raise InputError(
+                    f"ranges: given {low:g} to {high:g} for {name}; allowed is a range from lower to "
+                    "higher, of what is not fixed."
+                )
+        _ = self._ready  # refuses columns that no dimension gives
+        return self
+
+    # ------------------------------------------------------------------------------ questions
+
+    def axial_compliance(
+        self,
+        *,
+        gamma_deg: ArrayLike | None = None,
+        strict: bool = False,
+        **dimensions: ArrayLike | str,
+    ) -> Value:
+        """Axial compliance e_n [m/N].
+
+        Parameters
+        ----------
+        gamma_deg : float or array_like, optional
+            Angle to the neighboring cranks [deg], folded to 0 ... 180; the throw is then between
+            identical neighbors instead of supported as in `lookup`. Needs e_0, e_180 and rho in the
+            model.
+        strict : bool
+            Refuse what lies outside the range of the fit.
+        **dimensions : float, str or array_like
+            The factors by name [SI], choices as labels; arrays are broadcast together. A fixed
+            dimension may be given if it has the model's value. An equation in dimensionless groups
+            takes any size: what is not given is as in the study, and ratios that did not vary must
+            agree with it.
+
+        Returns
+        -------
+        float or ndarray
+            A float if all dimensions are plain numbers.
+
+        Raises
+        ------
+        InputError
+            If a factor is missing, a dimension is unknown, not positive or not finite, a fixed one or
+            a fixed ratio has another value, or, if `strict`, something lies outside the range.
+
+        Warns
+        -----
+        OutsideRangeWarning
+            For each dimension or ratio outside the range of the fit; the value is not clipped.
+        """
+        if gamma_deg is None:
+            value = self._ready.quick(AXIAL, dimensions)
+            if value is not None:
+                return value
+        return self._found(AXIAL, dimensions, gamma_deg, strict)
+
+    def torsional_compliance(self, *, strict: bool = False, **dimensions: ArrayLike | str) -> Value:
+        """Torsional compliance [rad/(N m)]; else as `axial_compliance`."""
+        value = self._ready.quick(TORSIONAL, dimensions)
+        return self._found(TORSIONAL, dimensions, None, strict) if value is None else value
+
+    def influence_coefficient(
+        self,
+        *,
+        gamma_deg: ArrayLike | None = None,
+        strict: bool = False,
+        **dimensions: ArrayLike | str,
+    ) -> Value:
+        """Lengthening per unit radial force on the pin, c [m/N]; else as `axial_compliance`."""
+        if gamma_deg is None:
+            value = self._ready.quick(INFLUENCE, dimensions)
+            if value is not None:
+                return value
+        return self._found(INFLUENCE, dimensions, gamma_deg, strict)
+
+    def value(
+        self,
+        response: str,
+        /,
+        *,
+        gamma_deg: ArrayLike | None = None,
+        strict: bool = False,
+        **dimensions: ArrayLike | str,
+    ) -> Value:
+        """Value of any response of the model by its name [SI]; else as `axial_compliance`."""
+        if gamma_deg is None:
+            value = self._ready.quick(response, dimensions)
+            if value is not None:
+                return value
+        return self._found(response, dimensions, gamma_deg, strict)
+
+    def lookup(
+        self,
+        response: str,
+        /,
+        *,
+        gamma_deg: float | None = None,
+        strict: bool = False,
+        **dimensions: float | str,
+    ) -> Lookup:
+        """One value of a response with its unit, error band and equation.
+
+        Parameters
+        ----------
+        response : str
+            Name of the response, such as "axial_compliance".
+        gamma_deg, strict, **dimensions
+            As in `axial_compliance`, plain numbers only.
+
+        Returns
+        -------
+        Lookup
+            Dimensions outside their range are told in its remarks; nothing is warned about.
+
+        Raises
+        ------
+        InputError
+            As in `axial_compliance`; if the model does not hold the response; for an array.
+        """
+        if gamma_deg is None:
+            value = self._ready.quick(response, dimensions)
+            if value is not None:
+                return tell(self.responses[response], self._ready.bands[response], value)
+        for name, given in (*dimensions.items(), ("gamma_deg", gamma_deg)):
+            if np.ndim(given):  # type: ignore[arg-type]
+                raise InputError(
+                    f"{name}: given an array of shape {np.shape(given)}; allowed is one number, "  # type: ignore[arg-type]
+                    "because a lookup tells about one throw."
+                )
+        if gamma_deg is None:
+            return self._asked(response, dimensions, strict)
+        return self._told_between(response, dimensions, gamma_deg, strict)
+
+    def dimensions_of(self, throw: CrankThrow) -> dict[str, Any]:
+        """What to ask the model for a throw: its dimensions and labels by name.
+
+        Parameters
+        ----------
+        throw : CrankThrow
+
+        Raises
+        ------
+        InputError
+            If the throw has a feature that the throws of the model did not have, or lacks one.
+        """
+        return dict(throw_question(throw, self._ready.family, self.throw))
+
+    def of_throw(
+        self, throw: CrankThrow, *, gamma_deg: float | None = None, strict: bool = False
+    ) -> dict[str, Lookup]:
+        """Look all responses up for a throw.
+
+        Parameters
+        ----------
+        throw : CrankThrow
+        gamma_deg, strict
+            As in `axial_compliance`; the angle is for the responses that depend on it.
+
+        Returns
+        -------
+        dict of str to Lookup
+            Response name to its value. If the throw is of another size than the study's, this holds
+            the responses whose equations are dimensionless.
+
+        Raises
+        ------
+        InputError
+            If the throw is none of the model's family, or no response can be answered.
+
+        Warns
+        -----
+        UserWarning
+            For each response that cannot be answered while others can.
+        """
+        asked = self.dimensions_of(throw)
+        found: dict[str, Lookup] = {}
+        refused: dict[str, InputError] = {}
+        for name in self.responses:
+            angle = gamma_deg if name in ANGLE_LAWS else None
+            try:
+                found[name] = self.lookup(name, gamma_deg=angle, strict=strict, **asked)
+            except InputError as error:
+                refused[name] = error
+        if not found:
+            raise next(iter(refused.values()))
+        for name, reason in refused.items():
+            warnings.warn(f"{name} is left out: {reason}", stacklevel=2)
+        return found
+
+    def answer(self, response: str, dimensions: Mapping[str, ArrayLike | str]) -> Answer:
+        """Values of a response with what lies outside its range, without warnings."""
+        return self._ready.question(response).ask(dimensions)
+
+    def places(
+        self, response: str, dimensions: Mapping[str, ArrayLike | str]
+    ) -> NDArray[np.float64]:
+        """Places in the ranges of an equation's columns, -1 to 1 inside; (columns, ...)."""
+        return self._ready.question(response).places(dimensions)
+
+    @property
+    def family(self) -> Family:
+        """What varies and what is fixed in the throws that the model answers for."""
+        return self._ready.family
+
+    @cached_property
+    def _ready(self) -> ReadyModel:
+        ranges = self.ranges or column_ranges(self.responses)
+        family = Family(
+            ranges=ranges,
+            fixed=self.fixed,
+            categories=self.categories,
+            labels=self.labels,
+            units=self.units,
+            relations=self.relations,
+        )
+        return ReadyModel(self.responses, family, self.material, self.constant_groups)
+
+    def _found(
+        self,
+        name: str,
+        dimensions: Mapping[str, Any],
+        gamma_deg: ArrayLike | None,
+        strict: bool,
+    ) -> Value:
+        """Answer the long way, with warnings for the caller of the public method, two frames up."""
+        values: Value
+        if gamma_deg is None:
+            answer = self._ready.question(name).ask(dimensions)
+            values, beyond = answer.values, answer.outside
+        else:
+            angle = fold_angle(gamma_deg)
+            answers = [self._ready.question(part).ask(dimensions) for part in self.angle_law(name)]
+            values = between_values(angle, [answer.values for answer in answers])
+            beyond = _once(one for answer in answers for one in answer.outside)
+        for one in beyond:
+            if strict:
+                raise InputError(one.refusal)
+            warnings.warn(one.remark, OutsideRangeWarning, stacklevel=3)
+        return values
+
+    def _asked(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> Lookup:
+        answer = self._ready.question(name).ask(dimensions)
+        if strict and answer.outside:
+            raise InputError(answer.outside[0].refusal)
+        band = self._ready.bands[name]
+        return tell(self.responses[name], band, float(answer.values), answer.outside)
+
+    def _told_between(
+        self, name: str, dimensions: Mapping[str, Any], gamma_deg: float, strict: bool
+    ) -> Lookup:
+        parts = [self._asked(part, dimensions, strict) for part in self.angle_law(name)]
+        own = self.responses[name].symbol if name in self.responses else parts[0].symbol
+        return tell_between(fold_angle(gamma_deg), parts, own)
+
+    def angle_law(self, name: str) -> tuple[str, str, str]:
+        """Names of the three responses (at 0 deg, at 180 deg, rho) of a response's angle law.
+
+        Raises
+        ------
+        InputError
+            If the response has no such law, or the model lacks one of the three.
+        """
+        if name not in ANGLE_LAWS:
+            raise InputError(
+                f"gamma_deg: given for {name}; allowed is an angle for {' and '.join(ANGLE_LAWS)}, "
+                "because other responses have no closed angle law."
+            )
+        needed = ANGLE_LAWS[name]
+        missing = [part for part in needed if part not in self.responses]
+        if missing:
+            raise InputError(
+                f"gamma_deg: given, but the model has no {', no '.join(missing)}; allowed is an angle "
+                f"only with {', '.join(needed)}, because the angle law is made of these."
+            )
+        return needed
+
+    # ----------------------------------------------------------------------------------- file
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the model as a JSON file; an existing file is replaced in one step.
+
+        Parameters
+        ----------
+        path : path-like
+            Where to write.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written.
+        """
+        write_model(self.model_dump(mode="json"), path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a model that `save` wrote; it gives the same numbers to the last digit.
+
+        Parameters
+        ----------
+        path : path-like
+            The JSON file, of this release or the one before.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, is no compliance model, is of a newer format, or was
+            changed or cut since it was written.
+        """
+        content = read_model(path)
+        try:
+            return cls(**content)
+        except (InputError, TypeError) as error:
+            raise InputError(
+                f"{os.fspath(path)}: given a damaged compliance model; {error}"
+            ) from None
+
+    # Copies make their own short ways, and files of a process pool carry none.
+
+    def __copy__(self) -> Self:
+        copied = super().__copy__()
+        copied.__dict__.pop("_ready", None)
+        return copied
+
+    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
+        copied = super().__deepcopy__(memo)
+        copied.__dict__.pop("_ready", None)
+        return copied
+
+    def __getstate__(self) -> dict[Any, Any]:
+        state = super().__getstate__()
+        own = {name: value for name, value in state["__dict__"].items() if name != "_ready"}
+        return state | {"__dict__": own}
+
+
+def _once(found: Iterable[Outside]) -> tuple[Outside, ...]:
+    """Say of each dimension once that it lies outside."""
+    return tuple({one.name: one for one in found}.values())

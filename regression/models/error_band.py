@@ -1,0 +1,74 @@
+"""The band in which a looked-up value lies: the equation's error and the finite elements' own.
+
+Two errors stand between an equation and the throw. The equation misses finite elements by up to m at
+held-out designs, |equation / fe - 1| <= m; and finite elements miss the solution by an estimate f. Under
+a given force a discretized throw is too stiff, so compliances come out too small: the solution lies
+between fe and fe (1 + f). Of other responses the sign is unknown. Hence::
+
+    compliances:  equation / (1 + m)            to  equation (1 + f) / (1 - m)
+    others:       equation (1 - f) / (1 + m)    to  equation (1 + f) / (1 - m)
+
+m is the largest of a number of designs, not a bound; nor does the band hold outside the range.
+"""
+
+from dataclasses import dataclass
+
+from regression.models.response_model import ResponseModel
+
+# Compliances of a force at its own place; an influence coefficient is none.
+_TOO_SMALL = ("axial_compliance", "torsional_compliance")
+
+
+@dataclass(frozen=True)
+class ErrorBand:
+    """The band of a response as factors of its value, and how it was found.
+
+    Attributes
+    ----------
+    lower : float
+        Factor to the end nearer to zero.
+    upper : float or None
+        Factor to the other end; None where an error of 100 % leaves it open.
+    text : str
+        One sentence.
+    """
+
+    lower: float
+    upper: float | None
+    text: str
+
+    def around(self, value: float) -> tuple[float | None, float | None]:
+        """Lower and upper end round a value, which may be negative."""
+        low = value * self.lower
+        high = None if self.upper is None else value * self.upper
+        return (low, high) if value >= 0.0 else (high, low)
+
+
+def error_band(name: str, response: ResponseModel) -> ErrorBand:
+    """Find the band of a response.
+
+    Parameters
+    ----------
+    name : str
+        Of the response; it says whether finite elements can only be too small.
+    response : ResponseModel
+    """
+    held_out = response.largest_heldout_error
+    m = response.largest_error if held_out is None else held_out
+    f = response.largest_fe_error or 0.0
+    one_sided = name.startswith(_TOO_SMALL)
+    lower = (1.0 if one_sided else max(0.0, 1.0 - f)) / (1.0 + m)
+    upper = (1.0 + f) / (1.0 - m) if m < 1.0 else None
+    designs = (
+        f"{response.heldout_runs} held-out designs"
+        if held_out is not None
+        else f"the {response.runs} fitted runs themselves, without held-out designs too small an error"
+    )
+    elements = (
+        "the error of the finite elements was not estimated"
+        if response.largest_fe_error is None
+        else f"the finite elements' own estimate is {100.0 * f:.2g} %"
+        + (", by which they are too small" if one_sided else " either way")
+    )
+    text = f"largest error {100.0 * m:.2g} % at {designs}; {elements}"
+    return ErrorBand(lower, upper, text)

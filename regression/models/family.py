@@ -1,0 +1,215 @@
+"""The family of throws that a compliance model answers for: what varies, what is fixed, what follows.
+
+Here the numbers and labels of a question are checked and completed, before any equation sees them.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import InputError
+from geometry.model import field_extra
+from regression.throw_values import SAME, declaration, field_unit, show
+
+# A float or an array; of a category a label or an array of labels.
+Given = Any
+
+
+@dataclass(frozen=True)
+class Family:
+    """What a model knows of its throws.
+
+    Attributes
+    ----------
+    ranges : mapping
+        Numeric factor to its range [SI]: fields of a throw, or free names that relations use.
+    fixed : mapping
+        Field to its value in all runs [SI].
+    categories : mapping
+        Categorical factor to its labels.
+    labels : mapping
+        Categorical field to its label in all runs.
+    units : mapping
+        Factor to SI unit, where it is no field of a throw.
+    relations : mapping
+        Field to the expression that it followed in the runs.
+    """
+
+    ranges: Mapping[str, tuple[float, float]]
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    categories: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    labels: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    relations: Mapping[str, str] = field(default_factory=dict)
+
+    def unit(self, name: str) -> str:
+        """SI unit of a name; "" for a pure number."""
+        return self.units.get(name) or field_unit(name) or ""
+
+    def show(self, name: str, value: float) -> str:
+        """Write a value of a name in its unit."""
+        return show(name, value, self.unit(name))
+
+    @property
+    def factors(self) -> tuple[str, ...]:
+        """All that varies."""
+        return (*self.ranges, *self.categories)
+
+    @property
+    def all_units(self) -> dict[str, str]:
+        """Unit of every number that the family knows."""
+        names = {*self.ranges, *self.fixed, *self.relations}
+        return {name: self.unit(name) for name in names}
+
+    def checked(self, given: Mapping[str, Given]) -> dict[str, Given]:
+        """Return what was given as floats, arrays and labels.
+
+        Raises
+        ------
+        InputError
+            If a name is unknown, a number is not finite or of an impossible sign, or a label is none
+            of its category's.
+        """
+        found: dict[str, Given] = {}
+        for name, value in given.items():
+            if name in self.categories:
+                found[name] = _checked_labels(name, value, self.categories[name])
+            elif name in self.labels:
+                found[name] = _checked_labels(name, value, (self.labels[name],))
+            elif name in self.ranges or name in self.fixed or name in self.relations:
+                found[name] = _checked_numbers(name, value, self._least(name), self.unit(name))
+            else:
+                raise InputError(
+                    f"{name}: unknown dimension; allowed are {', '.join(self.factors)}, the factors "
+                    "of this model."
+                )
+        return found
+
+    def size(self, given: Mapping[str, Given]) -> Given:
+        """How many times as large as the study's throws the given one is: by its first fixed length."""
+        for name, value in given.items():
+            if self.fixed.get(name) and self.unit(name) == "m":
+                return value / self.fixed[name]
+        return 1.0
+
+    def completed(self, given: Mapping[str, Given], size: Given = 1.0) -> dict[str, Given]:
+        """Add what is fixed, and what follows by the relations from what is known.
+
+        Parameters
+        ----------
+        given : mapping
+            Checked numbers and labels.
+        size : float or ndarray
+            Size of the throw: the relations hold between its lengths divided by this.
+
+        Raises
+        ------
+        InputError
+            If a relation has no value.
+        """
+        known = {**self.fixed, **self.labels, **given}
+        if self.relations.keys() - given.keys():
+            known |= self._related(given, size)
+        return known
+
+    def check_fixed(self, given: Mapping[str, Given]) -> None:
+        """Refuse a fixed dimension of another value.
+
+        Raises
+        ------
+        InputError
+        """
+        for name in given.keys() & self.fixed.keys():
+            self._check_equal(name, given[name], self.fixed[name], "it is fixed in this model")
+
+    def check_related(self, given: Mapping[str, Given], size: Given = 1.0) -> None:
+        """Refuse a dimension that breaks its relation, where that can be calculated.
+
+        Raises
+        ------
+        InputError
+        """
+        targets = given.keys() & self.relations.keys()
+        if not targets:
+            return
+        others = {name: value for name, value in given.items() if name not in targets}
+        expected = self._related(others, size)
+        for name in targets & expected.keys():
+            reason = f"in this model {name} = {self.relations[name]}"
+            self._check_equal(name, given[name], expected[name], reason)
+
+    def _related(self, given: Mapping[str, Given], size: Given) -> dict[str, Given]:
+        from regression.models.model_relations import related
+
+        units = self.all_units
+        numbers = {name: value for name, value in given.items() if name in units}
+        at_study_size = {
+            name: value / size if units[name] == "m" else value for name, value in numbers.items()
+        }
+        found = related(self.relations, {**self.fixed, **at_study_size}, units)
+        return {n: value * size if units[n] == "m" else value for n, value in found.items()}
+
+    def _check_equal(self, name: str, given: Given, expected: Given, reason: str) -> None:
+        values, wanted = np.broadcast_arrays(given, expected)
+        wrong = np.abs(values - wanted) > SAME * np.abs(wanted)
+        if not np.any(wrong):
+            return
+        place = int(np.argmax(np.where(wrong, np.abs(values - wanted), 0.0)))
+        raise InputError(
+            f"{name}: given {self.show(name, float(values.flat[place]))}; allowed is "
+            f"{self.show(name, float(wanted.flat[place]))}, because {reason} (its factors are "
+            f"{', '.join(self.factors)})."
+        )
+
+    def _least(self, name: str) -> float:
+        """The sign that a number may have: features may be absent (0), offsets of bores negative."""
+        if name in self.ranges:
+            return self.ranges[name][0]
+        info = declaration(name)
+        minimum = None if info is None else field_extra(info, "minimum_si")
+        return 1.0 if minimum is None else float(minimum)
+
+
+def _checked_numbers(
+    name: str, value: object, least: float, unit: str
+) -> float | NDArray[np.float64]:
+    """Return finite numbers, positive ones unless the least of the model says otherwise."""
+    if isinstance(value, float) and 0.0 < value < math.inf:
+        return value
+    sign = "positive finite numbers" if least > 0.0 else "positive finite numbers (or 0)"
+    sign = "finite numbers" if least < 0.0 else sign
+    kind = "in SI units (m for a length)" if unit else "without a unit"
+    allowed = f"allowed are {sign} {kind}"
+    try:
+        raw = np.asarray(value)
+        if raw.dtype.kind not in "iuf":
+            raise TypeError
+        array = raw.astype(np.float64, copy=False)
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: given {value!r}; {allowed}.") from None
+    if array.size == 0:
+        raise InputError(f"{name}: given an empty array; {allowed}.")
+    # NaN passes through both.
+    low, high = float(np.min(array)), float(np.max(array))
+    if not (np.isfinite(low) and np.isfinite(high)) or (
+        least >= 0.0 and (low < 0.0 or (least > 0.0 and low == 0.0))
+    ):
+        wrong = ~np.isfinite(array) | ((array <= 0.0) if least > 0.0 else (array < 0.0))
+        raise InputError(f"{name}: given {float(array[wrong].flat[0]):g}; {allowed}.")
+    return array if array.ndim else float(array)
+
+
+def _checked_labels(name: str, value: object, labels: tuple[str, ...]) -> Any:
+    """Return a label, or an array of labels."""
+    if isinstance(value, str) and value in labels:
+        return value
+    array = np.asarray(value)
+    if array.dtype.kind == "U" and array.size and np.all(np.isin(array, labels)):
+        return array if array.ndim else str(array)
+    others = array.ravel().tolist() if array.dtype.kind == "U" else [value]
+    wrong = next((one for one in others if one not in labels), value)
+    raise InputError(f"{name}: given {wrong!r}; allowed is {' or '.join(labels)}.")

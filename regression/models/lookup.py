@@ -1,0 +1,117 @@
+"""What a lookup tells: a value with its unit, its band and what is known of it."""
+
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from regression.models.angle import between_values
+from regression.models.error_band import ErrorBand
+from regression.models.outside import Outside
+from regression.models.response_model import ResponseModel
+
+
+@dataclass(frozen=True)
+class Lookup:
+    """One value from a compliance model, with all that is known about it.
+
+    Parameters
+    ----------
+    value : float
+        The response, in `unit`; never clipped.
+    unit : str
+        Its SI unit.
+    support : str
+        How the throw is supported, such as "pinned".
+    inside : bool
+        Whether everything lies within the range of the fit.
+    remarks : tuple of str
+        One sentence for each dimension or ratio outside its range.
+    error : float or None
+        Largest relative error of the equation at held-out designs; None if there were none.
+    equation : str
+        The equation in natural units.
+    lower, upper : float or None
+        Ends of the band in which the response lies: the equation's error and that of the finite
+        elements together (see `band`). Outside the range the band promises nothing. None where an
+        error of 100 % leaves an end open.
+    fe_error : float or None
+        Largest estimate of the relative error of the finite elements; None if there is none.
+    band : str
+        How the band was found.
+    symbol : str
+        Symbol of the response.
+    """
+
+    value: float
+    unit: str
+    support: str
+    inside: bool
+    remarks: tuple[str, ...]
+    error: float | None
+    equation: str
+    lower: float | None = None
+    upper: float | None = None
+    fe_error: float | None = None
+    band: str = ""
+    symbol: str = ""
+
+
+def tell(
+    response: ResponseModel, band: ErrorBand, value: float, beyond: Sequence[Outside] = ()
+) -> Lookup:
+    """Put together what is known of a value of a response."""
+    lower, upper = band.around(value)
+    return Lookup(
+        value=value,
+        unit=response.unit,
+        support=response.support,
+        inside=not beyond,
+        remarks=tuple(one.remark for one in beyond),
+        error=response.largest_heldout_error,
+        equation=response.equation,
+        lower=lower,
+        upper=upper,
+        fe_error=response.largest_fe_error,
+        band=band.text,
+        symbol=response.symbol,
+    )
+
+
+def tell_between(angle: float, parts: Sequence[Lookup], symbol: str) -> Lookup:
+    """Tell of a throw between neighbors: its band is that of the three numbers together.
+
+    Parameters
+    ----------
+    angle : float
+        Between neighboring cranks, 0 to 180 [deg].
+    parts : sequence of Lookup
+        The value in line, that at 180 deg, and rho. The law rises or falls with each of them, so that
+        the ends of its band lie at ends of theirs.
+    symbol : str
+        Of the response.
+    """
+    ends = [(part.lower, part.upper) for part in parts]
+    corners = [
+        between_values(angle, corner) for corner in itertools.product(*ends) if None not in corner
+    ]
+    closed = len(corners) == 2 ** len(parts)
+    return Lookup(
+        value=float(between_values(angle, [part.value for part in parts])),
+        unit=parts[0].unit,
+        support=f"between neighbors at {angle:g} deg",
+        inside=all(part.inside for part in parts),
+        remarks=tuple(dict.fromkeys(remark for part in parts for remark in part.remarks)),
+        error=_largest(part.error for part in parts),
+        equation="; ".join(part.equation for part in parts),
+        lower=min(corners) if closed else None,
+        upper=max(corners) if closed else None,
+        fe_error=_largest(part.fe_error for part in parts),
+        band="angle law at the ends of the bands of its three numbers: "
+        + "; ".join(f"{part.symbol}: {part.band}" for part in parts),
+        symbol=f"{symbol}({angle:g} deg)",
+    )
+
+
+def _largest(errors: Iterable[float | None]) -> float | None:
+    known = list(errors)
+    return None if None in known else max(error for error in known if error is not None)

@@ -1,0 +1,127 @@
+"""Compliance models as JSON files: written in one step, checked against damage, read for good."""
+
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from geometry.errors import InputError
+from regression.fits.terms import polynomial_terms
+
+FILE_FORMAT = "crankfem compliance model"
+FORMAT_VERSION = 2
+# Files of this version are brought up to date when read.
+OLD_VERSION = 1
+_WANTED = "allowed is a compliance model file as crankfem saves it"
+
+
+def write_model(content: Mapping[str, object], path: str | os.PathLike[str]) -> None:
+    """Write a model's content; an existing file is replaced in one step.
+
+    Parameters
+    ----------
+    content : mapping
+        JSON content.
+    path : path-like
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    record = {
+        "format": FILE_FORMAT,
+        "version": FORMAT_VERSION,
+        "checksum": checksum(content),
+        **content,
+    }
+    target = Path(path)
+    text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        # Temporary files are private; a model is meant to be read.
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, target)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Read the content that `write_model` wrote.
+
+    Parameters
+    ----------
+    path : path-like
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is no compliance model, is of a newer format, or was changed or
+        cut since it was written.
+    """
+    shown = os.fspath(path)
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            f"{shown}: cannot be read ({error.strerror}); give the path of a compliance model file."
+        ) from None
+    except UnicodeDecodeError:
+        raise InputError(f"{shown}: given a file that is not text; {_WANTED}.") from None
+    try:
+        record = json.loads(text)
+    except (json.JSONDecodeError, RecursionError) as error:
+        raise InputError(
+            f"{shown}: given a file that is not complete JSON ({error}); {_WANTED}."
+        ) from None
+    if not isinstance(record, dict) or record.get("format") != FILE_FORMAT:
+        raise InputError(f"{shown}: given a file of another kind; {_WANTED}.")
+    content = dict(record)
+    del content["format"]
+    version = content.pop("version", None)
+    if version not in (OLD_VERSION, FORMAT_VERSION):
+        raise InputError(
+            f"{shown}: given format version {version!r}; allowed are {OLD_VERSION} and "
+            f"{FORMAT_VERSION}, because this release of crankfem reads no others."
+        )
+    if content.pop("checksum", None) != checksum(content):
+        raise InputError(
+            f"{shown}: given a file whose checksum does not fit its content; it was changed or "
+            "damaged after it was written, so its numbers cannot be trusted: fit the model again."
+        )
+    if version == OLD_VERSION:
+        try:
+            return _brought_up_to_date(content)
+        except (AttributeError, KeyError, TypeError) as error:
+            raise InputError(f"{shown}: given a damaged compliance model; {error}") from None
+    return content
+
+
+def checksum(content: Mapping[str, object]) -> str:
+    """Return the SHA-256 of the content in one fixed spelling."""
+    spelled = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+    return hashlib.sha256(spelled.encode()).hexdigest()
+
+
+def _brought_up_to_date(content: dict[str, Any]) -> dict[str, Any]:
+    """Spell out what followed from the form's name in version 1."""
+    fe_error = content.get("provenance", {}).get("largest_fe_error_estimate")
+    responses = {}
+    for name, response in content["responses"].items():
+        logarithmic = response["form"] == "log-quadratic"
+        columns = len(response["factors"])
+        degree = 1 if response["form"] == "linear" else 2
+        responses[name] = response | {
+            "logarithmic": logarithmic,
+            "log_factors": [logarithmic] * columns,
+            "terms": polynomial_terms(columns, degree),
+            # The estimate was that of the axial compliance.
+            "largest_fe_error": fe_error if name == "axial_compliance" else None,
+        }
+    return content | {"responses": responses}

@@ -1,0 +1,202 @@
+"""Limits of an optimum search, and what a model promises of them: the worst within its error band."""
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from geometry.errors import InputError
+from regression.models.angle import between_values
+from regression.models.compliance_model import ANGLE_LAWS, ComplianceModel
+from regression.models.error_band import error_band
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A bound on a response or dimension of a model, or on a function of some.
+
+    Parameters
+    ----------
+    quantities : tuple of str
+        Responses of the model or dimensions; one, or what `function` takes.
+    at_most, at_least : float or None
+        The bound [SI]; one of the two.
+    function : callable, optional
+        Takes one float for each quantity, in order, and returns a float: a frequency from a
+        compliance, say. It should rise or fall with each of them, for only the ends of their bands
+        are tried. The quantity itself is limited if it is not given.
+    name : str
+        What to call it; the quantity's name if not given.
+    unit : str
+        SI unit for messages.
+    gamma_deg : float, optional
+        Angle to the neighbors for the axial compliance or influence coefficient among the quantities.
+
+    Raises
+    ------
+    InputError
+        If not one bound is given, or several quantities without a function.
+
+    Examples
+    --------
+    ``Limit(("axial_compliance",), at_most=1.2e-9)``
+    """
+
+    quantities: tuple[str, ...]
+    at_most: float | None = None
+    at_least: float | None = None
+    function: Callable[..., float] | None = None
+    name: str = ""
+    unit: str = ""
+    gamma_deg: float | None = None
+
+    def __post_init__(self) -> None:
+        shown = self.name or ", ".join(self.quantities)
+        given = [bound for bound in (self.at_most, self.at_least) if bound is not None]
+        if len(given) != 1 or not np.isfinite(given[0]):
+            raise InputError(
+                f"limit on {shown}: given at most {self.at_most}, at least {self.at_least}; allowed is "
+                "one finite bound, because each limit is checked by itself."
+            )
+        if isinstance(self.quantities, str) or not self.quantities:
+            raise InputError(
+                f"limit: given quantities {self.quantities!r}; allowed is a tuple of names, at least "
+                "one."
+            )
+        if self.function is None and len(self.quantities) != 1:
+            raise InputError(
+                f"limit on {shown}: given {len(self.quantities)} quantities; allowed is one, or a "
+                "function of them."
+            )
+        if not self.name:
+            object.__setattr__(self, "name", shown)
+
+    @property
+    def bound(self) -> float:
+        """The bound, from above or below."""
+        bound = self.at_most if self.at_most is not None else self.at_least
+        assert bound is not None
+        return bound
+
+    @property
+    def sign(self) -> str:
+        """The comparison as text."""
+        return "<=" if self.at_most is not None else ">="
+
+    def excess(self, values: Any) -> Any:
+        """How far values lie beyond the bound, as a share of it; negative where they keep it."""
+        size = abs(self.bound) or 1.0
+        beyond = (values - self.bound) / size
+        return beyond if self.at_most is not None else -beyond
+
+
+@dataclass(frozen=True)
+class Points:
+    """Throws of a model's family: all its factors, as numbers, labels, or arrays of n values."""
+
+    model: ComplianceModel
+    factors: Mapping[str, Any]
+
+    def dimension(self, name: str) -> Any:
+        """Value of a factor, a fixed dimension or one that follows from others.
+
+        Raises
+        ------
+        InputError
+            If the model knows no such dimension.
+        """
+        if name in self.factors:
+            return self.factors[name]
+        family = self.model.family
+        if name in family.fixed:
+            return family.fixed[name]
+        if name in family.relations:
+            return family.completed(self.factors)[name]
+        names = (*self.factors, *family.relations, *family.fixed)
+        raise InputError(
+            f"quantity: given {name!r}; allowed are the responses {', '.join(self.model.responses)} "
+            f"and the dimensions {', '.join(names)}."
+        )
+
+    def band(self, name: str, gamma_deg: float | None = None) -> tuple[Any, ...]:
+        """Value of a quantity, and the ends of its error band if it has one.
+
+        Raises
+        ------
+        InputError
+            If the model knows no such quantity, or its band is open on one side.
+        """
+        if gamma_deg is not None and name in ANGLE_LAWS:
+            parts = [self.band(part) for part in self.model.angle_law(name)]
+            corners = [between_values(gamma_deg, corner) for corner in itertools.product(*parts)]
+            return corners[0], np.min(corners, axis=0), np.max(corners, axis=0)
+        if name not in self.model.responses:
+            return (self.dimension(name),)
+        band = error_band(name, self.model.responses[name])
+        if band.upper is None:
+            raise InputError(
+                f"{name}: given a model whose error reaches 100 %; allowed is a better one, because "
+                "with this no limit can be promised."
+            )
+        values = self.model.answer(name, self.factors).values
+        return values, values * band.lower, values * band.upper
+
+
+@dataclass(frozen=True)
+class LimitValues:
+    """A limited quantity at some points: by the equation, and the worst within the error band."""
+
+    nominal: Any
+    worst: Any
+
+
+def limit_values(limit: Limit, points: Points, margins: bool) -> LimitValues:
+    """Evaluate a limit.
+
+    Parameters
+    ----------
+    limit : Limit
+    points : Points
+    margins : bool
+        Whether the worst is that within the error band.
+
+    Raises
+    ------
+    InputError
+        If a quantity is unknown, a band is open on one side, or the function gives no finite number.
+    """
+    bands = [points.band(name, limit.gamma_deg) for name in limit.quantities]
+    return LimitValues(_applied(limit, [band[0] for band in bands]), _worst(limit, bands, margins))
+
+
+def worst_values(limit: Limit, points: Points, margins: bool) -> Any:
+    """Only the worst values of `limit_values`."""
+    bands = [points.band(name, limit.gamma_deg) for name in limit.quantities]
+    return _worst(limit, bands, margins)
+
+
+def _worst(limit: Limit, bands: Sequence[tuple[Any, ...]], margins: bool) -> Any:
+    if not margins:
+        return _applied(limit, [band[0] for band in bands])
+    # The value itself lies between the ends of its band, where it has one.
+    ends = [band[1:] or band for band in bands]
+    corners = [_applied(limit, list(corner)) for corner in itertools.product(*ends)]
+    farthest = np.max if limit.at_most is not None else np.min
+    return farthest(corners, axis=0)
+
+
+def _applied(limit: Limit, values: list[Any]) -> Any:
+    if limit.function is None:
+        return values[0]
+    arrays = np.broadcast_arrays(*values)
+    found = np.array(
+        [limit.function(*map(float, point)) for point in zip(*map(np.ravel, arrays), strict=True)]
+    ).reshape(arrays[0].shape)
+    if not np.all(np.isfinite(found)):
+        raise InputError(
+            f"{limit.name}: given a function that returns {found[~np.isfinite(found)].flat[0]}; "
+            "allowed are finite numbers."
+        )
+    return found

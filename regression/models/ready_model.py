@@ -1,0 +1,80 @@
+"""A compliance model made ready for questions: compiled equations, bands, and short ways to values."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from geometry.errors import InputError
+from regression.models.error_band import error_band
+from regression.models.family import Family
+from regression.models.question import Question, make_question
+from regression.models.response_model import IS, ResponseModel
+
+# Short ways are kept for so many different sets of names.
+_MOST_WAYS = 1000
+
+
+class ReadyModel:
+    """What a model computes once for all its questions.
+
+    Parameters
+    ----------
+    responses : mapping of str to ResponseModel
+    family : Family
+    material : mapping
+    constant_groups : mapping
+
+    Attributes
+    ----------
+    family : Family
+    bands : dict of str to ErrorBand
+
+    Raises
+    ------
+    InputError
+        If a column is none of the family's factors.
+    """
+
+    def __init__(
+        self,
+        responses: Mapping[str, ResponseModel],
+        family: Family,
+        material: Mapping[str, Any],
+        constant_groups: Mapping[str, float],
+    ) -> None:
+        self.family = family
+        self.bands = {name: error_band(name, response) for name, response in responses.items()}
+        self._questions = {
+            name: make_question(response, family, material, constant_groups)
+            for name, response in responses.items()
+        }
+        self._ways: dict[tuple[str, ...], Callable[[Mapping[str, Any]], float | None]] = {}
+
+    def question(self, name: str) -> Question:
+        """Return the question for a response, or say which there are."""
+        if name not in self._questions:
+            raise InputError(
+                f"response: given {name!r}; allowed are {', '.join(self._questions)}, which this "
+                "model holds."
+            )
+        return self._questions[name]
+
+    def quick(self, name: str, dimensions: Mapping[str, Any]) -> float | None:
+        """Answer the short way; None where the long one must be gone."""
+        key = (name, *dimensions)
+        way = self._ways.get(key)
+        if way is None:
+            if len(self._ways) >= _MOST_WAYS:
+                self._ways.clear()
+            way = self._ways[key] = self.question(name).short_way(tuple(dimensions))
+        return way(dimensions)
+
+
+def column_ranges(responses: Mapping[str, ResponseModel]) -> dict[str, tuple[float, float]]:
+    """Ranges of a model's numbers as the equations' columns have them."""
+    ranges: dict[str, tuple[float, float]] = {}
+    for response in responses.values():
+        columns = zip(response.factors, response.lowest, response.highest, strict=True)
+        for name, low, high in columns:
+            if response.basis == "factors" and IS not in name:
+                ranges.setdefault(name, (low, high))
+    return ranges

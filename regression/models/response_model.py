@@ -1,0 +1,199 @@
+"""One response of a compliance model: its equation, the range it was fitted over, and its errors."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import ConfigDict, Field, FiniteFloat, model_validator
+
+from geometry.errors import InputError
+from geometry.model import InputModel
+from regression.fits.forms import FittedForm
+
+if TYPE_CHECKING:  # a lookup needs no fits
+    from regression.fits.fits import Fit
+
+# Between a category's name and its label in the name of a 0/1 column: "web_outline=rectangle".
+IS = "="
+
+
+class ResponseModel(InputModel):
+    """One response of a compliance model: its equation, range and errors.
+
+    Parameters
+    ----------
+    form : str
+        Name of the form, such as "log-quadratic".
+    basis : {"factors", "groups"}
+        What its columns are: factors of the study, or dimensionless groups of the throw's dimensions;
+        then the equation gives the response divided by its scale.
+    factors : tuple of str
+        Names of the k columns.
+    logarithmic, log_factors, terms, center, half_range, coefficients
+        The equation in coded variables, as in `regression.fits.forms.FittedForm`; this is what is
+        evaluated.
+    lowest, highest : tuple of float
+        Range of each column in the runs [SI].
+    symbol, unit, support : str
+        What the response is, in which SI unit, and how the throw was supported.
+    r_squared, q_squared : float
+        At the runs; the second leaves each run out of its own prediction and may be None.
+    largest_error, mean_error, largest_heldout_error, mean_heldout_error : float or None
+        Relative to the finite element value, at the runs and at held-out designs.
+    runs, heldout_runs : int
+        Numbers of finite element runs fitted and held out.
+    largest_fe_error : float or None
+        Largest estimate of the relative error of the finite element values themselves.
+    dropped_terms : tuple of str
+        Terms of the form that the selection left out.
+    equation : str
+        The equation in natural units, for people.
+
+    Raises
+    ------
+    InputError
+        If a field is missing, unknown or contradicts another one.
+    """
+
+    section: ClassVar[str] = "response"
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    form: str
+    basis: Literal["factors", "groups"] = "factors"
+    factors: tuple[str, ...] = Field(min_length=1)
+    logarithmic: bool
+    log_factors: tuple[bool, ...]
+    terms: tuple[tuple[int, ...], ...] = Field(min_length=1)
+    center: tuple[FiniteFloat, ...]
+    half_range: tuple[FiniteFloat, ...]
+    coefficients: tuple[FiniteFloat, ...]
+    lowest: tuple[FiniteFloat, ...]
+    highest: tuple[FiniteFloat, ...]
+    symbol: str
+    unit: str
+    support: str
+    r_squared: FiniteFloat
+    q_squared: FiniteFloat | None
+    largest_error: FiniteFloat
+    mean_error: FiniteFloat | None = None
+    largest_heldout_error: FiniteFloat | None
+    mean_heldout_error: FiniteFloat | None = None
+    runs: int
+    heldout_runs: int
+    largest_fe_error: FiniteFloat | None = None
+    dropped_terms: tuple[str, ...] = ()
+    equation: str
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        fitted = self.fitted  # its construction checks the equation's numbers
+        if len(set(self.factors)) != len(self.factors):
+            raise InputError(f"factors: given {list(self.factors)}; each may stand once.")
+        for name, values in (("lowest", self.lowest), ("highest", self.highest)):
+            if len(values) != len(fitted.factors):
+                raise InputError(
+                    f"{name}: given {len(values)} numbers; allowed are {len(fitted.factors)}, one "
+                    "for each factor."
+                )
+        for factor, low, high in zip(self.factors, self.lowest, self.highest, strict=True):
+            if not low < high:
+                raise InputError(
+                    f"lowest, highest: given {low:g} and {high:g} for {factor}; allowed is a range "
+                    "from lower to higher."
+                )
+        return self
+
+    @property
+    def fitted(self) -> FittedForm:
+        """The equation as a function of its columns."""
+        return FittedForm(
+            form=self.form,
+            factors=self.factors,
+            logarithmic=self.logarithmic,
+            log_factors=self.log_factors,
+            center=self.center,
+            half_range=self.half_range,
+            terms=self.terms,
+            coefficients=self.coefficients,
+        )
+
+    @classmethod
+    def from_fit(
+        cls,
+        fit: "Fit",
+        *,
+        symbol: str,
+        unit: str,
+        support: str = "pinned",
+        basis: Literal["factors", "groups"] | None = None,
+        lowest: Mapping[str, float] | None = None,
+        highest: Mapping[str, float] | None = None,
+        fe_error: float | None = None,
+        dropped: Sequence[str] = (),
+        equation: str | None = None,
+    ) -> Self:
+        """Take over a fit.
+
+        Parameters
+        ----------
+        fit : Fit
+            The fit; columns and response in SI units.
+        symbol, unit, support : str
+            What the response is, such as "e_n", "m/N" and "pinned".
+        basis : {"factors", "groups"}, optional
+            That of the fit, if not given.
+        lowest, highest : mapping, optional
+            Range of columns where it is not what the coding of the runs spans.
+        fe_error : float, optional
+            Largest relative error estimate of the finite element values.
+        dropped : sequence of str
+            Terms that the selection left out.
+        equation : str, optional
+            The equation as text; written from the fit if not given.
+        """
+        fitted = fit.fitted
+        chosen = getattr(fit, "basis", "factors") if basis is None else basis
+        if equation is None:
+            from regression.fits.equation_text import equation_text
+
+            equation = equation_text(fitted, symbol=symbol, unit=unit)
+        low, high = _span(fitted)
+        return cls(
+            form=fitted.form,
+            basis=chosen,
+            factors=fitted.factors,
+            logarithmic=fitted.logarithmic,
+            log_factors=fitted.log_factors,
+            terms=fitted.terms,
+            center=fitted.center,
+            half_range=fitted.half_range,
+            coefficients=fitted.coefficients,
+            lowest=tuple((low | dict(lowest or {}))[name] for name in fitted.factors),
+            highest=tuple((high | dict(highest or {}))[name] for name in fitted.factors),
+            symbol=symbol,
+            unit=unit,
+            support=support,
+            r_squared=fit.r_squared,
+            q_squared=fit.q_squared,
+            largest_error=fit.largest_error,
+            mean_error=fit.mean_error,
+            largest_heldout_error=fit.largest_heldout_error,
+            mean_heldout_error=fit.mean_heldout_error,
+            runs=fit.runs,
+            heldout_runs=fit.heldout_runs,
+            largest_fe_error=fe_error,
+            dropped_terms=tuple(dropped),
+            equation=equation,
+        )
+
+
+def _span(fitted: FittedForm) -> tuple[dict[str, float], dict[str, float]]:
+    """Return the lowest and highest value of each column in the runs."""
+    center, half = np.array(fitted.center), np.array(fitted.half_range)
+    logged = np.array(fitted.log_factors)
+
+    def named(coded: Any) -> dict[str, float]:
+        values = np.where(logged, np.exp(np.where(logged, coded, 0.0)), coded)
+        return dict(zip(fitted.factors, values.tolist(), strict=True))
+
+    return named(center - half), named(center + half)

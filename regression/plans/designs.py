@@ -1,0 +1,441 @@
+"""Designs of experiments by name: which combinations of factor values a study runs."""
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import InputError
+from regression.plans.designs_factorial import (
+    ROMAN,
+    confused,
+    corner_fraction,
+    corners_by_generators,
+    resolution_of,
+)
+from regression.plans.designs_space import latin_hypercube_points, sobol_points
+from regression.plans.designs_surface import FACES, box_behnken, central_composite
+from regression.plans.factors import Factor, rounded
+
+# A study of more finite element runs than this is a slip of the pen.
+LARGEST_DESIGN = 1_000_000
+# What each kind of design takes beside the factors.
+OPTIONS: dict[str, tuple[str, ...]] = {
+    "full factorial": (),
+    "fractional factorial": ("resolution", "generators"),
+    "central composite": ("face", "resolution"),
+    "box-behnken": (),
+    "latin hypercube": ("runs",),
+    "sobol": ("runs",),
+    "file": ("rows",),
+}
+SPACE_FILLING = ("latin hypercube", "sobol")
+# Streams of random numbers drawn from one seed, so that runs and held-out designs differ.
+HELD_OUT_STREAM, RUN_STREAM = 0, 1
+
+Table = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class DesignChoice:
+    """Which design, and what it needs to know.
+
+    Parameters
+    ----------
+    kind : str
+        A key of `OPTIONS`.
+    runs : int, optional
+        Number of runs of a Latin hypercube or a Sobol sequence.
+    resolution : int, optional
+        Of a fractional factorial (4 if neither it nor generators are given), or of the fraction of a
+        central composite design's corners (all corners if not given); 3 to 8.
+    generators : str, optional
+        Of a fractional factorial, in place of a resolution: "a b c abc".
+    face : str, optional
+        Of a central composite design: "faced" (if not given), "inscribed" or "circumscribed".
+    rows : tuple of tuple of float, optional
+        Runs of the design "file" [SI], one value for each factor.
+
+    Raises
+    ------
+    InputError
+        If the kind is unknown, or something is missing, out of range or of no use to the kind.
+    """
+
+    kind: str = "full factorial"
+    runs: int | None = None
+    resolution: int | None = None
+    generators: str | None = None
+    face: str | None = None
+    rows: tuple[tuple[float, ...], ...] | None = None
+
+    def __post_init__(self) -> None:
+        if self.kind not in OPTIONS:
+            raise InputError(
+                f"study.design: given {self.kind!r}; allowed are {', '.join(OPTIONS)}."
+            )
+        for option in fields(self):
+            value = getattr(self, option.name)
+            takers = [kind for kind, options in OPTIONS.items() if option.name in options]
+            if option.name != "kind" and value is not None and self.kind not in takers:
+                raise InputError(
+                    f"study.{option.name}: given {value!r} with the design {self.kind!r}; allowed is "
+                    f"it with {' and '.join(takers)} only."
+                )
+        if "runs" in OPTIONS[self.kind] and not _whole(self.runs, 1, LARGEST_DESIGN):
+            raise InputError(
+                f"study.runs: given {self.runs!r}; allowed with {self.kind!r} is a whole number from 1 "
+                f"to {LARGEST_DESIGN}."
+            )
+        if self.resolution is not None and self.resolution not in ROMAN:
+            raise InputError(
+                f"study.resolution: given {self.resolution!r}; allowed are "
+                f"{', '.join(ROMAN.values())} (3 to 8)."
+            )
+        if self.resolution is not None and self.generators is not None:
+            raise InputError(
+                "study.generators: given beside study.resolution; allowed is one of the two, because "
+                "generators fix the resolution."
+            )
+        if self.face is not None and self.face not in FACES:
+            raise InputError(f"study.face: given {self.face!r}; allowed are {', '.join(FACES)}.")
+        if self.kind == "file" and not self.rows:
+            raise InputError("study.file: given no row; allowed is a table of one run or more.")
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """A table of runs, before anything is excluded.
+
+    Attributes
+    ----------
+    runs : (n, k) ndarray
+        One run a row [SI], labels as their indices; read-only.
+    statement : str
+        What it is, in a few words.
+    remarks : tuple of str
+        What a user should know of it, one sentence each.
+    """
+
+    runs: Table
+    statement: str
+    remarks: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        runs = np.array(self.runs, dtype=np.float64)
+        runs.flags.writeable = False
+        object.__setattr__(self, "runs", runs)
+
+
+def fixed_design(factors: Sequence[Factor], choice: DesignChoice) -> Design:
+    """Return the runs of a design that does not depend on chance.
+
+    Parameters
+    ----------
+    factors : sequence of Factor
+    choice : DesignChoice
+        Of a kind that is not `SPACE_FILLING`.
+
+    Raises
+    ------
+    InputError
+        If the factors do not fit the design.
+    """
+    makers: dict[str, Callable[[Sequence[Factor], DesignChoice], Design]] = {
+        "full factorial": _full_factorial,
+        "fractional factorial": _fractional_factorial,
+        "central composite": _central_composite,
+        "box-behnken": _box_behnken,
+        "file": _rows,
+    }
+    made = makers[choice.kind](factors, choice)
+    runs, repeated = without_repeats(made.runs)
+    if not repeated:
+        return made
+    rows = (
+        "1 row that repeats another is"
+        if repeated == 1
+        else f"{repeated} rows that repeat others are"
+    )
+    remark = f"{rows} left out, because finite element runs that are repeated give the same result."
+    return Design(runs, made.statement, (*made.remarks, remark))
+
+
+def full_factorial(levels: Mapping[str, Sequence[float]]) -> Design:
+    """Run every combination of the given levels, the last factor varying fastest.
+
+    Parameters
+    ----------
+    levels : mapping
+        Factor name to its levels.
+
+    Raises
+    ------
+    InputError
+        If the design would be larger than `LARGEST_DESIGN`.
+
+    Examples
+    --------
+    >>> full_factorial({"web_width": [0.27, 0.33], "pin_length": [0.12, 0.14]}).runs.tolist()
+    [[0.27, 0.12], [0.27, 0.14], [0.33, 0.12], [0.33, 0.14]]
+    """
+    counts = [len(values) for values in levels.values()]
+    number = math.prod(counts)
+    _check_size(number)
+    statement = f"full factorial, {' x '.join(map(str, counts))} = {number} runs"
+    runs = np.array(list(itertools.product(*levels.values())), dtype=np.float64)
+    return Design(runs, statement)
+
+
+def latin_hypercube(ranges: Mapping[str, tuple[float, float]], runs: int, seed: int) -> Design:
+    """Spread runs over a box: each range cut into equal strata, one run in each stratum.
+
+    Parameters
+    ----------
+    ranges : mapping
+        Factor name to its lowest and highest value.
+    runs : int
+    seed : int
+
+    Raises
+    ------
+    InputError
+        If a range is empty or not finite.
+    """
+    factors = [Factor(name, "", *ends) for name, ends in ranges.items()]
+    points = space_filling_points(factors, "latin hypercube", runs, [seed])
+    statement, remarks = space_filling_statement("latin hypercube", runs, seed)
+    return Design(values_at(factors, points), statement, remarks)
+
+
+def space_filling_points(
+    factors: Sequence[Factor], kind: str, runs: int, seed: Sequence[int]
+) -> Table:
+    """Draw the points of a space-filling design in the unit cube; `values_at` places them.
+
+    Parameters
+    ----------
+    factors : sequence of Factor
+        Choices come up evenly.
+    kind : str
+        Of `SPACE_FILLING`.
+    runs : int
+    seed : sequence of int
+
+    Returns
+    -------
+    (n, k) ndarray
+    """
+    draw = latin_hypercube_points if kind == "latin hypercube" else sobol_points
+    return draw(runs, [len(factor.labels) for factor in factors], seed)
+
+
+def space_filling_statement(kind: str, runs: int, seed: int) -> tuple[str, tuple[str, ...]]:
+    """Return the statement of a space-filling design, and remarks."""
+    if kind == "latin hypercube":
+        return f"Latin hypercube (maximin, seed {seed}), {runs} runs", ()
+    remarks: tuple[str, ...] = ()
+    if runs & (runs - 1):
+        lower = 1 << (runs.bit_length() - 1)
+        remarks = (
+            f"A Sobol sequence is balanced at powers of two: {lower} or {2 * lower} runs fill the box "
+            f"more evenly than {runs}.",
+        )
+    return f"Sobol sequence (scrambled, seed {seed}), {runs} runs", remarks
+
+
+def check_ranges(factors: Sequence[Factor], kind: str) -> None:
+    """Refuse levels between the ends for a design that runs values of its own.
+
+    Raises
+    ------
+    InputError
+    """
+    for factor in factors:
+        if not factor.categorical and not _ends_only(factor):
+            raise InputError(
+                f"study.factors.{factor.name}: given {len(factor.levels or ())} levels; allowed with "
+                f'the design {kind!r} is a range, like {{ from = "{factor.show(factor.lowest)}", '
+                f'to = "{factor.show(factor.highest)}" }}, because it takes its own values there.'
+            )
+
+
+def values_at(factors: Sequence[Factor], points: Table) -> Table:
+    """Place points of the unit cube in the ranges; in a choice, on the label they fall in.
+
+    Values are rounded to 12 digits and stay in the range.
+    """
+    columns = []
+    for factor, column in zip(factors, points.T, strict=True):
+        if factor.categorical:
+            index = np.floor(column * len(factor.labels))
+            columns.append(np.clip(index, 0.0, factor.highest))
+        else:
+            columns.append(_placed(factor, column))
+    return np.column_stack(columns)
+
+
+def _placed(factor: Factor, place: Table) -> Table:
+    """Values at places 0 (lowest) to 1 (highest) of a range; both ends exactly."""
+    inner = factor.lowest + place * (factor.highest - factor.lowest)
+    values = np.array([rounded(value) for value in inner.tolist()])
+    values[place == 0.0], values[place == 1.0] = factor.lowest, factor.highest
+    return np.asarray(np.clip(values, factor.lowest, factor.highest))
+
+
+def without_repeats(values: Table) -> tuple[Table, int]:
+    """Return the rows without repeats, in their order, and how many were left out."""
+    _, first = np.unique(values, axis=0, return_index=True)
+    kept = values[np.sort(first)]
+    return kept, len(values) - len(kept)
+
+
+def _full_factorial(factors: Sequence[Factor], choice: DesignChoice) -> Design:  # noqa: ARG001
+    """Every combination of the levels; of a range, its ends."""
+    made = full_factorial(
+        {factor.name: factor.levels or (factor.lowest, factor.highest) for factor in factors}
+    )
+    ranges = [factor.name for factor in factors if factor.levels is None]
+    if not ranges:
+        return made
+    remark = (
+        f"A full factorial runs the ends of ranges ({', '.join(ranges)}); give a factor three levels or "
+        "more for a curved equation."
+    )
+    return Design(made.runs, made.statement, (remark,))
+
+
+def _fractional_factorial(factors: Sequence[Factor], choice: DesignChoice) -> Design:
+    """A fraction of the corners; choices of more than two labels are crossed with it."""
+    check_ranges(factors, choice.kind)
+    two_level = [factor for factor in factors if len(factor.labels) <= 2]
+    number = len(two_level)
+    if number < 3:
+        raise InputError(
+            f"study.design: given {choice.kind!r} with {number} factors of two levels; allowed are 3 or "
+            "more, because there is nothing to leave out of fewer."
+        )
+    if choice.generators is not None:
+        coded = corners_by_generators(choice.generators, number)
+    else:
+        coded = corner_fraction(number, choice.resolution or 4)
+    found = resolution_of(coded)
+    if found is not None and found < 3:
+        raise InputError(
+            f"study.generators: given {choice.generators!r}; allowed are generators in which no two "
+            "factors vary together."
+        )
+    left_out = number - round(math.log2(len(coded)))
+    power = f"2^({number}-{left_out})" if left_out else f"2^{number}"
+    quality = f"resolution {ROMAN.get(found, str(found))}" if found else "all corners"
+    runs = _crossed(factors, two_level, 0.5 + 0.5 * coded)
+    groups = confused(coded, tuple(factor.name for factor in two_level))
+    remarks = (f"Effects that cannot be told apart: {'; '.join(groups)}.",) if groups else ()
+    return Design(runs, f"fractional factorial {power}, {quality}, {len(runs)} runs", remarks)
+
+
+def _central_composite(factors: Sequence[Factor], choice: DesignChoice) -> Design:
+    face = choice.face or "faced"
+    numbers = [factor for factor in factors if not factor.categorical]
+    if face != "faced":
+        check_ranges(numbers, f"central composite, {face}")
+    coded = central_composite(len(numbers), face, choice.resolution)
+    levels = None if face != "faced" else [_three_levels(f, choice.kind) for f in numbers]
+    values = _crossed(factors, numbers, 0.5 + 0.5 * coded, levels)
+    scaled = ", scaled to fit the ranges" if face == "circumscribed" else ""
+    corners = (
+        "" if choice.resolution is None else f", corners of resolution {ROMAN[choice.resolution]}"
+    )
+    return Design(values, f"central composite, {face}{scaled}{corners}, {len(values)} runs")
+
+
+def _box_behnken(factors: Sequence[Factor], choice: DesignChoice) -> Design:
+    numbers = [factor for factor in factors if not factor.categorical]
+    coded = box_behnken(len(numbers))
+    levels = [_three_levels(factor, choice.kind) for factor in numbers]
+    values = _crossed(factors, numbers, 0.5 + 0.5 * coded, levels)
+    return Design(values, f"Box-Behnken, center once, {len(values)} runs")
+
+
+def _rows(factors: Sequence[Factor], choice: DesignChoice) -> Design:
+    assert choice.rows is not None
+    for place, row in enumerate(choice.rows, start=1):
+        if len(row) != len(factors):
+            raise InputError(
+                f"study.file: given {len(row)} values in row {place}; allowed are {len(factors)}, one "
+                "for each factor."
+            )
+        for factor, value in zip(factors, row, strict=True):
+            if not factor.lowest <= value <= factor.highest:
+                raise InputError(
+                    f"study.file: given {factor.name} = {factor.show(value)} in row {place}; allowed "
+                    f"is the factor's range, {factor.show(factor.lowest)} to "
+                    f"{factor.show(factor.highest)}."
+                )
+    _check_size(len(choice.rows))
+    return Design(np.array(choice.rows), f"design from a file, {len(choice.rows)} runs")
+
+
+def _crossed(
+    factors: Sequence[Factor],
+    varied: Sequence[Factor],
+    places: Table,
+    levels: Sequence[tuple[float, float, float]] | None = None,
+) -> Table:
+    """Repeat a design of some factors for every combination of the others' labels.
+
+    `places` are 0 to 1 in each range, of labels 0 and 1; where `levels` are given, 0, 0.5 and 1 stand
+    for these.
+    """
+    columns: dict[str, Table] = {}
+    for number, (factor, place) in enumerate(zip(varied, places.T, strict=True)):
+        if factor.categorical:
+            columns[factor.name] = np.round(place * factor.highest)
+        elif levels is not None:
+            columns[factor.name] = np.array(levels[number])[np.round(2.0 * place).astype(int)]
+        else:
+            columns[factor.name] = _placed(factor, place)
+    others = [factor for factor in factors if factor.name not in columns]
+    combinations = list(itertools.product(*(factor.levels or () for factor in others)))
+    _check_size(len(combinations) * len(places))
+    table = np.empty((len(combinations), len(places), len(factors)))
+    for column, factor in enumerate(factors):
+        if factor.name in columns:
+            table[:, :, column] = columns[factor.name]
+        else:
+            values = [combination[others.index(factor)] for combination in combinations]
+            table[:, :, column] = np.array(values)[:, None]
+    return table.reshape(-1, len(factors))
+
+
+def _three_levels(factor: Factor, kind: str) -> tuple[float, float, float]:
+    """Ends and middle of a factor: its own three levels, or its range's."""
+    if factor.levels is not None and len(factor.levels) == 3:
+        low, middle, high = sorted(factor.levels)
+        return low, middle, high
+    if not _ends_only(factor):
+        raise InputError(
+            f"study.factors.{factor.name}: given {len(factor.levels or ())} levels; allowed with the "
+            f"design {kind!r} are three, or a range, because it runs ends and middle."
+        )
+    return factor.lowest, rounded(0.5 * (factor.lowest + factor.highest)), factor.highest
+
+
+def _ends_only(factor: Factor) -> bool:
+    """Whether a factor is a range, or two levels that are its ends."""
+    return factor.levels is None or set(factor.levels) == {factor.lowest, factor.highest}
+
+
+def _check_size(number: int) -> None:
+    if number > LARGEST_DESIGN:
+        raise InputError(
+            f"study.design: given {number} runs; allowed are at most {LARGEST_DESIGN}, because each is "
+            "a finite element run."
+        )
+
+
+def _whole(value: object, low: int, high: int) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and low <= value <= high

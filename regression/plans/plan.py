@@ -1,0 +1,368 @@
+"""The plan of a study: a base throw, what varies and how, and the list of designs that follows."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.material import STEEL, Material
+from geometry.errors import InputError
+from geometry.throw import CrankThrow
+from regression.plans.designs import (
+    HELD_OUT_STREAM,
+    RUN_STREAM,
+    SPACE_FILLING,
+    DesignChoice,
+    check_ranges,
+    fixed_design,
+    space_filling_points,
+    space_filling_statement,
+    values_at,
+)
+from regression.plans.designs_space import drawn
+from regression.plans.factors import Factor, throw_fields, unknown_field
+from regression.plans.variants import Variant, Variants
+from regression.records import HELD_OUT, RUN, content_key
+
+# Raise when a change of the model changes results: stored results of older versions are not used.
+MODEL_VERSION = 4
+
+
+@dataclass(frozen=True)
+class StudyPlan:
+    """What to compute: a base throw, what varies and how, and held-out designs.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+        Supplies all dimensions that neither are factors nor follow from relations.
+    factors : tuple of Factor
+        What varies, in order.
+    design : DesignChoice
+        Which combinations are run and fitted.
+    relations : mapping
+        Field of the throw to an expression of factors, other fields and quantities with units.
+    constraints : tuple of str
+        Comparisons that every design must fulfil, or it is excluded.
+    held_out : int
+        Number of further designs, spread over the ranges by a Latin hypercube, that are run and kept
+        out of the fit: the fit is judged by them. They depend on the ranges, the relations, the
+        constraints and the seed, not on the design, so different designs are judged by the same.
+    seed : int
+        Of everything drawn by chance.
+    material : Material
+    accuracy : float
+        Relative accuracy of each design's axial compliance.
+    stresses : bool
+        Whether the fillet stresses are computed as well.
+
+    Raises
+    ------
+    InputError
+        If a factor, relation or constraint names something unknown or does not fit the others.
+    """
+
+    throw: CrankThrow
+    factors: tuple[Factor, ...]
+    design: DesignChoice = field(default_factory=DesignChoice)
+    relations: Mapping[str, str] = field(default_factory=dict)
+    constraints: tuple[str, ...] = ()
+    held_out: int = 10
+    seed: int = 1
+    material: Material = STEEL
+    accuracy: float = 0.01
+    stresses: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "factors", tuple(self.factors))
+        object.__setattr__(self, "relations", dict(self.relations))
+        object.__setattr__(self, "constraints", tuple(self.constraints))
+        if isinstance(self.held_out, bool) or self.held_out < 1:
+            raise InputError(
+                f"study.held_out: given {self.held_out}; allowed is 1 or more, because the error between "
+                "the levels cannot be seen without held-out designs."
+            )
+        if self.seed < 0:
+            raise InputError(
+                f"study.seed: given {self.seed}; allowed is a whole number from 0, which makes the "
+                "study repeatable."
+            )
+        if not 0.0 < self.accuracy < 1.0:
+            raise InputError(
+                f"study.accuracy: given {self.accuracy!r}; allowed is a number between 0 and 1."
+            )
+        if all(factor.categorical for factor in self.factors):
+            raise InputError(
+                f"study.factors: given {', '.join(self.names) or 'none'}; allowed is at least one factor "
+                "that is a number, because an equation needs something to vary in."
+            )
+        if self.design.kind in SPACE_FILLING:
+            check_ranges(self.factors, self.design.kind)
+        self.variants()  # refuses what does not fit together
+
+    @classmethod
+    def from_levels(
+        cls, throw: CrankThrow, levels: Mapping[str, Sequence[float]], **others: Any
+    ) -> "StudyPlan":
+        """Plan a full factorial over levels [SI] of fields of the throw.
+
+        Raises
+        ------
+        InputError
+            If a name is no field that is a quantity, or the plan does not fit together.
+        """
+        fields = throw_fields(throw)
+        for name in levels:
+            if name not in fields or fields[name].choices:
+                raise InputError(
+                    f"study.factors.{name}: unknown throw dimension; "
+                    f"{unknown_field(name, fields, throw)}."
+                )
+        factors = tuple(
+            Factor.of_levels(name, fields[name].unit, values) for name, values in levels.items()
+        )
+        return cls(throw, factors, **others)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the factors."""
+        return tuple(factor.name for factor in self.factors)
+
+    def variants(self) -> Variants:
+        """Return what makes throws of factor values."""
+        return Variants.of(self.throw, self.factors, self.relations, self.constraints)
+
+    def as_record(self) -> dict[str, Any]:
+        """Everything that identifies the study, as JSON content in SI units."""
+        return {
+            "throw": self.throw.model_dump(mode="json"),
+            "material": self.material.model_dump(),
+            # A list, because the order of the factors decides which designs are held out.
+            "factors": [
+                {
+                    "name": factor.name,
+                    "unit": factor.unit,
+                    "lowest": factor.lowest,
+                    "highest": factor.highest,
+                    "levels": None if factor.levels is None else list(factor.levels),
+                    "labels": list(factor.labels),
+                }
+                for factor in self.factors
+            ],
+            "design": {
+                "kind": self.design.kind,
+                "runs": self.design.runs,
+                "resolution": self.design.resolution,
+                "generators": self.design.generators,
+                "face": self.design.face,
+                "rows": None if self.design.rows is None else [list(r) for r in self.design.rows],
+            },
+            "relations": dict(sorted(self.relations.items())),
+            "constraints": list(self.constraints),
+            "held_out": self.held_out,
+            "seed": self.seed,
+            "accuracy": self.accuracy,
+            "stresses": self.stresses,
+            "model_version": MODEL_VERSION,
+        }
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> "StudyPlan":
+        """Rebuild a plan from `as_record`.
+
+        Raises
+        ------
+        InputError
+            If the record is of another version of the model.
+        """
+        version = record.get("model_version")
+        if version != MODEL_VERSION:
+            raise InputError(
+                f"study: given a study of model version {version}; allowed is version "
+                f"{MODEL_VERSION}, because results of different versions are not comparable; run it "
+                "again into a new store."
+            )
+        design = dict(record["design"])
+        if design["rows"] is not None:
+            design["rows"] = tuple(tuple(row) for row in design["rows"])
+        return cls(
+            throw=CrankThrow(**record["throw"]),
+            factors=tuple(
+                Factor(
+                    name=given["name"],
+                    unit=given["unit"],
+                    lowest=given["lowest"],
+                    highest=given["highest"],
+                    levels=None if given["levels"] is None else tuple(given["levels"]),
+                    labels=tuple(given["labels"]),
+                )
+                for given in record["factors"]
+            ),
+            design=DesignChoice(**design),
+            relations=record["relations"],
+            constraints=tuple(record["constraints"]),
+            held_out=record["held_out"],
+            seed=record["seed"],
+            material=Material(**record["material"]),
+            accuracy=record["accuracy"],
+            stresses=record["stresses"],
+        )
+
+    @property
+    def key(self) -> str:
+        """Key of the study: changes with anything that changes its results."""
+        return content_key(self.as_record())
+
+
+@dataclass(frozen=True)
+class PlannedDesign:
+    """One design of a study.
+
+    Attributes
+    ----------
+    role : str
+        `RUN` (fitted) or `HELD_OUT` (judged by).
+    values : tuple of float
+        Of the factors [SI]; of a choice the label's index.
+    inputs : dict
+        What its results depend on, as JSON content: throw, material, accuracy, stresses.
+    key : str
+        Hash of the inputs and the model version.
+    """
+
+    role: str
+    values: tuple[float, ...]
+    inputs: dict[str, Any]
+    key: str
+
+
+@dataclass(frozen=True)
+class ExcludedDesign:
+    """A design that is not computed, and why; of a drawn one, another was drawn in its place."""
+
+    values: tuple[float, ...]
+    reason: str
+    role: str = RUN
+
+
+@dataclass(frozen=True)
+class PlannedStudy:
+    """The designs of a study.
+
+    Attributes
+    ----------
+    plan : StudyPlan
+    designs : tuple of PlannedDesign
+        The runs, then the held-out ones.
+    excluded : tuple of ExcludedDesign
+    statement : str
+        What the design is, such as "fractional factorial 2^(4-1), resolution IV, 8 runs".
+    remarks : tuple of str
+        What a user should know of it, one sentence each.
+    """
+
+    plan: StudyPlan
+    designs: tuple[PlannedDesign, ...]
+    excluded: tuple[ExcludedDesign, ...]
+    statement: str
+    remarks: tuple[str, ...] = ()
+
+
+def plan_designs(plan: StudyPlan) -> PlannedStudy:
+    """List the designs of a study: the runs, then the held-out ones.
+
+    Designs that break a constraint or are no throw that can be built are excluded. Of Latin
+    hypercubes and Sobol sequences more points are drawn until the wanted number remains.
+
+    Raises
+    ------
+    InputError
+        If nothing, or too little, of the design can be built; the message gives the first reason.
+    """
+    variants = plan.variants()
+    if plan.design.kind in SPACE_FILLING:
+        assert plan.design.runs is not None
+        runs, excluded, drawn_runs = _drawn(
+            plan, variants, RUN, plan.design.kind, plan.design.runs, RUN_STREAM
+        )
+        statement, remarks = space_filling_statement(plan.design.kind, plan.design.runs, plan.seed)
+        if drawn_runs > len(runs):
+            statement += f" of {drawn_runs} points drawn, {len(excluded)} of them excluded"
+    else:
+        design = fixed_design(plan.factors, plan.design)
+        runs, excluded = _split(plan, RUN, design.runs, variants.at(design.runs))
+        statement, remarks = design.statement, design.remarks
+        if not runs:
+            raise InputError(
+                f"study.factors: none of the {len(design.runs)} designs can be used; the first is "
+                f"excluded because of this: {excluded[0].reason.rstrip('.')}."
+            )
+        if excluded:
+            statement += f", {len(excluded)} of them excluded"
+            remarks = (
+                *remarks,
+                f"{len(excluded)} of {len(design.runs)} designs are excluded, so the others no longer "
+                "have the balance that the design's name promises.",
+            )
+    held, held_excluded, _ = _drawn(
+        plan, variants, HELD_OUT, "latin hypercube", plan.held_out, HELD_OUT_STREAM
+    )
+    return PlannedStudy(plan, (*runs, *held), (*excluded, *held_excluded), statement, remarks)
+
+
+def _split(
+    plan: StudyPlan, role: str, values: NDArray[np.float64], made: Sequence[Variant]
+) -> tuple[tuple[PlannedDesign, ...], tuple[ExcludedDesign, ...]]:
+    """Tell the designs that can be built from those that cannot."""
+    designs, excluded = [], []
+    for row, variant in zip(values.tolist(), made, strict=True):
+        if variant.throw is None:
+            excluded.append(ExcludedDesign(tuple(row), variant.reason, role))
+        else:
+            designs.append(_planned(plan, role, tuple(row), variant.throw))
+    return tuple(designs), tuple(excluded)
+
+
+def _drawn(
+    plan: StudyPlan, variants: Variants, role: str, kind: str, count: int, stream: int
+) -> tuple[tuple[PlannedDesign, ...], tuple[ExcludedDesign, ...], int]:
+    """Draw points until `count` of them can be built; also return how many were drawn."""
+    made: tuple[Variant, ...] = ()
+
+    def draw(number: int) -> NDArray[np.float64]:
+        return space_filling_points(plan.factors, kind, number, (plan.seed, stream))
+
+    def possible(points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        nonlocal made
+        made = variants.at(values_at(plan.factors, points))
+        return np.array([variant.throw is not None for variant in made])
+
+    found = drawn(draw, possible, count, in_order=kind == "sobol")
+    if found is None:
+        first = next(variant.reason for variant in made if variant.throw is None)
+        raise InputError(
+            f"study.factors: fewer than {count} of the points drawn for the designs ({role}) can be "
+            f"used; the first is excluded because of this: {first.rstrip('.')}."
+        )
+    # A design that can be built but was not taken belongs to neither.
+    points, taken, impossible = found
+    kept = np.flatnonzero(taken | impossible)
+    values = values_at(plan.factors, points)[kept]
+    designs, excluded = _split(plan, role, values, [made[place] for place in kept])
+    return designs, excluded, len(points)
+
+
+def _planned(
+    plan: StudyPlan, role: str, values: tuple[float, ...], throw: dict[str, Any]
+) -> PlannedDesign:
+    inputs = {
+        "throw": throw,
+        "material": plan.material.model_dump(),
+        "accuracy": plan.accuracy,
+        "stresses": plan.stresses,
+    }
+    return PlannedDesign(
+        role, values, inputs, content_key(inputs | {"model_version": MODEL_VERSION})
+    )

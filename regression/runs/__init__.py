@@ -1,0 +1,1 @@
+"""Running studies: workers, cluster, store, tables in and out."""

@@ -1,0 +1,405 @@
+"""A study on a Dask cluster: one design at a time for each of its workers.
+
+The coordinator hands the designs out itself. Dask would give a design whose worker is gone to the next
+worker, and the next, and a result that is still held could be computed again with its lost worker:
+so each task is bound to its worker, attempts are counted here, and a result is stored, then released.
+On the worker's machine the design runs in the same supervised process as it would locally.
+"""
+
+import contextlib
+import logging
+import threading
+import time
+import uuid
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any, Protocol
+
+from geometry.errors import InputError, MissingLibraryError
+from regression.plans.plan import MODEL_VERSION
+from regression.records import Outcome, StudyStoppedError
+from regression.runs.shelf import shared_shelf
+from regression.runs.supervised import Limits
+from regression.runs.work_list import WorkList
+
+# Seconds to wait for the scheduler to answer, and for a result that it says is there.
+CONNECT, FETCH = 10.0, 30.0
+# Results that are fetched at a time.
+FETCHERS = 16
+# Seconds between two looks at the tasks if none has woken the loop, and at the list of workers.
+WAKE, LOOK = 0.5, 1.0
+# Seconds beyond the time limit after which a worker that has not answered is given up.
+GRACE = 60.0
+# Seconds without any worker before it is said, and between two reminders.
+QUIET, REMIND = 5.0, 60.0
+# What decides the last digits of a result beside crankfem itself.
+LIBRARIES = ("gmsh", "numpy", "scipy", "scikit-fem", "pypardiso", "mkl")
+
+Note = Callable[[str], None]
+
+
+class TaskLostError(Exception):
+    """A design's worker is gone, or its result is; the text says which."""
+
+
+class Task(Protocol):
+    """A design under way on a cluster."""
+
+    def done(self) -> bool:
+        """Whether there is something to fetch."""
+
+    def result(self) -> dict[str, Any]:
+        """Fetch what `compute_design` returned.
+
+        Raises
+        ------
+        TaskLostError
+            If there is nothing.
+        """
+
+    def release(self) -> None:
+        """Let the cluster forget it, finished or not."""
+
+
+class Cluster(Protocol):
+    """Machines that compute designs."""
+
+    def places(self) -> Mapping[str, bool]:
+        """List the workers that are there now, and whether each takes designs.
+
+        Raises
+        ------
+        StudyStoppedError
+            If the cluster is gone.
+        """
+
+    def submit(self, place: str, request: Mapping[str, Any], limits: Limits) -> Task:
+        """Give a design to a worker."""
+
+    def wait(self, seconds: float) -> None:
+        """Wait until a task may be done, at most so long."""
+
+
+@cache
+def identity() -> dict[str, Any]:
+    """What must be equal on coordinator and worker, and what should."""
+    return {
+        "model_version": MODEL_VERSION,
+        "crankfem": _version("crankfem"),
+        "libraries": {name: _version(name) for name in LIBRARIES},
+    }
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def compute_design(
+    run: str, request: Mapping[str, Any], limits: Limits, coordinator: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Compute a design on a worker's machine; `Shelf.compute` says what is returned.
+
+    A worker of another model version, or release, computes nothing and returns its identity alone.
+    """
+    own = identity()
+    if any(own[name] != coordinator[name] for name in ("model_version", "crankfem")):
+        return {"identity": own}
+    return shared_shelf().compute(run, request, limits) | {"identity": own}
+
+
+async def end_run(run: str) -> None:
+    """End on a worker's machine what is under way for a run that was stopped."""
+    shared_shelf().end_run(run)
+
+
+@dataclass
+class _Given:
+    """A design under way: its key, its task, and when it was given."""
+
+    key: str
+    task: Task
+    since: float = field(default_factory=time.monotonic)
+
+
+class _Dispatch:
+    """The designs of one run on a cluster, handed out and collected."""
+
+    def __init__(self, work: WorkList, cluster: Cluster, limits: Limits, note: Note) -> None:
+        self.work, self.cluster, self.limits, self.note = work, cluster, limits, note
+        self.given: dict[str, _Given] = {}
+        self._places: Mapping[str, bool] = {}
+        self._looked = -LOOK
+        # Workers that did not answer in time, and until when they get nothing.
+        self._set_aside: dict[str, float] = {}
+        self._next_reminder = time.monotonic() + QUIET
+        self._warned: set[str] = set()
+
+    def collect(self) -> list[tuple[Outcome | None, Task]]:
+        """Settle the tasks that are done, lost or overdue."""
+        settled = []
+        for place, one in list(self.given.items()):
+            if one.task.done():
+                outcome = self._fetch(place, one)
+            elif place not in self._places:
+                outcome = self._lose(place, one, "the cluster lost the worker")
+            elif time.monotonic() - one.since > self.limits.seconds + GRACE:
+                waited = time.monotonic() - one.since
+                self._set_aside[place] = time.monotonic() + self.limits.seconds
+                self.note(f"worker {place} has not answered for {waited:.0f} s: set aside")
+                outcome = self._lose(place, one, f"the worker did not answer for {waited:.0f} s")
+            else:
+                continue
+            del self.given[place]
+            settled.append((outcome, one.task))
+        return settled
+
+    def hand_out(self) -> None:
+        """Give every free worker a design."""
+        now = time.monotonic()
+        if now - self._looked >= LOOK:
+            self._places, self._looked = self.cluster.places(), now
+        if self._places:
+            self._next_reminder = now + QUIET
+        elif now >= self._next_reminder:
+            self._next_reminder = now + REMIND
+            self.note("the cluster has no workers; waiting for one (Ctrl-C stops)")
+        free = {place for place, takes in self._places.items() if takes} - self.given.keys()
+        for place in sorted(free):
+            if now < self._set_aside.get(place, 0.0):
+                continue
+            request = self.work.take()
+            if request is None:
+                return
+            task = self.cluster.submit(place, request, self.limits)
+            self.given[place] = _Given(request["key"], task)
+
+    def _fetch(self, place: str, one: _Given) -> Outcome | None:
+        try:
+            found = one.task.result()
+        except TaskLostError as error:
+            return self._lose(place, one, str(error))
+        if "answer" not in found and "lost" not in found:
+            raise InputError(_mismatch(place, found["identity"]))
+        self._compare(place, found["identity"])
+        if "lost" in found:
+            return self.work.lost(one.key, found["lost"], found["seconds"], found["worker"])
+        return self.work.answered(found["answer"], found["worker"])
+
+    def _lose(self, place: str, one: _Given, reason: str) -> Outcome | None:
+        return self.work.lost(one.key, reason, time.monotonic() - one.since, place)
+
+    def _compare(self, place: str, found: Mapping[str, Any]) -> None:
+        """Warn once of a worker whose libraries differ, and with them the last digits."""
+        own = identity()["libraries"]
+        other = [f"{n} {v}" for n, v in found["libraries"].items() if own.get(n) != v]
+        if other and place not in self._warned:
+            self._warned.add(place)
+            self.note(
+                f"worker {place} has other libraries than the coordinator ({', '.join(other)}): its "
+                "results may differ in the last digits"
+            )
+
+
+def run_on_cluster(
+    designs: Iterable[tuple[str, Mapping[str, Any]]],
+    on_outcome: Callable[[Outcome], None],
+    cluster: Cluster,
+    limits: Limits,
+    note: Note,
+) -> None:
+    """Compute designs on a cluster.
+
+    Parameters
+    ----------
+    designs : iterable of (key, inputs)
+        What to compute.
+    on_outcome : callable
+        Called in this process with each outcome as it arrives.
+    cluster : Cluster
+    limits : Limits
+        What one design may take on its worker.
+    note : callable
+        Told what the user should know meanwhile, such as that there are no workers.
+
+    Raises
+    ------
+    InputError
+        If a worker has another crankfem, or none.
+    StudyStoppedError
+        If the cluster is gone.
+    """
+    work = WorkList(designs)
+    dispatch = _Dispatch(work, cluster, limits, note)
+    try:
+        while len(work) or dispatch.given:
+            settled = dispatch.collect()
+            # The workers go on while the answers are stored.
+            dispatch.hand_out()
+            for outcome, task in settled:
+                if outcome is not None:
+                    on_outcome(outcome)
+                task.release()
+            if not settled:
+                cluster.wait(WAKE)
+    finally:
+        for one in dispatch.given.values():
+            one.task.release()
+
+
+def _mismatch(place: str, found: Mapping[str, Any]) -> str:
+    own = identity()
+    return (
+        f"dask: given a cluster whose worker {place} has crankfem {found['crankfem']} with model version "
+        f"{found['model_version']}; allowed is the coordinator's crankfem {own['crankfem']} with model "
+        f"version {own['model_version']}, because results of different models must not be mixed."
+    )
+
+
+class _DaskTask:
+    """A design under way as a future of Dask, whose result is fetched in a thread of its own.
+
+    Dask may say that a result is there when it has just been lost with its worker, and then wait for it:
+    nothing but that thread waits.
+    """
+
+    def __init__(self, place: str, future: Any, fetchers: Executor, fetched: Callable[[], None]):
+        self._place, self._future, self._fetched = place, future, fetched
+        self._found: dict[str, Any] | Exception | None = None
+
+        def fetch_later(_: Any) -> None:
+            with contextlib.suppress(RuntimeError):  # the cluster has been left
+                fetchers.submit(self._fetch)
+
+        future.add_done_callback(fetch_later)
+
+    def done(self) -> bool:
+        return self._found is not None
+
+    def result(self) -> dict[str, Any]:
+        assert self._found is not None
+        if isinstance(self._found, Exception):
+            raise self._found
+        return self._found
+
+    def release(self) -> None:
+        with contextlib.suppress(Exception):  # the scheduler may be gone
+            if self.done():
+                self._future.release()
+            else:
+                self._future.cancel()
+
+    def _fetch(self) -> None:
+        try:
+            self._found = self._future.result(timeout=FETCH)
+        except (ImportError, AttributeError) as error:
+            self._found = InputError(
+                f"dask: given a cluster whose worker {self._place} cannot load crankfem ({error}); allowed "
+                "are workers with the same crankfem as the coordinator's."
+            )
+        except Exception as error:  # whatever Dask says of a worker that is gone
+            self._found = TaskLostError(
+                f"the result was lost with its worker ({type(error).__name__}: {error})"
+            )
+        self._fetched()
+
+
+def quiet_dask() -> None:
+    """Keep Dask's own log away: what matters of it is said by us, in sentences."""
+    with contextlib.suppress(ImportError):
+        import_module("distributed")  # sets the levels of its loggers when it is first loaded
+    for name in list(logging.root.manager.loggerDict):
+        if name.split(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+
+
+class DaskCluster:
+    """The workers of a Dask cluster.
+
+    Parameters
+    ----------
+    address : str
+        Of its scheduler, such as ``tcp://10.0.0.1:8786``.
+
+    Raises
+    ------
+    InputError
+        If no scheduler answers there.
+    MissingLibraryError
+        If the package distributed is not installed.
+    """
+
+    def __init__(self, address: str) -> None:
+        try:
+            from distributed import Client
+        except ImportError:
+            raise MissingLibraryError(
+                "dask: given, but the package distributed is not installed; install crankfem[cluster]."
+            ) from None
+        self.address = address
+        self.run = uuid.uuid4().hex[:12]
+        self._tasks = 0
+        self._wake = threading.Event()
+        self._fetchers = ThreadPoolExecutor(FETCHERS, thread_name_prefix="crankfem-fetch")
+        try:
+            self._client: Any = Client(
+                address, timeout=CONNECT, set_as_default=False, name="crankfem"
+            )
+        except (OSError, ValueError, TypeError) as error:
+            raise InputError(
+                f"dask: given {address!r}; allowed is the address of a running Dask scheduler, like "
+                f"tcp://10.0.0.1:8786, because nothing answers there ({type(error).__name__})."
+            ) from None
+
+    def places(self) -> dict[str, bool]:
+        """List the addresses of the workers, and whether each takes designs."""
+        try:
+            workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        except Exception:  # whatever Dask says when it loses its scheduler
+            raise self._gone() from None
+        if self._client.status not in ("running", "connecting"):
+            raise self._gone()
+        return {address: about["status"] == "running" for address, about in workers.items()}
+
+    def submit(self, place: str, request: Mapping[str, Any], limits: Limits) -> Task:
+        """Give a design to a worker."""
+        self._tasks += 1
+        future = self._client.submit(
+            compute_design,
+            self.run,
+            request,
+            limits,
+            identity(),
+            workers=[place],
+            allow_other_workers=False,
+            pure=False,
+            retries=0,
+            key=f"crankfem-{self.run}-{self._tasks}",
+        )
+        return _DaskTask(place, future, self._fetchers, self._wake.set)
+
+    def wait(self, seconds: float) -> None:
+        """Wait until a task may be done, at most so long."""
+        self._wake.wait(seconds)
+        self._wake.clear()
+
+    def close(self) -> None:
+        """Leave the cluster; designs still under way there for this run are ended."""
+        with contextlib.suppress(Exception):  # the scheduler may be gone
+            if self._client.status == "running":
+                self._client.run(end_run, self.run, wait=False, on_error="ignore")
+        self._fetchers.shutdown(wait=False, cancel_futures=True)
+        with contextlib.suppress(Exception):
+            self._client.close(timeout=CONNECT)
+
+    def _gone(self) -> StudyStoppedError:
+        return StudyStoppedError(
+            f"dask: the scheduler at {self.address} is gone; finished designs are kept, and the same "
+            "command continues when it is back."
+        )

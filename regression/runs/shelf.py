@@ -1,0 +1,103 @@
+"""Worker processes kept alive between designs, on a machine of a cluster."""
+
+import atexit
+import os
+import threading
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+from regression.runs.supervised import Limits, Loss, SupervisedProcess
+
+# Seconds after which a process that nobody asks any more is ended.
+IDLE = 60.0
+
+
+class Shelf:
+    """Worker processes that wait for designs, for callers on any thread."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._idle: list[SupervisedProcess] = []
+        self._busy: dict[SupervisedProcess, str] = {}
+        self._ended: set[str] = set()
+        self._timer: threading.Timer | None = None
+
+    def compute(self, run: str, request: Mapping[str, Any], limits: Limits) -> dict[str, Any]:
+        """Compute one design in a process of the shelf.
+
+        Parameters
+        ----------
+        run : str
+            Name of the run that asks, for `end_run`.
+        request : mapping
+            As the worker process takes it.
+        limits : Limits
+
+        Returns
+        -------
+        dict
+            ``worker``, and ``answer`` or ``lost`` with ``seconds``.
+        """
+        process = self._take(run)
+        if process is None:
+            return {"worker": "", "lost": "the run was stopped", "seconds": 0.0}
+        answer = process.compute(request, limits)
+        self._put_back(process, alive=not isinstance(answer, Loss))
+        if isinstance(answer, Loss):
+            return {"worker": process.name, "lost": answer.reason, "seconds": answer.seconds}
+        return {"worker": process.name, "answer": answer}
+
+    def end_run(self, run: str) -> None:
+        """End what is under way for a run that was stopped, and what still comes of it."""
+        with self._lock:
+            self._ended.add(run)
+            for process, owner in self._busy.items():
+                if owner == run:
+                    process.kill()
+
+    def close(self) -> None:
+        """End the processes that wait."""
+        with self._lock:
+            idle, self._idle = self._idle, []
+        for process in idle:
+            process.end()
+
+    def _take(self, run: str) -> SupervisedProcess | None:
+        with self._lock:
+            if run in self._ended:
+                return None
+            if self._timer is not None:
+                self._timer.cancel()
+            while self._idle:
+                process = self._idle.pop()
+                if process.alive:
+                    break
+                process.end()
+            else:
+                process = SupervisedProcess()
+            self._busy[process] = run
+        return process
+
+    def _put_back(self, process: SupervisedProcess, *, alive: bool) -> None:
+        with self._lock:
+            del self._busy[process]
+            if alive:
+                self._idle.append(process)
+            if self._timer is not None:
+                self._timer.cancel()
+            self._timer = threading.Timer(IDLE, self.close)
+            self._timer.daemon = True
+            self._timer.start()
+
+
+@cache
+def _shelf_of(_owner: int) -> Shelf:
+    shelf = Shelf()
+    atexit.register(shelf.close)
+    return shelf
+
+
+def shared_shelf() -> Shelf:
+    """Return the shelf that all threads of this process share; a forked child gets one of its own."""
+    return _shelf_of(os.getpid())

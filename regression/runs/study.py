@@ -1,0 +1,249 @@
+"""Run a study, or go on with it; read one back; take results from elsewhere into it."""
+
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from geometry.errors import InputError
+from regression.plans.plan import MODEL_VERSION, PlannedStudy, StudyPlan, plan_designs
+from regression.records import HELD_OUT, RUN, Outcome
+from regression.runs.exchange import read_rows, read_store
+from regression.runs.store import ResultStore, is_database
+from regression.runs.study_table import StudyTable, study_table
+from regression.runs.supervised import Limits, design_limits
+from regression.runs.workers import run_designs
+
+__all__ = [
+    "HELD_OUT",
+    "MODEL_VERSION",
+    "RUN",
+    "ImportSummary",
+    "StudyPlan",
+    "StudyTable",
+    "check_workers",
+    "import_results",
+    "plan_designs",
+    "read_study",
+    "run_plan",
+]
+
+Progress = Callable[[int, int, Outcome | None], None]
+Note = Callable[[str], None]
+
+
+def check_workers(workers: int) -> None:
+    """Refuse an impossible number of worker processes.
+
+    Raises
+    ------
+    InputError
+    """
+    if not 1 <= workers <= 256:
+        raise InputError(f"workers: given {workers}; allowed is 1 to 256 processes.")
+
+
+def run_plan(
+    plan: StudyPlan,
+    store: str | Path,
+    workers: int = 2,
+    progress: Progress | None = None,
+    *,
+    dask: str | None = None,
+    time_limit: float | None = None,
+    memory_limit: float | None = None,
+    note: Note | None = None,
+) -> StudyTable:
+    """Compute what a study still lacks, and return all of it.
+
+    Parameters
+    ----------
+    plan : StudyPlan
+    store : path
+        SQLite file. Finished designs found there are not computed again; each new one is on disk as
+        soon as it arrives, so an interrupted study continues where it stopped.
+    workers : int
+        Worker processes on this machine.
+    progress : callable, optional
+        Called with (finished, total, newest outcome or None).
+    dask : str, optional
+        Address of a Dask scheduler, whose workers then compute instead.
+    time_limit : float, optional
+        Seconds that one design may take before its worker is ended; 300 at 1 % accuracy by default.
+    memory_limit : float, optional
+        Bytes that a worker process may take; no limit by default.
+    note : callable, optional
+        Told what the user should know meanwhile.
+
+    Raises
+    ------
+    InputError
+        If the plan, the store, a limit, the cluster or the number of workers is unusable.
+    MissingLibraryError
+        If a cluster is asked for without the package for it.
+    StudyStoppedError
+        If the store cannot be written any more, or the cluster is gone; finished designs are kept.
+    """
+    check_workers(workers)
+    limits = design_limits(plan.accuracy, time_limit, memory_limit)
+    planned = plan_designs(plan)
+    unique = {design.key: design.inputs for design in planned.designs}
+    with ResultStore(store) as results:
+        _register(results, plan, planned)
+        known = {k: found for k, found in results.outcomes(unique).items() if not found.lost}
+        finished = len(known)
+        if progress:
+            progress(finished, len(unique), None)
+
+        def keep(outcome: Outcome) -> None:
+            nonlocal finished
+            results.record(outcome, MODEL_VERSION)
+            finished += 1
+            if progress:
+                progress(finished, len(unique), outcome)
+
+        missing = [(key, inputs) for key, inputs in unique.items() if key not in known]
+        if missing and dask is not None:
+            _run_on_dask(missing, keep, dask, limits, note or _silent)
+        else:
+            run_designs(missing, keep, workers, limits)
+        return _table(results, plan, planned, len(missing))
+
+
+def _run_on_dask(
+    designs: Iterable[tuple[str, Mapping[str, Any]]],
+    keep: Callable[[Outcome], None],
+    address: str,
+    limits: Limits,
+    note: Note,
+) -> None:
+    from regression.runs.cluster import DaskCluster, run_on_cluster
+
+    with closing(DaskCluster(address)) as cluster:
+        run_on_cluster(designs, keep, cluster, limits, note)
+
+
+def _silent(_: str) -> None:
+    """Tell nobody."""
+
+
+def read_study(store: str | Path, study: str | None = None) -> StudyTable:
+    """Read a study's results from its store without computing anything.
+
+    Parameters
+    ----------
+    store : path
+    study : str, optional
+        Its key or the first characters of it; needed only if the store holds several studies.
+
+    Raises
+    ------
+    InputError
+        If the store is missing or empty, holds results of another model version only, or holds
+        several studies and none is named.
+    """
+    if not Path(store).is_file():
+        raise InputError(f"store: given {str(store)!r}; there is no such file.")
+    with ResultStore(store, readonly=True) as results:
+        named = {k: p for k, p in results.studies().items() if k.startswith(study or "")}
+        plans = {k: p for k, p in named.items() if p.get("model_version") == MODEL_VERSION}
+        if named and not plans:
+            raise InputError(
+                f"store: given {str(store)!r}, whose studies are of model version "
+                f"{next(iter(named.values())).get('model_version')}; allowed is {MODEL_VERSION}, because "
+                "results of different models must not be mixed, so run the study again; the old results "
+                "stay in the file."
+            )
+        if len(plans) != 1:
+            given = "none named" if study is None else f"given {study!r}"
+            held = f"{len(plans)} such studies ({', '.join(plans)})" if plans else "no such study"
+            raise InputError(
+                f"study: {given}; {store} holds {held}; name one by the first characters of its key."
+            )
+        plan = StudyPlan.from_record(next(iter(plans.values())))
+        return _table(results, plan, plan_designs(plan), 0)
+
+
+@dataclass(frozen=True)
+class ImportSummary:
+    """What an import brought.
+
+    Attributes
+    ----------
+    designs : int
+        Designs of the study that need no computing any more.
+    rows : int
+        New rows beside the study's designs.
+    left_out : int
+        Designs of the other store that do not belong to the study.
+    """
+
+    designs: int
+    rows: int
+    left_out: int
+
+
+def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> ImportSummary:
+    """Take earlier results or measured values into a study.
+
+    Parameters
+    ----------
+    plan : StudyPlan
+    store : path
+        The study's store.
+    file : path
+        A CSV table, or the store of another study. Designs of that store that are exactly the
+        study's own count as computed; its other designs, and the rows of a table, are kept as rows
+        of their own that never replace a result of the study.
+
+    Returns
+    -------
+    ImportSummary
+
+    Raises
+    ------
+    InputError
+        With line and column if the table cannot be used; if nothing in the store fits the study.
+    """
+    path = Path(file)
+    if not path.is_file():
+        raise InputError(f"import: given {str(path)!r}; there is no such file.")
+    planned = plan_designs(plan)
+    if not is_database(path):
+        rows = read_rows(path, plan)
+        with ResultStore(store) as results:
+            _register(results, plan, planned)
+            return ImportSummary(0, results.add_extra_rows(plan.key, rows), 0)
+    with ResultStore(path, readonly=True) as other:
+        found = read_store(other, plan, {design.key for design in planned.designs})
+    with ResultStore(store) as results:
+        _register(results, plan, planned)
+        known = results.outcomes(one.key for one in found.finished)
+        new = [one for one in found.finished if one.key not in known or known[one.key].lost]
+        for outcome in new:
+            results.record(outcome, MODEL_VERSION)
+        return ImportSummary(len(new), results.add_extra_rows(plan.key, found.rows), found.left_out)
+
+
+def _register(results: ResultStore, plan: StudyPlan, planned: PlannedStudy) -> None:
+    """Write down which designs the study has."""
+    designs: list[tuple[str, str, Mapping[str, float | str]]] = []
+    for design in planned.designs:
+        values = zip(plan.factors, design.values, strict=True)
+        shown = {f.name: f.labels[round(v)] if f.labels else v for f, v in values}
+        designs.append((design.role, design.key, shown))
+    results.register_study(plan.key, plan.as_record(), designs)
+
+
+def _table(
+    results: ResultStore, plan: StudyPlan, planned: PlannedStudy, computed: int
+) -> StudyTable:
+    return study_table(
+        plan,
+        planned.designs,
+        results.outcomes({design.key for design in planned.designs}),
+        results.extra_rows(plan.key),
+        planned.excluded,
+        computed,
+    )

@@ -1,0 +1,231 @@
+"""The results of a study as arrays: its own designs, and earlier results imported beside them."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.model import field_extra
+from geometry.throw import CrankThrow
+from regression.plans.plan import ExcludedDesign, PlannedDesign, StudyPlan
+from regression.records import HELD_OUT, MEASURED, ExtraRow, Outcome
+from regression.throw_values import same
+
+Array = NDArray[np.float64]
+
+DONE, WAITING = "done", "waiting"
+NOT_COMPUTED = "not computed yet"
+
+
+@dataclass(frozen=True)
+class StudyRow:
+    """One design of a study, or one row imported into it, with or without a result.
+
+    Attributes
+    ----------
+    role : str
+        "run", "held out" or "measured".
+    status : str
+        "done", "failed", "lost" (with its worker) or "waiting".
+    values : tuple of float or None
+        Of the factors [SI], an index for a choice.
+    dimensions, outlines : mapping
+        Numbers [SI] and words among the throw's own fields.
+    responses, errors : mapping
+        By response name: SI value, estimated relative error.
+    seconds : float
+    unknowns : int or None
+    reason : str
+        Why there is no result.
+    source : str
+        Where an imported row comes from; empty for the study's own.
+    """
+
+    role: str
+    status: str
+    values: tuple[float, ...] | None
+    dimensions: Mapping[str, float]
+    outlines: Mapping[str, str]
+    responses: Mapping[str, float]
+    errors: Mapping[str, float]
+    seconds: float = 0.0
+    unknowns: int | None = None
+    reason: str = ""
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class StudyTable:
+    """Results of a study as arrays.
+
+    Attributes
+    ----------
+    plan : StudyPlan
+    values : (n, k) array
+        Factor values [SI] of the designs that have a result, imported ones included; for a choice the
+        index of its label.
+    held_out : (n,) array of bool
+        Which of them are kept out of fits.
+    responses : dict
+        Response name to (n,) array [SI].
+    errors : dict
+        Response name to (n,) array of estimated relative errors; only responses for which every row
+        has one.
+    dimensions : dict
+        Numeric field of the throw to (n,) array [SI], as built.
+    outlines : dict
+        Field of the throw that holds a word to its n words.
+    seconds : (n,) array
+        That each took; 0 for imported ones.
+    failures : tuple of (role, values, reason)
+        Designs without a result.
+    excluded : tuple of ExcludedDesign
+        Designs that the plan left out because they cannot be built.
+    computed : int
+        Designs computed now, not taken from the store.
+    extra : tuple of ExtraRow
+        All imported rows, the measured ones too.
+    rows : tuple of StudyRow
+        Everything above row by row, in order.
+    """
+
+    plan: StudyPlan
+    values: Array
+    held_out: NDArray[np.bool_]
+    responses: dict[str, Array]
+    errors: dict[str, Array]
+    dimensions: dict[str, Array]
+    outlines: dict[str, tuple[str, ...]]
+    seconds: Array
+    failures: tuple[tuple[str, tuple[float, ...], str], ...]
+    excluded: tuple[ExcludedDesign, ...] = ()
+    computed: int = 0
+    extra: tuple[ExtraRow, ...] = ()
+    rows: tuple[StudyRow, ...] = field(default=(), repr=False)
+
+
+def throw_dimensions(throw: Mapping[str, Any]) -> dict[str, float]:
+    """Return the numbers among a throw's own fields, by name; fields that are not given are left out.
+
+    Parameters
+    ----------
+    throw : mapping
+        Fields of a `CrankThrow` as JSON content.
+    """
+    return {
+        name: float(throw[name])
+        for name, info in CrankThrow.model_fields.items()
+        if field_extra(info, "unit") is not None and isinstance(throw.get(name), int | float)
+    }
+
+
+def throw_outlines(throw: Mapping[str, Any]) -> dict[str, str]:
+    """Return the words among a throw's own fields, by name."""
+    return {
+        name: throw[name] for name in CrankThrow.model_fields if isinstance(throw.get(name), str)
+    }
+
+
+def study_table(
+    plan: StudyPlan,
+    designs: Sequence[PlannedDesign],
+    outcomes: Mapping[str, Outcome],
+    extra: Iterable[ExtraRow] = (),
+    excluded: Sequence[ExcludedDesign] = (),
+    computed: int = 0,
+) -> StudyTable:
+    """Put a study's designs and the rows imported into it together.
+
+    Parameters
+    ----------
+    plan : StudyPlan
+    designs : sequence of PlannedDesign
+    outcomes : mapping
+        Outcomes by design key.
+    extra : iterable of ExtraRow
+        A row at the same values as a design that has a result is left out of the arrays: the study's
+        own result stands.
+    excluded : sequence of ExcludedDesign
+    computed : int
+        Designs computed now.
+    """
+    extra = tuple(extra)
+    own = [_own_row(design, outcomes.get(design.key)) for design in designs]
+    done = [row.values for row in own if row.status == DONE]
+    imported = [
+        _imported_row(row)
+        for row in extra
+        if row.role == MEASURED or not any(_equal(row.values, values) for values in done)
+    ]
+    rows = (*own, *imported)
+    good = [row for row in rows if row.status == DONE and row.role != MEASURED]
+    return StudyTable(
+        plan=plan,
+        values=np.array([row.values for row in good], dtype=float).reshape(
+            len(good), len(plan.factors)
+        ),
+        held_out=np.array([row.role == HELD_OUT for row in good], dtype=bool),
+        responses=_columns([row.responses for row in good]),
+        errors=_columns([row.errors for row in good]),
+        dimensions=_columns([row.dimensions for row in good]),
+        outlines=_words([row.outlines for row in good]),
+        seconds=np.array([row.seconds for row in good], dtype=float),
+        failures=tuple((row.role, row.values or (), row.reason) for row in own if row.reason),
+        excluded=tuple(excluded),
+        computed=computed,
+        extra=extra,
+        rows=rows,
+    )
+
+
+def _own_row(design: PlannedDesign, outcome: Outcome | None) -> StudyRow:
+    throw = design.inputs["throw"]
+    reason = NOT_COMPUTED if outcome is None else outcome.reason
+    return StudyRow(
+        role=design.role,
+        status=WAITING if outcome is None else outcome.status,
+        values=design.values,
+        dimensions=throw_dimensions(throw),
+        outlines=throw_outlines(throw),
+        responses={} if outcome is None else outcome.responses or {},
+        errors={} if outcome is None else outcome.errors,
+        seconds=0.0 if outcome is None else outcome.seconds,
+        unknowns=None if outcome is None else outcome.unknowns,
+        reason=reason or "",
+    )
+
+
+def _imported_row(row: ExtraRow) -> StudyRow:
+    return StudyRow(
+        role=row.role,
+        status=DONE,
+        values=row.values,
+        dimensions=row.dimensions,
+        outlines=row.outlines,
+        responses=row.responses,
+        errors=row.errors,
+        source=row.source,
+    )
+
+
+def _equal(one: tuple[float, ...] | None, other: tuple[float, ...] | None) -> bool:
+    return (
+        one is not None
+        and other is not None
+        and all(same(a, b) for a, b in zip(one, other, strict=True))
+    )
+
+
+def _common(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Names that every row has, in the order of the first."""
+    return [name for name in rows[0] if all(name in row for row in rows)] if rows else []
+
+
+def _columns(rows: Sequence[Mapping[str, float]]) -> dict[str, Array]:
+    return {name: np.array([row[name] for row in rows], dtype=float) for name in _common(rows)}
+
+
+def _words(rows: Sequence[Mapping[str, str]]) -> dict[str, tuple[str, ...]]:
+    return {name: tuple(row[name] for row in rows) for name in _common(rows)}

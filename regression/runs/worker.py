@@ -1,0 +1,83 @@
+"""A worker process: reads designs as JSON lines, answers with their responses as JSON lines.
+
+Started by `regression.runs.supervised`; it ends when its owner does, so no worker outlives its coordinator.
+"""
+
+import json
+import math
+import os
+import signal
+import sys
+import threading
+import time
+from typing import Any, TextIO
+
+from fem.material import Material
+from fem.responses import ThrowResponses, evaluate_throw
+from geometry.mesher import mesh_here
+from geometry.throw import CrankThrow
+
+
+def evaluate_design(inputs: dict[str, Any]) -> ThrowResponses:
+    """Compute the responses of one design.
+
+    Parameters
+    ----------
+    inputs : dict
+        ``throw`` and ``material`` as field: SI value, ``accuracy``, ``stresses``.
+
+    Returns
+    -------
+    ThrowResponses
+    """
+    return evaluate_throw(
+        CrankThrow(**inputs["throw"]),
+        Material(**inputs["material"]),
+        inputs["accuracy"],
+        inputs["stresses"],
+        mesher=mesh_here,  # this process is expendable: gmsh needs none of its own
+    )
+
+
+def _numbers_only(numbers: dict[str, float], what: str = "") -> dict[str, float]:
+    for name, value in numbers.items():
+        if not math.isfinite(value):
+            raise ArithmeticError(f"{what}{name} came out as {value}")
+    return numbers
+
+
+def serve(requests: TextIO, answers: TextIO) -> None:
+    """Answer requests until there are no more."""
+    for line in requests:
+        request = json.loads(line)
+        start = time.perf_counter()
+        answer: dict[str, Any] = {"key": request["key"]}
+        try:
+            found = evaluate_design(request["inputs"])
+            answer["responses"] = _numbers_only(found.values)
+            answer["errors"] = _numbers_only(found.errors, "the error of ")
+            answer["unknowns"] = found.unknowns
+        except Exception as error:  # the design fails, with its reason; the worker goes on
+            answer = {"key": request["key"], "reason": f"{type(error).__name__}: {error}"}
+        answer["seconds"] = time.perf_counter() - start
+        print(json.dumps(answer), file=answers, flush=True)
+
+
+def _end_with_owner(owner: int) -> None:
+    """End even in the middle of a design when the owner is gone, whose limits are gone with it."""
+    while os.getppid() == owner:
+        time.sleep(1.0)
+    os._exit(1)
+
+
+def main() -> None:
+    """Serve on standard input and output, whatever libraries may print."""
+    threading.Thread(target=_end_with_owner, args=(os.getppid(),), daemon=True).start()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the coordinator decides what an interrupt means
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)
+    serve(sys.stdin, answers)
+
+
+if __name__ == "__main__":
+    main()
