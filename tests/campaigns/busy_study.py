@@ -32,7 +32,11 @@ class Part:
 
 def run(file: Path, store: Path, workers: int, wanted: int, *, interrupt: bool) -> Part:
     """Run the command until so many designs are finished, then to its end."""
-    code = "from crankfem.entry import main; main()"
+    # An interrupt is ignored by what is started in the background, unless it is asked for.
+    code = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from crankfem.entry import main; main()"
+    )
     arguments = ["doe", file, "--store", store, "--workers", workers, "--json"]
     began = time.monotonic()
     process = subprocess.Popen(
