@@ -153,12 +153,15 @@ def sobol_indices(
     size = float(np.max(np.abs(values)))
     if float(np.ptp(values)) <= _CONSTANT * size:
         return None
+    names = tuple(factor.name for factor in factors)
+    if len(factors) == 1:  # all of the variance is its own; scipy fails on one factor
+        return SobolIndices(names, (1.0,), (1.0,), points)
     # Compliances are so small that squares of them lose digits: divided by their size.
     found = stats.sobol_indices(
         func=lambda x: model(x.T) / size, n=points, dists=distributions, rng=seed
     )
     return SobolIndices(
-        tuple(factor.name for factor in factors),
+        names,
         tuple(np.atleast_1d(found.first_order).ravel().tolist()),
         tuple(np.atleast_1d(found.total_order).ravel().tolist()),
         points,

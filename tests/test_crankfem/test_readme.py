@@ -22,7 +22,8 @@ def examples():
     """All blocks of a page together: later ones use names of earlier ones."""
     for page in PAGES:
         blocks = BLOCK.findall(page.read_text(encoding="utf-8"))
-        if blocks:
+        # That page's examples ask a model that its own test makes (test_lookup_command.py).
+        if blocks and page.name != "lookup.md":
             yield pytest.param("\n".join(blocks), id=page.name)
 
 

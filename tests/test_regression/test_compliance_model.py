@@ -2,7 +2,6 @@ import itertools
 import json
 import subprocess
 import sys
-import timeit
 import warnings
 from pathlib import Path
 
@@ -312,8 +311,8 @@ HEAVY = (
     *("rich", "typer"),
 )
 LIGHT = (
-    "import sys, time; start = time.perf_counter(); import crankfem as cf; cf.ComplianceModel; "
-    f"print(time.perf_counter() - start, *(set({HEAVY!r}) & sys.modules.keys()))"
+    "import sys; import crankfem as cf; cf.ComplianceModel; "
+    f"print(*(set({HEAVY!r}) & sys.modules.keys()))"
 )
 
 
@@ -321,34 +320,8 @@ def light_import():
     done = subprocess.run(
         [sys.executable, "-c", LIGHT], check=True, cwd=ROOT, capture_output=True, text=True
     )
-    seconds, *loaded = done.stdout.split()
-    return float(seconds), loaded
+    return done.stdout.split()
 
 
 def test_import_for_lookups_is_light():
-    assert light_import()[1] == []
-
-
-@pytest.mark.slow
-def test_import_for_lookups_is_fast():
-    """0.2 s on an idle core; of three the best, for other work on the machine only adds."""
-    assert min(light_import()[0] for _ in range(3)) < 0.5
-
-
-def best_seconds(call, number):
-    call()
-    return min(timeit.repeat(call, number=number, repeat=5)) / number
-
-
-def test_one_value_takes_less_than_20_microseconds():
-    """2.5 us on an idle core, of a lookup with band 5 us."""
-    assert best_seconds(lambda: MODEL.axial_compliance(**MIDDLE), 1000) < 20e-6
-    assert best_seconds(lambda: MODEL.axial_compliance(**MIDDLE, crank_radius=0.17), 1000) < 20e-6
-    assert best_seconds(lambda: MODEL.lookup("axial_compliance", **MIDDLE), 1000) < 20e-6
-
-
-def test_arrays_take_less_than_half_a_microsecond_for_each_value():
-    """50 to 80 million values a second on an idle core; 2 million are promised."""
-    rng = np.random.default_rng(1)
-    arrays = {name: rng.uniform(*box, 200_000) for name, box in BOX.items()}
-    assert best_seconds(lambda: MODEL.axial_compliance(**arrays), 1) < 0.1
+    assert light_import() == []

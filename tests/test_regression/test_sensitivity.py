@@ -91,3 +91,9 @@ def test_nominal_values():
     factors = (A, B, KIND)
     assert nominal_values(factors, (1.2, 5.0, 2.0)) == [1.2, 2.0, 2.0]
     assert nominal_values(factors, (None, 1.0, None)) == [1.5, 1.0, 0.0]
+
+
+def test_one_factor_has_all_of_the_variance():
+    found = sobol_indices(lambda x: x[:, 0] ** 2, [Factor("a", "m", 1.0, 2.0)])
+    assert (found.first, found.total) == ((1.0,), (1.0,))
+    assert sobol_indices(lambda x: 0.0 * x[:, 0] + 3.0, [Factor("a", "m", 1.0, 2.0)]) is None
