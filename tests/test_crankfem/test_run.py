@@ -94,10 +94,11 @@ def test_the_study(finished_run):
     assert list(study["factors"]) == ["web_thickness"]
     assert study["factors"]["web_thickness"]["levels"] == pytest.approx([0.060, 0.068, 0.076])
     for fits in study["fits"].values():
-        assert {form["form"] for form in fits["forms"]} == {"linear", "quadratic", "log-quadratic"}
-        best = min(fits["forms"], key=lambda form: form["largest_error_held_out"])
-        assert fits["chosen"] == best["form"]
-        assert best["largest_error_held_out"] < 0.01
+        # With three runs of 10 % accuracy no square is kept, and each form stands once.
+        assert {form["form"] for form in fits["forms"]} >= {"linear", "power law"}
+        chosen = next(form for form in fits["forms"] if form["form"] == fits["chosen"])
+        assert chosen["largest_error_held_out"] < 0.01
+        assert fits["chosen"] in fits["reason"]
 
 
 def test_the_model_gives_the_numbers_of_the_results(finished_run):
@@ -112,10 +113,12 @@ def test_the_model_gives_the_numbers_of_the_results(finished_run):
         assert errors[held].max() == pytest.approx(chosen["largest_error_held_out"], rel=1e-6)
         assert model.responses[name].equation == chosen["equation"]
         form = chosen["coefficients"]
-        if fits["chosen"] == "quadratic":
+        if fits["chosen"] == "linear":
             own = form["1"] + form["web_thickness"] * values
-            own = own + form["web_thickness^2"] * values**2
-            assert getattr(model, name)(web_thickness=values) == pytest.approx(own, rel=1e-9)
+        else:
+            assert fits["chosen"] == "power law"
+            own = np.exp(form["1"] + form["ln(web_thickness)"] * np.log(values))
+        assert getattr(model, name)(web_thickness=values) == pytest.approx(own, rel=1e-9)
     assert model.provenance["study"] == study["key"]
 
 
