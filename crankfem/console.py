@@ -19,6 +19,7 @@ from geometry.errors import InputError, MeshError, MissingLibraryError
 from regression.records import Outcome, StudyStoppedError
 
 EXIT_INPUT, EXIT_FAILED = 2, 1
+LONGEST_WORD = 20
 # Seconds between two lines of progress where no bar can be drawn.
 LINE_EVERY = 30.0
 
@@ -37,8 +38,13 @@ def print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
     table = Table(title=title, title_justify="left", title_style="bold", header_style="bold")
     for place, column in enumerate(columns):
         left = place == 0 or column.endswith(":")
+        longest = max((len(word) for row in rows for word in row[place].split()), default=0)
         table.add_column(
-            column.removesuffix(":"), justify="left" if left else "right", overflow="fold"
+            column.removesuffix(":"),
+            justify="left" if left else "right",
+            overflow="fold",
+            # Words of ordinary length are not broken, even where the terminal is narrow.
+            min_width=longest if left and longest <= LONGEST_WORD else None,
         )
     for row in rows:
         table.add_row(*row)
@@ -141,7 +147,8 @@ class RunProgress:
         if self._task is not None:
             self._bar.update(self._task, completed=finished, total=total, pace=shown, refresh=True)
         if newest is not None and newest.reason is not None:
-            self.note(f"a design failed: {newest.reason}")
+            fate = "lost, to be tried again by the next run" if newest.lost else "failed"
+            self.note(f"design {newest.key[:6]} {fate}: {newest.reason}")
         if not errors.is_terminal and now - self._said >= LINE_EVERY:
             self._said = now
             errors.print(f"{finished} of {total} designs, {shown}", soft_wrap=True)
@@ -183,8 +190,12 @@ def number(value: float, digits: int = 4) -> str:
     return f"{value:.{digits}g}"
 
 
-def parse_pairs(pairs: list[str], convert: Callable[[str, str], float]) -> Mapping[str, float]:
-    """Read name=value pairs from the command line.
+def parse_pairs(
+    pairs: list[str],
+    convert: Callable[[str, str], float],
+    example: str = "web_width=300mm",
+) -> Mapping[str, float]:
+    """Read name=value pairs from the command line; `example` stands in the message.
 
     Raises
     ------
@@ -195,9 +206,7 @@ def parse_pairs(pairs: list[str], convert: Callable[[str, str], float]) -> Mappi
     for pair in pairs:
         name, equals, text = pair.partition("=")
         if not equals or not name.strip():
-            raise InputError(
-                f"{pair}: given without a value; write name=value, like web_width=300mm."
-            )
+            raise InputError(f"{pair}: given without a value; write name=value, like {example}.")
         if name.strip() in found:
             raise InputError(f"{name.strip()}: given twice; give it once.")
         found[name.strip()] = convert(name.strip(), text)

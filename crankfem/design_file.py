@@ -74,11 +74,18 @@ def read_design(
 
 
 def _read_csv(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    if not path.is_file():
+        found = "that is a folder" if path.is_dir() else "there is no such file"
+        raise InputError(f"study.file: given {path.name!r}; {found} beside the study file.")
     try:
         text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError:
         raise InputError(
-            f"study.file: given {path.name!r}, which cannot be read ({error})."
+            f"study.file: given {path.name!r}, which is no text in UTF-8; save it as UTF-8 text."
+        ) from None
+    except OSError as error:
+        raise InputError(
+            f"study.file: given {path.name!r}, which cannot be read ({error.strerror})."
         ) from None
     delimiter = ";" if ";" in text.partition("\n")[0] else ","
     reader = csv.reader(text.splitlines(), delimiter=delimiter)

@@ -1,13 +1,21 @@
 """What a study would compute, as a table for people and as a record for machines."""
 
+import re
+from collections import defaultdict
 from typing import Any
 
 from crankfem import console
 from crankfem.console import print_table
 from geometry.quantity import DISPLAY_UNITS
 from regression.plans.factors import Factor
-from regression.plans.plan import PlannedStudy
+from regression.plans.plan import ExcludedDesign, PlannedStudy
 from regression.records import HELD_OUT
+
+# More lines than this nobody reads.
+MOST_ROWS = 200
+MOST_REASONS = 12
+# Reasons that differ in numbers alone are told once.
+NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?")
 
 
 def plan_record(planned: PlannedStudy) -> dict[str, Any]:
@@ -51,20 +59,36 @@ def print_plan(planned: PlannedStudy) -> None:
         ["design", "role:", *(_heading(factor) for factor in plan.factors)],
         [
             [str(number), design.role, *map(_cell, plan.factors, design.values)]
-            for number, design in enumerate(planned.designs, start=1)
+            for number, design in enumerate(planned.designs[:MOST_ROWS], start=1)
         ],
     )
+    if len(planned.designs) > MOST_ROWS:
+        _say(f"... and {len(planned.designs) - MOST_ROWS} more; --json has them all.")
     for path, text in plan.relations.items():
         _say(f"In every design {path} = {text}.")
-    if planned.excluded:
-        print_table(
-            "Excluded designs",
-            ["role", *(_heading(factor) for factor in plan.factors), "reason:"],
-            [
-                [design.role, *map(_cell, plan.factors, design.values), design.reason]
-                for design in planned.excluded
-            ],
+    _print_excluded(planned)
+
+
+def _print_excluded(planned: PlannedStudy) -> None:
+    """Say which designs are excluded and why; of those for the same reason only the first."""
+    if not planned.excluded:
+        return
+    factors = planned.plan.factors
+    _say(f"Excluded before any finite elements: {len(planned.excluded)} designs.")
+    alike: dict[str, list[ExcludedDesign]] = defaultdict(list)
+    for design in planned.excluded:
+        alike[NUMBER.sub("#", design.reason)].append(design)
+    groups = sorted(alike.values(), key=len, reverse=True)
+    for designs in groups[:MOST_REASONS]:
+        first = designs[0]
+        values = ", ".join(
+            f"{factor.name} {factor.show(value)}"
+            for factor, value in zip(factors, first.values, strict=True)
         )
+        more = f" ({len(designs) - 1} more alike)" if len(designs) > 1 else ""
+        _say(f"  {first.role}, {values}: {first.reason.rstrip('.')}{more}.")
+    if len(groups) > MOST_REASONS:
+        _say(f"  ... and {len(groups) - MOST_REASONS} other reasons; --json has them all.")
 
 
 def _say(text: str) -> None:

@@ -5,12 +5,14 @@ from typing import Any
 
 import numpy as np
 
-from crankfem.fitting import ResponseFits, Sensitivities, sensitivities, unfitted
+from crankfem.fitting import ResponseFits, Sensitivities, sensitivities
 from geometry.errors import InputError
+from geometry.throw import CrankThrow
 from regression.fits.equation_text import term_symbols
 from regression.fits.fits import Fit
 from regression.models.compliance_model import ComplianceModel
-from regression.plans.factors import Factor
+from regression.plans.factors import Factor, changed_record
+from regression.plans.plan import StudyPlan
 from regression.records import MEASURED, ExtraRow
 from regression.runs.study_table import StudyTable
 
@@ -65,7 +67,9 @@ def study_record(
         },
         "statement": LACK_OF_FIT,
         "fits": {name: fits_record(table, found) for name, found in fits.items()},
-        "unfitted": unfitted(table, fits),
+        "unfitted": {
+            name: reason for found in fits.values() for name, reason in found.unfitted.items()
+        },
         "compared": [] if model is None else comparisons(table, model),
     }
 
@@ -92,6 +96,7 @@ def fits_record(table: StudyTable, found: ResponseFits) -> Record:
         "fe_error": found.fe_error,
         "fe_scatter": found.fe_scatter,
         "skipped": list(found.skipped),
+        "twins": dict(found.twins),
         "forms": [form_record(found, fit) for fit in found.fits],
         "sensitivities": _sensitivity_record(sensitivities(table, found))
         | {"units": {factor.name: factor.unit for factor in table.plan.factors}},
@@ -188,25 +193,38 @@ def comparisons(table: StudyTable, model: ComplianceModel) -> list[Record]:
     Returns
     -------
     list of dict
-        Source, response, measured and calculated value and their ratio, or the reason why the
-        model has no value.
+        Source, response, measured and calculated value, their ratio and the remarks of the lookup
+        (what lies outside the range), or the reason why the model has no value.
     """
     return [
-        _comparison(row, column, measured, model)
+        _comparison(row, column, measured, model, table.plan)
         for row in table.extra
         if row.role == MEASURED
         for column, measured in row.responses.items()
     ]
 
 
-def _comparison(row: ExtraRow, column: str, measured: float, model: ComplianceModel) -> Record:
+def _comparison(
+    row: ExtraRow, column: str, measured: float, model: ComplianceModel, plan: StudyPlan
+) -> Record:
     record: Record = {"source": row.source, "response": column, "measured": measured}
     name = column.removesuffix("_pinned")
     if name not in model.responses:
         return record | {"reason": "the model has no such response"}
-    given: dict[str, Any] = {**row.dimensions, **row.outlines}
     try:
-        value = model.lookup(name, **given).value
+        found = model.lookup(name, **model.dimensions_of(_measured_throw(row, plan)))
     except InputError as error:
         return record | {"reason": str(error)}
-    return record | {"calculated": value, "ratio": value / measured if measured else None}
+    return record | {
+        "calculated": found.value,
+        "ratio": found.value / measured if measured else None,
+        "remarks": list(found.remarks),
+    }
+
+
+def _measured_throw(row: ExtraRow, plan: StudyPlan) -> CrankThrow:
+    """The study's throw with a row's dimensions; parts are as its factor values make them."""
+    base: Mapping[str, Any] = plan.throw.model_dump(mode="json")
+    if row.values is not None:
+        base = plan.variants().at(np.array([row.values]))[0].throw or base
+    return CrankThrow(**changed_record(base, {**row.dimensions, **row.outlines}))

@@ -26,15 +26,18 @@ def print_fits(
     response : str, optional
         Which one in detail; the axial compliance, or the first, otherwise.
     form : str, optional
-        Whose equation and coefficients are printed; the chosen one's otherwise.
+        Whose equation and coefficients are printed, or its twin's; the chosen one's otherwise.
     """
     detailed = response or (MAIN_RESPONSE if MAIN_RESPONSE in fits else next(iter(fits)))
-    _print_overview(fits)
+    _print_overview(fits, form)
     record = fits[detailed]
-    _print_forms(detailed, record)
-    shown = next(f for f in record["forms"] if f["form"] == (form or record["chosen"]))
-    _say(f"Chosen: {record['reason']}")
-    _say("That error chose the form, so it is slightly optimistic for other designs.")
+    shown = _taken(record, form)
+    _print_forms(detailed, record, shown)
+    _say(f"Chosen by its errors: {record['reason']}")
+    if form is None:
+        _say("That error chose the form, so it is slightly optimistic for other designs.")
+    else:
+        _say(f"Taken all the same, as --form asks: {form}.")
     for line in record["skipped"]:
         _say(f"Not fitted: {line}")
     _say(f"\n{shown['form']}: {shown['equation']}\n")
@@ -53,12 +56,19 @@ def print_fits(
     _print_sensitivities(detailed, record)
 
 
+def _taken(record: Record, form: str | None) -> Record:
+    """Return the form that goes into the model: the given one or its twin, else the chosen one."""
+    wanted = record["chosen"] if form is None else record["twins"].get(form, form)
+    found: Record = next(f for f in record["forms"] if f["form"] == wanted)
+    return found
+
+
 def print_main_fits(fits: Mapping[str, Record]) -> None:
     """Print all responses in one table, and the equation chosen for the axial compliance."""
     _print_overview(fits)
     record = fits.get(MAIN_RESPONSE)
     if record is not None:
-        chosen = next(f for f in record["forms"] if f["form"] == record["chosen"])
+        chosen = _taken(record, None)
         _say(f"{chosen['form']}: {chosen['equation']}")
 
 
@@ -82,15 +92,16 @@ def print_comparisons(records: list[Record]) -> None:
     )
     for reason in dict.fromkeys(f"{r['source']}: {r['reason']}" for r in records if "reason" in r):
         _say(f"Not compared: {reason}")
+    remarks = (f"{r['source']}: {text}" for r in records for text in r.get("remarks", ()))
+    for remark in dict.fromkeys(remarks):
+        _say(f"Note: {remark}")
 
 
-def _print_overview(fits: Mapping[str, Record]) -> None:
-    chosen = {
-        name: next(f for f in record["forms"] if f["form"] == record["chosen"])
-        for name, record in fits.items()
-    }
+def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None:
+    chosen = {name: _taken(record, form) for name, record in fits.items()}
+    equations = "their chosen equations" if form is None else f"the form {form}, as given"
     print_table(
-        "All responses by their chosen equations: largest and mean error held out, estimated error of FE",
+        f"All responses by {equations}: largest and mean error held out, estimated error of FE",
         ["response", "form:", "Q2", "held out", "mean", "FE"],
         [
             [
@@ -106,17 +117,16 @@ def _print_overview(fits: Mapping[str, Record]) -> None:
     )
 
 
-def _print_forms(name: str, record: Record) -> None:
+def _print_forms(name: str, record: Record, taken: Record) -> None:
     support = f", {record['support']}" if record["support"] else ""
     print_table(
         f"{_words(name).capitalize()} {record['symbol']}{support}: largest (mean) errors in %",
-        ["form", "terms", "R2", "adj. R2", "Q2", "at the runs", "held out"],
+        ["form", "terms", "R2", "Q2", "at the runs", "held out"],
         [
             [
-                ("* " if f["form"] == record["chosen"] else "") + f["form"],
+                f["form"] + (" *" if f is taken else ""),
                 str(f["coefficient_count"]),
                 _share(f["r_squared"]),
-                _share(f["adjusted_r_squared"]),
                 _share(f["q_squared"]),
                 _both(f["largest_error_at_runs"], f["mean_error_at_runs"]),
                 _both(f["largest_error_held_out"], f["mean_error_held_out"]),
@@ -144,7 +154,8 @@ def _print_coefficients(form: Record) -> None:
         ],
     )
     _say(
-        f"F {_or_none(form['f_value'])}, AIC {_or_none(form['aic'], 5)}, BIC {_or_none(form['bic'], 5)}, "
+        f"Adjusted R2 {_share(form['adjusted_r_squared'])}, F {_or_none(form['f_value'])}, "
+        f"AIC {_or_none(form['aic'], 5)}, BIC {_or_none(form['bic'], 5)}, "
         f"condition number {form['condition_number']:.3g}, largest leverage "
         f"{form['largest_leverage']:.2f}."
     )

@@ -2,7 +2,7 @@
 
 import datetime
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
@@ -22,6 +22,7 @@ from regression.models.response_model import ResponseModel
 from regression.plans.factors import Factor, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.plans.relations import calculate
+from regression.records import MEASURED
 from regression.runs.study_table import StudyTable
 from regression.throw_values import throw_values
 
@@ -55,6 +56,9 @@ class ResponseFits:
         Why that one, in a sentence.
     skipped : tuple of str
         Forms that could not be fitted, with the reason.
+    twins : mapping
+        Form that is not among the fits, because selection left it the terms of another one, to that
+        one.
     fe_error : float or None
         Largest estimate of the finite elements' own relative error; None if not known.
     fe_scatter : float
@@ -62,6 +66,9 @@ class ResponseFits:
         can see, what differs from design to design looks like scatter.
     encodings : mapping
         Basis ("factors" or "groups") to what the columns of its equations are.
+    unfitted : mapping
+        Other responses of the study that have no equation, by their name in the table, to the reason;
+        the same for all responses.
     """
 
     response: str
@@ -73,28 +80,32 @@ class ResponseFits:
     chosen: Fit
     reason: str
     skipped: tuple[str, ...]
+    twins: Mapping[str, str]
     fe_error: float | None
     fe_scatter: float
     encodings: Mapping[str, Encoding]
+    unfitted: Mapping[str, str] = field(default_factory=dict)
 
     def equation(self, fit: Fit) -> str:
         """Equation of a fit in the units of the field."""
         return equation_text(fit.fitted, symbol=self.symbol, unit=self.unit, basis=fit.basis)
 
     def fit_named(self, form: str) -> Fit:
-        """Return the fit of a form.
+        """Return the fit of a form, or of its twin of the same terms.
 
         Raises
         ------
         InputError
             If that form was not fitted.
         """
+        wanted = self.twins.get(form, form)
         for fit in self.fits:
-            if fit.form == form:
+            if fit.form == wanted:
                 return fit
         why = next((text for text in self.skipped if text.startswith(f"{form}: ")), "")
         raise InputError(
-            f"form: given {form!r}; allowed are {', '.join(fit.form for fit in self.fits)}, the "
+            f"form: given {form!r}; allowed are "
+            f"{', '.join((*(fit.form for fit in self.fits), *self.twins))}, the "
             f"forms that were fitted to {self.response}"
             + (f" ({why.rstrip('.')})." if why else ".")
         )
@@ -130,7 +141,7 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
     -------
     dict
         Response name, as in the model, to its fits. A response to which no form can be fitted is
-        left out; `unfitted` tells why.
+        left out; `ResponseFits.unfitted` of the others tells why.
 
     Raises
     ------
@@ -142,33 +153,19 @@ def fit_study(table: StudyTable) -> dict[str, ResponseFits]:
         raise InputError(f"study: no held-out design has a result ({why}).")
     encodings, missing = _encodings(table)
     found: dict[str, ResponseFits] = {}
-    reasons: list[str] = []
+    reasons: dict[str, str] = {}
     for column in RESPONSES:
         if column not in table.responses:
             continue
         try:
             fits = _fit_response(table, column, encodings, missing)
         except InputError as error:
-            reasons.append(str(error))
+            reasons[column] = str(error)
         else:
             found[fits.response] = fits
     if not found:
-        raise InputError(reasons[0] if reasons else "study: given no response; one is needed.")
-    return found
-
-
-def unfitted(table: StudyTable, fits: Mapping[str, ResponseFits]) -> dict[str, str]:
-    """Tell why responses have no equation: name in the table to the reason."""
-    fitted = {found.column for found in fits.values()}
-    encodings, missing = _encodings(table)
-    reasons = {}
-    for column in RESPONSES:
-        if column in table.responses and column not in fitted:
-            try:
-                _fit_response(table, column, encodings, missing)
-            except InputError as error:
-                reasons[column] = str(error)
-    return reasons
+        raise InputError(next(iter(reasons.values()), "study: given no response; one is needed."))
+    return {name: replace(fits, unfitted=reasons) for name, fits in found.items()}
 
 
 def response_name(column: str) -> tuple[str, str]:
@@ -221,6 +218,7 @@ def _fit_response(
     name, support = response_name(column)
     fits: list[Fit] = []
     skipped: list[str] = []
+    twins: dict[str, str] = {}
     for form in FORMS.values():
         if form.basis in missing:
             skipped.append(f"{form.name}: {missing[form.basis]}")
@@ -234,11 +232,12 @@ def _fit_response(
         if twin is None:
             fits.append(fit)
         else:
+            twins[form.name] = twin
             skipped.append(f"{form.name}: has the same terms as {twin} in this study.")
     if not fits:
         raise InputError(f"study: no form can be fitted to {name} ({'; '.join(skipped)})")
-    errors = table.errors.get(column)
-    scatter = float(np.std(errors)) if errors is not None else 0.0
+    errors = _fe_errors(table, column)
+    scatter = float(np.std(errors)) if errors else 0.0
     choice = choose(fits, scatter)
     return ResponseFits(
         response=name,
@@ -250,10 +249,18 @@ def _fit_response(
         chosen=fits[choice.place],
         reason=choice.reason,
         skipped=tuple(skipped),
-        fe_error=float(np.max(errors)) if errors is not None else None,
+        twins=twins,
+        fe_error=max(errors, default=None),
         fe_scatter=scatter,
         encodings=dict(encodings),
     )
+
+
+def _fe_errors(table: StudyTable, column: str) -> list[float]:
+    """Relative errors of a response as far as they are known; imported rows may have none."""
+    return [
+        row.errors[column] for row in table.rows if row.role != MEASURED and column in row.errors
+    ]
 
 
 def _fit(table: StudyTable, column: str, form: Form, encoding: Encoding) -> Fit:
@@ -466,9 +473,13 @@ def _response_model(found: ResponseFits, fit: Fit, plan: StudyPlan) -> ResponseM
 
 
 def _fixed(plan: StudyPlan) -> tuple[dict[str, float], dict[str, str]]:
-    """Return what does not vary: numbers by field, and labels by field."""
+    """Return what does not vary: numbers by field, and labels by field.
+
+    A dimension that equals its default in the base throw stays fixed where that varies.
+    """
     varying = {*plan.names, *plan.relations}
-    values = {n: v for n, v in throw_values(plan.throw).items() if n not in varying}
+    described = throw_values(plan.throw, spelled_out=True)
+    values = {name: value for name, value in described.items() if name not in varying}
     return (
         {name: value for name, value in values.items() if isinstance(value, float)},
         {name: value for name, value in values.items() if isinstance(value, str)},

@@ -6,6 +6,7 @@ from typing import Any
 from rich.table import Table
 
 from crankfem import console
+from crankfem.angle_argument import angle_text
 from crankfem.console import number, print_table
 from crankfem.formula_spread import EngineSpread, FormulaSpread, Ratio, formula_spreads
 from regression.formulas.published_table import (
@@ -40,11 +41,18 @@ def _print_title(text: str) -> None:
     console.output.print(text, style="bold", soft_wrap=True, highlight=False)
 
 
-def print_one_throw(records: dict[str, Any], gamma_deg: float) -> None:
+def _given(constants: Mapping[str, float] | None) -> str:
+    """Name the constants that were given."""
+    return "".join(f", {name} = {value:g}" for name, value in (constants or {}).items())
+
+
+def print_one_throw(
+    records: dict[str, Any], gamma_deg: float, constants: Mapping[str, float] | None = None
+) -> None:
     """Print the formulas for one throw, beside finite elements if they are among the records."""
     fe = records.get("fe")
     for kind, support in (("axial", f"neighbors at {gamma_deg:g} deg"), ("torsional", "pinned")):
-        angle = f", gamma = {gamma_deg:g} deg" if kind == "axial" else ""
+        angle = f", gamma = {angle_text(gamma_deg)}{_given(constants)}" if kind == "axial" else ""
         beside = "" if fe is None else f" (finite elements: {support})"
         left_out = records["left_out"] if kind == "axial" else []
         _print_kind(
@@ -88,7 +96,9 @@ def _print_kind(
     if fe is not None:
         rows.insert(0, row("finite elements", fe, "", ""))
     ratio = [] if fe is None else ["beside FE"]
-    print_table(title, ["formula", f"value [1e-9 {unit}]", *ratio, "applies:", "remarks:"], rows)
+    # As a line of its own, because a table breaks its title at its own width.
+    _print_title(title)
+    print_table("", ["formula", f"value [1e-9 {unit}]", *ratio, "applies:", "remarks:"], rows)
     for text, place in numbers.items():
         say(f"  {place}. {text}")
     for record in left_out:
@@ -101,10 +111,15 @@ def _print_kind(
         )
 
 
-def print_spread(spreads: Sequence[EngineSpread], gamma_deg: float, variant: str) -> None:
+def print_spread(
+    spreads: Sequence[EngineSpread],
+    gamma_deg: float,
+    variant: str,
+    constants: Mapping[str, float] | None = None,
+) -> None:
     """Print formula / finite elements of all engines, one row for each."""
     for kind, unit, head in (
-        ("axial", "m/N", f"gamma = {gamma_deg:g} deg, {variant} formulas"),
+        ("axial", "m/N", f"gamma = {angle_text(gamma_deg)}, {variant} formulas{_given(constants)}"),
         ("torsional", "rad/(N m)", "pinned"),
     ):
         names = list(dict.fromkeys(name for spread in spreads for name in spread.ratios[kind]))

@@ -28,8 +28,9 @@ def model_dimensions(model: ComplianceModel, pairs: Sequence[str]) -> dict[str, 
     def convert(name: str, text: str) -> float | str:
         if name in choices:
             return text.strip()
-        # An unknown name is read as a length, for the model to say that it is unknown.
-        return parse_value(name, text, family.unit(name) if name in known else "m")
+        if name not in known:
+            family.checked({name: text})  # says that it is unknown
+        return parse_value(name, text, family.unit(name))
 
     found = console.parse_pairs(list(pairs), cast(Any, convert))
     return cast(dict[str, float | str], dict(found))

@@ -17,6 +17,13 @@ class StudyResult:
     fits: dict[str, ResponseFits]
     model: ComplianceModel
 
+    def __repr__(self) -> str:
+        """Say in a line what it is; the table alone would fill screens."""
+        return (
+            f"StudyResult(study {self.table.plan.key[:6]}, {len(self.table.values)} designs, "
+            f"equations for {', '.join(self.fits)})"
+        )
+
 
 def run_study(
     study: str | Path,
@@ -71,6 +78,17 @@ def run_study(
         memory_limit=memory_limit,
     )
     return fitted(table)
+
+
+def study_key(path: str | Path) -> str:
+    """Return the key under which a store knows the study of a file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be used or has no study.
+    """
+    return load_study(path).key
 
 
 def fitted(table: StudyTable) -> StudyResult:

@@ -1,6 +1,7 @@
 """The section [study] of a file: what varies, over which ranges, by which design."""
 
 from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
 from typing import Any
 
 from crankfem.design_file import read_design
@@ -52,7 +53,9 @@ def study_plan(content: TomlFile, throw: CrankThrow, material: Material) -> Stud
         return None
     for name in values:
         if name not in FIELDS:
-            raise InputError(f"study.{name}: unknown field; allowed are {', '.join(FIELDS)}.")
+            close = get_close_matches(name, FIELDS, n=1)
+            hint = f"did you mean {close[0]}? " if close else ""
+            raise InputError(f"study.{name}: unknown field; {hint}allowed are {', '.join(FIELDS)}.")
     kind = _kind(values.get("design", "full factorial"))
     factors = _factors(_table(values, "factors"), throw)
     rows = None

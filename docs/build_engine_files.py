@@ -32,11 +32,16 @@ STUDY = """
 
 | field | unit | allowed | meaning |
 |---|---|---|---|
-| held_out | | 1 to 1000, default 8 | further designs that judge the fits, a Latin hypercube over the box |
-| seed | | whole number, default 1 | of the Latin hypercube |
+| design | | a name, default full factorial | which designs are run and fitted |
+| runs | | whole number | of a Latin hypercube or Sobol sequence |
+| held_out | | 1 to 1000, default 10 | further designs that judge the fits |
+| seed | | whole number, default 1 | of all that is drawn by chance |
 | accuracy | | 0.001 to 0.1, default 0.01 | relative accuracy of each design's axial compliance |
+| stresses | | true or false (default) | also the largest stress concentration factor at the fillets |
+| constraints | | comparisons | what every design must fulfill |
 
-`[study.factors]` lists levels for any fields of `[throw]`; all combinations are run and fitted:
+`[study.factors]` says what varies, `[study.relations]` what follows from it; [studies.md](studies.md)
+explains all of it, the designs and their own fields (`resolution`, `generators`, `face`, `file`):
 
 ```toml
 [study.factors]

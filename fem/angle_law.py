@@ -55,7 +55,13 @@ class AngleLaw:
         InputError
             If an angle is not a finite number.
         """
-        angles = np.asarray(gamma_deg, dtype=np.float64)
+        try:
+            angles = np.asarray(gamma_deg)
+            if angles.dtype.kind not in "iufO":  # text like "120" and True would be converted
+                raise TypeError
+            angles = angles.astype(np.float64)
+        except (TypeError, ValueError):
+            angles = np.array(np.nan)
         if not np.all(np.isfinite(angles)):
             raise InputError(f"gamma_deg: given {gamma_deg!r}; allowed are finite angles in deg.")
         half = np.deg2rad(angles) / 2.0

@@ -64,6 +64,8 @@ def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> fl
     if unit == "":
         return _pure_number(text, given, limits)
     shown = DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
+    if not shown[:1].isalpha():
+        shown = unit  # "1e-9 m/N" is shown, but no unit to be written
     if isinstance(text, bool) or not isinstance(text, str | int | float):
         raise InputError(f'{given}; write a number with its unit, like "1 {shown}"{limits}.')
     if isinstance(text, int | float):

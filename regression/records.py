@@ -73,7 +73,8 @@ class ExtraRow:
     role : str
         "run" and "held out" rows stand beside the study's own, "measured" ones are only compared.
     dimensions : mapping
-        Numeric field of the throw to SI value.
+        Numeric field of the throw to SI value; of its parts ("counterweight.thickness") those that
+        the row itself gives.
     outlines : mapping
         Field of the throw that holds a word to that word.
     values : tuple of float or None

@@ -54,18 +54,21 @@ def show(name: str, value: float, unit: str | None = None) -> str:
     return f"{value:g}" if not known else show_quantity(value, known)
 
 
-def throw_values(throw: CrankThrow) -> dict[str, float | str]:
+def throw_values(throw: CrankThrow, *, spelled_out: bool = False) -> dict[str, float | str]:
     """Return everything that describes a throw, by name; what is absent or default is left out.
 
     Parameters
     ----------
     throw : CrankThrow
+    spelled_out : bool
+        Whether to keep a dimension that is spelled out but has the value that it would have anyway,
+        such as a pin's fillet equal to all fillets: this throw is the same without it, but it does
+        not follow when the other dimension changes.
 
     Returns
     -------
     dict
-        Dimensions [SI] and labels. A dimension that is spelled out but has the value that it would
-        have anyway, such as a pin's fillet equal to all fillets, is left out.
+        Dimensions [SI] and labels.
 
     Examples
     --------
@@ -82,7 +85,9 @@ def throw_values(throw: CrankThrow) -> dict[str, float | str]:
     for name, (other, share) in DEFAULTS.items():
         base = found.get(other)
         given = found.get(name)
-        if isinstance(given, float) and isinstance(base, float) and same(given, share * base):
+        if spelled_out or not isinstance(given, float) or not isinstance(base, float):
+            continue
+        if same(given, share * base):
             del found[name]
     for name, info in CrankThrow.model_fields.items():
         if field_extra(info, "feature") and found.get(name) == 0.0:

@@ -8,11 +8,15 @@ import typer
 from crankfem import console
 from crankfem.commands.options import JsonOption, WorkersOption
 from crankfem.console import print_json
+from geometry.errors import InputError
 from geometry.quantity import parse_quantity
 
 if TYPE_CHECKING:
     from regression.plans.plan import StudyPlan
     from regression.runs.study import StudyTable
+
+# Fewer held-out designs leave most of the box unseen.
+FEW_HELD_OUT = 5
 
 
 def doe(
@@ -59,6 +63,11 @@ def doe(
         "memory_limit": _quantity(memory_limit, "byte", "--memory-limit"),
     }
     read = load_study(study)
+    if plan and (export is not None or import_):
+        raise InputError(
+            "--plan: given with --export or --import; allowed is --plan alone, for it computes, reads and "
+            "writes nothing."
+        )
     if plan:
         _show_plan(read, json)
         return
@@ -69,6 +78,8 @@ def doe(
     table = _run(read, store, workers, {"dask": dask, **limits})
     say = console.errors.print if json else console.output.print
     say(_summary(table, store), soft_wrap=True, highlight=False)
+    for text in _warnings(table):
+        say(f"Note: {text}", soft_wrap=True, highlight=False)
     if export is not None:
         count = export_table(table, export)
         say(f"{count} rows written to {export}.", soft_wrap=True, highlight=False)
@@ -79,14 +90,25 @@ def _summary(table: "StudyTable", store: Path) -> str:
     """Say in a line what the study has."""
     held_out = int(table.held_out.sum())
     text = (
-        f"{len(table.held_out) - held_out} runs and {held_out} held-out designs in {store}; "
-        f"{table.computed} computed now, {len(table.failures)} failed"
+        f"Study {table.plan.key[:6]}: {len(table.held_out) - held_out} runs and {held_out} held-out "
+        f"designs in {store}; {table.computed} computed now, {len(table.failures)} without a result"
     )
     if table.excluded:
         text += f", {len(table.excluded)} excluded by the plan"
     if table.extra:
         text += f", {len(table.extra)} imported rows"
     return f"{text}."
+
+
+def _warnings(table: "StudyTable") -> list[str]:
+    """What makes the errors of a fit say less than they seem to."""
+    held_out = int(table.held_out.sum())
+    if 0 < held_out < FEW_HELD_OUT:
+        return [
+            f"only {held_out} held-out designs judge the fits; with fewer than {FEW_HELD_OUT} their largest "
+            "error says little of the space between the runs."
+        ]
+    return []
 
 
 def _show_fits(table: "StudyTable", json: bool) -> None:
@@ -123,8 +145,11 @@ def _import(plan: "StudyPlan", store: Path, file: Path) -> None:
 
     found = import_results(plan, store, file)
     left_out = f"; {found.left_out} do not belong to this study" if found.left_out else ""
+    own = (
+        f"; {found.coinciding} at the study's own designs are not used" if found.coinciding else ""
+    )
     console.errors.print(
-        f"{file}: {found.designs} finished designs and {found.rows} further rows taken over{left_out}.",
+        f"{file}: {found.designs} finished designs and {found.rows} further rows taken over{left_out}{own}.",
         soft_wrap=True,
         highlight=False,
     )

@@ -14,7 +14,10 @@ def fit(
     store: Annotated[Path, typer.Argument(metavar="RUNS.sqlite", help="Store of a study.")],
     model: Annotated[Path, typer.Option(help="Model file to write.")] = Path("model.json"),
     study: Annotated[
-        str | None, typer.Option(help="First characters of the study's key, if there are several.")
+        str | None,
+        typer.Option(
+            help="First characters of the study's key, or its file, if there are several."
+        ),
     ] = None,
     form: Annotated[
         str | None,
@@ -31,10 +34,18 @@ def fit(
     from crankfem.fit_tables import MAIN_RESPONSE, print_comparisons, print_fits
     from crankfem.fitting import compliance_model, fit_study
     from crankfem.pictures.fit_plots import plot_fits
+    from crankfem.studies import study_key
     from geometry.errors import InputError
     from regression.runs.study import read_study
 
     console.check_folder(model)
+    if model.is_dir():
+        raise InputError(
+            f"--model: given {model}, which is a folder; allowed is a file to write, like "
+            f"{model / 'model.json'}."
+        )
+    if study is not None and study.endswith(".toml"):
+        study = study_key(study)
     table = read_study(store, study)
     fits = fit_study(table)
     if response is not None and response not in fits:

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from crankfem import console, formula_tables
+from crankfem.angle_argument import checked_gamma
 from crankfem.commands.options import JsonOption
 from crankfem.console import parse_pairs, print_json
 from geometry.errors import InputError
@@ -20,10 +21,17 @@ def formulas(
             help="Engine file, or the name of a shipped engine; none with --all or --published.",
         ),
     ] = None,
-    gamma: Annotated[float, typer.Option(help="Angle between neighboring cranks in deg.")] = 180.0,
+    gamma: Annotated[
+        float | None,
+        typer.Option(help="Angle between neighboring cranks in deg.", show_default="180"),
+    ] = None,
     variant: Annotated[
-        str, typer.Option(help="Reading: corrected, printed, plain (TsNIIMF) or k/4 (Draminsky 2).")
-    ] = "corrected",
+        str | None,
+        typer.Option(
+            help="Reading: corrected, printed, plain (TsNIIMF) or k/4 (Draminsky 2).",
+            show_default="corrected",
+        ),
+    ] = None,
     constant: Annotated[
         list[str] | None,
         typer.Option(
@@ -42,18 +50,33 @@ def formulas(
 ) -> None:
     """Show the published formulas for a throw, or all shipped engines, beside finite elements."""
     if (engine is not None) + all_engines + published != 1:
-        raise InputError(
-            "formulas: given not exactly one of ENGINE.toml, --all and --published; allowed is one "
-            "of them, because each is a table of its own."
-        )
+        raise InputError("formulas: give one of ENGINE.toml, --all and --published.")
     if published:
+        _refuse_beside_published(
+            {
+                "--gamma": gamma is not None,
+                "--variant": variant is not None,
+                "--constant": bool(constant),
+                "--no-fe": not fe,
+            }
+        )
         _published(json)
         return
-    constants = parse_pairs(constant or [], _pure_number)
+    constants = parse_pairs(constant or [], _pure_number, example="k_n=0.4")
+    angle = 180.0 if gamma is None else checked_gamma(gamma)
+    reading = variant or "corrected"
     if engine is None:
-        _all_engines(gamma, variant, constants, fe, json)
+        _all_engines(angle, reading, constants, fe, json)
     else:
-        _one_throw(engine, gamma, variant, constants, fe, json)
+        _one_throw(engine, angle, reading, constants, fe, json)
+
+
+def _refuse_beside_published(given: Mapping[str, bool]) -> None:
+    for option in (name for name, is_given in given.items() if is_given):
+        raise InputError(
+            f"{option}: given together with --published; allowed is one of the two, because the "
+            "published table is shown as it was printed."
+        )
 
 
 def _one_throw(
@@ -70,13 +93,13 @@ def _one_throw(
 
     dimensions, material = load_throw(engine)
     records: dict[str, Any] = dict(formula_records(dimensions, material, gamma, variant, constants))
-    records["gamma_deg"] = gamma
+    records |= {"gamma_deg": gamma, "constants": dict(constants)}
     if fe:
         records["fe"] = fe_record(analyze_throw(dimensions, material), gamma)
     if json:
         print_json(records)
     else:
-        formula_tables.print_one_throw(records, gamma)
+        formula_tables.print_one_throw(records, gamma, constants)
 
 
 def _all_engines(
@@ -99,9 +122,10 @@ def _all_engines(
         ),
     )
     if json:
-        print_json({"gamma_deg": gamma, "engines": [spread_record(spread) for spread in spreads]})
+        engines = [spread_record(spread) for spread in spreads]
+        print_json({"gamma_deg": gamma, "constants": dict(constants), "engines": engines})
     else:
-        formula_tables.print_spread(spreads, gamma, variant)
+        formula_tables.print_spread(spreads, gamma, variant, constants)
 
 
 def _published(json: bool) -> None:

@@ -47,13 +47,16 @@ def lookup(
 
         asked |= loaded.dimensions_of(load_throw(throw)[0])
     asked |= model_dimensions(loaded, dimensions or [])
+    if gamma is not None:
+        from crankfem.angle_argument import checked_gamma
+
+        gamma = checked_gamma(gamma)
     answers, refused = _answers(loaded, asked, gamma, strict)
     if json:
         records = {name: _record(answer) for name, answer in answers.items()}
         print_json(records | {name: {"refused": reason} for name, reason in refused.items()})
         return
-    for name, answer in answers.items():
-        _print_answer(name, answer)
+    _print_answers(loaded, answers, gamma is not None)
     for name, reason in refused.items():
         _print(f"{_title(name)}: left out; {reason}")
 
@@ -109,21 +112,74 @@ def _record(answer: "Lookup") -> dict[str, Any]:
     }
 
 
-def _print_answer(name: str, answer: "Lookup") -> None:
+def _print_answers(
+    model: "ComplianceModel", answers: dict[str, "Lookup"], with_angle: bool
+) -> None:
+    """Print a line for each response, those that depend on the angle first, then what all share."""
+    from regression.models.compliance_model import ANGLE_LAWS
+
+    between = [name for name in answers if with_angle and name in ANGLE_LAWS]
+    others = [name for name in answers if name not in between]
+    shared = [
+        remark
+        for remark in next(iter(answers.values())).remarks
+        if all(remark in answer.remarks for answer in answers.values())
+    ]
+    for name in between:
+        _print_answer(name, answers[name], shared)
+    if between and others:
+        _print("Whatever the angle of --gamma:")
+    for name in others:
+        _print_answer(name, answers[name], shared)
+    for remark in shared:
+        _print(remark)
+    banded = [name for name, answer in answers.items() if answer.inside]
+    equations = [part for n in banded for part in (ANGLE_LAWS[n] if n in between else (n,))]
+    if equations:
+        _print_bands(model, equations)
+
+
+def _print_answer(name: str, answer: "Lookup", shared: list[str]) -> None:
     from crankfem.model_arguments import value_text
 
     value = value_text(answer.value, answer.unit)
     support = f" ({answer.support})" if answer.support else ""
-    if answer.lower is None or answer.upper is None:
-        band = "its band is open"
+    if not answer.inside:
+        place = "OUTSIDE the range, where no band holds"
+    elif answer.lower is None or answer.upper is None:
+        place = "its band is open, inside the range"
     else:
         lower, upper = (value_text(end, answer.unit) for end in (answer.lower, answer.upper))
-        band = f"{lower} to {upper}"
-    place = "inside the range" if answer.inside else "OUTSIDE the range, where no band holds"
-    _print(f"{_title(name)}: {value}{support}, {band}, {place}")
+        place = f"{lower} to {upper}, inside the range"
+    _print(f"{_title(name)}: {value}{support}, {place}")
     for remark in answer.remarks:
-        _print(f"  {remark}")
-    _print(f"  Band: {answer.band}.")
+        if remark not in shared:
+            _print(f"  {remark}")
+
+
+def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
+    """Say from which errors the bands are made, and what is not known of them."""
+    from regression.models.error_band import equation_error, percent
+
+    used = {name: model.responses[name] for name in names}
+
+    def span(errors: list[float]) -> str:
+        ends = dict.fromkeys(percent(error) for error in (min(errors), max(errors)))
+        return " to ".join(ends)
+
+    estimates = [one.largest_fe_error for one in used.values() if one.largest_fe_error is not None]
+    elements = f" and the finite elements' own estimate ({span(estimates)})" if estimates else ""
+    equations = span([equation_error(one) for one in used.values()])
+    _print(
+        f"Bands: largest error of the equation at held-out designs and runs ({equations}){elements}; "
+        "--json tells them by response."
+    )
+    unjudged = [_title(name) for name, one in used.items() if one.largest_heldout_error is None]
+    if unjudged:
+        _print(f"  Without held-out designs, too small an error: {', '.join(unjudged)}.")
+    unknown = [_title(name) for name, one in used.items() if one.largest_fe_error is None]
+    if unknown:
+        _print(f"  The error of the finite elements was not estimated: {', '.join(unknown)}.")
 
 
 def _title(name: str) -> str:

@@ -56,8 +56,10 @@ def optimum(
     from crankfem.model_arguments import model_dimensions, parse_limit
     from regression.models.compliance_model import ComplianceModel
     from regression.models.optimum import find_optimum
+    from regression.models.optimum_limits import check_minimized
 
     loaded = ComplianceModel.load(model)
+    check_minimized(loaded, minimize, "--minimize")
     held = model_dimensions(loaded, fixed or [])
     wanted = [parse_limit(loaded, text) for text in limits or []]
     bounds = {"axial": first_axial_frequency, "torsional": first_torsional_frequency}

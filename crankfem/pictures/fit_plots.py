@@ -108,7 +108,7 @@ def plot_response(path: Path, table: StudyTable, found: ResponseFits) -> None:
             dots = chosen(here) * off_curve / size
             own = table.values[:, place] / x_size
             for those, filling, alpha, label in (
-                (~on_line, "none", 0.45, "finite elements, moved here"),
+                (~on_line, "none", 0.45, "others, moved to this line"),
                 (on_line, ORANGE, 1.0, "finite elements"),
             ):
                 panel.plot(
@@ -197,7 +197,11 @@ def plot_effects(path: Path, found: ResponseFits, fit: Fit) -> None:
     values = np.array([coefficients[name] for name in shown]) / size
     with figure(path, width=7.2, height=1.2 + 0.26 * len(shown)) as axes:
         places = np.arange(len(shown))
-        axes.barh(places, np.abs(values), color=[BLUE if v >= 0.0 else ORANGE for v in values])
+        for sign, color, label in ((1.0, BLUE, "positive"), (-1.0, ORANGE, "negative")):
+            drawn = sign * values >= 0.0
+            if drawn.any():
+                axes.barh(places[drawn], np.abs(values[drawn]), color=color, label=label)
+        axes.legend(fontsize=8, loc="lower right")
         for place, value in zip(places, values, strict=True):
             axes.annotate(
                 f"{value:+.3g}",
@@ -212,10 +216,7 @@ def plot_effects(path: Path, found: ResponseFits, fit: Fit) -> None:
         axes.margins(x=0.12)
         axes.grid(axis="y", visible=False)
         of = "ln " if fit.fitted.logarithmic else ""
-        axes.set_xlabel(
-            f"coded coefficient of {of}{math_symbol(found.symbol)} [{unit}], "
-            "blue positive, orange negative"
-        )
+        axes.set_xlabel(f"coded coefficient of {of}{math_symbol(found.symbol)} [{unit}]")
         rest = len(order) - len(shown)
         more = f", {rest} smaller ones left out" if rest > 0 else ""
         axes.set_title(f"{fit.form}: effects{more}", fontsize=10)
@@ -299,7 +300,7 @@ def plot_sensitivities(path: Path, table: StudyTable, found: ResponseFits) -> No
             right.barh(places + 0.18, known.sobol.first, height=0.34, color=GREEN, label="alone")
             right.legend(fontsize=8)
             right.set_xlim(0.0, max(1.0, 1.05 * max(known.sobol.total)))
-        right.set_xlabel("Sobol index: share of the variance over the ranges")
+        right.set_xlabel("Sobol index: share of the variance")
         for axes in (left, right):
             axes.set_yticks(places, names if axes is left else [""] * len(names), fontsize=8)
             axes.invert_yaxis()

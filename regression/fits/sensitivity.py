@@ -49,7 +49,9 @@ class SobolIndices:
 def elasticities(model: Model, factors: Sequence[Factor], nominal: Sequence[float]) -> list[float]:
     """Elasticities d ln y / d ln p: by how many per cent y changes for one per cent of p.
 
-    By central differences of ln y over ln p.
+    By central differences of y over p times and by exp(1e-4), so that a power of p has its exponent
+    but for about 1e-8 of it; the difference is divided by y at the nominal values, which may be
+    negative.
 
     Parameters
     ----------

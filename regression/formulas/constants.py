@@ -1,11 +1,11 @@
 """Constants that the survey leaves open, or whose print is doubtful, with documented defaults."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
 from geometry.errors import InputError
+from regression.formulas.arguments import is_number
 
 
 @dataclass(frozen=True)
@@ -95,9 +95,9 @@ def checked_constants(given: Mapping[str, float]) -> dict[str, float]:
                 f"constants: given {key!r}; allowed are {', '.join(DEFAULT_CONSTANTS)}, the open "
                 "constants of the formulas."
             )
-        if not (math.isfinite(value) and value > 0.0):
+        if not (is_number(value) and value > 0.0):
             raise InputError(
-                f"constants[{key!r}]: given {value!r}; allowed is a positive number, because the "
+                f"constant {key}: given {value!r}; allowed is a positive number, because the "
                 "constant multiplies a compliance."
             )
     return {**DEFAULT_CONSTANTS, **given}

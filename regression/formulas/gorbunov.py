@@ -49,7 +49,7 @@ def _remarks(case: ThrowCase) -> list[Remark]:
             Remark(
                 f"The angle factor k_phi = {number:g} (1 - cos gamma) gives the web "
                 f"{2.0 * number:g} times the compliance of a slender frame at 180 deg; "
-                "constants={'k_gorbunov': 0.5} meets the frame."
+                "the constant k_gorbunov = 0.5 meets the frame."
             )
         )
     return remarks

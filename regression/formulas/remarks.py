@@ -86,7 +86,7 @@ def open_angle_factor_remarks(case: ThrowCase, constant: str) -> list[Remark]:
         Remark(
             f"The factor {constant} for gamma = {case.gamma_deg:g} deg is not published: the value "
             f"stands for opposite neighbors, gamma = 180 deg ({constant} = 1), unless "
-            f"constants={{{constant!r}: ...}} gives it.",
+            f"the constant {constant} is given.",
             invalidates=True,
         )
     ]

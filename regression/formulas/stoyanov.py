@@ -49,7 +49,7 @@ def _remarks(case: ThrowCase) -> list[Remark]:
             Remark(
                 f"Main journal and crankpin overlap by {show_quantity(overlap, 'm')}, for which the "
                 "factor k_n is not published: the value stands for no overlap (k_n = 1), unless "
-                "constants={'k_n': ...} gives it.",
+                "the constant k_n is given.",
                 invalidates=True,
             )
         )

@@ -55,7 +55,18 @@ def between(gamma_deg: ArrayLike, in_line: Any, opposite: Any, ratio: Any) -> An
         Values at 0 and 180 deg, axial compliances or influence coefficients.
     ratio : float or ndarray
         rho, stiffness against tilting across the crank plane divided by that in it.
+
+    Raises
+    ------
+    InputError
+        If an angle is not a finite number, or rho not positive.
     """
+    least = ratio if isinstance(ratio, float) else float(np.min(ratio))
+    if not least > 0.0:
+        raise InputError(
+            f"tilt_stiffness_ratio: given {least:g}; allowed is a positive number, because it is a ratio "
+            "of two stiffnesses: an equation that gives another one does not hold for these dimensions."
+        )
     half = np.pi / 360.0 * fold_angle(gamma_deg)
     if isinstance(half, float):
         sine, cosine = math.sin(half) ** 2, math.cos(half) ** 2
@@ -73,10 +84,12 @@ def between_values(angle: Any, values: Sequence[Any]) -> Any:
     Raises
     ------
     InputError
-        If the shapes of angles and values do not fit each other.
+        As in `between`; if the shapes of angles and values do not fit each other.
     """
     try:
         return between(angle, *values)
+    except InputError:
+        raise
     except ValueError:
         raise InputError(
             f"gamma_deg: given an array of shape {np.shape(angle)} for dimensions of shape "

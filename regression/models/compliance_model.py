@@ -134,6 +134,18 @@ class ComplianceModel(InputModel):
         _ = self._ready  # refuses columns that no dimension gives
         return self
 
+    def __repr__(self) -> str:
+        """Name the responses and the factors with their ranges; all else is in the fields."""
+        family = self.family
+        factors = [
+            f"{name} {family.show(name, low)} to {family.show(name, high)}"
+            for name, (low, high) in family.ranges.items()
+        ]
+        factors += [f"{name} {' or '.join(of)}" for name, of in family.categories.items()]
+        return f"<ComplianceModel of {', '.join(self.responses)}; factors {', '.join(factors)}>"
+
+    __str__ = __repr__
+
     # ------------------------------------------------------------------------------ questions
 
     def axial_compliance(
@@ -168,7 +180,8 @@ class ComplianceModel(InputModel):
         ------
         InputError
             If a factor is missing, a dimension is unknown, not positive or not finite, a fixed one or
-            a fixed ratio has another value, or, if `strict`, something lies outside the range.
+            a fixed ratio has another value, or, if `strict`, something lies outside the range; with an
+            angle, if the equation of rho gives no positive number.
 
         Warns
         -----
@@ -237,7 +250,8 @@ class ComplianceModel(InputModel):
         Returns
         -------
         Lookup
-            Dimensions outside their range are told in its remarks; nothing is warned about.
+            Dimensions outside their range are told in its remarks, and with an angle that the law is
+            only an interpolation for throws with unequal webs; nothing is warned about.
 
         Raises
         ------
@@ -340,7 +354,7 @@ class ComplianceModel(InputModel):
             units=self.units,
             relations=self.relations,
         )
-        return ReadyModel(self.responses, family, self.material, self.constant_groups)
+        return ReadyModel(self.responses, family, self.material, self.constant_groups, self.throw)
 
     def _found(
         self,
@@ -377,7 +391,7 @@ class ComplianceModel(InputModel):
     ) -> Lookup:
         parts = [self._asked(part, dimensions, strict) for part in self.angle_law(name)]
         own = self.responses[name].symbol if name in self.responses else parts[0].symbol
-        return tell_between(fold_angle(gamma_deg), parts, own)
+        return tell_between(fold_angle(gamma_deg), parts, own, self._ready.angle_law_remarks)
 
     def angle_law(self, name: str) -> tuple[str, str, str]:
         """Names of the three responses (at 0 deg, at 180 deg, rho) of a response's angle law.
@@ -413,6 +427,8 @@ class ComplianceModel(InputModel):
 
         Raises
         ------
+        InputError
+            If the path is that of a folder.
         OSError
             If the file cannot be written.
         """

@@ -1,9 +1,11 @@
 """The band in which a looked-up value lies: the equation's error and the finite elements' own.
 
-Two errors stand between an equation and the throw. The equation misses finite elements by up to m at
-held-out designs, |equation / fe - 1| <= m; and finite elements miss the solution by an estimate f. Under
-a given force a discretized throw is too stiff, so compliances come out too small: the solution lies
-between fe and fe (1 + f). Of other responses the sign is unknown. Hence::
+Two errors stand between an equation and the throw. The equation misses finite elements by up to m,
+|equation / fe - 1| <= m, the larger of what was seen at held-out designs and at the runs themselves: the
+former lie inside the box, while the runs reach its corners, where an equation is worst. And finite
+elements miss the solution by an estimate f. Under a given force a discretized throw is too stiff, so
+compliances come out too small: the solution lies between fe and fe (1 + f). Of other responses the sign
+is unknown. Hence::
 
     compliances:  equation / (1 + m)            to  equation (1 + f) / (1 - m)
     others:       equation (1 - f) / (1 + m)    to  equation (1 + f) / (1 - m)
@@ -15,6 +17,8 @@ from dataclasses import dataclass
 
 from regression.models.response_model import ResponseModel
 
+# Smaller relative errors are rounding, and not told by their value.
+LEAST_SAID = 1e-5
 # Compliances of a force at its own place; an influence coefficient is none.
 _TOO_SMALL = ("axial_compliance", "torsional_compliance")
 
@@ -44,6 +48,22 @@ class ErrorBand:
         return (low, high) if value >= 0.0 else (high, low)
 
 
+def percent(share: float) -> str:
+    """Write an error; below 0.001 % it is rounding.
+
+    Examples
+    --------
+    >>> percent(0.018), percent(4.4e-16)
+    ('1.8 %', 'below 0.001 %')
+    """
+    return f"{100.0 * share:.2g} %" if share >= LEAST_SAID else f"below {100.0 * LEAST_SAID:g} %"
+
+
+def equation_error(response: ResponseModel) -> float:
+    """Largest relative error of an equation, at held-out designs or at the runs."""
+    return max(response.largest_error, response.largest_heldout_error or 0.0)
+
+
 def error_band(name: str, response: ResponseModel) -> ErrorBand:
     """Find the band of a response.
 
@@ -54,20 +74,20 @@ def error_band(name: str, response: ResponseModel) -> ErrorBand:
     response : ResponseModel
     """
     held_out = response.largest_heldout_error
-    m = response.largest_error if held_out is None else held_out
+    m = equation_error(response)
     f = response.largest_fe_error or 0.0
     one_sided = name.startswith(_TOO_SMALL)
     lower = (1.0 if one_sided else max(0.0, 1.0 - f)) / (1.0 + m)
     upper = (1.0 + f) / (1.0 - m) if m < 1.0 else None
-    designs = (
-        f"{response.heldout_runs} held-out designs"
-        if held_out is not None
-        else f"the {response.runs} fitted runs themselves, without held-out designs too small an error"
-    )
+    designs = f"{response.heldout_runs} held-out designs"
+    if held_out is None:
+        designs = f"the {response.runs} fitted runs themselves, without held-out designs too small an error"
+    elif held_out < m:
+        designs = f"the {response.runs} fitted runs, {100.0 * held_out:.2g} % at {designs}"
     elements = (
         "the error of the finite elements was not estimated"
         if response.largest_fe_error is None
-        else f"the finite elements' own estimate is {100.0 * f:.2g} %"
+        else f"the finite elements' own estimate is {percent(f)}"
         + (", by which they are too small" if one_sided else " either way")
     )
     text = f"largest error {100.0 * m:.2g} % at {designs}; {elements}"

@@ -81,7 +81,7 @@ class Family:
             elif name in self.labels:
                 found[name] = _checked_labels(name, value, (self.labels[name],))
             elif name in self.ranges or name in self.fixed or name in self.relations:
-                found[name] = _checked_numbers(name, value, self._least(name), self.unit(name))
+                found[name] = _checked_numbers(name, value, self._least(name), self)
             else:
                 raise InputError(
                     f"{name}: unknown dimension; allowed are {', '.join(self.factors)}, the factors "
@@ -175,14 +175,14 @@ class Family:
 
 
 def _checked_numbers(
-    name: str, value: object, least: float, unit: str
+    name: str, value: object, least: float, family: Family
 ) -> float | NDArray[np.float64]:
     """Return finite numbers, positive ones unless the least of the model says otherwise."""
     if isinstance(value, float) and 0.0 < value < math.inf:
         return value
     sign = "positive finite numbers" if least > 0.0 else "positive finite numbers (or 0)"
     sign = "finite numbers" if least < 0.0 else sign
-    kind = "in SI units (m for a length)" if unit else "without a unit"
+    kind = "in SI units (m for a length)" if family.unit(name) else "without a unit"
     allowed = f"allowed are {sign} {kind}"
     try:
         raw = np.asarray(value)
@@ -199,7 +199,9 @@ def _checked_numbers(
         least >= 0.0 and (low < 0.0 or (least > 0.0 and low == 0.0))
     ):
         wrong = ~np.isfinite(array) | ((array <= 0.0) if least > 0.0 else (array < 0.0))
-        raise InputError(f"{name}: given {float(array[wrong].flat[0]):g}; {allowed}.")
+        # What is shown has its unit, so that nothing need be said of units.
+        shown = family.show(name, float(array[wrong].flat[0]))
+        raise InputError(f"{name}: given {shown}; allowed are {sign}.")
     return array if array.ndim else float(array)
 
 

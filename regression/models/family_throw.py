@@ -1,6 +1,7 @@
 """A given throw as a question to a model: its dimensions by name, if it is one of the model's family."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, cast
 
 from geometry.errors import InputError
@@ -8,6 +9,36 @@ from geometry.model import field_extra
 from geometry.throw import CrankThrow
 from regression.models.family import Family
 from regression.throw_values import DEFAULTS, declaration, field_unit, same, show, throw_values
+
+# Beginnings of the names of what makes one end of a throw another than the other.
+_ONE_SIDED = ("left_web.", "right_web.", "further_pins.")
+# A solution of a relation is sought to this share; relations are checked to `SAME`.
+_ROUNDING = 1e-13
+
+
+def angle_law_remarks(family: Family, study_throw: Mapping[str, Any] | None) -> tuple[str, ...]:
+    """Say of throws that are not alike from both ends that the angle law is not exact for them.
+
+    Parameters
+    ----------
+    family : Family
+    study_throw : mapping or None
+        As in `throw_question`.
+
+    Raises
+    ------
+    InputError
+        If the record is that of no throw.
+    """
+    varying = (*family.factors, *family.relations)
+    names = varying if study_throw is not None else (*varying, *family.fixed, *family.labels)
+    alike = study_throw is None or CrankThrow(**study_throw).symmetry == "quarter"
+    if alike and not any(name.startswith(_ONE_SIDED) for name in names):
+        return ()
+    return (
+        "The webs of the model's throws differ or vary by themselves: the angle law is an interpolation "
+        "between 0, 90 and 180 deg for them, and the band does not hold its error.",
+    )
 
 
 def throw_question(
@@ -52,7 +83,7 @@ def throw_question(
     size = family.size({name: value for name, value in asked.items() if name in numbers})
     for name in dict.fromkeys((*others, *expected)):
         _check_same(name, others.get(name), expected.get(name), size)
-    return asked | _free_factors(family, asked)
+    return asked | _free_factors(family, asked, size)
 
 
 def _absent(name: str, found: Mapping[str, float | str]) -> float | None:
@@ -90,16 +121,17 @@ def _shown(name: str, value: float | str | None) -> str:
     return value if isinstance(value, str) else show(name, value)
 
 
-def _free_factors(family: Family, asked: Mapping[str, float | str]) -> dict[str, float | str]:
+def _free_factors(
+    family: Family, asked: Mapping[str, float | str], size: float
+) -> dict[str, float]:
     """Find factors that are no dimensions, such as ratios, from the dimensions related to them.
 
-    Each is found from a relation that is of first degree in it; others are left out, and the model
-    then says that they are missing.
+    Each is found from a relation that has one solution for it; others are left out, and the model then
+    says that they are missing. Relations hold between lengths divided by the throw's size.
     """
     free = [name for name in family.ranges if declaration(name) is None]
     if not free:
         return {}
-    from regression.models.model_relations import related
     from regression.plans.relations import read_expression
 
     units = family.all_units
@@ -107,21 +139,70 @@ def _free_factors(family: Family, asked: Mapping[str, float | str]) -> dict[str,
         target: set(read_expression(text, target, units).names)
         for target, text in family.relations.items()
     }
-    known = {name: value for name, value in asked.items() if isinstance(value, float)}
-    found: dict[str, float | str] = {}
+    known = {
+        name: value / size if units[name] == "m" else value
+        for name, value in asked.items()
+        if isinstance(value, float)
+    }
+    found: dict[str, float] = {}
     for _ in free:
         for target, names in uses.items():
             unknown = [name for name in free if name in names and name not in found]
             if len(unknown) != 1 or target not in known:
                 continue
             name = unknown[0]
-            low, high = family.ranges[name]
             others = {n: v for n, v in known.items() if n != target} | found
-            relation = {target: family.relations[target]}
-            ends = [related(relation, {**others, name: end}, units) for end in (low, high)]
-            if not all(target in end for end in ends):
+            if not uses[target] <= {*others, name}:
                 continue
-            start, stop = (end[target] for end in ends)
-            if start != stop:
-                found[name] = low + (high - low) * (known[target] - start) / (stop - start)
-    return found
+            relation = {target: family.relations[target]}
+            solution = _solution(
+                partial(_related_value, relation, others, units, name),
+                *family.ranges[name],
+                known[target],
+            )
+            if solution is not None:
+                found[name] = solution
+    return {name: value * size if units[name] == "m" else value for name, value in found.items()}
+
+
+def _related_value(
+    relation: Mapping[str, str],
+    known: Mapping[str, float],
+    units: Mapping[str, str],
+    name: str,
+    number: float,
+) -> float:
+    """What follows by one relation where `name` is this number."""
+    from regression.models.model_relations import related
+
+    (value,) = related(relation, {**known, name: number}, units).values()
+    return float(value)
+
+
+def _solution(
+    value: Callable[[float], float], low: float, high: float, target: float
+) -> float | None:
+    """Find where a function of a number with a range has a value; None where that is not certain."""
+    start, stop = value(low), value(high)
+    if start == stop:
+        return None
+    straight = low + (high - low) * (target - start) / (stop - start)
+    inside = low < straight < high
+    try:
+        if same(value(straight), target):
+            return straight
+        from scipy import optimize  # a lookup by numbers does without
+
+        def miss(number: float) -> float:
+            return value(number) - target
+
+        width = high - low
+        if inside:
+            found = optimize.brentq(miss, low, high, xtol=_ROUNDING * width)
+        else:
+            found = optimize.newton(miss, low, x1=high, tol=_ROUNDING * width, rtol=_ROUNDING)
+    except (InputError, RuntimeError):  # beyond the range there may be no value, or no end of steps
+        return None
+    # Where the ends have values on the same side, a solution inside has another one beside it.
+    certain = same(value(found), target) and inside == (low < found < high)
+    return float(found) if certain else None

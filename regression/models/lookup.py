@@ -9,6 +9,8 @@ from regression.models.error_band import ErrorBand
 from regression.models.outside import Outside
 from regression.models.response_model import ResponseModel
 
+NO_BAND = "none holds outside the range of the fit"
+
 
 @dataclass(frozen=True)
 class Lookup:
@@ -25,15 +27,16 @@ class Lookup:
     inside : bool
         Whether everything lies within the range of the fit.
     remarks : tuple of str
-        One sentence for each dimension or ratio outside its range.
+        One sentence for each dimension or ratio outside its range, and what else is to be known.
     error : float or None
-        Largest relative error of the equation at held-out designs; None if there were none.
+        Largest relative error of the equation at held-out designs; None if there were none. The band
+        counts the error at the runs too.
     equation : str
         The equation in natural units.
     lower, upper : float or None
         Ends of the band in which the response lies: the equation's error and that of the finite
-        elements together (see `band`). Outside the range the band promises nothing. None where an
-        error of 100 % leaves an end open.
+        elements together (see `band`). None outside the range, where no band holds, and where an error
+        of 100 % leaves an end open.
     fe_error : float or None
         Largest estimate of the relative error of the finite elements; None if there is none.
     band : str
@@ -60,7 +63,7 @@ def tell(
     response: ResponseModel, band: ErrorBand, value: float, beyond: Sequence[Outside] = ()
 ) -> Lookup:
     """Put together what is known of a value of a response."""
-    lower, upper = band.around(value)
+    lower, upper = (None, None) if beyond else band.around(value)
     return Lookup(
         value=value,
         unit=response.unit,
@@ -72,12 +75,14 @@ def tell(
         lower=lower,
         upper=upper,
         fe_error=response.largest_fe_error,
-        band=band.text,
+        band=NO_BAND if beyond else band.text,
         symbol=response.symbol,
     )
 
 
-def tell_between(angle: float, parts: Sequence[Lookup], symbol: str) -> Lookup:
+def tell_between(
+    angle: float, parts: Sequence[Lookup], symbol: str, remarks: Sequence[str] = ()
+) -> Lookup:
     """Tell of a throw between neighbors: its band is that of the three numbers together.
 
     Parameters
@@ -89,25 +94,29 @@ def tell_between(angle: float, parts: Sequence[Lookup], symbol: str) -> Lookup:
         the ends of its band lie at ends of theirs.
     symbol : str
         Of the response.
+    remarks : sequence of str
+        What is to be known of the angle law.
     """
-    ends = [(part.lower, part.upper) for part in parts]
-    corners = [
-        between_values(angle, corner) for corner in itertools.product(*ends) if None not in corner
-    ]
-    closed = len(corners) == 2 ** len(parts)
+    *_, ratio = ends = [(part.lower, part.upper) for part in parts]
+    inside = all(part.inside for part in parts)
+    # The law has no value where rho, with an error of 100 %, may be 0.
+    closed = all(None not in pair for pair in ends) and ratio[0] != 0.0
+    corners = [between_values(angle, corner) for corner in itertools.product(*ends) if closed]
     return Lookup(
         value=float(between_values(angle, [part.value for part in parts])),
         unit=parts[0].unit,
         support=f"between neighbors at {angle:g} deg",
-        inside=all(part.inside for part in parts),
-        remarks=tuple(dict.fromkeys(remark for part in parts for remark in part.remarks)),
+        inside=inside,
+        remarks=tuple(dict.fromkeys([r for part in parts for r in part.remarks] + [*remarks])),
         error=_largest(part.error for part in parts),
         equation="; ".join(part.equation for part in parts),
         lower=min(corners) if closed else None,
         upper=max(corners) if closed else None,
         fe_error=_largest(part.fe_error for part in parts),
         band="angle law at the ends of the bands of its three numbers: "
-        + "; ".join(f"{part.symbol}: {part.band}" for part in parts),
+        + "; ".join(f"{part.symbol}: {part.band}" for part in parts)
+        if inside
+        else NO_BAND,
         symbol=f"{symbol}({angle:g} deg)",
     )
 

@@ -29,9 +29,15 @@ def write_model(content: Mapping[str, object], path: str | os.PathLike[str]) -> 
 
     Raises
     ------
+    InputError
+        If the path is that of a folder.
     OSError
         If the file cannot be written.
     """
+    if Path(path).is_dir():
+        raise InputError(
+            f"{os.fspath(path)}: given a folder; allowed is a file to write, because a model is one file."
+        )
     record = {
         "format": FILE_FORMAT,
         "version": FORMAT_VERSION,

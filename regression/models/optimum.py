@@ -22,7 +22,13 @@ from geometry.errors import InputError
 from geometry.quantity import show_quantity
 from geometry.throw import CrankThrow
 from regression.models.compliance_model import ComplianceModel, Lookup
-from regression.models.optimum_limits import Limit, Points, limit_values, worst_values
+from regression.models.optimum_limits import (
+    Limit,
+    Points,
+    check_minimized,
+    limit_values,
+    worst_values,
+)
 from regression.models.optimum_space import SearchSpace, search_space
 
 Array = NDArray[np.float64]
@@ -171,6 +177,7 @@ def find_optimum(
         If a name is unknown, nothing is left to vary, or no throw of the family keeps the limits; the
         message then tells how near one comes.
     """
+    check_minimized(model, minimize)
     space = search_space(model, fixed or {})
     choices = [
         dict(zip(space.choices, labels, strict=True))

@@ -92,6 +92,34 @@ class Limit:
         return beyond if self.at_most is not None else -beyond
 
 
+def check_minimized(model: ComplianceModel, name: str, argument: str = "minimize") -> None:
+    """Refuse to minimize what is no number of a model.
+
+    Parameters
+    ----------
+    model : ComplianceModel
+    name : str
+        A response or dimension.
+    argument : str
+        What the name was given as, for the message.
+
+    Raises
+    ------
+    InputError
+    """
+    if name not in model.responses and name not in model.family.all_units:
+        raise _unknown(argument, model, name)
+
+
+def _unknown(argument: str, model: ComplianceModel, name: str) -> InputError:
+    family = model.family
+    names = (*family.ranges, *family.relations, *family.fixed)
+    return InputError(
+        f"{argument}: given {name!r}; allowed are the responses {', '.join(model.responses)} and the "
+        f"dimensions {', '.join(names)}."
+    )
+
+
 @dataclass(frozen=True)
 class Points:
     """Throws of a model's family: all its factors, as numbers, labels, or arrays of n values."""
@@ -114,11 +142,7 @@ class Points:
             return family.fixed[name]
         if name in family.relations:
             return family.completed(self.factors)[name]
-        names = (*self.factors, *family.relations, *family.fixed)
-        raise InputError(
-            f"quantity: given {name!r}; allowed are the responses {', '.join(self.model.responses)} "
-            f"and the dimensions {', '.join(names)}."
-        )
+        raise _unknown("quantity", self.model, name)
 
     def band(self, name: str, gamma_deg: float | None = None) -> tuple[Any, ...]:
         """Value of a quantity, and the ends of its error band if it has one.

@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 
 from regression.throw_values import SAME, show
 
+# Lengths so many times as large as the range's end are most likely of another unit: 70 for 0.070 m.
+WRONG_UNIT = 100.0
+
 
 class OutsideRangeWarning(UserWarning):
     """A compliance was asked for outside the range of dimensions of its fit."""
@@ -28,6 +31,8 @@ class Outside:
         The range.
     unit : str
         SI unit.
+    alone : bool
+        Whether this is one number, which arrays beside it do not multiply.
     """
 
     name: str
@@ -36,6 +41,7 @@ class Outside:
     lowest: float
     highest: float
     unit: str
+    alone: bool = False
 
     @property
     def distance(self) -> float:
@@ -50,7 +56,7 @@ class Outside:
         return (
             f"{self.name}: given {self._show(self.value)}{several}; the range of the fit is "
             f"{self._show(self.lowest)} to {self._show(self.highest)}, and "
-            f"{100.0 * self.distance:.3g} % of its width beyond it the error is unknown."
+            f"{100.0 * self.distance:.3g} % of its width beyond it the error is unknown{self.hint}."
         )
 
     @property
@@ -61,8 +67,14 @@ class Outside:
             f"{self.name}: given {self._show(self.value)}{several}; allowed is the range of the fit, "
             f"{self._show(self.lowest)} to {self._show(self.highest)}, because an answer "
             f"{100.0 * self.distance:.3g} % of its width beyond it has no known error and strict "
-            "answers are asked for."
+            f"answers are asked for{self.hint}."
         )
+
+    @property
+    def hint(self) -> str:
+        """A question where a length is so large that its unit is doubtful."""
+        wrong = self.unit == "m" and self.value > WRONG_UNIT * self.highest
+        return " (mm given in place of m?)" if wrong else ""
 
     def _show(self, value: float) -> str:
         return show(self.name, value, self.unit)
@@ -82,7 +94,7 @@ def outside(
     if isinstance(values, float):
         if low <= values <= high:
             return None
-        return Outside(name, values, 1, lowest, highest, unit)
+        return Outside(name, values, 1, lowest, highest, unit, alone=True)
     least, most = float(np.min(values)), float(np.max(values))
     if low <= least and most <= high:
         return None
@@ -98,6 +110,7 @@ def worst(found: list[Outside]) -> list[Outside]:
         other = joined.get(one.name)
         if other is None:
             joined[one.name] = one
+        if other is None or one.alone:  # each piece finds the same number
             continue
         far = one if one.distance > other.distance else other
         joined[one.name] = Outside(

@@ -150,8 +150,7 @@ class Question:
             If something is missing, unknown or unusable, a fixed dimension or ratio is another than
             in the study, or the equation has no finite value there.
         """
-        used = self._used(given)
-        shape = _common_shape(used)
+        used, shape = self._used(given)
         found: list[Outside] = []
         values: Any
         if shape == ():
@@ -165,25 +164,25 @@ class Question:
             raise InputError(
                 "dimensions: given ones so far outside the range of the fit that its equation has no "
                 "finite value; allowed are those near the range, for beyond it the equation says "
-                "nothing."
+                f"nothing{next((one.hint for one in found if one.hint), '')}."
             )
         return Answer(values, tuple(worst(found)))
 
     def places(self, given: Mapping[str, Given]) -> NDArray[np.float64]:
         """Places of points in the ranges of the columns, -1 to 1 inside; (columns, n)."""
-        used = self._used(given)
+        used, shape = self._used(given)
         rows = [
             (2.0 * column.read(used) - column.lowest - column.highest)
             / (column.highest - column.lowest)
             for column in self.columns
         ]
-        shape = _common_shape(used)
         return np.array([np.broadcast_to(row, shape) for row in rows])
 
-    def _used(self, given: Mapping[str, Given]) -> dict[str, Given]:
-        """Check and complete what was given, to what the answer depends on."""
+    def _used(self, given: Mapping[str, Given]) -> tuple[dict[str, Given], tuple[int, ...]]:
+        """Check and complete what was given, to what the answer depends on; return its shape too."""
         family = self.family
         checked = family.checked(given)
+        shape = _common_shape(checked)
         size: Any = 1.0
         if self.scale is None:
             family.check_fixed(checked)
@@ -197,7 +196,7 @@ class Question:
             raise InputError(
                 f"{missing[0]}: missing; the model needs its factors {', '.join(family.factors)}."
             )
-        return {name: known[name] for name in dict.fromkeys((*self.needed, *checked))}
+        return {name: known[name] for name in dict.fromkeys((*self.needed, *checked))}, shape
 
     def _missing(self, known: Mapping[str, Given]) -> list[str]:
         return [name for name in self.needed if name not in known]

@@ -1,11 +1,13 @@
 """A compliance model made ready for questions: compiled equations, bands, and short ways to values."""
 
 from collections.abc import Callable, Mapping
+from functools import cached_property
 from typing import Any
 
 from geometry.errors import InputError
 from regression.models.error_band import error_band
 from regression.models.family import Family
+from regression.models.family_throw import angle_law_remarks
 from regression.models.question import Question, make_question
 from regression.models.response_model import IS, ResponseModel
 
@@ -22,6 +24,8 @@ class ReadyModel:
     family : Family
     material : mapping
     constant_groups : mapping
+    throw : mapping or None
+        The throw that the study varied, as a record.
 
     Attributes
     ----------
@@ -40,14 +44,21 @@ class ReadyModel:
         family: Family,
         material: Mapping[str, Any],
         constant_groups: Mapping[str, float],
+        throw: Mapping[str, Any] | None,
     ) -> None:
         self.family = family
+        self._throw = throw
         self.bands = {name: error_band(name, response) for name, response in responses.items()}
         self._questions = {
             name: make_question(response, family, material, constant_groups)
             for name, response in responses.items()
         }
         self._ways: dict[tuple[str, ...], Callable[[Mapping[str, Any]], float | None]] = {}
+
+    @cached_property
+    def angle_law_remarks(self) -> tuple[str, ...]:
+        """What is to be known of the angle law of the model's throws."""
+        return angle_law_remarks(self.family, self._throw)
 
     def question(self, name: str) -> Question:
         """Return the question for a response, or say which there are."""

@@ -9,6 +9,7 @@ from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 from geometry.errors import InputError
 from geometry.model import InputModel
 from regression.fits.forms import FittedForm
+from regression.throw_values import show
 
 if TYPE_CHECKING:  # a lookup needs no fits
     from regression.fits.fits import Fit
@@ -102,6 +103,17 @@ class ResponseModel(InputModel):
                     "from lower to higher."
                 )
         return self
+
+    def __repr__(self) -> str:
+        """Name the response, its form and the ranges of its columns; the numbers are in its fields."""
+        ranges = (
+            f"{name} {show(name, low)} to {show(name, high)}"
+            for name, low, high in zip(self.factors, self.lowest, self.highest, strict=True)
+        )
+        unit = f" [{self.unit}]" if self.unit else ""
+        return f"<ResponseModel {self.symbol}{unit}: {self.form} of {', '.join(ranges)}>"
+
+    __str__ = __repr__
 
     @property
     def fitted(self) -> FittedForm:

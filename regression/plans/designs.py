@@ -20,8 +20,8 @@ from regression.plans.designs_space import latin_hypercube_points, sobol_points
 from regression.plans.designs_surface import FACES, box_behnken, central_composite
 from regression.plans.factors import Factor, rounded
 
-# A study of more finite element runs than this is a slip of the pen.
-LARGEST_DESIGN = 1_000_000
+# A study of more finite element runs than this is a slip of the pen, and planning it takes long.
+LARGEST_DESIGN = 20_000
 # What each kind of design takes beside the factors.
 OPTIONS: dict[str, tuple[str, ...]] = {
     "full factorial": (),
@@ -48,7 +48,7 @@ class DesignChoice:
     kind : str
         A key of `OPTIONS`.
     runs : int, optional
-        Number of runs of a Latin hypercube or a Sobol sequence.
+        Number of runs of a Latin hypercube or a Sobol sequence, at most `LARGEST_DESIGN`.
     resolution : int, optional
         Of a fractional factorial (4 if neither it nor generators are given), or of the fraction of a
         central composite design's corners (all corners if not given); 3 to 8.
@@ -86,9 +86,10 @@ class DesignChoice:
                     f"it with {' and '.join(takers)} only."
                 )
         if "runs" in OPTIONS[self.kind] and not _whole(self.runs, 1, LARGEST_DESIGN):
+            given = "missing" if self.runs is None else f"given {self.runs!r}"
             raise InputError(
-                f"study.runs: given {self.runs!r}; allowed with {self.kind!r} is a whole number from 1 "
-                f"to {LARGEST_DESIGN}."
+                f"study.runs: {given}; allowed with {self.kind!r} is a whole number from 1 to "
+                f"{LARGEST_DESIGN}, because each is a finite element run, and no equation needs more."
             )
         if self.resolution is not None and self.resolution not in ROMAN:
             raise InputError(
@@ -161,7 +162,8 @@ def fixed_design(factors: Sequence[Factor], choice: DesignChoice) -> Design:
         else f"{repeated} rows that repeat others are"
     )
     remark = f"{rows} left out, because finite element runs that are repeated give the same result."
-    return Design(runs, made.statement, (*made.remarks, remark))
+    statement = _file_statement(len(runs)) if choice.kind == "file" else made.statement
+    return Design(runs, statement, (*made.remarks, remark))
 
 
 def full_factorial(levels: Mapping[str, Sequence[float]]) -> Design:
@@ -190,27 +192,6 @@ def full_factorial(levels: Mapping[str, Sequence[float]]) -> Design:
     return Design(runs, statement)
 
 
-def latin_hypercube(ranges: Mapping[str, tuple[float, float]], runs: int, seed: int) -> Design:
-    """Spread runs over a box: each range cut into equal strata, one run in each stratum.
-
-    Parameters
-    ----------
-    ranges : mapping
-        Factor name to its lowest and highest value.
-    runs : int
-    seed : int
-
-    Raises
-    ------
-    InputError
-        If a range is empty or not finite.
-    """
-    factors = [Factor(name, "", *ends) for name, ends in ranges.items()]
-    points = space_filling_points(factors, "latin hypercube", runs, [seed])
-    statement, remarks = space_filling_statement("latin hypercube", runs, seed)
-    return Design(values_at(factors, points), statement, remarks)
-
-
 def space_filling_points(
     factors: Sequence[Factor], kind: str, runs: int, seed: Sequence[int]
 ) -> Table:
@@ -219,7 +200,7 @@ def space_filling_points(
     Parameters
     ----------
     factors : sequence of Factor
-        Choices come up evenly.
+        Choices come up evenly, as long as no point is left out.
     kind : str
         Of `SPACE_FILLING`.
     runs : int
@@ -376,7 +357,11 @@ def _rows(factors: Sequence[Factor], choice: DesignChoice) -> Design:
                     f"{factor.show(factor.highest)}."
                 )
     _check_size(len(choice.rows))
-    return Design(np.array(choice.rows), f"design from a file, {len(choice.rows)} runs")
+    return Design(np.array(choice.rows), _file_statement(len(choice.rows)))
+
+
+def _file_statement(runs: int) -> str:
+    return f"design from a file, {runs} run{'' if runs == 1 else 's'}"
 
 
 def _crossed(
@@ -433,7 +418,7 @@ def _check_size(number: int) -> None:
     if number > LARGEST_DESIGN:
         raise InputError(
             f"study.design: given {number} runs; allowed are at most {LARGEST_DESIGN}, because each is "
-            "a finite element run."
+            "a finite element run, and no equation needs more."
         )
 
 

@@ -1,7 +1,6 @@
 """Designs on the corners of a box: two-level fractions, their resolution and what they confuse."""
 
 import itertools
-import string
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,11 +137,6 @@ def confused(design: Coded, names: tuple[str, ...]) -> tuple[str, ...]:
             key = min(product, product ^ everything)
             groups.setdefault(key, []).append(" x ".join(names[place] for place in places))
     return tuple(" = ".join(group) for group in groups.values() if len(group) > 1)
-
-
-def letters(count: int) -> str:
-    """Return the first letters, as generators name factors."""
-    return string.ascii_lowercase[:count]
 
 
 def _as_bits(design: Coded) -> tuple[list[int], int]:

@@ -18,6 +18,10 @@ FEW_POINTS = 1500
 # More points than this are not thinned by distance: the table of distances would not fit.
 LARGEST_THINNED = 4000
 
+# The search for points that can be used ends at so many for each one wanted, or at this many in all if
+# that is less; it never ends before the smallest number.
+SEARCHED_EACH, SEARCHED, SEARCHED_AT_LEAST = 50, 100_000, 2000
+
 Points = NDArray[np.float64]
 
 
@@ -167,6 +171,7 @@ def drawn(
     or None, if so few are possible that the search is given up.
     """
     number = count
+    most = max(SEARCHED_AT_LEAST, min(SEARCHED, SEARCHED_EACH * count))
     while True:
         points = draw(number)
         usable = possible(points)
@@ -177,7 +182,7 @@ def drawn(
             chosen = np.arange(count) if in_order else thinned(points[indices], count)
             taken[indices[chosen]] = True
             return points, taken, ~usable
-        if number >= max(2000, 50 * count):
+        if number >= most:
             return None
         share = max(found, 0.5) / number
-        number = min(max(2000, 50 * count), max(number + 1, math.ceil(1.1 * count / share)))
+        number = min(most, max(number + 1, math.ceil(1.1 * count / share)))

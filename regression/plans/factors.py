@@ -4,7 +4,6 @@ import difflib
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
@@ -244,7 +243,7 @@ def changed_record(record: Mapping[str, Any], changes: Mapping[str, Any]) -> dic
     changes : mapping
         Path to value; parts that the record lacks are made.
     """
-    changed = deepcopy(dict(record))
+    changed: dict[str, Any] = _copied(record)
     for path, value in changes.items():
         *steps, last = path.split(".")
         place: Any = changed
@@ -257,6 +256,15 @@ def changed_record(record: Mapping[str, Any], changes: Mapping[str, Any]) -> dic
             place = place[step]
         place[last] = value
     return changed
+
+
+def _copied(content: Any) -> Any:
+    """Copy JSON content; several times as fast as what copies anything."""
+    if isinstance(content, Mapping):
+        return {name: _copied(value) for name, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [_copied(value) for value in content]
+    return content
 
 
 def unknown_field(path: str, fields: Mapping[str, ThrowField], throw: CrankThrow) -> str:

@@ -290,6 +290,8 @@ def plan_designs(plan: StudyPlan) -> PlannedStudy:
         statement, remarks = space_filling_statement(plan.design.kind, plan.design.runs, plan.seed)
         if drawn_runs > len(runs):
             statement += f" of {drawn_runs} points drawn, {len(excluded)} of them excluded"
+            spare = drawn_runs - len(runs) - len(excluded)
+            statement += f" and {spare} not needed" if spare else ""
     else:
         design = fixed_design(plan.factors, plan.design)
         runs, excluded = _split(plan, RUN, design.runs, variants.at(design.runs))
@@ -321,7 +323,7 @@ def _split(
         if variant.throw is None:
             excluded.append(ExcludedDesign(tuple(row), variant.reason, role))
         else:
-            designs.append(_planned(plan, role, tuple(row), variant.throw))
+            designs.append(planned_design(plan, role, tuple(row), variant.throw))
     return tuple(designs), tuple(excluded)
 
 
@@ -354,9 +356,21 @@ def _drawn(
     return designs, excluded, len(points)
 
 
-def _planned(
+def planned_design(
     plan: StudyPlan, role: str, values: tuple[float, ...], throw: dict[str, Any]
 ) -> PlannedDesign:
+    """Make a design of a study.
+
+    Parameters
+    ----------
+    plan : StudyPlan
+    role : str
+        `RUN` or `HELD_OUT`.
+    values : tuple of float
+        Of the factors [SI].
+    throw : dict
+        The throw that the study makes of them, as JSON content.
+    """
     inputs = {
         "throw": throw,
         "material": plan.material.model_dump(),

@@ -8,6 +8,7 @@ On the worker's machine the design runs in the same supervised process as it wou
 
 import contextlib
 import logging
+import re
 import threading
 import time
 import uuid
@@ -22,6 +23,7 @@ from typing import Any, Protocol
 from geometry.errors import InputError, MissingLibraryError
 from regression.plans.plan import MODEL_VERSION
 from regression.records import Outcome, StudyStoppedError
+from regression.runs.interrupts import interrupts_deferred
 from regression.runs.shelf import shared_shelf
 from regression.runs.supervised import Limits
 from regression.runs.work_list import WorkList
@@ -36,6 +38,10 @@ WAKE, LOOK = 0.5, 1.0
 GRACE = 60.0
 # Seconds without any worker before it is said, and between two reminders.
 QUIET, REMIND = 5.0, 60.0
+# Schemes of Dask's addresses; one within a process alone is none that a study could share.
+ADDRESS = re.compile(
+    r"(?:(?:tcp|tls|ucx|ucxx|ws|wss)://)?(?:[\w.-]+|\[[0-9A-Fa-f:.%]+\]):(\d{1,5})"
+)
 # What decides the last digits of a result beside crankfem itself.
 LIBRARIES = ("gmsh", "numpy", "scipy", "scikit-fem", "pypardiso", "mkl")
 
@@ -134,6 +140,8 @@ class _Dispatch:
     def __init__(self, work: WorkList, cluster: Cluster, limits: Limits, note: Note) -> None:
         self.work, self.cluster, self.limits, self.note = work, cluster, limits, note
         self.given: dict[str, _Given] = {}
+        # Why a worker cannot take part: raised when what the others have finished is stored.
+        self.refusal: InputError | None = None
         self._places: Mapping[str, bool] = {}
         self._looked = -LOOK
         # Workers that did not answer in time, and until when they get nothing.
@@ -161,7 +169,17 @@ class _Dispatch:
         return settled
 
     def hand_out(self) -> None:
-        """Give every free worker a design."""
+        """Give every free worker a design.
+
+        Raises
+        ------
+        InputError
+            If a worker was refused.
+        StudyStoppedError
+            If the cluster is gone.
+        """
+        if self.refusal is not None:
+            raise self.refusal
         now = time.monotonic()
         if now - self._looked >= LOOK:
             self._places, self._looked = self.cluster.places(), now
@@ -185,8 +203,12 @@ class _Dispatch:
             found = one.task.result()
         except TaskLostError as error:
             return self._lose(place, one, str(error))
+        except InputError as error:
+            self.refusal = self.refusal or error
+            return None
         if "answer" not in found and "lost" not in found:
-            raise InputError(_mismatch(place, found["identity"]))
+            self.refusal = self.refusal or InputError(_mismatch(place, found["identity"]))
+            return None
         self._compare(place, found["identity"])
         if "lost" in found:
             return self.work.lost(one.key, found["lost"], found["seconds"], found["worker"])
@@ -239,13 +261,18 @@ def run_on_cluster(
     dispatch = _Dispatch(work, cluster, limits, note)
     try:
         while len(work) or dispatch.given:
-            settled = dispatch.collect()
-            # The workers go on while the answers are stored.
-            dispatch.hand_out()
-            for outcome, task in settled:
-                if outcome is not None:
-                    on_outcome(outcome)
-                task.release()
+            settled: list[tuple[Outcome | None, Task]] = []
+            try:
+                with interrupts_deferred():
+                    settled = dispatch.collect()
+                # The workers go on while the answers are stored.
+                dispatch.hand_out()
+            finally:  # whatever becomes of the cluster, or of another worker
+                with interrupts_deferred():
+                    for outcome, task in settled:
+                        if outcome is not None:
+                            on_outcome(outcome)
+                        task.release()
             if not settled:
                 cluster.wait(WAKE)
     finally:
@@ -319,6 +346,22 @@ def quiet_dask() -> None:
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
+def check_address(address: object) -> str:
+    """Return the address of a Dask scheduler if it has the form of one: ``tcp://10.0.0.1:8786``.
+
+    Raises
+    ------
+    InputError
+    """
+    found = ADDRESS.fullmatch(address) if isinstance(address, str) else None
+    if not isinstance(address, str) or found is None or not 1 <= int(found[1]) <= 65535:
+        raise InputError(
+            f"dask: given {address!r}; allowed is the address of a running Dask scheduler, like "
+            "tcp://10.0.0.1:8786: a host and a port, with tcp, tls, ucx, ws or wss in front."
+        )
+    return address
+
+
 class DaskCluster:
     """The workers of a Dask cluster.
 
@@ -330,12 +373,13 @@ class DaskCluster:
     Raises
     ------
     InputError
-        If no scheduler answers there.
+        If this is no address, or no scheduler answers there.
     MissingLibraryError
         If the package distributed is not installed.
     """
 
     def __init__(self, address: str) -> None:
+        check_address(address)
         try:
             from distributed import Client
         except ImportError:
@@ -347,11 +391,14 @@ class DaskCluster:
         self._tasks = 0
         self._wake = threading.Event()
         self._fetchers = ThreadPoolExecutor(FETCHERS, thread_name_prefix="crankfem-fetch")
+        # Made in two steps: a client that fails halfway must be closed, or it complains when it is
+        # collected.
+        client: Any = Client.__new__(Client)
+        self._client = client
         try:
-            self._client: Any = Client(
-                address, timeout=CONNECT, set_as_default=False, name="crankfem"
-            )
+            client.__init__(address, timeout=CONNECT, set_as_default=False, name="crankfem")
         except (OSError, ValueError, TypeError) as error:
+            self.close()
             raise InputError(
                 f"dask: given {address!r}; allowed is the address of a running Dask scheduler, like "
                 f"tcp://10.0.0.1:8786, because nothing answers there ({type(error).__name__})."

@@ -4,7 +4,7 @@ import csv
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,8 @@ from geometry.quantity import parse_quantity
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor, changed_record, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan
+from regression.plans.relations import calculate
+from regression.plans.variants import Variants
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome
 from regression.runs.store import ResultStore
 from regression.runs.study_table import DONE, throw_dimensions, throw_outlines
@@ -24,8 +26,14 @@ from regression.throw_values import same, show
 ROLES = (RUN, HELD_OUT, MEASURED)
 # Columns that say something of a row as a whole.
 ABOUT = ("role", "source", "status", "model_version")
+# Responses that are above zero in every throw; influence coefficients and reactions have a sign.
+POSITIVE = tuple(
+    name for name in RESPONSES if not name.startswith(("influence_coefficient", "axial_reaction"))
+)
 # Columns of an exported table that an import has no use for.
 IGNORED = ("seconds", "unknowns", "reason")
+# A dimension and a ratio that both were measured agree if they do to this share: they were rounded.
+AGREE = 0.005
 HEADER = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\[\]]*)\]\s*)?")
 
 
@@ -56,14 +64,7 @@ def read_rows(path: Path, plan: StudyPlan) -> tuple[ExtraRow, ...]:
     InputError
         In one sentence with line and column, if something cannot be used.
     """
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = list(csv.reader(file, strict=True))
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(
-            f"{path.name}: is no CSV table in UTF-8 ({error}); allowed are a header and lines of cells "
-            "separated by commas."
-        ) from None
+    lines = _read_lines(path)
     if not lines or not any(cell.strip() for cell in lines[0]):
         raise InputError(f"{path.name}, line 1: empty; the first line must name the columns.")
     listed = _columns(path.name, lines[0], plan)
@@ -83,6 +84,40 @@ def read_rows(path: Path, plan: StudyPlan) -> tuple[ExtraRow, ...]:
     if not rows:
         raise InputError(f"{path.name}: given no line with results; allowed is one or more.")
     return tuple(rows)
+
+
+def _read_lines(path: Path) -> list[list[str]]:
+    if path.suffix == ".parquet":
+        raise InputError(
+            f"{path.name}: is a Parquet table; allowed are a CSV table or another store, because Parquet "
+            "is written for other programs only."
+        )
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            text = file.read()
+    except UnicodeDecodeError:
+        text = "\0"
+    except OSError as error:
+        raise InputError(f"{path.name}: cannot be read ({error.strerror}).") from None
+    if "\0" in text:
+        raise InputError(
+            f"{path.name}: is no text in UTF-8; allowed is a CSV table, saved as UTF-8 text, or another "
+            "store."
+        )
+    try:
+        lines = list(csv.reader(text.splitlines(keepends=True), strict=True))
+    except csv.Error as error:
+        raise InputError(
+            f"{path.name}: is no CSV table ({error}); allowed are a header and lines of cells separated "
+            "by commas."
+        ) from None
+    for mark, name in ((";", "semicolons"), ("\t", "tabs")):
+        if lines and any(mark in cell for cell in lines[0]):
+            raise InputError(
+                f"{path.name}, line 1: given cells separated by {name}; allowed are commas between "
+                "columns, and points in decimal numbers."
+            )
+    return lines
 
 
 def _columns(file: str, headers: list[str], plan: StudyPlan) -> list[_Column]:
@@ -116,7 +151,7 @@ def _column(header: str, where: str, plan: StudyPlan) -> _Column:
     if name.endswith(" error") and name.removesuffix(" error") in RESPONSES:
         return _Column(header, "error", name.removesuffix(" error"), _reader(where, "", unit))
     if name in RESPONSES:
-        return _Column(header, "response", name, _reader(where, RESPONSES[name].unit, unit))
+        return _Column(header, "response", name, _response_reader(where, name, unit))
     factor = next((factor for factor in plan.factors if factor.name == name), None)
     field = plan.variants().fields.get(name)
     if factor is not None and field is None:
@@ -161,6 +196,21 @@ def _reader(where: str, unit: str, given: str | None) -> Callable[[str, str], fl
     return read
 
 
+def _response_reader(where: str, name: str, given: str | None) -> Callable[[str, str], float]:
+    """Make what reads a response; most are above zero by nature."""
+    read = _reader(where, RESPONSES[name].unit, given)
+
+    def read_positive(cell: str, place: str) -> float:
+        value = read(cell, place)
+        if value <= 0.0:
+            raise InputError(
+                f"{place}: given {cell!r}; allowed is a number above zero, as every throw has it."
+            )
+        return value
+
+    return read_positive if name in POSITIVE else read
+
+
 def _number(cell: str, where: str) -> float:
     try:
         value = float(cell)
@@ -168,8 +218,8 @@ def _number(cell: str, where: str) -> float:
         value = math.nan
     if not math.isfinite(value):
         raise InputError(
-            f"{where}: given {cell!r}; allowed is a finite number, like 68 or 1.5e-9, because its unit "
-            "stands in the header."
+            f"{where}: given {cell!r}; allowed is a finite number, like 68 or 1.5e-9, with a point for "
+            "decimals, because its unit stands in the header."
         )
     return value
 
@@ -205,13 +255,22 @@ class _RowReader:
             raise InputError(f"{line}: given no response; allowed is one or more.")
         values = self._values(given["field"] | given["factor"])
         if role == MEASURED:
+            self._check_ratios(given, headers)
             throw = self._measured_throw(line, values, given["field"])
         else:
             throw = self._computed_throw(line, values, given, headers)
+        # Of its parts, what the line itself says; the rest is as the study has it.
+        parts = {
+            name: value
+            for name, value in given["field"].items()
+            if "." in name and role == MEASURED
+        }
+        words = {name: value for name, value in parts.items() if isinstance(value, str)}
         return ExtraRow(
             role=role,
-            dimensions=throw_dimensions(throw),
-            outlines=throw_outlines(throw),
+            dimensions=throw_dimensions(throw)
+            | {name: float(value) for name, value in parts.items() if name not in words},
+            outlines=throw_outlines(throw) | words,
             values=values,
             responses=given["response"],
             errors=given["error"],
@@ -219,22 +278,55 @@ class _RowReader:
         )
 
     def _values(self, given: Mapping[str, Any]) -> tuple[float, ...] | None:
-        """Values of the study's factors, None unless all are given."""
+        """Values of the study's factors; None unless all are given, and every choice is one of its own."""
         if not all(name in given for name in self._plan.names):
             return None
+        if any(f.labels and given[f.name] not in f.labels for f in self._plan.factors):
+            return None  # a choice that the study does not have
         return tuple(_factor_value(factor, given[factor.name]) for factor in self._plan.factors)
 
     def _measured_throw(
         self, line: str, values: tuple[float, ...] | None, fields: Mapping[str, Any]
     ) -> dict[str, Any]:
-        """The study's throw, with the dimensions that the line gives."""
+        """The study's throw, with the dimensions that the line gives and what follows from them."""
         base: Mapping[str, Any] = self._plan.throw.model_dump(mode="json")
         if values is not None:
-            base = self._variants.at(np.array([values]))[0].throw or base
+            base = self._variants_of(fields).at(np.array([values]))[0].throw or base
         try:
             return CrankThrow(**changed_record(base, fields)).model_dump(mode="json")
         except InputError as error:
             raise InputError(f"{line}: {error}") from None
+
+    def _variants_of(self, fields: Mapping[str, Any]) -> Variants:
+        """What makes throws if the line's dimensions take the place of the study's."""
+        return replace(self._variants, record=changed_record(self._variants.record, fields))
+
+    def _check_ratios(
+        self, given: Mapping[str, Mapping[str, Any]], headers: Mapping[str, str]
+    ) -> None:
+        """Refuse a ratio beside a dimension that follows from it and has another value."""
+        record = self._variants_of(given["field"]).record
+        for path, relation in self._variants.relations.items():
+            ratios = [name for name in relation.names if name not in self._variants.fields]
+            if not ratios or path not in given["field"]:
+                continue
+            known: dict[str, Any] = {
+                name: given["factor"].get(name)
+                if name in ratios
+                else given["field"].get(name, field_value(record, name))
+                for name in relation.names
+            }
+            if any(value is None for value in known.values()):
+                continue
+            values = {name: np.array(float(value)) for name, value in known.items()}
+            units = self._variants.units
+            expected = float(calculate(relation, values, units, units[path]))
+            if not abs(given["field"][path] - expected) <= AGREE * abs(expected):
+                listed = ", ".join(f"{name} = {known[name]:g}" for name in ratios)
+                raise InputError(
+                    f"{headers[path]}: given {show(path, given['field'][path])} beside {listed}; "
+                    f"allowed is {show(path, expected)}, which follows from it, or one of the two alone."
+                )
 
     def _computed_throw(
         self,
@@ -244,6 +336,8 @@ class _RowReader:
         headers: Mapping[str, str],
     ) -> dict[str, Any]:
         """The throw that the study makes of the line's factors; the rest must agree with it."""
+        for factor in self._plan.factors:
+            self._check_range(factor, given, headers)
         if values is None:
             missing = [
                 n for n in self._plan.names if n not in {**given["field"], **given["factor"]}
@@ -272,6 +366,21 @@ class _RowReader:
             self._check_field(headers[name], name, value, variant.throw)
         return variant.throw
 
+    def _check_range(
+        self, factor: Factor, given: Mapping[str, Mapping[str, Any]], headers: Mapping[str, str]
+    ) -> None:
+        value = given["field"].get(factor.name, given["factor"].get(factor.name))
+        if value is None or _within(factor, value):
+            return
+        shown = value if factor.labels else factor.show(value)
+        allowed = ", ".join(factor.labels) or (
+            f"{factor.show(factor.lowest)} to {factor.show(factor.highest)}"
+        )
+        raise InputError(
+            f"{headers[factor.name]}: given {shown}; allowed is {allowed}, the study's own range, in a "
+            f"line that is fitted or held out, or the role '{MEASURED}'."
+        )
+
     def _check_field(self, where: str, name: str, value: Any, throw: Mapping[str, Any]) -> None:
         expected = field_value(throw, name)
         if isinstance(value, str):
@@ -287,6 +396,14 @@ class _RowReader:
             )
 
 
+def _within(factor: Factor, given: Any) -> bool:
+    """Whether a value of a factor lies in the study's range; rounding must not put it outside."""
+    if factor.labels:
+        return given in factor.labels
+    inside = factor.lowest <= given <= factor.highest
+    return inside or same(given, factor.lowest) or same(given, factor.highest)
+
+
 def _factor_value(factor: Factor, given: Any) -> float:
     return float(factor.labels.index(given)) if factor.labels else float(given)
 
@@ -300,7 +417,8 @@ class StoreResults:
     finished : tuple of Outcome
         Results of designs that are exactly the study's own.
     rows : tuple of ExtraRow
-        Results of other designs of the same throw and material, at other values of the factors.
+        Results of other designs of the same throw and material, at other values of the factors within
+        the study's ranges.
     left_out : int
         Results that do not belong to the study.
     """
@@ -360,7 +478,7 @@ def _row_of(outcome: Outcome, role: str, plan: StudyPlan, source: str) -> ExtraR
         return None
     for factor in plan.factors:
         value = given[factor.name]  # None also for a ratio that only relations use
-        if value is None or (factor.labels and value not in factor.labels):
+        if value is None or not _within(factor, value):
             return None
     values = tuple(_factor_value(factor, given[factor.name]) for factor in plan.factors)
     variant = plan.variants().at(np.array([values]))[0]

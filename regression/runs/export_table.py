@@ -36,22 +36,27 @@ class Column:
 def columns(table: StudyTable) -> tuple[Column, ...]:
     """List what a table says of each row: role, factors, dimensions, responses, errors, reason."""
     rows = table.rows
+    factors = [f for f in table.plan.factors if f.name not in CrankThrow.model_fields]
+    shown = {factor.name for factor in factors}
     found = [
         Column("role", "", lambda row: row.role),
         Column("status", "", lambda row: row.status),
         Column("source", "", lambda row: row.source or None),
     ]
     found += [
-        Column(factor.name, factor.unit, _factor(place, factor.labels))
+        Column(factor.name, factor.unit, _factor(place, factor.name, factor.labels))
         for place, factor in enumerate(table.plan.factors)
-        if factor.name not in CrankThrow.model_fields
+        if factor in factors
     ]
     found += [
         Column(name, field_unit(name) or "", _entry("dimensions", name))
         for name in _names(row.dimensions for row in rows)
+        if name not in shown
     ]
     found += [
-        Column(name, "", _entry("outlines", name)) for name in _names(row.outlines for row in rows)
+        Column(name, "", _entry("outlines", name))
+        for name in _names(row.outlines for row in rows)
+        if name not in shown
     ]
     responses = _names(row.responses for row in rows)
     found += [Column(name, RESPONSES[name].unit, _entry("responses", name)) for name in responses]
@@ -80,10 +85,10 @@ def _entry(part: str, name: str) -> Callable[[StudyRow], Cell]:
     return cell
 
 
-def _factor(place: int, labels: tuple[str, ...]) -> Callable[[StudyRow], Cell]:
+def _factor(place: int, name: str, labels: tuple[str, ...]) -> Callable[[StudyRow], Cell]:
     def cell(row: StudyRow) -> Cell:
         if row.values is None:
-            return None
+            return row.dimensions.get(name, row.outlines.get(name))
         value = row.values[place]
         return labels[round(value)] if labels else value
 

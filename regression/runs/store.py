@@ -8,19 +8,19 @@ import json
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import psutil
 
 from geometry.errors import InputError
-from regression.records import ExtraRow, Outcome, StudyStoppedError, content_key
+from regression.records import MEASURED, ExtraRow, Outcome, StudyStoppedError, content_key
 from regression.runs.store_schema import APPLICATION_ID, SCHEMA_VERSION, prepare, schema_version
 
 # Seconds to wait for another program that holds the file.
 PATIENCE = 30.0
 DAMAGED = "it is damaged"
+MADE_BY = "allowed is the file in which a study was run"
 # What stops a study though the file is a good store; low bytes of SQLite's result codes.
 CAUSES = {
     sqlite3.SQLITE_FULL: "the disk is full",
@@ -32,6 +32,34 @@ CAUSES = {
     sqlite3.SQLITE_CORRUPT: DAMAGED,
     sqlite3.SQLITE_NOTADB: DAMAGED,
 }
+# What is recorded of a design.
+RECORDED = (
+    "key",
+    "inputs",
+    "status",
+    "responses",
+    "reason",
+    "seconds",
+    "errors",
+    "unknowns",
+    "model_version",
+    "worker",
+    "attempts",
+)
+# What is kept of a row from elsewhere.
+EXTRA = (
+    "study",
+    "key",
+    "role",
+    "source",
+    "factors",
+    "dimensions",
+    "outlines",
+    "responses",
+    "errors",
+)
+# Digits in which rows from elsewhere are compared: the same number in another unit differs in its last.
+COMPARED = 9
 # Folders of other machines, where a write-ahead log is not safe.
 NETWORK_FOLDERS = (
     "nfs",
@@ -54,8 +82,8 @@ class ResultStore:
     Parameters
     ----------
     path : path
-        The file; made if missing. A file of an earlier release is brought up to date: its rows stay,
-        and no study of this release uses results of another model version.
+        The file; made if missing, in a folder that there is. A file of an earlier release is brought
+        up to date: its rows stay, and no study of this release uses results of another model version.
     readonly : bool
         Open an existing store and leave it as it is.
 
@@ -70,11 +98,16 @@ class ResultStore:
 
     def __init__(self, path: str | Path, *, readonly: bool = False) -> None:
         self.path = Path(path)
+        _check_place(self.path, readonly)
         try:
             self._connection = _open(self.path, readonly)
         except (sqlite3.Error, OSError) as error:
             if self.path.is_file() and _cause(error) not in ("", DAMAGED):
                 raise self._stopped(error) from None
+            if readonly:
+                raise InputError(
+                    f"store: given {str(self.path)!r}, which is no result store ({error}); {MADE_BY}."
+                ) from None
             raise InputError(
                 f"store: given {str(self.path)!r}, which is no result store and cannot become one "
                 f"({error}); give a new file name."
@@ -113,14 +146,18 @@ class ResultStore:
         plan: Mapping[str, object],
         designs: Iterable[tuple[str, str, Mapping[str, float | str]]],
     ) -> None:
-        """Record a study's plan and its designs as (role, key, factor values) in order."""
+        """Record a study's plan and its designs as (role, key, factor values) in order.
+
+        Designs that were recorded for it before and are not among these are no longer its own.
+        """
         with self._writing() as connection:
             connection.execute(
                 "INSERT OR IGNORE INTO studies (study, plan) VALUES (?, ?)",
                 (study, json.dumps(plan, sort_keys=True)),
             )
+            connection.execute("DELETE FROM study_designs WHERE study = ?", (study,))
             connection.executemany(
-                "INSERT OR IGNORE INTO study_designs (study, place, role, design, factors) "
+                "INSERT INTO study_designs (study, place, role, design, factors) "
                 "VALUES (?, ?, ?, ?, ?)",
                 [
                     (study, place, role, key, json.dumps(dict(factors), allow_nan=False))
@@ -129,7 +166,10 @@ class ResultStore:
             )
 
     def record(self, outcome: Outcome, model_version: int | None = None) -> None:
-        """Keep the outcome of one design, in place of an earlier one; on disk when this returns.
+        """Keep the outcome of one design; on disk when this returns.
+
+        It takes the place of an earlier one, but no result gives way to a failure or a loss: another
+        program that works on the same store may have finished the design meanwhile.
 
         Parameters
         ----------
@@ -152,9 +192,11 @@ class ResultStore:
         )
         with self._writing() as connection:
             connection.execute(
-                "INSERT OR REPLACE INTO designs (key, inputs, status, "
-                "responses, reason, seconds, errors, unknowns, model_version, worker, attempts) "
-                "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                f"INSERT INTO designs ({', '.join(RECORDED)}) "
+                f"VALUES ({', '.join('?' * len(RECORDED))}) "
+                f"ON CONFLICT (key) DO UPDATE SET {_overwritten(RECORDED)}, "
+                "finished_at = CURRENT_TIMESTAMP "
+                "WHERE designs.status <> 'done' OR excluded.status = 'done'",
                 row,
             )
 
@@ -183,14 +225,32 @@ class ResultStore:
         rows = self._connection.execute("SELECT study, plan FROM studies ORDER BY rowid")
         return {study: json.loads(plan) for study, plan in rows}
 
+    def study_designs(self, study: str) -> tuple[tuple[str, str, dict[str, Any]], ...]:
+        """Return a study's designs as `register_study` was given them, in order.
+
+        Of a study of the first release, which did not keep factor values, there are none.
+        """
+        rows = self._connection.execute(
+            "SELECT * FROM study_designs WHERE study = ? ORDER BY place", (study,)
+        )
+        return tuple(
+            (row["role"], row["design"], json.loads(row["factors"]))
+            for row in map(dict, rows)
+            if row.get("factors")
+        )
+
     def add_extra_rows(self, study: str, rows: Iterable[ExtraRow]) -> int:
-        """Keep rows from elsewhere beside a study; return how many of them are new."""
-        listed = [(study, content_key(asdict(row)), row) for row in rows]
+        """Keep rows from elsewhere beside a study; return how many of them are new.
+
+        A result at the same factor values as an earlier one takes its place: finite elements repeat
+        exactly. Measured rows do not: one takes the place of another if throw and values are the same.
+        """
+        listed = [(study, _extra_key(row), row) for row in rows]
         with self._writing() as connection:
             (before,) = connection.execute("SELECT count(*) FROM extra_rows").fetchone()
             connection.executemany(
-                "INSERT OR IGNORE INTO extra_rows (study, key, role, source, factors, dimensions, "
-                "outlines, responses, errors) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                f"INSERT INTO extra_rows ({', '.join(EXTRA)}) VALUES ({', '.join('?' * len(EXTRA))}) "
+                f"ON CONFLICT (study, key) DO UPDATE SET {_overwritten(EXTRA)}",
                 [
                     (
                         study,
@@ -230,6 +290,27 @@ class ResultStore:
             )
             for row in rows
         )
+
+
+def _overwritten(columns: Iterable[str]) -> str:
+    return ", ".join(f"{name} = excluded.{name}" for name in columns)
+
+
+def _extra_key(row: ExtraRow) -> str:
+    """Hash what makes a row from elsewhere another one; of a computed row its place in the study."""
+    values = None if row.values is None else [_rounded(value) for value in row.values]
+    if row.role != MEASURED:
+        return content_key(["computed", values])
+    numbers = [
+        {name: _rounded(value) for name, value in part.items()}
+        for part in (row.dimensions, row.responses)
+    ]
+    return content_key([MEASURED, values, dict(row.outlines), *numbers])
+
+
+def _rounded(value: float) -> str:
+    # Adding zero makes a negative zero positive.
+    return f"{value + 0.0:.{COMPARED - 1}e}"
 
 
 def _json(numbers: Mapping[str, float]) -> str:
@@ -284,7 +365,6 @@ def _open(path: Path, readonly: bool) -> sqlite3.Connection:
         if readonly:
             return connection
         connection.close()
-    path.parent.mkdir(parents=True, exist_ok=True)
     connection = sqlite3.connect(path, timeout=PATIENCE, isolation_level=None)
     try:
         connection.execute(f"PRAGMA journal_mode={'DELETE' if _on_network(path) else 'WAL'}")
@@ -308,12 +388,26 @@ def _check_ours(connection: sqlite3.Connection, path: Path, readonly: bool) -> N
     if mark == APPLICATION_ID:
         raise InputError(
             f"store: given {str(path)!r}, whose layout {version} is of a later release; allowed is "
-            f"layout {SCHEMA_VERSION} or earlier, so give a new file name."
+            f"layout {SCHEMA_VERSION} or earlier, so "
+            f"{'use that release' if readonly else 'give a new file name'}."
         )
     raise InputError(
         f"store: given {str(path)!r}, which is no result store but the file of another program; "
-        "give a new file name."
+        f"{MADE_BY if readonly else 'give a new file name'}."
     )
+
+
+def _check_place(path: Path, readonly: bool) -> None:
+    """Refuse what is no file, or cannot become one."""
+    if path.is_dir():
+        raise InputError(
+            f"store: given {str(path)!r}, which is a folder; allowed is a file, like "
+            f"{path / 'runs.sqlite'}."
+        )
+    if readonly and not path.is_file():
+        raise InputError(f"store: given {str(path)!r}; there is no such file.")
+    if not path.absolute().parent.is_dir():
+        raise InputError(f"store: given {str(path)!r}; there is no folder {path.parent}.")
 
 
 def is_database(path: Path) -> bool:

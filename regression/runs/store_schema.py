@@ -75,7 +75,7 @@ TABLES = (
     """
     CREATE TABLE IF NOT EXISTS extra_rows (
         study TEXT NOT NULL,           -- the study that the row was imported into
-        key TEXT NOT NULL,             -- hash of the row: imported twice, it stands once
+        key TEXT NOT NULL,             -- hash of its place, or of what was measured: it stands once
         role TEXT NOT NULL,            -- 'run', 'held out' or 'measured'
         source TEXT NOT NULL,          -- where it comes from
         factors TEXT,                  -- JSON list in the plan's order; null for a measured throw

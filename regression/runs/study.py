@@ -2,18 +2,28 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from geometry.errors import InputError
-from regression.plans.plan import MODEL_VERSION, PlannedStudy, StudyPlan, plan_designs
-from regression.records import HELD_OUT, RUN, Outcome
+from regression.plans.plan import (
+    MODEL_VERSION,
+    PlannedStudy,
+    StudyPlan,
+    plan_designs,
+    planned_design,
+)
+from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome
 from regression.runs.exchange import read_rows, read_store
 from regression.runs.store import ResultStore, is_database
 from regression.runs.study_table import StudyTable, study_table
 from regression.runs.supervised import Limits, design_limits
 from regression.runs.workers import run_designs
+from regression.throw_values import SAME
 
 __all__ = [
     "HELD_OUT",
@@ -40,8 +50,11 @@ def check_workers(workers: int) -> None:
     ------
     InputError
     """
-    if not 1 <= workers <= 256:
-        raise InputError(f"workers: given {workers}; allowed is 1 to 256 processes.")
+    whole = isinstance(workers, Integral) and not isinstance(workers, bool)
+    if not whole or not 1 <= workers <= 256:
+        raise InputError(
+            f"workers: given {workers!r}; allowed is 1 to 256 processes, as a whole number."
+        )
 
 
 def run_plan(
@@ -87,6 +100,10 @@ def run_plan(
     """
     check_workers(workers)
     limits = design_limits(plan.accuracy, time_limit, memory_limit)
+    if dask is not None:  # refused even if nothing is left to compute
+        from regression.runs.cluster import check_address
+
+        check_address(dask)
     planned = plan_designs(plan)
     unique = {design.key: design.inputs for design in planned.designs}
     with ResultStore(store) as results:
@@ -143,10 +160,9 @@ def read_study(store: str | Path, study: str | None = None) -> StudyTable:
         If the store is missing or empty, holds results of another model version only, or holds
         several studies and none is named.
     """
-    if not Path(store).is_file():
-        raise InputError(f"store: given {str(store)!r}; there is no such file.")
     with ResultStore(store, readonly=True) as results:
-        named = {k: p for k, p in results.studies().items() if k.startswith(study or "")}
+        held = results.studies()
+        named = {k: p for k, p in held.items() if k.startswith(study or "")}
         plans = {k: p for k, p in named.items() if p.get("model_version") == MODEL_VERSION}
         if named and not plans:
             raise InputError(
@@ -156,13 +172,43 @@ def read_study(store: str | Path, study: str | None = None) -> StudyTable:
                 "stay in the file."
             )
         if len(plans) != 1:
-            given = "none named" if study is None else f"given {study!r}"
-            held = f"{len(plans)} such studies ({', '.join(plans)})" if plans else "no such study"
-            raise InputError(
-                f"study: {given}; {store} holds {held}; name one by the first characters of its key."
-            )
+            raise _not_one(results, study, plans or held)
         plan = StudyPlan.from_record(next(iter(plans.values())))
-        return _table(results, plan, plan_designs(plan), 0)
+        return _table(results, plan, _as_registered(results, plan), 0)
+
+
+def _not_one(
+    results: ResultStore, study: str | None, plans: Mapping[str, Mapping[str, Any]]
+) -> InputError:
+    """Say which studies a store holds, so that one of them can be named."""
+    given = "none named" if study is None else f"given {study!r}"
+    usable = {k: p for k, p in plans.items() if p.get("model_version") == MODEL_VERSION}
+    if not usable:
+        return InputError(
+            f"study: {given}; {results.path} holds no study yet; allowed is a store in which one was run."
+        )
+    digits = next(n for n in range(6, 25) if len({key[:n] for key in usable}) == len(usable))
+    listed = "; ".join(
+        f"{key[:digits]} ({_described(results, StudyPlan.from_record(record))})"
+        for key, record in usable.items()
+    )
+    number = "1 study" if len(usable) == 1 else f"{len(usable)} studies"
+    return InputError(
+        f"study: {given}; {results.path} holds {number}: {listed}; name one of them by the first "
+        "characters of its key."
+    )
+
+
+def _described(results: ResultStore, plan: StudyPlan) -> str:
+    """Tell a study from others in a few words."""
+    roles = [role for role, _, _ in results.study_designs(plan.key)]
+    factors = [
+        f"{factor.name} {' or '.join(factor.labels)}"
+        if factor.labels
+        else f"{factor.name} {factor.show(factor.lowest)} to {factor.show(factor.highest)}"
+        for factor in plan.factors
+    ]
+    return f"{plan.design.kind} of {roles.count(RUN)} runs: {', '.join(factors)}"
 
 
 @dataclass(frozen=True)
@@ -177,11 +223,15 @@ class ImportSummary:
         New rows beside the study's designs.
     left_out : int
         Designs of the other store that do not belong to the study.
+    coinciding : int
+        Rows at the factor values of the study's own designs, which are computed all the same: the
+        study's results stand, and these rows are not used.
     """
 
     designs: int
     rows: int
     left_out: int
+    coinciding: int = 0
 
 
 def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> ImportSummary:
@@ -207,6 +257,8 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
         With line and column if the table cannot be used; if nothing in the store fits the study.
     """
     path = Path(file)
+    if path.is_dir():
+        raise InputError(f"import: given {str(path)!r}, which is a folder; allowed is a file.")
     if not path.is_file():
         raise InputError(f"import: given {str(path)!r}; there is no such file.")
     planned = plan_designs(plan)
@@ -214,7 +266,8 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
         rows = read_rows(path, plan)
         with ResultStore(store) as results:
             _register(results, plan, planned)
-            return ImportSummary(0, results.add_extra_rows(plan.key, rows), 0)
+            coinciding = _coinciding(results, planned, rows)
+            return ImportSummary(0, results.add_extra_rows(plan.key, rows), 0, coinciding)
     with ResultStore(path, readonly=True) as other:
         found = read_store(other, plan, {design.key for design in planned.designs})
     with ResultStore(store) as results:
@@ -223,7 +276,29 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
         new = [one for one in found.finished if one.key not in known or known[one.key].lost]
         for outcome in new:
             results.record(outcome, MODEL_VERSION)
-        return ImportSummary(len(new), results.add_extra_rows(plan.key, found.rows), found.left_out)
+        coinciding = _coinciding(results, planned, found.rows)
+        added = results.add_extra_rows(plan.key, found.rows)
+        return ImportSummary(len(new), added, found.left_out, coinciding)
+
+
+def _coinciding(results: ResultStore, planned: PlannedStudy, rows: Iterable[ExtraRow]) -> int:
+    """Count the computed rows at which the study has, or will have, a result of its own."""
+    outcomes = results.outcomes(design.key for design in planned.designs)
+    failed = {key for key, found in outcomes.items() if found.status == "failed"}
+    own = np.array([design.values for design in planned.designs if design.key not in failed])
+    return sum(
+        bool(len(own))
+        and bool(
+            np.any(
+                np.all(
+                    np.abs(own - row.values) <= SAME * np.maximum(np.abs(own), np.abs(row.values)),
+                    axis=1,
+                )
+            )
+        )
+        for row in rows
+        if row.role != MEASURED and row.values is not None
+    )
 
 
 def _register(results: ResultStore, plan: StudyPlan, planned: PlannedStudy) -> None:
@@ -234,6 +309,31 @@ def _register(results: ResultStore, plan: StudyPlan, planned: PlannedStudy) -> N
         shown = {f.name: f.labels[round(v)] if f.labels else v for f, v in values}
         designs.append((design.role, design.key, shown))
     results.register_study(plan.key, plan.as_record(), designs)
+
+
+def _as_registered(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
+    """Return a study with the designs under which its store knows it.
+
+    They are those of the plan, unless a later release of numpy or scipy draws other points.
+    """
+    planned = plan_designs(plan)
+    registered = results.study_designs(plan.key)
+    if not registered or [key for _, key, _ in registered] == [d.key for d in planned.designs]:
+        return planned
+    values = [
+        tuple(
+            float(f.labels.index(shown[f.name]) if f.labels else shown[f.name])
+            for f in plan.factors
+        )
+        for _, _, shown in registered
+    ]
+    designs = []
+    made = plan.variants().at(np.array(values))
+    for (role, _, _), row, variant in zip(registered, values, made, strict=True):
+        assert variant.throw is not None, "it was one when the study was registered"
+        designs.append(planned_design(plan, role, row, variant.throw))
+    # What was excluded of the points drawn then is not known.
+    return replace(planned, designs=tuple(designs), excluded=())
 
 
 def _table(

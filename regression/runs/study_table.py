@@ -145,20 +145,23 @@ def study_table(
     outcomes : mapping
         Outcomes by design key.
     extra : iterable of ExtraRow
-        A row at the same values as a design that has a result is left out of the arrays: the study's
-        own result stands.
+        A computed row at the same values as a design that has a result is left out: the study's own
+        result stands. So is one at the same values as an earlier row: the fit must not be judged by
+        what it was fitted to.
     excluded : sequence of ExcludedDesign
     computed : int
         Designs computed now.
     """
     extra = tuple(extra)
     own = [_own_row(design, outcomes.get(design.key)) for design in designs]
-    done = [row.values for row in own if row.status == DONE]
-    imported = [
-        _imported_row(row)
-        for row in extra
-        if row.role == MEASURED or not any(_equal(row.values, values) for values in done)
-    ]
+    taken = [row.values for row in own if row.status == DONE]
+    imported = []
+    for row in extra:
+        if row.role != MEASURED:
+            if any(_equal(row.values, values) for values in taken):
+                continue
+            taken.append(row.values)
+        imported.append(_imported_row(row))
     rows = (*own, *imported)
     good = [row for row in rows if row.status == DONE and row.role != MEASURED]
     return StudyTable(

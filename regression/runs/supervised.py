@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import math
 import select
 import signal
 import socket
@@ -17,6 +16,7 @@ import psutil
 
 from geometry.errors import InputError
 from geometry.processes import package_environment
+from regression.formulas.arguments import is_number
 
 # Seconds that a design may take at 1 % accuracy before its worker counts as hanging.
 TIME_LIMIT = 300.0
@@ -61,14 +61,18 @@ def design_limits(
     ------
     InputError
     """
-    if time_limit is not None and not (time_limit > 0.0 and math.isfinite(time_limit)):
+    for name, given, kind in (
+        ("time_limit", time_limit, "seconds, like 300"),
+        ("memory_limit", memory_limit, "bytes, like 4e9"),
+    ):
+        if given is not None and not is_number(given):
+            raise InputError(f"{name}: given {given!r}; allowed is a finite number of {kind}.")
+    if time_limit is not None and time_limit <= 0.0:
         raise InputError(
-            f"time_limit: given {time_limit:g} s; allowed is a positive, finite time, because every "
+            f"time_limit: given {time_limit:g} s; allowed is a positive time, because every "
             "design takes some."
         )
-    if memory_limit is not None and not (
-        memory_limit >= SMALLEST_MEMORY and math.isfinite(memory_limit)
-    ):
+    if memory_limit is not None and memory_limit < SMALLEST_MEMORY:
         raise InputError(
             f"memory_limit: given {memory_limit / GIGABYTE:g} GB; allowed is "
             f"{SMALLEST_MEMORY / GIGABYTE:g} GB or more, because the libraries of a worker take up to "
@@ -113,12 +117,14 @@ class SupervisedProcess:
             self._process.stdin.flush()
 
     def read(self) -> dict[str, Any] | Loss:
-        """Read the answer, which must be there; a loss if the process is gone instead."""
+        """Read the answer, which must be there; a loss if the process is gone instead, or cannot work."""
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         if not line.endswith(b"\n"):
             return self._lose(f"the worker process {_ending(self._process.wait())}")
         answer: dict[str, Any] = json.loads(line)
+        if "lost" in answer:  # memory or disk ran out: the next design gets a fresh process
+            return self._lose(answer["lost"])
         return answer
 
     def watch(self, limits: Limits) -> Loss | None:

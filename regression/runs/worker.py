@@ -17,6 +17,9 @@ from fem.responses import ThrowResponses, evaluate_throw
 from geometry.mesher import mesh_here
 from geometry.throw import CrankThrow
 
+# Numbers of Pardiso's errors: no memory, within or for files; files that cannot be opened or written.
+PARDISO_MACHINE = (-2, -9, -10, -11)
+
 
 def evaluate_design(inputs: dict[str, Any]) -> ThrowResponses:
     """Compute the responses of one design.
@@ -46,8 +49,26 @@ def _numbers_only(numbers: dict[str, float], what: str = "") -> dict[str, float]
     return numbers
 
 
+def _of_the_machine(error: BaseException | None) -> bool:
+    """Whether an error says something of the machine (no memory, a full disk), not of the design."""
+    while error is not None:
+        if isinstance(error, MemoryError | OSError):
+            return True
+        # Pardiso's own kind of error, known by its module: without Pardiso there is none.
+        if type(error).__module__.startswith("pypardiso") and (
+            getattr(error, "value", None) in PARDISO_MACHINE
+        ):
+            return True
+        error = error.__cause__
+    return False
+
+
 def serve(requests: TextIO, answers: TextIO) -> None:
-    """Answer requests until there are no more."""
+    """Answer requests until there are no more.
+
+    An answer holds ``responses``, or the ``reason`` why the design has none, or ``lost``: what kept the
+    machine from computing it, such as a full disk.
+    """
     for line in requests:
         request = json.loads(line)
         start = time.perf_counter()
@@ -58,7 +79,8 @@ def serve(requests: TextIO, answers: TextIO) -> None:
             answer["errors"] = _numbers_only(found.errors, "the error of ")
             answer["unknowns"] = found.unknowns
         except Exception as error:  # the design fails, with its reason; the worker goes on
-            answer = {"key": request["key"], "reason": f"{type(error).__name__}: {error}"}
+            kind = "lost" if _of_the_machine(error) else "reason"
+            answer = {"key": request["key"], kind: f"{type(error).__name__}: {error}"}
         answer["seconds"] = time.perf_counter() - start
         print(json.dumps(answer), file=answers, flush=True)
 

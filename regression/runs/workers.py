@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from regression.records import Outcome
+from regression.runs.interrupts import interrupts_deferred
 from regression.runs.supervised import WATCH, Limits, Loss, SupervisedProcess
 from regression.runs.work_list import WorkList
 
@@ -32,7 +33,7 @@ def run_designs(
     -----
     A design whose worker dies, hangs or takes too much memory is tried once more in a fresh process,
     then recorded as lost, for a later run to try again. On an exception here (Ctrl-C included) all
-    workers are ended; what arrived is kept.
+    workers are ended; what arrived is kept, for Ctrl-C waits while an answer is taken and stored.
     """
     limits = limits or Limits()
     work = WorkList(designs)
@@ -60,25 +61,28 @@ def run_designs(
         if outcome is not None:
             on_outcome(outcome)
 
+    def settle(process: SupervisedProcess) -> None:
+        answer = process.read()
+        if isinstance(answer, Loss):
+            lose(process, answer)
+            return
+        # The process works on while the answer is stored.
+        request = work.take()
+        if request is None:
+            dismiss(process)
+        else:
+            pool[process] = request["key"]
+            process.give(request)
+        on_outcome(work.answered(answer, process.name))
+
     try:
         for _ in range(min(workers, len(work))):
             start()
         while pool:
             for event, _ in selector.select(timeout=WATCH):
-                process = event.fileobj
-                assert isinstance(process, SupervisedProcess)
-                answer = process.read()
-                if isinstance(answer, Loss):
-                    lose(process, answer)
-                    continue
-                # The process works on while the answer is stored.
-                request = work.take()
-                if request is None:
-                    dismiss(process)
-                else:
-                    pool[process] = request["key"]
-                    process.give(request)
-                on_outcome(work.answered(answer, process.name))
+                assert isinstance(event.fileobj, SupervisedProcess)
+                with interrupts_deferred():
+                    settle(event.fileobj)
             for process in list(pool):
                 loss = process.watch(limits)
                 if loss is not None:

@@ -41,7 +41,13 @@ def test_fit_prints_and_saves_a_model(store, call, tmp_path):
     answer = call("fit", store)
     assert answer.code == 0, answer.err
     text = " ".join(answer.out.split())
-    for part in ("All responses", "* log-cubic", "Chosen: ", "Sobol, first", "Model: model.json"):
+    for part in (
+        "All responses",
+        "log-cubic *",
+        "Chosen by its errors: ",
+        "Sobol, first",
+        "Model: model.json",
+    ):
         assert part in text
     model = ComplianceModel.load(tmp_path / "model.json")
     assert model.axial_compliance(web_width=0.31, web_thickness=0.06) == pytest.approx(
@@ -56,6 +62,16 @@ def test_fit_takes_a_form_and_shows_a_response(store, call, tmp_path):
     assert "Mass m: largest (mean) errors" in text
     assert "linear: m = (" in text
     assert ComplianceModel.load(tmp_path / "model.json").responses["mass"].form == "linear"
+
+
+def test_fit_takes_a_form_by_its_twin(store, call, tmp_path):
+    """The compliance is made so that interactions lose their product, and the mass keeps it."""
+    answer = call("fit", store, "--form", "interactions")
+    assert answer.code == 0, answer.err
+    assert "linear: e_n = " in " ".join(answer.out.split())
+    model = ComplianceModel.load(tmp_path / "model.json")
+    assert model.responses["axial_compliance"].form == "linear"
+    assert model.responses["mass"].form == "interactions"
 
 
 def test_fit_writes_diagrams_and_json(store, call, tmp_path):
@@ -73,6 +89,7 @@ def test_fit_writes_diagrams_and_json(store, call, tmp_path):
         ("--form", "cubic", "form: given 'cubic'; allowed are linear"),
         ("--response", "nothing", "response: given 'nothing'; allowed are axial_compliance, mass"),
         ("--model", "nowhere/model.json", "there is no folder nowhere"),
+        ("--model", ".", "--model: given ., which is a folder; allowed is a file to write"),
     ],
 )
 def test_fit_refuses(store, call, tmp_path, option, value, message):

@@ -18,7 +18,6 @@ from crankfem.fitting import (
     response_name,
     sensitivities,
     surface,
-    unfitted,
 )
 from crankfem.pictures.fit_plots import plot_fits
 from geometry.errors import InputError
@@ -27,6 +26,7 @@ from regression.plans.designs import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import ExtraRow, Outcome
+from regression.runs.exchange import read_rows
 from regression.runs.study_table import study_table
 
 THROW = CrankThrow(
@@ -147,10 +147,60 @@ def test_forms_of_the_same_terms_stand_once(fits):
         assert len(set(terms)) == len(terms)
 
 
-def test_a_response_without_equation_is_told(table, fits):
-    reasons = unfitted(table, fits)
-    assert list(reasons) == ["axial_reaction_pinned"]
-    assert "given a response of 0" in reasons["axial_reaction_pinned"]
+def test_a_form_is_found_by_the_name_of_its_twin(table, fits, capsys):
+    """Interactions lose all products in the compliances, but not in the mass."""
+    axial = fits["axial_compliance"]
+    assert axial.twins == {"interactions": "linear"}
+    assert axial.fit_named("interactions") is axial.fit_named("linear")
+    assert fits["mass"].twins == {}
+    model = compliance_model(table, fits, "interactions")
+    assert {name: response.form for name, response in model.responses.items()} == {
+        "axial_compliance": "linear",
+        "axial_compliance_in_line": "linear",
+        "torsional_compliance": "linear",
+        "mass": "interactions",
+    }
+    record = study_record(table, fits)["fits"]
+    print_fits(record, "axial_compliance", "interactions")
+    assert "linear: e_n = " in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_response_without_equation_is_told(fits):
+    for found in fits.values():
+        assert list(found.unfitted) == ["axial_reaction_pinned"]
+        assert "given a response of 0" in found.unfitted["axial_reaction_pinned"]
+
+
+def test_the_record_of_a_study_fits_nothing_anew(table, fits, monkeypatch):
+    def refuse(*_, **__):
+        raise AssertionError
+
+    monkeypatch.setattr("crankfem.fitting.fit_form", refuse)
+    reasons = study_record(table, fits)["unfitted"]
+    assert reasons == fits["mass"].unfitted
+
+
+def test_imported_rows_without_errors_leave_the_others_known(table, fits):
+    throw = THROW.model_dump(mode="json")
+    values = tuple(throw[name] for name in LEVELS)
+    bare = ExtraRow(
+        "run",
+        {n: v for n, v in throw.items() if isinstance(v, float)},
+        {"web_outline": "obround"},
+        values,
+        puppet(throw),
+        {},
+        "earlier",
+    )
+    # A measured value has no error of finite elements, whatever its column says.
+    measured = ExtraRow(
+        "measured", bare.dimensions, bare.outlines, values, {"mass": 95.0}, {"mass": 0.5}, "scales"
+    )
+    more = fit_study(puppet_table(table.plan, (bare, measured)))
+    for name in ("axial_compliance", "mass"):
+        assert more[name].fits[0].runs == fits[name].fits[0].runs + 1
+        assert more[name].fe_error == fits[name].fe_error == pytest.approx(0.0092)
+        assert more[name].fe_scatter == fits[name].fe_scatter
 
 
 def test_response_names():
@@ -167,9 +217,9 @@ def test_equations_between_the_designs(table, fits):
         values = surface(table.plan, found, fit)(table.values)
         assert values == pytest.approx(predicted(table, found, fit), rel=1e-12)
     with pytest.raises(
-        InputError, match="form: given 'interactions'; allowed are linear, quadratic"
+        InputError, match=r"form: given 'cubic'; allowed are linear, .*, interactions, the forms"
     ):
-        fits["axial_compliance"].fit_named("interactions")
+        fits["axial_compliance"].fit_named("cubic")
 
 
 def test_groups_and_logarithms_of_lengths_are_the_same_in_one_size(fits):
@@ -246,6 +296,57 @@ def test_model_gives_what_the_chosen_equation_gives(table, fits):
     assert linear.responses["mass"].form == "linear"
 
 
+def test_the_range_of_a_model_is_that_of_the_study(outlines):
+    """Runs of a space-filling design stay a little inside; the model knows its factors' ends."""
+    found = fit_study(outlines)["axial_compliance"]
+    fit = found.fit_named("linear")
+    assert fit.lowest[0] > 0.04
+    assert fit.highest[0] < 0.09
+    response = compliance_model(outlines, {"axial_compliance": found}, "linear").responses[
+        "axial_compliance"
+    ]
+    assert response.factors == ("web_thickness", "fillet_radius", "web_outline=rectangle")
+    assert response.lowest == (0.04, 0.0, 0.0)
+    assert response.highest == (0.09, 0.012, 1.0)
+
+
+# What a dimension may be spelled out as although it is so anyway, and its base with a range.
+SPELLED_OUT = [
+    ("pin_fillet_radius", 0.012, "fillet_radius", (0.008, 0.022)),
+    ("main_journal_fillet_radius", 0.012, "fillet_radius", (0.008, 0.022)),
+    ("web_journal_end", 0.1425, "web_width", (0.27, 0.30)),
+    ("web_pin_end", 0.1425, "web_width", (0.27, 0.30)),
+    ("web_tip_thickness", 0.068, "web_thickness", (0.060, 0.090)),
+    ("web_foot_thickness", 0.068, "web_thickness", (0.060, 0.090)),
+]
+
+
+@pytest.mark.parametrize(("name", "value", "base", "ends"), SPELLED_OUT)
+def test_a_fixed_dimension_does_not_follow_its_base(name, value, base, ends):
+    throw = CrankThrow(**THROW.model_dump() | {name: value})
+    factors = (Factor(base, "m", *ends), Factor("pin_length", "m", 0.120, 0.158))
+    table = puppet_table(StudyPlan(throw, factors, DesignChoice("latin hypercube", runs=12)))
+    model = compliance_model(table, fit_study(table), "power law")
+    assert model.fixed[name] == value
+    # A throw of the study itself is answered; one in which the dimension follows is another one.
+    other = {base: ends[1]}
+    assert model.of_throw(CrankThrow(**throw.model_dump() | other)).keys() == model.responses.keys()
+    with pytest.raises(InputError, match=f"^{name}: given"):
+        model.of_throw(CrankThrow(**THROW.model_dump() | other))
+
+
+def test_groups_know_a_dimension_that_is_spelled_out():
+    throw = CrankThrow(**THROW.model_dump() | {"pin_fillet_radius": 0.012})
+    table = puppet_table(StudyPlan.from_levels(throw, LEVELS, held_out=5))
+    model = compliance_model(table, fit_study(table), "group quadratic")
+    # Whether it is spelled out or follows, the throw is the same.
+    values = [model.of_throw(one)["mass"].value for one in (throw, THROW)]
+    assert values[0] == values[1]
+    base = THROW.model_dump(mode="json")
+    point = {name: base[name] for name in LEVELS}
+    assert model.value("mass", **point) == pytest.approx(values[0], rel=1e-12)
+
+
 def test_models_of_ratios_and_categories(family, outlines):
     found = fit_study(family)
     model = compliance_model(family, found, "group quadratic")
@@ -294,8 +395,8 @@ def test_tables(table, fits, capsys):
     print_fits(record["fits"])
     text = " ".join(capsys.readouterr().out.split())
     for part in (
-        "* log-cubic",
-        "Chosen: log-cubic",
+        "log-cubic *",
+        "Chosen by its errors: log-cubic",
         "slightly optimistic",
         "ln(e_n / (1e-9 m/N)) = ",
         "Left out, because the runs do not determine them",
@@ -308,28 +409,76 @@ def test_tables(table, fits, capsys):
     assert "power law: m = " in " ".join(capsys.readouterr().out.split())
 
 
-def test_measured_values_are_compared(capsys):
-    row = ExtraRow("measured", THROW.model_dump(), {}, None, {"mass": 95.0}, {}, "scales")
-    numbers = {n: v for n, v in row.dimensions.items() if isinstance(v, float) and v}
-    rows = (
-        ExtraRow(
-            "measured", numbers, {}, None, {"mass": 95.0, "tilt_stiffness_ratio": 2.0}, {}, "A"
-        ),
-        ExtraRow("measured", numbers | {"crank_radius": 0.2}, {}, None, {"mass": 95.0}, {}, "B"),
+def test_measured_values_are_compared(tmp_path, capsys):
+    plan = StudyPlan.from_levels(THROW, LEVELS, held_out=5)
+    path = tmp_path / "measured.csv"
+    path.write_text(
+        "source,web_width [mm],crank_radius [mm],mass [kg],tilt_stiffness_ratio\n"
+        "A,300,,95,2.0\n"
+        "B,,175,95,\n"
     )
-    table = puppet_table(StudyPlan.from_levels(THROW, LEVELS, held_out=5), rows)
+    table = puppet_table(plan, read_rows(path, plan))
     model = compliance_model(table, fit_study(table))
     found = comparisons(table, model)
-    mass = puppet(THROW.model_dump(mode="json"))["mass"]
+    mass = puppet(THROW.model_dump(mode="json") | {"web_width": 0.3})["mass"]
     assert found[0]["ratio"] == pytest.approx(mass / 95.0, rel=1e-6)
     assert found[1]["reason"] == "the model has no such response"
-    assert "crank_radius: given 200 mm" in found[2]["reason"]
+    assert "crank_radius: given 175 mm" in found[2]["reason"]
     print_comparisons(found)
     text = capsys.readouterr().out
     assert "Measured values beside the equations" in text
     assert "Not compared: B" in text
     print_comparisons([])
     assert capsys.readouterr().out == ""
+
+
+def test_measured_throws_of_a_family_are_compared(tmp_path, family):
+    """Ratios are no dimensions of a throw: what is measured has lengths, at any factor values."""
+    path = tmp_path / "measured.csv"
+    path.write_text(
+        "crank_radius [mm],overlap_ratio,slimness,width_ratio,mass [kg]\n120,0.2,2.5,1.7,40\n"
+    )
+    table = puppet_table(family.plan, read_rows(path, family.plan))
+    fits = fit_study(table)
+    values = np.array([[0.120, 0.2, 2.5, 1.7]])
+    expected = float(surface(table.plan, fits["mass"], fits["mass"].chosen)(values)[0])
+    found = comparisons(table, compliance_model(table, fits))
+    assert found[0]["calculated"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_measured_throws_have_the_part_of_their_line(tmp_path):
+    """A counterweight's thickness is a factor, but no field of the throw itself."""
+    throw = CrankThrow(
+        **THROW.model_dump()
+        | {"counterweight": {"thickness": 0.05, "outer_radius": 0.25, "angle": 1.5}}
+    )
+    factors = (
+        Factor("counterweight.thickness", "m", 0.04, 0.06),
+        Factor("web_width", "m", 0.27, 0.33),
+    )
+    plan = StudyPlan(throw, factors, DesignChoice("latin hypercube", runs=12))
+    path = tmp_path / "measured.csv"
+    # The second line lacks a factor, which then is the study's; the third is far outside the range.
+    path.write_text(
+        "counterweight.thickness [mm],web_width [mm],mass [kg]\n45,300,95\n45,,90\n45,360,99\n"
+    )
+    rows = read_rows(path, plan)
+    planned = plan_designs(plan)
+
+    def weight(given):
+        return {"mass": 1e3 * given["web_width"] * given["counterweight"]["thickness"]}
+
+    outcomes = {
+        design.key: Outcome(design.key, design.inputs, weight(design.inputs["throw"]), None, 1.0)
+        for design in planned.designs
+    }
+    table = study_table(plan, planned.designs, outcomes, rows)
+    found = comparisons(table, compliance_model(table, fit_study(table), "power law"))
+    widths = (0.3, throw.web_width, 0.36)
+    for one, width in zip(found, widths, strict=True):
+        assert one["calculated"] == pytest.approx(1e3 * width * 0.045, rel=1e-9)
+    assert [len(one["remarks"]) for one in found] == [0, 0, 1]
+    assert "360 mm" in found[2]["remarks"][0]
 
 
 @pytest.mark.parametrize(

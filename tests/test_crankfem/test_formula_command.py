@@ -74,17 +74,40 @@ def test_constants(call):
             assert after == before
 
 
+def test_the_title_tells_the_angle_and_the_constants(call):
+    arguments = ("formulas", "6chn25-34", "--no-fe", "--gamma", "240")
+    assert call(*arguments).out.splitlines()[0].strip() == (
+        "Axial compliance, gamma = 240 deg (counts as 120)"
+    )
+    given = (*arguments, "--constant", "k_n=0.3", "--constant", "C=2")
+    out = call(*given).out
+    assert out.splitlines()[0].strip().endswith("gamma = 240 deg (counts as 120), k_n = 0.3, C = 2")
+    # No remark is written in the syntax of Python.
+    assert "unless the constant k_or is given." in out
+    assert "the constant k_gorbunov = 0.5 meets the frame." in out
+    assert "constants=" not in out
+    assert call(*given, "--json").json()["constants"] == {"k_n": 0.3, "C": 2.0}
+
+
 @pytest.mark.parametrize(
     ("arguments", "fragment"),
     [
-        ((), "given not exactly one of ENGINE.toml, --all and --published"),
-        (("6chn25-34", "--all"), "given not exactly one of ENGINE.toml"),
-        (("--all", "--published"), "given not exactly one of ENGINE.toml"),
+        ((), "give one of ENGINE.toml, --all and --published."),
+        (("6chn25-34", "--all"), "give one of ENGINE.toml, --all and --published."),
+        (("--all", "--published"), "give one of ENGINE.toml, --all and --published."),
+        (("--published", "--gamma", "180"), "--gamma: given together with --published"),
+        (("--published", "--variant", "printed"), "--variant: given together with --published"),
+        (("--published", "--constant", "k_n=2"), "--constant: given together with --published"),
+        (("--published", "--no-fe"), "--no-fe: given together with --published"),
+        (("6chn25-34", "--gamma", "nan"), "--gamma: given nan; allowed is a finite angle"),
         (("--all", "--no-fe"), "--no-fe: given together with --all"),
         (("6chn25-34", "--constant", "k_9=1"), "constants: given 'k_9'; allowed are C, k_3"),
         (("6chn25-34", "--constant", "k_3=one"), "constant k_3: given 'one'"),
-        (("6chn25-34", "--constant", "k_3=nan"), "constants['k_3']: given nan"),
-        (("6chn25-34", "--constant", "k_3"), "k_3: given without a value"),
+        (("6chn25-34", "--constant", "k_3=nan"), "constant k_3: given nan"),
+        (
+            ("6chn25-34", "--constant", "k_3"),
+            "k_3: given without a value; write name=value, like k_n",
+        ),
     ],
 )
 def test_refuses(call, arguments, fragment):
@@ -114,8 +137,12 @@ def test_published_table(call):
 def test_all_engines_in_one_table(call, monkeypatch, analysis):
     monkeypatch.setattr(data_files, "shipped_engines", lambda: ("6chn25-34", "6chn25-34"))
     monkeypatch.setattr(formula_spread, "analyze_throw", lambda *_, **__: analysis)
-    answer = call("formulas", "--all", "--gamma", "120")
+    answer = call("formulas", "--all", "--gamma", "120", "--constant", "k_3=1")
     assert answer.code == 0
+    title = (
+        "Axial compliance: formula / finite elements, gamma = 120 deg, corrected formulas, k_3 = 1"
+    )
+    assert answer.out.startswith(title)
     assert answer.err.splitlines() == [
         "finite elements: 6chn25-34 (1 of 2)",
         "finite elements: 6chn25-34 (2 of 2)",

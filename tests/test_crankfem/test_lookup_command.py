@@ -96,7 +96,11 @@ def test_values_with_bands(run, path):
         f"axial compliance: 1.3e-9 m/N (pinned), {lower:.4g}e-9 m/N to {upper:.4g}e-9 m/N, "
         "inside the range"
     )
-    assert "largest error 0.5 % at 9 held-out designs" in lines[1]
+    assert len(lines) == len(SIZES) + 1
+    assert lines[-1] == (
+        "Bands: largest error of the equation at held-out designs and runs (0.5 %) and the finite "
+        "elements' own estimate (1 %); --json tells them by response."
+    )
     assert out.count("inside the range") == len(SIZES)
     assert "mass: 100 kg (pinned)" in out
 
@@ -146,6 +150,32 @@ def test_gamma(run, path):
     assert found["axial_compliance"]["support"] == "between neighbors at 120 deg"
     assert found["mass"]["support"] == "pinned"
     assert "between neighbors at 90 deg" in run("lookup", path, *PAIRS, "--gamma", "-90")
+    with pytest.raises(InputError, match="--gamma: given nan; allowed is a finite angle"):
+        run("lookup", path, *PAIRS, "--gamma", "nan")
+
+
+def test_what_depends_on_gamma_stands_first(run, path):
+    model = ComplianceModel.load(path)
+    responses = dict(reversed(model.responses.items()))
+    ComplianceModel(**(model.model_dump() | {"responses": responses})).save(path)
+    lines = run("lookup", path, *PAIRS, "--gamma", "120").splitlines()
+    assert lines[0].startswith("axial compliance: ")
+    assert lines[1] == "Whatever the angle of --gamma:"
+    assert lines[2].startswith("mass: ")
+    assert len(lines) == len(SIZES) + 2
+
+
+def test_bands_tell_what_is_not_known(run, path):
+    model = ComplianceModel.load(path)
+    unknown = {"largest_heldout_error": None, "largest_fe_error": None, "largest_error": 0.03}
+    mass = ResponseModel(**(model.responses["mass"].model_dump() | unknown))
+    ComplianceModel(**(model.model_dump() | {"responses": {**model.responses, "mass": mass}})).save(
+        path
+    )
+    *_, bands, unjudged, estimates = run("lookup", path, *PAIRS).splitlines()
+    assert "(0.5 % to 3 %)" in bands
+    assert unjudged == "  Without held-out designs, too small an error: mass."
+    assert estimates == "  The error of the finite elements was not estimated: mass."
 
 
 def test_gamma_without_its_numbers(run, path):
@@ -163,11 +193,31 @@ def test_outside_and_strict(run, path):
     outside = ("web_width=345mm", "web_thickness=68mm")
     out = run("lookup", path, *outside)
     assert out.count("OUTSIDE the range, where no band holds") == len(SIZES)
-    assert "and 25 % of its width beyond it the error is unknown" in out
+    assert out.count("and 25 % of its width beyond it the error is unknown") == 1
+    assert " to 1." not in out.split("web_width:")[0]
+    assert "Bands:" not in out
+    found = json.loads(run("lookup", path, *outside, "--json"))["mass"]
+    assert (found["lower"], found["upper"]) == (None, None)
+    assert found["band"] == "none holds outside the range of the fit"
     with pytest.raises(
         InputError, match="web_width: given 345 mm; allowed is the range of the fit"
     ):
         run("lookup", path, *outside, "--strict")
+
+
+@pytest.mark.parametrize(
+    ("pair", "match"),
+    [
+        ("hue=3", "hue: unknown dimension; allowed are web_width, web_thickness"),
+        (
+            "web_thickness=-70mm",
+            r"web_thickness: given -70 mm; allowed are positive finite numbers\.$",
+        ),
+    ],
+)
+def test_lookup_refuses(run, path, pair, match):
+    with pytest.raises(InputError, match=match):
+        run("lookup", path, "web_width=300mm", pair)
 
 
 def test_choices_and_free_factors_on_the_command_line(run, path):
@@ -325,6 +375,13 @@ def test_frequency_limits(run, path, frequencies, monkeypatch):
 def test_unusable_searches(run, path, arguments, match):
     with pytest.raises(InputError, match=match):
         run("optimum", path, "--minimize", "web_thickness", *arguments)
+
+
+def test_an_unknown_name_to_minimize(run, path):
+    with pytest.raises(
+        InputError, match="--minimize: given 'hue'; allowed are the responses axial"
+    ):
+        run("optimum", path, "--minimize", "hue")
 
 
 def test_a_frequency_needs_its_compliance(run, path):

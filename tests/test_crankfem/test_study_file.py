@@ -9,6 +9,7 @@ import pytest
 
 from crankfem import console
 from crankfem.design_tables import plan_record, print_plan
+from crankfem.studies import study_key
 from crankfem.study_file import FIELDS, study_plan
 from crankfem.toml_file import read_toml
 from fem.material import STEEL
@@ -66,6 +67,15 @@ def test_a_file_of_levels_is_a_full_factorial(read):
         seed=3,
         accuracy=0.02,
     )
+
+
+def test_the_key_of_a_files_study(read, tmp_path):
+    lengths = {
+        name: f"{name} = '{1000.0 * value} mm'\n"
+        for name, value in THROW.model_dump(exclude_defaults=True).items()
+    }
+    plan = read(f"[throw]\n{''.join(lengths.values())}{study()}")
+    assert study_key(tmp_path / "study.toml") == plan.key
 
 
 def test_what_is_not_said(read):
@@ -166,7 +176,10 @@ def test_stresses_and_constraints(read):
 
 
 ERRORS = [
-    (study("helt_out = 8"), "study.helt_out: unknown field; allowed are design, "),
+    (
+        study("helt_out = 8"),
+        "study.helt_out: unknown field; did you mean held_out? allowed are design, ",
+    ),
     (study('design = "taguchi"'), "study.design: given 'taguchi'; allowed are full factorial, "),
     (study("design = 3"), "study.design: given 3; allowed are"),
     (study("held_out = 0"), "study.held_out: given 0; allowed is a whole number from 1 to 1000"),
@@ -180,7 +193,7 @@ ERRORS = [
     (study('constraints = ["web_width < 3"]'), "study.constraints[0]: given 'web_width < 3'"),
     (study("constraints = [3]"), "study.constraints[0]: given 3; allowed is a comparison"),
     (study("runs = 20"), "study.runs: given 20 with the design 'full factorial'"),
-    (study('design = "sobol"'), "study.runs: given None; allowed with 'sobol'"),
+    (study('design = "sobol"'), "study.runs: missing; allowed with 'sobol'"),
     (study('resolution = "IV"'), "study.resolution: given 4 with the design 'full factorial'"),
     (
         study('design = "fractional factorial"\nresolution = 4'),
@@ -378,8 +391,9 @@ def test_rows_that_cannot_be(read_rows, rows, factors, message):
 
 @pytest.mark.parametrize("name", ['"missing.csv"', "3"])
 def test_files_that_are_none(read, name):
-    with pytest.raises(InputError, match=r"^study\.file: given"):
+    with pytest.raises(InputError, match=r"^study\.file: given [^\[]*$") as caught:
         read(f'[study]\ndesign = "file"\nfile = {name}\n')
+    assert str(caught.value).count("missing.csv") == ("missing" in name)
 
 
 # -------------------------------------------------------------------------------------------- showing
@@ -401,7 +415,7 @@ def test_a_plan_is_shown(read, capsys, monkeypatch):
     assert "web_width [mm]" in shown
     assert "rectangle" in shown
     assert "pin_fillet_radius = 0.07 * pin_diameter" in shown
-    assert "Excluded designs" in shown
+    assert "Excluded before any finite elements: 7 designs." in shown  # one held out among them
     assert "38 mm is not > 40 mm" in " ".join(shown.split())
     record = plan_record(planned)
     assert json.loads(json.dumps(record)) == record

@@ -90,7 +90,9 @@ def test_throws_without_symmetry_are_refused():
         angle_law(found.superelement)
 
 
-@pytest.mark.parametrize("gamma", [float("nan"), float("inf")])
+@pytest.mark.parametrize(
+    "gamma", [float("nan"), float("inf"), "x", "120", True, None, ["x"], [[1.0], [1.0, 2.0]]]
+)
 def test_angles_must_be_numbers(analysis, gamma):
     with pytest.raises(InputError, match=r"^gamma_deg: given"):
         analysis.angle_law.axial(gamma)

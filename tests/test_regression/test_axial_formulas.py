@@ -1,5 +1,6 @@
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -365,11 +366,23 @@ def test_sources_name_author_and_survey():
         ({"youngs_modulus": math.nan}, "youngs_modulus: given nan"),
         ({"poisson_ratio": 0.6}, "poisson_ratio: given 0.6"),
         ({"poisson_ratio": math.nan}, "poisson_ratio: given nan"),
+        ({"gamma_deg": "90"}, "gamma_deg: given '90'; allowed is a finite angle in deg"),
+        ({"gamma_deg": np.array([0.0, 90.0])}, r"gamma_deg: given array\(\[ 0., 90.\]\); allowed"),
+        ({"gamma_deg": True}, "gamma_deg: given True"),
+        ({"gamma_deg": None}, "gamma_deg: given None"),
+        ({"gamma_deg": 10**400}, "gamma_deg: given 1000"),
+        ({"youngs_modulus": "2.1e11"}, "youngs_modulus: given '2.1e11'; allowed is a positive"),
+        ({"youngs_modulus": True}, "youngs_modulus: given True"),
+        ({"poisson_ratio": "x"}, "poisson_ratio: given 'x'; allowed is above -1 up to 0.5"),
+        ({"poisson_ratio": False}, "poisson_ratio: given False"),
+        ({"constants": {"C": "1"}}, r"constant C: given '1'; allowed is a positive number"),
+        ({"constants": {"C": True}}, r"constant C: given True"),
+        ({"constants": {"k_n": [1.0]}}, r"constant k_n: given \[1.0\]"),
         ({"variant": "repaired"}, "variant: given 'repaired'; allowed are corrected"),
         ({"constants": {"k_4": 1.0}}, "constants: given 'k_4'; allowed are C, k_3, k_or, k_n"),
-        ({"constants": {"k_3": -1.0}}, r"constants\['k_3'\]: given -1.0"),
-        ({"constants": {"k_3": math.nan}}, r"constants\['k_3'\]: given nan"),
-        ({"constants": {"C": 0.0}}, r"constants\['C'\]: given 0.0"),
+        ({"constants": {"k_3": -1.0}}, r"constant k_3: given -1.0"),
+        ({"constants": {"k_3": math.nan}}, r"constant k_3: given nan"),
+        ({"constants": {"C": 0.0}}, r"constant C: given 0.0"),
     ],
 )
 def test_unusable_input_is_one_sentence(change, match):
@@ -377,6 +390,13 @@ def test_unusable_input_is_one_sentence(change, match):
         axial_formulas(MEDIUM_SPEED, **change)
     with pytest.raises(InputError, match=match):
         axial_formula("Anderson", MEDIUM_SPEED, **change)
+
+
+def test_numbers_of_other_kinds_are_numbers():
+    plain = axial_formulas(MEDIUM_SPEED, 120.0, constants={"C": 2.0})
+    for kind in (int, np.float64, np.int64):
+        other = axial_formulas(MEDIUM_SPEED, kind(120), constants={"C": kind(2)})
+        assert other == plain
 
 
 def test_unknown_names():

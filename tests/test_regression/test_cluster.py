@@ -4,7 +4,9 @@ Nothing here computes finite elements; that a cluster gives the numbers of a loc
 tests/campaigns/dask_study.py.
 """
 
+import gc
 import math
+import signal
 import subprocess
 import sys
 import threading
@@ -23,6 +25,7 @@ from regression.runs import supervised
 from regression.runs.cluster import (
     DaskCluster,
     TaskLostError,
+    check_address,
     compute_design,
     identity,
     run_on_cluster,
@@ -290,6 +293,67 @@ def test_an_error_lets_go_of_everything(error):
     assert all(task.released for task in running)
 
 
+class MortalCluster(FakeCluster):
+    """Its scheduler is gone, or the user presses Ctrl-C, when two designs have been given out."""
+
+    error: BaseException
+
+    def places(self):
+        if len(self.given) >= 2:
+            raise self.error
+        return super().places()
+
+
+@pytest.mark.parametrize("error", [StudyStoppedError("dask: gone"), KeyboardInterrupt()])
+def test_results_that_have_arrived_are_stored_when_the_cluster_goes(error):
+    cluster, stored = MortalCluster(good), []
+    cluster.error = error
+    with pytest.raises(type(error)):
+        run_on_cluster(
+            [(k, {}) for k in "abcd"], lambda o: stored.append(o.key), cluster, Limits(60.0), str
+        )
+    assert stored == ["a", "b"]
+    assert all(task.released for _, task in cluster.tasks)
+
+
+@pytest.mark.parametrize("how", ["other version", "no crankfem"])
+@pytest.mark.parametrize("bad", ["one", "two", "three"])
+def test_a_refused_worker_does_not_cost_the_results_of_the_others(how, bad):
+    def answer(_cluster, place, key):
+        def behave():
+            if place != bad:
+                return answer_of(key)
+            if how == "no crankfem":
+                raise InputError("dask: given a cluster whose worker cannot load crankfem.")
+            return {"identity": identity() | {"model_version": 1}}
+
+        return FakeTask(behave)
+
+    cluster, stored = FakeCluster(answer, ("one", "two", "three")), []
+    with pytest.raises(InputError, match=r"^dask: given a cluster whose worker "):
+        run_on_cluster(
+            [(k, {}) for k in "abcdef"], lambda o: stored.append(o.key), cluster, Limits(60.0), str
+        )
+    assert len(stored) == 2
+    assert len(cluster.given) == 3
+    assert all(task.released for _, task in cluster.tasks)
+
+
+def test_ctrl_c_while_results_are_stored_costs_none_of_them():
+    stored = []
+
+    def keep(outcome):
+        if not stored:
+            signal.raise_signal(signal.SIGINT)
+        stored.append(outcome.key)
+
+    cluster = FakeCluster(good)
+    with pytest.raises(KeyboardInterrupt):
+        run_on_cluster([(k, {}) for k in "abcd"], keep, cluster, Limits(60.0), str)
+    assert stored == ["a", "b"]
+    assert all(task.released for _, task in cluster.tasks)
+
+
 @pytest.mark.parametrize("name", ["model_version", "crankfem"])
 def test_a_worker_of_another_version_is_refused(name):
     other = identity() | {name: "other"}
@@ -398,6 +462,30 @@ STUDY = StudyPlan.from_levels(
 )
 
 
+NO_ADDRESSES = [
+    "",
+    "nonsense://x",
+    "tcp://x",
+    "10.0.0.1",
+    "tcp://a b:1",
+    "tcp://x:99999",
+    "tcp://:1",
+    5,
+]
+
+
+@pytest.mark.parametrize("address", NO_ADDRESSES)
+def test_what_is_no_address_is_refused_before_anything_is_done(address, tmp_path):
+    with pytest.raises(InputError, match=r"^dask: given .*; allowed is the address of a running"):
+        run_plan(STUDY, tmp_path / "runs.sqlite", dask=address)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_forms_of_addresses():
+    for address in ("tcp://10.0.0.1:8786", "tls://host-1.lan:80", "ws://a:1", "[::1]:8786", "a:1"):
+        assert check_address(address) == address
+
+
 @pytest.mark.slow
 def test_dask_gives_the_table_of_a_local_run(puppets, local_cluster, tmp_path):
     local = run_plan(STUDY, tmp_path / "local.sqlite", 2)
@@ -466,10 +554,11 @@ def test_leaving_the_cluster_ends_what_is_under_way_there(puppets, local_cluster
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nonsense://x", ""])
-def test_an_address_without_a_scheduler(address, monkeypatch):
+@pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
+def test_an_address_without_a_scheduler(monkeypatch):
     # The last of all: a client that fails leaves an event loop behind that ends while others start.
     pytest.importorskip("distributed")
     monkeypatch.setattr(cluster_module, "CONNECT", 0.5)
-    with pytest.raises(InputError, match=r"^dask: given '.*'; allowed is the address of a running"):
-        DaskCluster(address)
+    with pytest.raises(InputError, match=r"^dask: given '.*'; allowed is .* nothing answers there"):
+        DaskCluster("tcp://127.0.0.1:1")
+    gc.collect()  # a client that is not closed complains here

@@ -190,8 +190,8 @@ def test_fixed_dimension_may_be_repeated_but_not_changed():
     [
         ({"web_width": 0.3, "web_thickness": 0.068}, "pin_length: missing; .* web_width, web_thic"),
         (MIDDLE | {"web_length": 0.1}, "web_length: unknown dimension; allowed are web_width, "),
-        (MIDDLE | {"web_width": 0.0}, "web_width: given 0; allowed are positive"),
-        (MIDDLE | {"web_width": -0.3}, "web_width: given -0.3"),
+        (MIDDLE | {"web_width": 0.0}, "web_width: given 0 mm; allowed are positive"),
+        (MIDDLE | {"web_width": -0.3}, "web_width: given -300 mm"),
         (MIDDLE | {"web_width": float("nan")}, "web_width: given nan"),
         (MIDDLE | {"web_width": [0.3, float("inf")]}, "web_width: given inf"),
         (
@@ -232,7 +232,7 @@ def test_a_factor_may_start_at_zero():
         responses={"axial_compliance": ResponseModel.from_fit(fit, symbol="e_n", unit="m/N")}
     )
     assert model.axial_compliance(fillet_radius=0.0, web_thickness=0.07) == pytest.approx(1e-9)
-    with pytest.raises(InputError, match=r"fillet_radius: given -0.001; .* \(or 0\)"):
+    with pytest.raises(InputError, match=r"fillet_radius: given -1 mm; .* \(or 0\)"):
         model.axial_compliance(fillet_radius=-0.001, web_thickness=0.07)
 
 

@@ -89,6 +89,20 @@ def test_band_of_a_response_that_may_err_either_way(model):
         assert "either way" in found.band
 
 
+def test_a_larger_error_at_the_runs_widens_the_band():
+    """Held-out designs seldom lie in the corners of the box, where the runs show the worst."""
+    worse = response(power(1e-9, -1.0), "e_n", "m/N", **(ERRORS | {"largest_error": 0.05}))
+    found = ComplianceModel(responses={"axial_compliance": worse}).lookup(
+        "axial_compliance", **MIDDLE
+    )
+    assert found.lower == pytest.approx(found.value / 1.05, rel=1e-12)
+    assert found.upper == pytest.approx(found.value / 0.95 * 1.01, rel=1e-12)
+    assert found.error == 0.02
+    assert found.band.startswith(
+        "largest error 5 % at the 9 fitted runs, 2 % at 10 held-out designs; "
+    )
+
+
 def test_the_band_holds_every_true_value_it_promises(model):
     """Any fe value that the equation misses by 2 % at most, and any truth up to 1 % above it."""
     found = model.lookup("axial_compliance", **MIDDLE)
@@ -132,7 +146,37 @@ def test_a_band_of_100_percent_is_open():
     assert found.lower == pytest.approx(found.value / 2.2, rel=1e-12)
 
 
+def test_an_error_that_is_rounding_is_not_told_in_digits():
+    exact = response(power(100.0, 1.0), "m", "kg", **(ERRORS | {"largest_fe_error": 4.4e-16}))
+    found = ComplianceModel(responses={"mass": exact}).lookup("mass", **MIDDLE)
+    assert found.band.endswith("the finite elements' own estimate is below 0.001 % either way")
+
+
 # ------------------------------------------------------------------------------------------ ranges
+
+
+def test_outside_the_range_there_is_no_band(model):
+    for angle in (None, 120.0):
+        found = model.lookup("axial_compliance", gamma_deg=angle, **(MIDDLE | {"web_width": 0.4}))
+        assert not found.inside
+        assert (found.lower, found.upper) == (None, None)
+        assert found.band == "none holds outside the range of the fit"
+
+
+def test_millimeters_in_place_of_meters_are_suspected(model):
+    for factor, suspected in ((1000.0, True), (50.0, False)):
+        with pytest.warns(OutsideRangeWarning) as told:
+            model.axial_compliance(**(MIDDLE | {"web_thickness": factor * MIDDLE["web_thickness"]}))
+        assert [("mm given in place of m?" in str(one.message)) for one in told] == [suspected]
+
+
+def test_models_are_shown_in_a_line(model):
+    assert repr(model) == str(model)
+    assert repr(model).startswith("<ComplianceModel of axial_compliance, ")
+    assert "web_width 270 mm to 330 mm" in repr(model)
+    assert repr(model.responses["mass"]).startswith("<ResponseModel m [kg]: ")
+    # Responses by name and factors, and none of the equations' numbers.
+    assert len(repr(model)) < 500
 
 
 @settings(deadline=None, max_examples=30)
@@ -170,6 +214,16 @@ def test_outside_counts_over_all_pieces_of_an_array(model):
     with pytest.warns(OutsideRangeWarning):
         one = model.axial_compliance(web_width=0.350, web_thickness=0.068)
     assert values[PIECE + 5] == pytest.approx(one, rel=1e-14)
+
+
+def test_one_number_beside_a_large_array_is_told_once(model):
+    widths = np.linspace(0.28, 0.32, 3 * PIECE)
+    with pytest.warns(OutsideRangeWarning, match=r"web_thickness: given 20 mm; the range"):
+        model.axial_compliance(web_width=widths, web_thickness=0.020)
+    # As many numbers, all alike, are that many.
+    thin = np.full(3 * PIECE, 0.020)
+    with pytest.warns(OutsideRangeWarning, match=rf"20 mm \(and {3 * PIECE - 1} more\); the range"):
+        model.axial_compliance(web_width=widths, web_thickness=thin)
 
 
 def test_far_outside_there_is_an_error_and_no_infinite_number(model):
@@ -291,6 +345,69 @@ def test_an_angle_needs_its_three_numbers(model):
         InputError, match="has no axial_compliance_opposite, no tilt_stiffness_ratio; allowed"
     ):
         less.axial_compliance(gamma_deg=120.0, **MIDDLE)
+
+
+@pytest.mark.parametrize("ratio", [0.0, -0.5, [2.0, -0.5, 1.0]])
+@pytest.mark.parametrize("gamma", [0.0, 90.0])
+def test_a_ratio_of_stiffnesses_is_positive(ratio, gamma):
+    least = float(np.min(ratio))
+    ratios = np.array(ratio) if isinstance(ratio, list) else ratio
+    with pytest.raises(
+        InputError, match=f"tilt_stiffness_ratio: given {least:g}; allowed is a pos"
+    ):
+        between(gamma, 1.0, 3.0, ratios)
+
+
+def test_a_fitted_ratio_that_is_not_positive_is_refused(model):
+    # rho falls through 0 at h = 73 mm.
+    falling = response(lambda x: 0.005 - (x[:, 1] - 0.068), "rho", "", "linear", **ERRORS)
+    poor = ComplianceModel(responses={**model.responses, "tilt_stiffness_ratio": falling})
+    assert poor.axial_compliance(gamma_deg=120.0, **MIDDLE) > 0.0
+    thick = MIDDLE | {"web_thickness": 0.080}
+    for call in (poor.axial_compliance, lambda **asked: poor.lookup("axial_compliance", **asked)):
+        with pytest.raises(InputError, match=r"tilt_stiffness_ratio: given -0\.007\d*; allowed is"):
+            call(gamma_deg=120.0, **thick)
+
+
+def test_a_ratio_with_an_error_of_100_percent_leaves_the_band_open(model):
+    """rho may then be next to nothing: its lower end is 0, and the law has no value there."""
+    parts = dict(model.responses)
+    content = parts["tilt_stiffness_ratio"].model_dump() | {"largest_fe_error": 1.0}
+    parts["tilt_stiffness_ratio"] = ResponseModel(**content)
+    found = ComplianceModel(responses=parts).lookup("axial_compliance", gamma_deg=0.0, **MIDDLE)
+    assert (found.lower, found.upper) == (None, None)
+    assert found.value == model.axial_compliance(gamma_deg=0.0, **MIDDLE)
+
+
+THROW = {
+    "crank_radius": 0.170,
+    "main_journal_diameter": 0.220,
+    "pin_diameter": 0.180,
+    "main_journal_length": 0.120,
+    "pin_length": 0.139,
+    "fillet_radius": 0.012,
+    **MIDDLE,
+}
+
+
+@pytest.mark.parametrize(
+    ("throw", "ranges", "equal"),
+    [
+        (THROW, {}, True),
+        (THROW | {"left_web": {"thickness": 0.068}}, {}, True),
+        (THROW | {"left_web": {"thickness": 0.060}}, {}, False),
+        (THROW | {"left_web": {"thickness": 0.068}}, {"left_web.thickness": (0.06, 0.07)}, False),
+        (None, {}, True),
+        (None, {"right_web.width": (0.28, 0.32)}, False),
+    ],
+)
+def test_unequal_webs_make_the_angle_law_an_interpolation(model, throw, ranges, equal):
+    own = ComplianceModel(responses=model.responses, throw=throw, ranges=BOX | ranges)
+    found = own.lookup("axial_compliance", gamma_deg=120.0, **MIDDLE)
+    assert bool(found.remarks) != equal
+    assert all("the angle law is an interpolation" in remark for remark in found.remarks)
+    assert found.inside
+    assert own.lookup("axial_compliance", **MIDDLE).remarks == ()
 
 
 def test_fold_angle():

@@ -159,6 +159,21 @@ def test_a_ratio_that_did_not_vary_must_agree(model, change, match):
             model.axial_compliance(**scaled(THROW | change, size))
 
 
+@pytest.mark.parametrize("size", [1.0, 0.7])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_ratios_agree_within_one_part_in_1e5(model, size, sign):
+    """Of the ratio, if it is above 1; of 1 otherwise: s/R = 0.2 / R - 1 has 1e-5 to either side."""
+
+    def asked(share):
+        radius = 0.2 / (0.2 / 0.17 + sign * share * 1e-5)
+        return scaled(THROW | {"crank_radius": radius}, size)
+
+    for call in (model.axial_compliance, lambda **d: model.answer("axial_compliance", d).values):
+        assert call(**asked(0.98)) > 0.0
+        with pytest.raises(InputError, match="s/R: given"):
+            call(**asked(1.02))
+
+
 def test_some_dimensions_of_another_size_do_not_make_a_scaled_throw(model):
     with pytest.raises(InputError, match="s/R: given"):
         model.axial_compliance(**scaled(MIDDLE, 2.0), crank_radius=0.34)
@@ -384,6 +399,83 @@ def test_a_free_factor_is_found_from_the_throw(ratio_model):
     other = CrankThrow(**(THROW | {"web_width": 0.27, "main_journal_length": 0.130}))
     with pytest.raises(InputError, match=r"main_journal_length: given 130 mm; allowed is 120 mm"):
         ratio_model.of_throw(other)
+
+
+def slenderness_model(relation, ends):
+    """A model of one factor that is no dimension, and of which the web's width follows."""
+    x = np.array(list(itertools.product(np.linspace(*ends, 3), np.linspace(0.05, 0.09, 3))))
+    y = 1e-9 * (1.0 + x[:, 0]) * 0.07 / x[:, 1]
+    fit = fit_form("quadratic", ("slenderness", "web_thickness"), x, y)
+    return ComplianceModel(
+        responses={"axial_compliance": ResponseModel.from_fit(fit, symbol="e_n", unit="m/N")},
+        ranges={"slenderness": ends, "web_thickness": (0.05, 0.09)},
+        fixed={n: v for n, v in THROW.items() if n not in ("web_width", "web_thickness")},
+        units={"slenderness": ""},
+        relations={"web_width": relation},
+        throw=THROW,
+    )
+
+
+@pytest.mark.parametrize(
+    ("relation", "ends", "width"),
+    [
+        ("pin_diameter / slenderness", (0.55, 0.67), lambda x: 0.18 / x),
+        ("pin_diameter * slenderness ** 2", (1.2, 1.4), lambda x: 0.18 * x**2),
+        ("250 mm + 1 m * slenderness ** 3", (0.2, 0.4), lambda x: 0.25 + x**3),
+    ],
+)
+# Inside, at both ends, and a little outside, as far as a relation of first degree would go.
+@pytest.mark.parametrize("place", [0.0, 0.13, 0.5, 0.97, 1.0, 1.1, -0.1])
+def test_a_factor_of_a_relation_of_another_degree_is_found(relation, ends, width, place):
+    """The relation is met within 1e-9, and its slope is such that the factor is so within 1e-8."""
+    model = slenderness_model(relation, ends)
+    factor = ends[0] + place * (ends[1] - ends[0])
+    throw = CrankThrow(**(THROW | {"web_width": width(factor)}))
+    assert model.dimensions_of(throw)["slenderness"] == pytest.approx(factor, rel=1e-8)
+    found = model.of_throw(throw)["axial_compliance"]
+    assert found.inside == (0.0 <= place <= 1.0)
+
+
+def test_a_factor_that_a_relation_does_not_tell_is_left_out():
+    # Both -0.1 and 0.1 give the width, and none gives a narrower one than 270 mm.
+    model = slenderness_model("pin_diameter * (1.5 + slenderness ** 2)", (-0.3, 0.4))
+    for square in (0.01, -0.1):
+        throw = CrankThrow(**(THROW | {"web_width": 0.18 * (1.5 + square)}))
+        with pytest.raises(InputError, match="slenderness: missing; the model needs"):
+            model.of_throw(throw)
+
+
+@pytest.mark.parametrize("size", [1.0, 2.0])
+def test_a_length_is_found_from_a_throw_of_another_size(size):
+    """Journal and gap are 200 mm together in the study, and twice that in throws twice as large."""
+    x = np.linspace(1.5, 1.8, 4)[:, None]
+    fit = fit_form("power law", ("B/D_shm",), x, 30.0 / x[:, 0])
+    model = ComplianceModel(
+        responses={
+            "axial_compliance": ResponseModel.from_fit(
+                fit, symbol="e_n", unit="m/N", basis="groups", equation="e"
+            )
+        },
+        fixed={n: v for n, v in THROW.items() if n not in ("web_width", "main_journal_length")},
+        ranges={"web_width": (0.27, 0.324), "gap": (0.05, 0.1)},
+        units={"gap": "m"},
+        relations={"main_journal_length": "200 mm - gap"},
+        throw=THROW,
+        material=STEEL.model_dump(),
+    )
+    throw = CrankThrow(**scaled(THROW, size))
+    assert model.dimensions_of(throw)["gap"] == pytest.approx(0.08 * size, rel=1e-12)
+    expected = 30.0 / (0.3 / 0.18) / (E * 0.18 * size)
+    assert model.of_throw(throw)["axial_compliance"].value == pytest.approx(expected, rel=1e-12)
+
+
+def test_unequal_shapes_are_refused_before_anything_is_compared(ratio_model):
+    asked = {"width_ratio": [1.5, 1.6], "web_thickness": 0.07}
+    for other in ({"web_width": [0.27, 0.288, 0.3]}, {"web_thickness": [0.05, 0.06, 0.07]}):
+        with pytest.raises(InputError, match=r"given arrays of the shapes width_ratio \(2,\), "):
+            ratio_model.axial_compliance(**(asked | other))
+    with pytest.raises(InputError, match="given arrays of the shapes"):
+        ratio_model.places("axial_compliance", asked | {"web_thickness": [0.05, 0.06, 0.07]})
 
 
 def test_relations_of_a_model_in_groups_hold_at_its_own_size():

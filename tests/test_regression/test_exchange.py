@@ -4,6 +4,7 @@ import math
 import sqlite3
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,12 +12,15 @@ import pytest
 from fem.responses import RESPONSES
 from geometry.errors import InputError, MissingLibraryError
 from geometry.throw import CrankThrow
+from geometry.throw_sections import Counterweight
 from regression.plans.factors import Factor
 from regression.records import HELD_OUT, MEASURED, RUN
 from regression.runs import supervised
 from regression.runs.export_table import export_table
 from regression.runs.store import ResultStore
-from regression.runs.study import StudyPlan, import_results, read_study, run_plan
+from regression.runs.study import StudyPlan, import_results, plan_designs, read_study, run_plan
+from regression.runs.study_table import study_table
+from regression.throw_values import SAME
 
 THROW = CrankThrow(
     crank_radius=0.170,
@@ -236,6 +240,86 @@ def test_earlier_rows_are_fitted_beside_the_studys_own(store, tmp_path):
     assert all(np.all(np.isfinite(column)) for column in table.responses.values())
 
 
+def full_lines(*lines, factors="web_width [mm],pin_length [mm]"):
+    """Lines of role and factors, completed by the same number for every response."""
+    names = [f"{n} [{RESPONSES[n].unit}]" if RESPONSES[n].unit else n for n in NAMES]
+    numbers = ",".join(["1.0"] * len(NAMES))
+    return [f"role,{factors}," + ",".join(names), *(f"{line},{numbers}" for line in lines)]
+
+
+def test_a_row_imported_again_from_elsewhere_stands_once(store, tmp_path):
+    lines = full_lines("run,285,140", "held out,286,141", "run,285,140")
+    assert import_results(PLAN, store, table_of(tmp_path / "a.csv", *lines)).rows == 2
+    assert import_results(PLAN, store, table_of(tmp_path / "b.csv", *lines)).rows == 0
+    meters = [line.replace("[mm]", "[cm]").replace("285,140", "28.5,14") for line in lines[:2]]
+    assert import_results(PLAN, store, table_of(tmp_path / "c.csv", *meters)).rows == 0
+    assert read_study(store).values.tolist() == [[0.285, 0.140], [0.286, 0.141]]
+
+
+def test_no_row_is_both_fitted_and_judged_by(store, tmp_path):
+    lines = full_lines("run,285,140", "held out,285,140")
+    import_results(PLAN, store, table_of(tmp_path / "a.csv", *lines))
+    table = read_study(store)
+    assert table.held_out.tolist() == [True]  # the later line stands
+    # Nor in a table whose rows differ in a digit that a store tells apart.
+    near = 0.285 * (1.0 + 0.9 * SAME)
+    rows = [replace(table.extra[0], role=RUN, values=(width, 0.14)) for width in (0.285, near)]
+    assert len(study_table(PLAN, (), {}, rows).values) == 1
+    far = replace(rows[0], values=(0.285 * (1.0 + 2.0 * SAME), 0.14))
+    assert len(study_table(PLAN, (), {}, [*rows, far]).values) == 2
+
+
+@pytest.mark.parametrize("role", [RUN, HELD_OUT])
+@pytest.mark.parametrize(
+    ("cells", "column", "given", "allowed"),
+    [
+        ("269.9,140", "web_width", "269.9 mm", "270 mm to 300 mm"),
+        ("300.1,140", "web_width", "300.1 mm", "270 mm to 300 mm"),
+        ("285,151", "pin_length", "151 mm", "130 mm to 150 mm"),
+    ],
+)
+def test_rows_beyond_the_studys_ranges_are_not_fitted(
+    store, tmp_path, role, cells, column, given, allowed
+):
+    lines = full_lines(f"{role},{cells}")
+    with pytest.raises(InputError) as caught:
+        import_results(PLAN, store, table_of(tmp_path / "bad.csv", *lines))
+    assert str(caught.value) == (
+        f"bad.csv, line 2, column {column} [mm]: given {given}; allowed is {allowed}, the study's own "
+        "range, in a line that is fitted or held out, or the role 'measured'."
+    )
+    table_of(tmp_path / "good.csv", *full_lines(f"measured,{cells}"))
+    assert import_results(PLAN, store, tmp_path / "good.csv").rows == 1
+
+
+def test_rows_at_the_ends_of_the_ranges_are_fitted(store, tmp_path):
+    # 27 cm and 30 cm may differ from 270 mm and 300 mm in the last digit.
+    lines = full_lines(
+        "run,27,130", "run,30.00000000000001,150", factors="web_width [cm],pin_length [mm]"
+    )
+    assert import_results(PLAN, store, table_of(tmp_path / "ends.csv", *lines)).rows == 2
+
+
+def test_ratios_beyond_their_range_are_not_fitted(store, tmp_path):
+    lines = full_lines("run,1.45,obround", factors="width_ratio,web_outline")
+    with pytest.raises(
+        InputError, match=r"column width_ratio: given 1\.45; allowed is 1\.5 to 1\.6"
+    ):
+        import_results(RATIO, store, table_of(tmp_path / "bad.csv", *lines))
+
+
+def test_designs_of_another_study_beyond_the_ranges_are_left_out(store, tmp_path):
+    wider = StudyPlan.from_levels(
+        THROW, {"web_width": (0.250, 0.285, 0.310), "pin_length": (0.140, 0.145)}, held_out=1
+    )
+    inside = len([d for d in plan_designs(wider).designs if 0.270 <= d.values[0] <= 0.300])
+    assert 2 <= inside <= 3
+    run_plan(wider, tmp_path / "other.sqlite")
+    found = import_results(PLAN, store, tmp_path / "other.sqlite")
+    assert (found.designs, found.rows, found.left_out) == (0, inside, 7 - inside)
+    assert all(0.270 <= row.values[0] <= 0.300 for row in read_study(store).extra)
+
+
 HEADER = "web_width [mm],pin_length [mm],axial_compliance_pinned [m/N]"
 
 
@@ -277,6 +361,21 @@ HEADER = "web_width [mm],pin_length [mm],axial_compliance_pinned [m/N]"
         ),
         ([HEADER, '"300,5",150,1e-9'], "bad.csv, line 2, column web_width [mm]: given '300,5'"),
         ([HEADER, "300,5,150,1e-9"], "bad.csv, line 2: given 4 cells; allowed are 3"),
+        (
+            [HEADER.replace(",", ";"), "300;150;1e-9"],
+            "bad.csv, line 1: given cells separated by semicolons; allowed are commas between columns",
+        ),
+        *(
+            (
+                [f"web_width [mm],{name}", f"300,{value}"],
+                f"bad.csv, line 2, column {name}: given '{value}'; allowed is a number above zero",
+            )
+            for name, value in [
+                ("axial_compliance_pinned [m/N]", "-1e-9"),
+                ("torsional_compliance_guided [rad/(N m)]", "0"),
+                ("mass [kg]", "-0.0"),
+            ]
+        ),
         ([HEADER, "300,150,"], "bad.csv, line 2: given no response"),
         ([HEADER, "100,150,1e-9"], "bad.csv, line 2: throw."),
         (
@@ -308,6 +407,60 @@ def test_bad_tables_are_refused_with_line_and_column(store, tmp_path, lines, mes
     assert read_study(store).extra == ()
 
 
+def test_a_ratio_and_the_dimension_that_follows_must_agree(store, tmp_path):
+    head = "web_width [mm],width_ratio,pin_diameter [mm],web_outline,axial_compliance_pinned [m/N]"
+    with pytest.raises(InputError) as caught:
+        import_results(RATIO, store, table_of(tmp_path / "a.csv", head, "350,1.6,,obround,1e-9"))
+    assert str(caught.value) == (
+        "a.csv, line 2, column web_width [mm]: given 350 mm beside width_ratio = 1.6; allowed is 288 mm, "
+        "which follows from it, or one of the two alone."
+    )
+    # With another pin, given in the line, another width follows.
+    lines = ["288,1.6,,,1e-9", "304,1.6,190,obround,1e-9", ",1.6,190,obround,2e-9", "350,,,,1e-9"]
+    import_results(RATIO, store, table_of(tmp_path / "b.csv", head, *lines))
+    with ResultStore(store, readonly=True) as opened:
+        widths = [row.dimensions["web_width"] for row in opened.extra_rows(RATIO.key)]
+    assert widths == pytest.approx([0.288, 0.304, 0.304, 0.350], rel=SAME)
+
+
+WEIGHTED = THROW.model_copy(
+    update={
+        "counterweight": Counterweight(
+            outer_radius=0.26, inner_radius=0.10, angle=2.0, thickness=0.05
+        )
+    }
+)
+
+
+@pytest.mark.parametrize("factors", [("web_width",), ("web_width", "counterweight.thickness")])
+def test_measured_dimensions_of_parts_are_kept(store, tmp_path, factors):
+    ranges = {"web_width": (0.270, 0.300), "counterweight.thickness": (0.04, 0.06)}
+    plan = StudyPlan.from_levels(WEIGHTED, {name: ranges[name] for name in factors}, held_out=1)
+    head = "web_width [mm],counterweight.thickness [mm],axial_compliance_pinned [m/N]"
+    table = table_of(tmp_path / "a.csv", head, "280,45,1e-9", ",45,2e-9", "280,,3e-9")
+    assert import_results(plan, store, table).rows == 3
+    with ResultStore(store, readonly=True) as opened:
+        rows = opened.extra_rows(plan.key)
+    assert [row.dimensions.get("counterweight.thickness") for row in rows] == [0.045, 0.045, None]
+    # Exported, each column stands once, and the table comes back.
+    run_plan(plan, store)
+    export_table(read_study(store), tmp_path / "b.csv")
+    (header, *_) = (tmp_path / "b.csv").read_text(encoding="utf-8").splitlines()
+    assert header.split(",").count("counterweight.thickness [m]") == 1
+    import_results(plan, tmp_path / "b.sqlite", tmp_path / "b.csv")
+    with ResultStore(tmp_path / "b.sqlite", readonly=True) as opened:
+        again = [row for row in opened.extra_rows(plan.key) if row.role == MEASURED]
+    assert [row.dimensions.get("counterweight.thickness") for row in again] == [0.045, 0.045, None]
+
+
+def test_rows_at_the_studys_own_designs_are_counted(store, tmp_path):
+    lines = full_lines("run,270,130", "held out,290,140", "measured,270,130")
+    table = table_of(tmp_path / "a.csv", *lines)
+    assert import_results(PLAN, store, table).coinciding == 1
+    run_plan(PLAN, store)
+    assert import_results(PLAN, store, table).coinciding == 1
+
+
 @pytest.mark.parametrize(
     ("column", "value", "message"),
     [
@@ -330,11 +483,30 @@ def test_rows_that_do_not_belong_to_the_study_are_not_fitted(
         assert import_results(PLAN, store, tmp_path / "good.csv").rows == 1
 
 
-@pytest.mark.parametrize("content", [b"\xff\xfe\x00w", b'a,"b\n'])
-def test_what_is_no_table_is_refused(store, tmp_path, content):
-    (tmp_path / "bad.csv").write_bytes(content)
-    with pytest.raises(InputError, match=r"^bad\.csv: is no CSV table in UTF-8 \("):
-        import_results(PLAN, store, tmp_path / "bad.csv")
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        (
+            "utf16.csv",
+            b"\xff\xfe\x00w",
+            "is no text in UTF-8; allowed is a CSV table, saved as UTF-8",
+        ),
+        ("latin.csv", "Lager-Länge".encode("latin-1"), "is no text in UTF-8; "),
+        ("zero.csv", b"a,b\n\x00\x01", "is no text in UTF-8; "),
+        ("open.csv", b'a,"b\n', "is no CSV table ("),
+        ("t.parquet", b"PAR1", "is a Parquet table; allowed are a CSV table or another store"),
+    ],
+)
+def test_what_is_no_table_is_refused(store, tmp_path, name, content, message):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError) as caught:
+        import_results(PLAN, store, tmp_path / name)
+    assert str(caught.value).startswith(f"{name}: {message}")
+    assert "codec" not in str(caught.value)
+    with pytest.raises(
+        InputError, match=r"^import: given '.*', which is a folder; allowed is a file"
+    ):
+        import_results(PLAN, store, tmp_path)
     with pytest.raises(InputError, match=r"^import: given '.*none\.csv'; there is no such file\.$"):
         import_results(PLAN, store, tmp_path / "none.csv")
     assert not store.exists()

@@ -94,6 +94,14 @@ def test_groups_that_vary_are_chosen():
     assert independent_groups(found, 1) == ("s/R",)
 
 
+@pytest.mark.parametrize(("share", "chosen"), [(2e-3, ("a", "b")), (5e-4, ("a",))])
+def test_a_group_is_chosen_for_its_own_share(share, chosen):
+    """A thousandth of a group's variation that others do not explain makes it one of its own."""
+    first, second = np.array([1.0, -1.0, 1.0, -1.0]), np.array([1.0, 1.0, -1.0, -1.0])
+    values = {"a": 5.0 + first, "b": 5.0 + np.sqrt(1.0 - share**2) * first + share * second}
+    assert independent_groups(values, 2) == chosen
+
+
 def test_encoding_by_groups():
     factors = (Factor("web_width", "m", 0.27, 0.33), Factor("web_thickness", "m", 0.04, 0.09))
     dimensions = columns(web_width=(0.27, 0.33), web_thickness=(0.04, 0.09))

@@ -243,7 +243,7 @@ def test_two_limits_against_each_other(model):
     [
         (
             ("color", []),
-            "quantity: given 'color'; allowed are the responses axial_compliance, mass",
+            "minimize: given 'color'; allowed are the responses axial_compliance, mass",
         ),
         (("mass", [Limit(("hue",), at_most=1.0)]), "quantity: given 'hue'"),
     ],

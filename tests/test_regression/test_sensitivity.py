@@ -40,6 +40,12 @@ def test_elasticities_of_a_fitted_form_are_its_derivatives():
     assert elasticities(form.predict, (A, B), (a, b)) == pytest.approx(expected, rel=1e-6)
 
 
+def test_elasticities_of_a_negative_response():
+    """Differences are of y, not of its logarithm: a reaction may be negative."""
+    found = elasticities(lambda x: -1e-9 * x[:, 0] ** 3 / x[:, 1], (A, B), (1.5, 2.0))
+    assert found == pytest.approx([3.0, -1.0], rel=1e-6)
+
+
 def test_elasticity_at_nothing():
     def through_zero(x):
         return 3.0 + x[:, 0]

@@ -1,6 +1,7 @@
 import json
 import math
 import sqlite3
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -75,6 +76,20 @@ def test_a_later_outcome_replaces_an_earlier_one(tmp_path):
         assert store.outcomes([FAILED.key]) == {FAILED.key: better}
 
 
+@pytest.mark.parametrize("lost", [False, True])
+def test_a_result_never_gives_way_to_a_failure(tmp_path, lost):
+    """Two programs may compute the same design; the slower one must not undo the other's result."""
+    worse = Outcome(DONE.key, DONE.inputs, None, "no memory", 1.0, lost=lost)
+    with ResultStore(tmp_path / "runs.sqlite") as store:
+        store.record(worse)
+        store.record(DONE)
+        store.record(worse)
+        assert store.outcomes([DONE.key]) == {DONE.key: DONE}
+        newer = Outcome(DONE.key, DONE.inputs, {"axial_compliance_pinned": 2e-9}, None, 1.0)
+        store.record(newer)
+        assert store.outcomes([DONE.key]) == {DONE.key: newer}
+
+
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_what_is_no_number_is_never_stored(tmp_path, value):
     path = tmp_path / "runs.sqlite"
@@ -113,10 +128,12 @@ def test_what_is_recorded_is_seen_by_others_at_once(tmp_path):
         assert writer.outcomes([FAILED.key]) == {FAILED.key: FAILED}
 
 
-def test_missing_folders_are_made(tmp_path):
-    path = tmp_path / "a" / "b" / "runs.sqlite"
-    with ResultStore(path):
-        assert path.is_file()
+def test_missing_folders_are_refused_and_not_made(tmp_path):
+    with pytest.raises(
+        InputError, match=r"^store: given '.*runs\.sqlite'; there is no folder .*a\.$"
+    ):
+        ResultStore(tmp_path / "a" / "runs.sqlite")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_study_registered_twice_stands_once(tmp_path):
@@ -135,6 +152,25 @@ def test_a_study_registered_twice_stands_once(tmp_path):
         ("s", 2, "held out", "c"),
         ("t", 0, "run", "a"),
     ]
+
+
+def test_a_study_registered_anew_has_its_new_designs_alone(tmp_path):
+    """As when a later release draws other points: the view must not show those of before."""
+    with ResultStore(tmp_path / "runs.sqlite") as store:
+        store.register_study(
+            "s", {}, [("run", "a", {"x": 1.0}), ("run", "b", {}), ("run", "c", {})]
+        )
+        store.register_study("t", {}, [("run", "a", {})])
+        store.register_study("s", {}, [("run", "a", {"x": 1.0}), ("held out", "d", {"y": "round"})])
+        assert store.study_designs("s") == (
+            ("run", "a", {"x": 1.0}),
+            ("held out", "d", {"y": "round"}),
+        )
+        assert store.study_designs("t") == (("run", "a", {}),)
+        connection = sqlite3.connect(store.path)
+        rows = connection.execute("SELECT study, place, key FROM results").fetchall()
+        connection.close()
+    assert rows == [("s", 0, "a"), ("s", 1, "d"), ("t", 0, "a")]
 
 
 def test_results_can_be_read_with_plain_sql(tmp_path):
@@ -194,6 +230,29 @@ def test_rows_from_elsewhere_come_back_as_they_went_in_and_stand_once(tmp_path):
         assert store.extra_rows("u") == ()
 
 
+def test_a_computed_row_stands_once_at_its_place_in_the_study(tmp_path):
+    """Whatever file and line it comes from, and whether it was fitted or held out there."""
+    corrected = replace(ROW, role="run", responses={"mass": 171.0}, source="b.csv, line 9")
+    digit = replace(ROW, values=(math.nextafter(0.3, 1.0), 0.1), source="c.csv")
+    elsewhere = replace(ROW, values=(0.3, 0.2))
+    with ResultStore(tmp_path / "runs.sqlite") as store:
+        assert store.add_extra_rows("s", [ROW, MEASURED, ROW, corrected]) == 2
+        assert store.extra_rows("s") == (corrected, MEASURED)
+        assert store.add_extra_rows("s", [digit, elsewhere]) == 1
+        assert store.extra_rows("s") == (digit, MEASURED, elsewhere)
+
+
+def test_measured_rows_stand_once_if_throw_and_numbers_are_the_same(tmp_path):
+    renamed = replace(MEASURED, source="copy of b")
+    repeated = replace(MEASURED, responses={"mass": 171.5})
+    more = replace(MEASURED, responses={"torsional_compliance_pinned": 4e-8})
+    other = replace(MEASURED, dimensions={"web_width": 0.31})
+    with ResultStore(tmp_path / "runs.sqlite") as store:
+        assert store.add_extra_rows("s", [MEASURED, MEASURED, repeated, more, other]) == 4
+        assert store.add_extra_rows("s", [renamed]) == 0
+        assert store.extra_rows("s") == (renamed, repeated, more, other)
+
+
 # ------------------------------------------------------------------------------------ earlier releases
 
 FIRST_RELEASE = """
@@ -249,6 +308,7 @@ def test_a_store_of_the_first_release_can_be_read_without_a_change(old_store):
     with ResultStore(old_store, readonly=True) as store:
         assert store.outcomes(["k1"])["k1"].responses == {"axial_compliance_pinned": 2e-9}
         assert store.extra_rows("old") == ()
+        assert store.study_designs("old") == ()  # their factor values were not kept
         assert [(o.key, version) for _, o, version in store.results()] == [("k1", None)]
     assert old_store.read_bytes() == before
 
@@ -333,6 +393,9 @@ def test_a_file_of_another_kind_is_refused_and_left_alone(tmp_path, content):
         InputError, match=r"^store: given '.*runs\.sqlite'.*give a new file name\.$"
     ):
         ResultStore(path)
+    # Who only reads wants no new file.
+    with pytest.raises(InputError, match=r"^store: given .*which is no result store .*allowed is"):
+        ResultStore(path, readonly=True)
     assert path.read_bytes() == content
 
 
@@ -350,8 +413,9 @@ def test_the_database_of_another_program_is_refused_and_left_alone(tmp_path, tab
 
 
 def test_a_folder_is_no_store(tmp_path):
-    with pytest.raises(InputError, match=r"^store: given"):
-        ResultStore(tmp_path)
+    for readonly in (False, True):
+        with pytest.raises(InputError, match=r"^store: given '.*', which is a folder; allowed"):
+            ResultStore(tmp_path, readonly=readonly)
     (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match=r"^store: given"):
         ResultStore(tmp_path / "file" / "runs.sqlite")

@@ -16,12 +16,18 @@ from fem.responses import evaluate_throw
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans import plan as plan_module
-from regression.plans.plan import Factor
+from regression.plans.plan import DesignChoice, Factor
 from regression.records import HELD_OUT, RUN
 from regression.runs import study as study_module
 from regression.runs import supervised
 from regression.runs.store import ResultStore
-from regression.runs.study import StudyPlan, plan_designs, read_study, run_plan
+from regression.runs.study import (
+    StudyPlan,
+    import_results,
+    plan_designs,
+    read_study,
+    run_plan,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
 THROW = CrankThrow(
@@ -65,9 +71,9 @@ def puppets(monkeypatch, code):
     monkeypatch.setattr(supervised, "spawn_worker", spawn)
 
 
-@pytest.mark.parametrize("count", [0, -1, 257])
+@pytest.mark.parametrize("count", [0, -1, 257, 2.5, 2.0, True, "2"])
 def test_numbers_of_workers(tmp_path, count):
-    with pytest.raises(InputError, match=f"^workers: given {count}; allowed is 1 to 256"):
+    with pytest.raises(InputError, match=f"^workers: given {count!r}; allowed is 1 to 256"):
         run_plan(SMALL, tmp_path / "runs.sqlite", workers=count)
     assert list(tmp_path.iterdir()) == []
 
@@ -155,13 +161,11 @@ def test_a_finer_study_takes_over_what_is_known(small_run, tmp_path):
         SHARP, TWO | {"web_width": (0.280, 0.290, 0.300)}, held_out=1, accuracy=0.1
     )
     assert run_plan(finer, copy).computed == 2
-    with pytest.raises(
-        InputError, match=r"^study: none named; .* holds 2 such studies \(.*; name one"
-    ):
+    with pytest.raises(InputError, match=r"^study: none named; .* holds 2 studies: .*; name one"):
         read_study(copy)
     assert read_study(copy, finer.key).plan == finer
     assert read_study(copy, SMALL.key).plan == SMALL
-    with pytest.raises(InputError, match=r"^study: given 'zz'; .* holds no such study"):
+    with pytest.raises(InputError, match=r"^study: given 'zz'; .* holds 2 studies: "):
         read_study(copy, "zz")
 
 
@@ -216,6 +220,59 @@ def test_an_interrupted_study_keeps_what_arrived(tmp_path, monkeypatch):
     assert run_plan(SMALL, tmp_path / "runs.sqlite").computed == 3
 
 
+def test_an_import_replaces_lost_designs_and_no_others(tmp_path, monkeypatch):
+    puppets(monkeypatch, QUICK)
+    run_plan(SMALL, tmp_path / "other.sqlite")
+    code = QUICK.replace(
+        "    responses =",
+        "    if request['inputs']['throw']['web_width'] == 0.28:\n"
+        "        sys.exit(9)\n"
+        "    responses =",
+    )
+    puppets(monkeypatch, code.replace('"seconds": 0.5', '"seconds": 0.75'))
+    before = run_plan(SMALL, tmp_path / "runs.sqlite")
+    assert len(before.failures) == 2
+    found = import_results(SMALL, tmp_path / "runs.sqlite", tmp_path / "other.sqlite")
+    assert (found.designs, found.rows, found.left_out) == (2, 0, 0)
+    after = read_study(tmp_path / "runs.sqlite")
+    assert after.failures == ()
+    assert after.seconds.tolist() == [0.5, 0.5, 0.75, 0.75, 0.75]
+
+
+def test_a_study_is_read_back_with_the_designs_it_was_run_with(tmp_path, monkeypatch):
+    """Also where a later release of numpy or scipy draws other points."""
+    puppets(monkeypatch, QUICK)
+    factors = (
+        Factor.of_labels("web_outline", ("obround", "rectangle")),
+        Factor("web_width", "m", 0.250, 0.300),
+    )
+    choice = DesignChoice("latin hypercube", runs=6)
+    limit = ("web_width >= 260 mm",)
+    plan = StudyPlan(SHARP, factors, choice, constraints=limit, held_out=3, accuracy=0.1)
+    table = run_plan(plan, tmp_path / "runs.sqlite")
+    assert table.excluded
+    assert read_study(tmp_path / "runs.sqlite").excluded == table.excluded
+    draw = plan_module.space_filling_points
+    monkeypatch.setattr(
+        plan_module, "space_filling_points", lambda f, kind, n, seed: draw(f, kind, n, (7, *seed))
+    )
+    other = plan_designs(plan)
+    assert not {design.values for design in other.designs} & {row.values for row in table.rows}
+    read = read_study(tmp_path / "runs.sqlite")
+    assert read.failures == ()
+    assert read.rows == table.rows
+    assert read.excluded == ()  # what was drawn beside them is not known
+    # Run again, the study has the designs that are drawn now, and shows no others.
+    again = run_plan(plan, tmp_path / "runs.sqlite")
+    assert again.computed == 9
+    assert [row.values for row in again.rows] == [design.values for design in other.designs]
+    assert read_study(tmp_path / "runs.sqlite").rows == again.rows
+    connection = sqlite3.connect(tmp_path / "runs.sqlite")
+    (shown,) = connection.execute("SELECT count(*) FROM results").fetchone()
+    connection.close()
+    assert shown == 9
+
+
 def test_stores_without_a_study(tmp_path):
     with pytest.raises(
         InputError, match=r"^store: given '.*none\.sqlite'; there is no such file\.$"
@@ -223,8 +280,31 @@ def test_stores_without_a_study(tmp_path):
         read_study(tmp_path / "none.sqlite")
     with ResultStore(tmp_path / "empty.sqlite"):
         pass
-    with pytest.raises(InputError, match=r"^study: none named; .* holds no such study"):
+    with pytest.raises(InputError, match=r"^study: none named; .* holds no study yet"):
         read_study(tmp_path / "empty.sqlite")
+
+
+def test_several_studies_in_one_store_are_told_apart(tmp_path):
+    plans = [
+        StudyPlan.from_levels(THROW, {"web_width": levels}, held_out=1)
+        for levels in ((0.27, 0.28), (0.27, 0.28, 0.29))
+    ]
+    store = tmp_path / "runs.sqlite"
+    with ResultStore(store) as results:
+        for plan in plans:
+            designs = [(d.role, d.key, {}) for d in plan_designs(plan).designs]
+            results.register_study(plan.key, plan.as_record(), designs)
+    expected = "; ".join(
+        f"{plan.key[:6]} (full factorial of {runs} runs: web_width 270 mm to {end} mm)"
+        for plan, runs, end in zip(plans, (2, 3), (280, 290), strict=True)
+    )
+    for given, said in ((None, "none named"), ("x", "given 'x'")):
+        with pytest.raises(InputError) as caught:
+            read_study(store, given)
+        assert str(caught.value) == (
+            f"study: {said}; {store} holds 2 studies: {expected}; name one of them by the first "
+            "characters of its key."
+        )
 
 
 # --------------------------------------------------------------------- a study that changes starts anew

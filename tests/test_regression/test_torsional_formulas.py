@@ -109,3 +109,7 @@ def test_modulus_scales_and_is_checked():
         assert half[name].value == pytest.approx(2.0 * value.value, rel=1e-12)
     with pytest.raises(InputError, match="youngs_modulus: given -1"):
         torsional_formulas(MEDIUM_SPEED, youngs_modulus=-1)
+    with pytest.raises(InputError, match="youngs_modulus: given '2e11'"):
+        torsional_formulas(MEDIUM_SPEED, youngs_modulus="2e11")
+    with pytest.raises(InputError, match="poisson_ratio: given True"):
+        torsional_formulas(MEDIUM_SPEED, poisson_ratio=True)

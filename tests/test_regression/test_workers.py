@@ -18,6 +18,7 @@ from fem.responses import ThrowResponses, evaluate_throw
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.runs import supervised, worker
+from regression.runs.interrupts import interrupts_deferred
 from regression.runs.supervised import Limits, design_limits
 from regression.runs.workers import run_designs
 
@@ -51,6 +52,9 @@ for line in sys.stdin:
     if key.startswith("large"):
         held = b"x" * 560_000_000
         time.sleep(600)
+    if key.startswith("full"):
+        print(json.dumps({"key": key, "lost": "OSError: disk full", "seconds": 0.1}), flush=True)
+        continue
     if key.startswith("shy") and not os.path.exists(key.split()[1]):
         open(key.split()[1], "w").close()
         os._exit(7)
@@ -168,6 +172,14 @@ def test_a_crash_that_happens_once_costs_a_retry(puppets, tmp_path):
     assert found[key].worker
 
 
+def test_a_design_that_the_machine_could_not_compute_is_lost_after_a_fresh_process(puppets):
+    found = collect(["a", "full", "b"], 1)
+    assert {key for key, outcome in found.items() if outcome.responses} == {"a", "b"}
+    lost = found["full"]
+    assert (lost.reason, lost.lost, lost.attempts) == ("OSError: disk full", True, 2)
+    assert len(puppets) == 2  # nobody waits after the second try
+
+
 def test_a_worker_that_dies_in_the_middle_of_its_answer(puppets):
     found = collect(["a", "half", "b"])
     assert {key for key, outcome in found.items() if outcome.responses} == {"a", "b"}
@@ -215,9 +227,18 @@ def test_the_next_design_is_given_before_the_answer_is_stored(puppets):
     ("given", "message"),
     [
         ({"time_limit": 0.0}, "time_limit: given 0 s; allowed is a positive"),
-        ({"time_limit": math.inf}, "time_limit: given inf s; allowed is a positive"),
+        ({"time_limit": math.inf}, "time_limit: given inf; allowed is a finite number of seconds"),
+        (
+            {"time_limit": "300 s"},
+            "time_limit: given '300 s'; allowed is a finite number of seconds",
+        ),
+        ({"time_limit": True}, "time_limit: given True; allowed is a finite number of seconds"),
+        (
+            {"memory_limit": "4 GB"},
+            "memory_limit: given '4 GB'; allowed is a finite number of bytes",
+        ),
         ({"memory_limit": 1e8}, r"memory_limit: given 0\.1 GB; allowed is 0\.5 GB or more"),
-        ({"memory_limit": math.nan}, "memory_limit: given nan GB; allowed is"),
+        ({"memory_limit": math.nan}, "memory_limit: given nan; allowed is"),
     ],
 )
 def test_limits_that_cannot_be(given, message):
@@ -241,6 +262,49 @@ def test_an_error_of_the_coordinator_ends_all_workers(puppets, mark, error):
     with pytest.raises(error):
         run_designs([(k, {}) for k in ("a", "hang 1", "hang 2", "hang 3")], fail, 3)
     assert marked(mark) == []
+
+
+def test_ctrl_c_does_not_cost_the_design_that_is_just_being_stored(puppets):
+    stored = []
+
+    def keep(outcome):
+        signal.raise_signal(signal.SIGINT)
+        stored.append(outcome.key)
+
+    with pytest.raises(KeyboardInterrupt):
+        run_designs([(key, {}) for key in "abc"], keep, 1)
+    assert stored == ["a"]
+    assert all(process.poll() is not None for process in puppets)
+
+
+def test_an_interrupt_waits_for_the_end_of_the_block():
+    before, done = signal.getsignal(signal.SIGINT), []
+
+    def interrupted():
+        with interrupts_deferred():
+            signal.raise_signal(signal.SIGINT)
+            done.append("all")
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert done == ["all"]
+    assert signal.getsignal(signal.SIGINT) is before
+    with interrupts_deferred():
+        pass  # nothing is left of the interrupt
+    thread = threading.Thread(target=interrupts_deferred().__enter__)
+    thread.start()
+    thread.join()
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_who_ignores_interrupts_goes_on_doing_so():
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with interrupts_deferred():
+            signal.raise_signal(signal.SIGINT)
+        assert signal.getsignal(signal.SIGINT) == signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 # --------------------------------------------------------------------------- the worker's own work
@@ -279,6 +343,37 @@ def test_a_result_that_is_no_number_is_a_failure(monkeypatch, value, part):
     (answer,) = serve({"key": "k", "inputs": design()})
     assert set(answer) == {"key", "reason", "seconds"}
     assert "axial_compliance_pinned came out as" in answer["reason"]
+
+
+class PyPardisoError(Exception):
+    """As pypardiso raises it: -2 is no memory, -4 a matrix that is not positive definite."""
+
+    __module__ = "pypardiso.pardiso_wrapper"
+
+    def __init__(self, value):
+        self.value = value
+
+
+@pytest.mark.parametrize(
+    ("error", "cause", "kind"),
+    [
+        (MemoryError("no room"), None, "lost"),
+        (OSError(28, "No space left on device"), None, "lost"),
+        (RuntimeError("no solution"), MemoryError(), "lost"),
+        (RuntimeError("no solution"), PyPardisoError(-2), "lost"),
+        (RuntimeError("no solution"), PyPardisoError(-4), "reason"),
+        (RuntimeError("no solution"), None, "reason"),
+        (ValueError("too narrow"), None, "reason"),
+    ],
+)
+def test_trouble_of_the_machine_is_told_from_that_of_the_design(monkeypatch, error, cause, kind):
+    def fail(*_, **__):
+        raise error from cause
+
+    monkeypatch.setattr(worker, "evaluate_throw", fail)
+    (answer,) = serve({"key": "k", "inputs": design()})
+    assert set(answer) == {"key", kind, "seconds"}
+    assert answer[kind] == f"{type(error).__name__}: {error}"
 
 
 # ------------------------------------------------------------------------------------ real workers
