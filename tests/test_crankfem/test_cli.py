@@ -295,7 +295,10 @@ def test_lookup_outside_the_range_is_said(call, model_file):
         (("web_width=300mm", "web_thickness"), "web_thickness: given without a value"),
         (("web_width=300mm", "=68mm"), "=68mm: given without a value"),
         (("web_width=300mm", "web_width=300mm"), "web_width: given twice"),
-        (("web_width=-300mm", "web_thickness=68mm"), "web_width: given -300 mm; allowed are positive"),
+        (
+            ("web_width=-300mm", "web_thickness=68mm"),
+            "web_width: given -300 mm; allowed are positive",
+        ),
         (("web_width=300mm", "web_thickness=68mm", "color=3mm"), "color: unknown dimension"),
         (
             ("web_width=300mm", "web_thickness=68mm", "pin_length=140mm"),
