@@ -15,7 +15,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
 TOML_BLOCK = re.compile(r"^```toml\n(.*?)^```", re.MULTILINE | re.DOTALL)
 # Their doctests mesh and solve.
-SLOW = {"fem.analysis", "fem.shaft"}
+SLOW = {"fem.analysis", "fem.fillet_stress", "fem.shaft"}
 
 
 def examples():

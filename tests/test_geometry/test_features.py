@@ -91,6 +91,7 @@ def test_the_solid_and_the_mesh_are_what_is_described(build, feature):
         assert len(mesh.surfaces[name])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "feature", ["counterweight beside a thin foot", "eccentric bores", "thin tip"]
 )
@@ -112,6 +113,7 @@ def test_a_part_that_the_symmetry_does_not_allow_is_refused(build):
         mesh_throw(throw, 2.0, "eighth")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("feature", [*FEATURES, "three pins"])
 def test_described_from_the_other_end_it_is_the_same_part(build, feature):
     """Half a turn about y takes one to the other; a throw symmetric about x is thereby mirrored."""

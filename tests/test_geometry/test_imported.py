@@ -310,6 +310,7 @@ def test_what_is_imported_travels_and_is_hashable(imported):
     assert hash(imported) == hash(replace(imported))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("with_names", [True, False])
 def test_a_turned_and_shifted_part_is_brought_back(throw, folder, with_names):
     text = step_text(throw, turn=0.7, shift=-1.25)
@@ -341,6 +342,7 @@ def bored(dimensions):
     return CrankThrow(**dimensions, **BORED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("with_names", [True, False])
 def test_bores_are_not_taken_for_pins_or_journals(bored, folder, with_names):
     text = step_text(bored)
@@ -634,6 +636,7 @@ def test_the_mesh_is_the_same_in_another_process(imported, mesh):
     assert np.array_equal(away.elements, mesh.elements)
 
 
+@pytest.mark.slow
 def test_failed_ways_are_passed_over_and_recorded(imported):
     mesh = mesh_imported_from(imported, 2.5, None, ("as planned: it took too long",))
     assert mesh.attempts == ("as planned: it took too long",)
@@ -658,6 +661,7 @@ def test_a_changed_file_is_refused(named, folder):
         mesh_imported_throw(imported)
 
 
+@pytest.mark.slow
 def test_surfaces_that_are_elsewhere_are_noticed(imported):
     names = dict(imported.surfaces)
     names |= {LEFT_END: names[RIGHT_END], RIGHT_END: names[LEFT_END]}
