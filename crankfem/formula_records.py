@@ -1,6 +1,6 @@
 """Values of the published formulas for one throw as plain JSON content, beside finite elements."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fem.analysis import ThrowAnalysis
@@ -87,9 +87,15 @@ def fe_axial(analysis: ThrowAnalysis, gamma_deg: float) -> float:
     InputError
         If the angle is not finite.
     """
+    return fe_axial_curve(analysis, [gamma_deg])[0]
+
+
+def fe_axial_curve(analysis: ThrowAnalysis, gammas_deg: Sequence[float]) -> list[float]:
+    """Return `fe_axial` at several angles; the law of equal webs is found once for all of them."""
     if is_symmetric(analysis.superelement):
-        return float(analysis.angle_law.axial(gamma_deg))
-    return analysis.axial_compliance(Neighbors(gamma_deg, gamma_deg))
+        law = analysis.angle_law
+        return [float(law.axial(gamma)) for gamma in gammas_deg]
+    return [analysis.axial_compliance(Neighbors(gamma, gamma)) for gamma in gammas_deg]
 
 
 def fe_record(analysis: ThrowAnalysis, gamma_deg: float) -> Record:

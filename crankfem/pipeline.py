@@ -14,7 +14,7 @@ from crankfem.engine_file import EngineFile, load_engine
 from crankfem.export import write_vtu
 from crankfem.fit_records import study_record
 from crankfem.fitting import ResponseFits
-from crankfem.formula_records import fe_axial, fe_record, formula_records
+from crankfem.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.pictures import fit_plots, formula_plots, plots
 from crankfem.pictures.drawing import write_drawing
 from crankfem.pictures.render import DEFORMED, MESH, Rendering
@@ -136,15 +136,15 @@ def run_engine(
     rendering = Rendering(stretched_surface(analysis), pictures)
     try:
         shaft = compliances_in_shaft(engine_file, analysis)
+        fe = fe_record(analysis, 180.0)
         found: dict[str, Any] = {
             "about": records.about_record(),
             "engine": _engine_record(engine_file),
             "inputs": records.input_records(engine_file),
             "sources": engine_file.sources,
             "throw": records.throw_record(analysis, _radial_force(engine_file)),
-            "formulas": formula_records(engine_file.throw, engine_file.material)
-            | {"fe": fe_record(analysis, 180.0)},
-            "angle_law": _angle_record(engine_file, analysis),
+            "formulas": formula_records(engine_file.throw, engine_file.material) | {"fe": fe},
+            "angle_law": _angle_record(engine_file, analysis) | {"law": fe["angle_law"]},
             "shaft": records.shaft_record(shaft, analysis),
             "balance": records.balance_record(engine_file),
             "study": None,
@@ -256,8 +256,7 @@ def _angle_record(engine_file: EngineFile, analysis: ThrowAnalysis) -> dict[str,
     ]
     return {
         "gamma_deg": ANGLES_SHOWN_DEG.tolist(),
-        "law": fe_record(analysis, 180.0)["angle_law"],
-        "fe": [fe_axial(analysis, float(gamma)) for gamma in ANGLES_SHOWN_DEG],
+        "fe": fe_axial_curve(analysis, ANGLES_SHOWN_DEG.tolist()),
         "formulas": {
             name: [table[name].value if table[name].value > 0.0 else None for table in tables]
             for name in tables[0]

@@ -12,6 +12,7 @@ from crankfem.console import print_json, print_table
 from geometry.errors import InputError
 
 if TYPE_CHECKING:
+    from crankfem.frequency_limits import Kind
     from regression.models.compliance_model import ComplianceModel
     from regression.models.optimum import Optimum
     from regression.models.optimum_limits import Limit
@@ -62,7 +63,10 @@ def optimum(
     check_minimized(loaded, minimize, "--minimize")
     held = model_dimensions(loaded, fixed or [])
     wanted = [parse_limit(loaded, text) for text in limits or []]
-    bounds = {"axial": first_axial_frequency, "torsional": first_torsional_frequency}
+    bounds: dict[Kind, str | None] = {
+        "axial": first_axial_frequency,
+        "torsional": first_torsional_frequency,
+    }
     wanted += _frequency_limits(loaded, engine, bounds)
     found = find_optimum(loaded, minimize, wanted, fixed=held, margins=not no_margin)
     if engine is not None:
@@ -78,7 +82,7 @@ def optimum(
 
 
 def _frequency_limits(
-    model: "ComplianceModel", engine: str | None, bounds: dict[str, str | None]
+    model: "ComplianceModel", engine: str | None, bounds: "dict[Kind, str | None]"
 ) -> "list[Limit]":
     """Limits on the engine's frequencies; its throw is analyzed only if there are any."""
     from crankfem.model_arguments import parse_bound
@@ -110,10 +114,7 @@ def _frequency_limits(
     from crankfem.frequency_limits import engine_frequencies, frequency_limit
 
     frequencies = engine_frequencies(load_engine(engine))
-    return [
-        frequency_limit(kind, frequencies, model, bound)  # type: ignore[arg-type]
-        for kind, bound in given.items()
-    ]
+    return [frequency_limit(kind, frequencies, model, bound) for kind, bound in given.items()]
 
 
 def _record(found: "Optimum") -> dict[str, Any]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.model import field_extra, part_kind
+from geometry.model import InputModel, field_extra, part_kind
 from geometry.quantity import DISPLAY_UNITS
 from geometry.throw import CrankThrow
 from regression.fits.forms import Basis, FittedForm
@@ -57,15 +57,15 @@ def factor_label(name: str) -> FactorLabel:
     field, equals, label = name.partition("=")
     if equals:
         return FactorLabel(f"[{field} = {label}]", "", 1.0)
-    kind: type = CrankThrow
+    kind: type[InputModel] = CrankThrow
     *parts, last = name.split(".")
     for part in (part for part in parts if not part.isdigit()):
-        info = kind.model_fields.get(part) if hasattr(kind, "model_fields") else None
+        info = kind.model_fields.get(part)
         inner = None if info is None else part_kind(info)
         if inner is None:
             return FactorLabel(name, "", 1.0)
         kind = inner
-    declared = kind.model_fields.get(last)  # type: ignore[attr-defined]
+    declared = kind.model_fields.get(last)
     if declared is None:
         return FactorLabel(name, "", 1.0)
     unit = str(field_extra(declared, "unit") or "")

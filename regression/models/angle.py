@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geometry.errors import InputError
+from regression.formulas.arguments import fold_angle_deg
 
 
 def fold_angle(gamma_deg: ArrayLike) -> Any:
@@ -28,7 +29,7 @@ def fold_angle(gamma_deg: ArrayLike) -> Any:
     (120.0, 90.0, 180.0)
     """
     if isinstance(gamma_deg, float) and math.isfinite(gamma_deg):
-        return abs((gamma_deg + 180.0) % 360.0 - 180.0)
+        return fold_angle_deg(gamma_deg)
     try:
         angles = np.asarray(gamma_deg)
         if angles.dtype.kind not in "iuf" or angles.size == 0:
@@ -40,8 +41,10 @@ def fold_angle(gamma_deg: ArrayLike) -> Any:
             f"gamma_deg: given {gamma_deg!r}; allowed are finite angles in degrees, because they "
             "stand between neighboring cranks."
         )
-    folded = np.abs(np.remainder(angles + 180.0, 360.0) - 180.0)
-    return folded if folded.ndim else float(folded)
+    if angles.ndim == 0:
+        return fold_angle_deg(float(angles))
+    rest = np.fmod(np.abs(angles), 360.0)  # as fold_angle_deg does, for all at once
+    return np.where(rest > 180.0, 360.0 - rest, rest)
 
 
 def between(gamma_deg: ArrayLike, in_line: Any, opposite: Any, ratio: Any) -> Any:

@@ -262,10 +262,11 @@ class ComplianceModel(InputModel):
             value = self._ready.quick(response, dimensions)
             if value is not None:
                 return tell(self.responses[response], self._ready.bands[response], value)
-        for name, given in (*dimensions.items(), ("gamma_deg", gamma_deg)):
-            if np.ndim(given):  # type: ignore[arg-type]
+        asked: dict[str, Any] = {**dimensions, "gamma_deg": gamma_deg}
+        for name, given in asked.items():
+            if np.ndim(given):
                 raise InputError(
-                    f"{name}: given an array of shape {np.shape(given)}; allowed is one number, "  # type: ignore[arg-type]
+                    f"{name}: given an array of shape {np.shape(given)}; allowed is one number, "
                     "because a lookup tells about one throw."
                 )
         if gamma_deg is None:

@@ -274,7 +274,7 @@ def without_repeats(values: Table) -> tuple[Table, int]:
     return kept, len(values) - len(kept)
 
 
-def _full_factorial(factors: Sequence[Factor], choice: DesignChoice) -> Design:  # noqa: ARG001
+def _full_factorial(factors: Sequence[Factor], _choice: DesignChoice) -> Design:
     """Every combination of the levels; of a range, its ends."""
     made = full_factorial(
         {factor.name: factor.levels or (factor.lowest, factor.highest) for factor in factors}
