@@ -20,7 +20,14 @@ if TYPE_CHECKING:
     from crankfem.studies import StudyResult, run_study
     from dynamics.chain import Chain, Modes
     from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders
+    from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
+    from dynamics.engine.forces import MechanismForces, mechanism_forces
+    from dynamics.engine.gas_forces import gas_forces
+    from dynamics.engine.layout import EngineLayout
+    from dynamics.engine.motions import cylinder_motion, reduced_inertia
     from dynamics.harmonics import Harmonics, harmonics
+    from dynamics.mechanism.rods import ConnectingRod, RodModel
+    from dynamics.mechanism.slider_crank import SliderCrank
     from dynamics.torque_table import TorqueTable, read_torque_table
     from dynamics.two_mass import TwoMassCheck, two_mass_check
     from fem.analysis import AxialAnalysis, ThrowAnalysis, analyze_axial, analyze_throw
@@ -89,6 +96,13 @@ _HOMES = {
             "critical_speeds",
             "engine_orders",
         ),
+        "dynamics.engine.cylinder": ("EngineCylinder", "RotatingMass", "SlavePin"),
+        "dynamics.engine.forces": ("MechanismForces", "mechanism_forces"),
+        "dynamics.engine.gas_forces": ("gas_forces",),
+        "dynamics.engine.layout": ("EngineLayout",),
+        "dynamics.engine.motions": ("cylinder_motion", "reduced_inertia"),
+        "dynamics.mechanism.rods": ("ConnectingRod", "RodModel"),
+        "dynamics.mechanism.slider_crank": ("SliderCrank",),
         "dynamics.harmonics": (
             "Harmonics",
             "harmonics",
@@ -195,13 +209,16 @@ __all__ = [
     "AxialAnalysis",
     "Chain",
     "ComplianceModel",
+    "ConnectingRod",
     "Counterweight",
     "CrankThrow",
     "Crankshaft",
     "CriticalSpeed",
     "DynamicSuperelement",
     "EndReaction",
+    "EngineCylinder",
     "EngineFile",
+    "EngineLayout",
     "FilletPeak",
     "FilletStresses",
     "FormulaValue",
@@ -213,6 +230,7 @@ __all__ = [
     "Lookup",
     "MassProperties",
     "Material",
+    "MechanismForces",
     "MeshError",
     "MissingLibraryError",
     "Modes",
@@ -222,9 +240,13 @@ __all__ = [
     "OutsideRangeWarning",
     "PinResponse",
     "Reactions",
+    "RodModel",
+    "RotatingMass",
     "RunResult",
     "ShaftCompliances",
     "ShaftEnds",
+    "SlavePin",
+    "SliderCrank",
     "SolveError",
     "StudyResult",
     "ThrowAnalysis",
@@ -240,21 +262,25 @@ __all__ = [
     "axial_formula",
     "axial_formulas",
     "critical_speeds",
+    "cylinder_motion",
     "draw_throw",
     "engine_orders",
     "fillet_stresses",
     "find_optimum",
+    "gas_forces",
     "harmonics",
     "import_throw",
     "load_crankshaft",
     "load_engine",
     "load_throw",
+    "mechanism_forces",
     "mesh_throw",
     "natural_modes",
     "picture_shaft",
     "picture_stresses",
     "picture_throw",
     "read_torque_table",
+    "reduced_inertia",
     "run_engine",
     "run_study",
     "shaft_compliances",

@@ -1,0 +1,1 @@
+"""Engines of any layout: motions, forces, torque, loads, balance and free turning."""

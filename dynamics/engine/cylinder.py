@@ -1,0 +1,110 @@
+"""A cylinder of an engine: its piston and rod, and where it stands."""
+
+import math
+from dataclasses import dataclass
+
+from dynamics.checks import finite_array, nonnegative_number, positive_number
+from dynamics.mechanism.rods import ConnectingRod
+
+
+@dataclass(frozen=True)
+class SlavePin:
+    """The pin by which a rod is hinged to the rod of another cylinder on the same crankpin.
+
+    Parameters
+    ----------
+    main_cylinder : int
+        Number of the cylinder whose rod carries the pin, from 1.
+    radius : float
+        R_1 (r in some papers), from the crankpin's center [m].
+    angle : float
+        From the main rod's axis, in the sense of rotation [rad]; equal to the angle between the
+        cylinders' axes in most engines.
+    """
+
+    main_cylinder: int
+    radius: float
+    angle: float
+
+    def __post_init__(self) -> None:
+        positive_number("slave pin radius", self.radius, "m", "it is a length")
+        finite_array("slave pin angle", self.angle)
+
+    @property
+    def place(self) -> complex:
+        """Place on the main rod, u + i v from the crankpin's center [m]."""
+        return complex(self.radius * math.cos(self.angle), self.radius * math.sin(self.angle))
+
+
+@dataclass(frozen=True)
+class EngineCylinder:
+    """One cylinder with its piston and rod, and where it stands.
+
+    Parameters
+    ----------
+    bore : float
+        [m]
+    piston_mass : float
+        Piston with rings and pin; crosshead and piston rod where the engine has them [kg].
+    rod : ConnectingRod
+    crank_angle : float, optional
+        Angle of its crankpin about +z, counted from +y, when the shaft angle is zero [rad].
+    bank_angle : float, optional
+        Angle of its axis about +z, counted from +y [rad].
+    position : float, optional
+        Of its axis along the shaft [m].
+    pin_offset : float, optional
+        e: how far its axis passes aside of the shaft's, positive to the side to which the crankpin
+        moves as it passes the top [m].
+    slave_pin : SlavePin, optional
+        Where its rod is hinged, if not at the crankpin.
+    """
+
+    bore: float
+    piston_mass: float
+    rod: ConnectingRod
+    crank_angle: float = 0.0
+    bank_angle: float = 0.0
+    position: float = 0.0
+    pin_offset: float = 0.0
+    slave_pin: SlavePin | None = None
+
+    def __post_init__(self) -> None:
+        positive_number("bore", self.bore, "m", "it is a length")
+        positive_number("piston_mass", self.piston_mass, "kg", "it is a mass")
+        for name in ("crank_angle", "bank_angle", "position", "pin_offset"):
+            finite_array(name, getattr(self, name))
+
+    @property
+    def area(self) -> float:
+        """Area of the piston [m^2]."""
+        return 0.25 * math.pi * self.bore**2
+
+    @property
+    def top_shaft_angle(self) -> float:
+        """Shaft angle at which its crank lies along its axis, away from the shaft [rad]."""
+        return self.bank_angle - self.crank_angle
+
+
+@dataclass(frozen=True)
+class RotatingMass:
+    """A mass that turns with the shaft: a counterweight, or what a throw has out of balance.
+
+    Parameters
+    ----------
+    static_moment : float
+        Mass times radius [kg m].
+    angle : float
+        Of its center of mass about +z, counted from +y, when the shaft angle is zero [rad].
+    position : float
+        Along the shaft [m].
+    """
+
+    static_moment: float
+    angle: float
+    position: float = 0.0
+
+    def __post_init__(self) -> None:
+        nonnegative_number("static_moment", self.static_moment, "kg m", "it is mass times radius")
+        finite_array("angle", self.angle)
+        finite_array("position", self.position)

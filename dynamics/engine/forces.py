@@ -1,0 +1,218 @@
+"""Forces in the mechanism of every cylinder, by equilibrium of pistons and rods."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_array, finite_vector
+from dynamics.engine.cylinder import EngineCylinder
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.motions import CylinderMotion, cylinder_motion
+from dynamics.mechanism.motion import ComplexArray
+from dynamics.mechanism.rods import RodModel, RodModelName
+from geometry.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class MechanismForces:
+    """Forces over shaft angles, cylinder by cylinder: arrays of shape (n, m) [N].
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    shaft_angles : ndarray of shape (m,)
+        [rad]
+    model : str
+        Of the rods' masses.
+    gas : ndarray of shape (n, m)
+        On the piston, towards the shaft.
+    side : ndarray of shape (n, m)
+        N, of the wall on the piston, positive to the side to which the crankpin moves as it passes
+        the top: P tan(beta) for a rod without mass.
+    piston_pin : complex ndarray of shape (n, m)
+        Of the rod on the piston pin, s + i n in the cylinder's frame.
+    foot : complex ndarray of shape (n, m)
+        Of the rod on the pin at its other end, s + i n in the cylinder's frame: the crankpin (with
+        what hinged rods bring), or the slave pin.
+    crankpin : complex ndarray of shape (n, m)
+        What each cylinder contributes to the force on its crankpin, y - i x in the engine's frame.
+        A cylinder with a hinged rod acts through the main rod; its share is that of its own gas and
+        masses.
+    """
+
+    engine: EngineLayout
+    shaft_angles: FloatArray
+    model: RodModelName
+    gas: FloatArray
+    side: FloatArray
+    piston_pin: ComplexArray
+    foot: ComplexArray
+    crankpin: ComplexArray
+
+    @property
+    def in_crank_frame(self) -> ComplexArray:
+        """Contributions to the crankpin's force in the frame that turns with it, -Z + i T (n, m)."""
+        cranks = np.array([cylinder.crank_angle for cylinder in self.engine.cylinders])
+        turn: ComplexArray = np.exp(-1j * (cranks[:, np.newaxis] + self.shaft_angles))
+        return self.crankpin * turn
+
+    @property
+    def tangential(self) -> FloatArray:
+        """T, on the crankpin in the sense of rotation, of each cylinder (n, m) [N]."""
+        return self.in_crank_frame.imag
+
+    @property
+    def radial(self) -> FloatArray:
+        """Z, on the crankpin towards the shaft axis, of each cylinder (n, m) [N]."""
+        return -self.in_crank_frame.real
+
+    @property
+    def torque(self) -> FloatArray:
+        """R T, of each cylinder on the shaft, positive when it drives (n, m) [N m]."""
+        return self.engine.crank_radius * self.tangential
+
+
+def mechanism_forces(
+    engine: EngineLayout,
+    shaft_angles: ArrayLike,
+    speed: float | FloatArray,
+    gas: ArrayLike = 0.0,
+    *,
+    model: RodModelName = "rigid",
+    friction: ArrayLike = 0.0,
+    crank_acceleration: float | FloatArray = 0.0,
+) -> MechanismForces:
+    """Find the forces on pistons, rods and crankpins.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    shaft_angles : array_like of shape (m,)
+        [rad]
+    speed : float or ndarray of shape (m,)
+        Of the shaft [rad/s].
+    gas : array_like of shape (n, m), (m,) or a number
+        Force on each piston towards the shaft [N].
+    model : str, optional
+        "rigid", "three-mass", "two-mass with inertia" or "two-mass".
+    friction : array_like of shape (n, m), (m,) or a number
+        Force on each piston along its axis, positive away from the shaft [N].
+    crank_acceleration : float or ndarray of shape (m,), optional
+        [rad/s^2]
+
+    Returns
+    -------
+    MechanismForces
+
+    Raises
+    ------
+    InputError
+        If an array is not finite or does not fit, or there is no such model.
+
+    Notes
+    -----
+    With F_A and F_B on the rod at crankpin and piston pin, M its mass, a_D the acceleration of its
+    center of mass, t its turning: F_A + F_B = M a_D, AB x F_B = J t'' + AD x M a_D, and for the
+    piston of mass m: Re F_B = -(gas - friction) - m a_B, N = Im F_B. A hinged rod is solved first;
+    the force at its foot loads the main rod, whose own piston balances the moment from the wall.
+    Replaces (5) to (12) of Yamanin, Zhukov, Baryshnikov 2018, doi
+    10.21821/2309-5180-2018-10-1-191-200, for any of their rod models.
+    """
+    angles = finite_vector("shaft_angles", shaft_angles)
+    shape = (len(engine.cylinders), angles.size)
+    pressing, rubbing = _forces("gas", gas, shape), _forces("friction", friction, shape)
+    side = np.zeros(shape)
+    piston_pin, foot, crankpin = (np.zeros(shape, dtype=np.complex128) for _ in range(3))
+    motions = [cylinder_motion(engine, number + 1, angles) for number in range(shape[0])]
+    for place, cylinder in enumerate(engine.cylinders):
+        rod, motion = cylinder.rod.model(model), motions[place]
+        acceleration = motion.piston.acceleration(speed, crank_acceleration).real
+        along = -(pressing[place] - rubbing[place]) - cylinder.piston_mass * acceleration
+        inertia = _inertia_forces(rod, motion, speed, crank_acceleration)
+        at_piston = _piston_pin_force(rod, motion, along, inertia)
+        side[place] += at_piston.imag
+        piston_pin[place] -= at_piston
+        at_foot = at_piston - inertia[0]
+        foot[place] += at_foot
+        main = engine.main_of(place + 1) - 1
+        if main == place:
+            crankpin[place] = at_foot * np.exp(1j * cylinder.bank_angle)
+            continue
+        carrier = engine.cylinders[main]
+        load = at_foot * np.exp(1j * (cylinder.bank_angle - carrier.bank_angle))
+        from_wall = _wall_force_for(load, cylinder, carrier, motions[main])
+        side[main] += from_wall
+        piston_pin[main] -= 1j * from_wall
+        foot[main] += load + 1j * from_wall
+        crankpin[place] = (load + 1j * from_wall) * np.exp(1j * carrier.bank_angle)
+    return MechanismForces(engine, angles, model, pressing, side, piston_pin, foot, crankpin)
+
+
+def _forces(field: str, values: ArrayLike, shape: tuple[int, int]) -> FloatArray:
+    given = finite_array(field, values)
+    try:
+        return np.array(np.broadcast_to(given, shape))
+    except ValueError:
+        raise InputError(
+            f"{field}: given an array of shape {given.shape}; allowed is one that fits {shape}, because "
+            "there is a value for each cylinder and shaft angle."
+        ) from None
+
+
+def _inertia_forces(
+    rod: RodModel,
+    motion: CylinderMotion,
+    speed: float | FloatArray,
+    crank_acceleration: float | FloatArray,
+) -> tuple[ComplexArray, FloatArray]:
+    """Return M a_D, and the moment that the rod's motion takes about its foot."""
+    force = rod.mass * motion.rod_point(rod.center).acceleration(speed, crank_acceleration)
+    arm = rod.center * np.exp(1j * motion.rod.angle)
+    turning = rod.inertia * motion.rod.acceleration(speed, crank_acceleration)
+    return force, turning + (np.conj(arm) * force).imag
+
+
+def _piston_pin_force(
+    rod: RodModel,
+    motion: CylinderMotion,
+    along: FloatArray,
+    inertia: tuple[ComplexArray, FloatArray],
+) -> ComplexArray:
+    """Return F_B on the rod from its axial part and the moments about the foot."""
+    _, moment = inertia
+    sine, cosine = -np.sin(motion.rod.angle), np.cos(motion.rod.angle)
+    return np.asarray(along + 1j * (moment / rod.length - along * sine) / cosine)
+
+
+def _wall_force_for(
+    load: ComplexArray, hinged: EngineCylinder, carrier: EngineCylinder, motion: CylinderMotion
+) -> FloatArray:
+    """Return what the main piston's wall adds to N to balance a force at the slave pin."""
+    if hinged.slave_pin is None:
+        raise ValueError("the rod is not hinged")
+    arm = hinged.slave_pin.place * np.exp(1j * motion.rod.angle)
+    moment = (np.conj(arm) * load).imag
+    return np.asarray(-moment / (carrier.rod.length * np.cos(motion.rod.angle)))
+
+
+def pin_groups(engine: EngineLayout) -> tuple[tuple[int, ...], ...]:
+    """Return the numbers of the cylinders that load each main rod's foot, main cylinder first."""
+    groups: dict[int, list[int]] = {}
+    for number in range(1, len(engine.cylinders) + 1):
+        groups.setdefault(engine.main_of(number), []).append(number)
+    return tuple(
+        tuple(sorted(group, key=lambda number: number != main))
+        for main, group in sorted(groups.items())
+    )
+
+
+def rod_models(engine: EngineLayout, model: RodModelName) -> tuple[RodModel, ...]:
+    """Return the model of each cylinder's rod."""
+    return tuple(cylinder.rod.model(model) for cylinder in engine.cylinders)
+
+
+def summed(forces: MechanismForces, cylinders: Sequence[int]) -> ComplexArray:
+    """Return the force of several cylinders on their common crankpin, y - i x (m,) [N]."""
+    return np.asarray(forces.crankpin[[number - 1 for number in cylinders]].sum(axis=0))

@@ -1,0 +1,74 @@
+"""Gas forces on all pistons of an engine from the pressures in its cylinders."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_vector, nonnegative_number
+from dynamics.engine.layout import EngineLayout
+from geometry.errors import InputError
+
+ATMOSPHERE = 101325.0
+
+
+class Pressure(Protocol):
+    """A pressure over the working cycle."""
+
+    @property
+    def strokes(self) -> int:
+        """Strokes per cycle, 2 or 4."""
+        ...
+
+    def at(self, angle: ArrayLike) -> FloatArray:
+        """Return the absolute pressure [Pa] at angles [rad] from the firing top."""
+        ...
+
+
+def gas_forces(
+    engine: EngineLayout,
+    shaft_angles: ArrayLike,
+    pressure: Pressure | Sequence[Pressure],
+    crankcase_pressure: float = ATMOSPHERE,
+) -> FloatArray:
+    """Return the gas force on each piston towards the shaft.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    shaft_angles : array_like of shape (m,)
+        [rad]
+    pressure : GasPressure or sequence of n GasPressure
+        One for all cylinders, each counted from its own firing top, or one for each cylinder.
+    crankcase_pressure : float, optional
+        Absolute pressure under the pistons [Pa].
+
+    Returns
+    -------
+    ndarray of shape (n, m)
+        (p - p_crankcase) times piston area [N].
+
+    Raises
+    ------
+    InputError
+        If there is not one pressure for each cylinder, or its cycle has other strokes.
+    """
+    angles = finite_vector("shaft_angles", shaft_angles)
+    under = nonnegative_number("crankcase_pressure", crankcase_pressure, "Pa", "it is absolute")
+    count = len(engine.cylinders)
+    pressures = list(pressure) if isinstance(pressure, Sequence) else [pressure] * count
+    if len(pressures) != count:
+        raise InputError(
+            f"pressure: given {len(pressures)} for {count} cylinders; allowed is one for all, or one "
+            "for each cylinder."
+        )
+    forces = []
+    for cylinder, firing, own in zip(engine.cylinders, engine.firing, pressures, strict=True):
+        if own.strokes != engine.strokes:
+            raise InputError(
+                f"pressure: given a cycle of {own.strokes} strokes; allowed is {engine.strokes}, because "
+                "that is the engine's."
+            )
+        forces.append(cylinder.area * (own.at(angles - firing) - under))
+    return np.array(forces)

@@ -1,0 +1,153 @@
+"""What an engine's mechanism consists of: cylinders in any arrangement on one crankshaft."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dynamics.checks import finite_array, nonnegative_number, positive_number
+from dynamics.cycle import checked_strokes, cycle_degrees
+from dynamics.engine.cylinder import EngineCylinder, RotatingMass
+from dynamics.engine.firing import IN_LINE, check_firing_order, firing_angles_of_order
+from dynamics.engine.motions import hinged_foot
+from dynamics.mechanism.motion import rod_turn
+from dynamics.mechanism.slider_crank import check_reach
+from geometry.errors import InputError
+
+# Crank angles at which a hinged rod is tried over a turn.
+TRIED_ANGLES = 720
+
+
+@dataclass(frozen=True)
+class EngineLayout:
+    """The mechanism of a whole engine.
+
+    The shaft turns about +z, which runs from the free end to the flywheel; y points up, and
+    x = y cross z. In line, all bank angles are equal; in a V engine two cylinders share a throw,
+    with rods side by side or one hinged to the other.
+
+    Parameters
+    ----------
+    crank_radius : float
+        R [m].
+    cylinders : sequence of n EngineCylinder
+        Cylinder 1 first.
+    firing_order : sequence of n int
+        Cylinder numbers in the order of firing; each fires at its top.
+    strokes : int, optional
+        Strokes per cycle, 2 or 4.
+    firing_angles : sequence of n float, optional
+        Shaft angle at which each cylinder fires [rad], where the order does not tell: cylinders
+        that fire together, or a top left out on purpose.
+    rotating : sequence of RotatingMass, optional
+        Counterweights and throws.
+    shaft_inertia : float, optional
+        Of all that turns with the shaft, flywheel included, rods not [kg m^2].
+
+    Raises
+    ------
+    InputError
+        If the firing order repeats or omits a cylinder or does not fit the cranks, a crank does not
+        turn round, or a rod is hinged to a rod that is not on its crankpin.
+    """
+
+    crank_radius: float
+    cylinders: Sequence[EngineCylinder]
+    firing_order: Sequence[int]
+    strokes: int = 4
+    firing_angles: Sequence[float] | None = None
+    rotating: Sequence[RotatingMass] = ()
+    shaft_inertia: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive_number("crank_radius", self.crank_radius, "m", "it is a length")
+        nonnegative_number("shaft_inertia", self.shaft_inertia, "kg m^2", "it is an inertia")
+        checked_strokes(self.strokes)
+        if not self.cylinders:
+            raise InputError(
+                "cylinders: given none; allowed are one or more, because an engine has cylinders."
+            )
+        for number, cylinder in enumerate(self.cylinders, start=1):
+            self._check_rod(number, cylinder)
+        check_firing_order(self.firing_order, len(self.cylinders))
+        self._check_firing_angles()
+
+    @property
+    def firing(self) -> tuple[float, ...]:
+        """Shaft angle at which each cylinder fires, cylinder by cylinder [rad]."""
+        if self.firing_angles is not None:
+            return tuple(self.firing_angles)
+        tops = [cylinder.top_shaft_angle for cylinder in self.cylinders]
+        return firing_angles_of_order(self.firing_order, tops, self.strokes)
+
+    @property
+    def cycle(self) -> float:
+        """Length of the working cycle in shaft angle [rad]."""
+        return math.radians(cycle_degrees(self.strokes))
+
+    def main_of(self, number: int) -> int:
+        """Return the number of the cylinder whose rod is on the crankpin: its own or the main one."""
+        pin = self.cylinders[number - 1].slave_pin
+        return number if pin is None else pin.main_cylinder
+
+    def _check_rod(self, number: int, cylinder: EngineCylinder) -> None:
+        name = f"cylinder {number}: "
+        if cylinder.slave_pin is None:
+            check_reach(
+                f"{name}crank_radius",
+                self.crank_radius,
+                cylinder.rod.length,
+                cylinder.pin_offset,
+            )
+            return
+        main = cylinder.slave_pin.main_cylinder
+        if main == number or not 1 <= main <= len(self.cylinders):
+            raise InputError(
+                f"{name}slave pin: given main cylinder {main}; allowed is another cylinder from 1 to "
+                f"{len(self.cylinders)}, because the rod hangs on that one's rod."
+            )
+        carrier = self.cylinders[main - 1]
+        if carrier.slave_pin is not None:
+            raise InputError(
+                f"{name}slave pin: given main cylinder {main}, whose own rod is hinged; allowed is one "
+                "whose rod is on the crankpin, because rods are hinged to main rods."
+            )
+        apart = math.remainder(carrier.crank_angle - cylinder.crank_angle, 2.0 * math.pi)
+        if abs(apart) > IN_LINE:
+            raise InputError(
+                f"{name}crank_angle: given {math.degrees(cylinder.crank_angle):g} deg; allowed is that of "
+                f"cylinder {main}, {math.degrees(carrier.crank_angle):g} deg, because they share a crankpin."
+            )
+        if not cylinder.slave_pin.radius < carrier.rod.length:
+            raise InputError(
+                f"{name}slave pin radius: given {cylinder.slave_pin.radius:g} m; allowed is less than the "
+                f"main rod's length of {carrier.rod.length:g} m, because the pin sits on that rod."
+            )
+        angles = np.linspace(0.0, 2.0 * math.pi, TRIED_ANGLES, endpoint=False)
+        foot = hinged_foot(self.crank_radius, carrier, cylinder, angles)
+        try:
+            rod_turn(foot, cylinder.rod.length, cylinder.pin_offset)
+        except InputError as error:
+            raise InputError(f"{name}{error}") from None
+
+    def _check_firing_angles(self) -> None:
+        if self.firing_angles is None:
+            _ = self.firing
+            return
+        given = finite_array("firing_angles", list(self.firing_angles))
+        if given.shape != (len(self.cylinders),):
+            raise InputError(
+                f"firing_angles: given {given.size} angles; allowed is one for each of the "
+                f"{len(self.cylinders)} cylinders."
+            )
+        for number, (angle, cylinder) in enumerate(
+            zip(given.tolist(), self.cylinders, strict=True), start=1
+        ):
+            off = math.remainder(angle - cylinder.top_shaft_angle, 2.0 * math.pi)
+            if abs(off) > IN_LINE:
+                raise InputError(
+                    f"firing_angles: given {math.degrees(angle):g} deg for cylinder {number}; allowed is "
+                    f"{math.degrees(cylinder.top_shaft_angle):g} deg plus whole turns, because it fires "
+                    "where its crank lies along its axis."
+                )

@@ -1,0 +1,158 @@
+"""How the parts of each cylinder move as the shaft turns."""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dynamics.checks import FloatArray
+from dynamics.engine.cylinder import EngineCylinder
+from dynamics.mechanism.motion import (
+    PointMotion,
+    TurnMotion,
+    carried_point,
+    crankpin_motion,
+    rod_turn,
+)
+from dynamics.mechanism.rods import RodModel
+
+if TYPE_CHECKING:
+    from dynamics.engine.layout import EngineLayout
+
+# Angles among which a piston's ends of stroke are looked for, and steps of Newton's method after.
+SEARCH_ANGLES = 360
+NEWTON_STEPS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class CylinderMotion:
+    """Motion of one cylinder's parts in its own frame, s + i n, over shaft angles.
+
+    Parameters
+    ----------
+    foot : PointMotion
+        The rod's end: center of the crankpin, or of the slave pin.
+    rod : TurnMotion
+        Turning of the rod.
+    piston : PointMotion
+        The piston pin.
+    """
+
+    foot: PointMotion
+    rod: TurnMotion
+    piston: PointMotion
+
+    def rod_point(self, place: complex) -> PointMotion:
+        """Return the motion of the point u + i v of the rod [m]."""
+        return carried_point(self.foot, self.rod, place)
+
+
+def crank_angle_from_axis(cylinder: EngineCylinder, shaft_angles: FloatArray) -> FloatArray:
+    """Return alpha, the crank's angle from the cylinder's axis [rad], for shaft angles [rad]."""
+    return shaft_angles - cylinder.top_shaft_angle
+
+
+def hinged_foot(
+    crank_radius: float, main: EngineCylinder, hinged: EngineCylinder, shaft_angles: FloatArray
+) -> PointMotion:
+    """Return the motion of a slave pin in the frame of the hinged rod's cylinder.
+
+    Parameters
+    ----------
+    crank_radius : float
+        R [m].
+    main, hinged : EngineCylinder
+        The cylinder whose rod is on the crankpin, and the one whose rod hangs on that rod.
+    shaft_angles : ndarray of shape (m,)
+        [rad]
+
+    Notes
+    -----
+    P = R exp(i alpha) + R_1 exp(i gamma) exp(-i beta) in the main cylinder's frame. Turned to the
+    other cylinder's frame, with gamma equal to the angle between the banks, it gives (2) and (4) of
+    Mikhina, Vyalkov 2024, Politekhnicheskiy molodezhnyy zhurnal no. 05 (94).
+    """
+    if hinged.slave_pin is None:
+        raise ValueError("the rod is not hinged")
+    crank = crankpin_motion(crank_radius, crank_angle_from_axis(main, shaft_angles))
+    turn = rod_turn(crank, main.rod.length, main.pin_offset)
+    pin = carried_point(crank, turn, hinged.slave_pin.place)
+    return pin.turned(main.bank_angle - hinged.bank_angle)
+
+
+def cylinder_motion(
+    engine: "EngineLayout", number: int, shaft_angles: FloatArray
+) -> CylinderMotion:
+    """Return the motion of a cylinder's parts.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    number : int
+        Of the cylinder, from 1.
+    shaft_angles : ndarray of shape (m,)
+        [rad]
+    """
+    cylinder = engine.cylinders[number - 1]
+    if cylinder.slave_pin is None:
+        angles = crank_angle_from_axis(cylinder, shaft_angles)
+        foot = crankpin_motion(engine.crank_radius, angles)
+    else:
+        main = engine.cylinders[engine.main_of(number) - 1]
+        foot = hinged_foot(engine.crank_radius, main, cylinder, shaft_angles)
+    turn = rod_turn(foot, cylinder.rod.length, cylinder.pin_offset)
+    return CylinderMotion(foot, turn, carried_point(foot, turn, complex(cylinder.rod.length)))
+
+
+def piston_ends(engine: "EngineLayout", number: int) -> tuple[float, float]:
+    """Return the lowest and highest s of a piston pin over a turn [m]."""
+    angles = np.linspace(0.0, 2.0 * math.pi, SEARCH_ANGLES, endpoint=False)
+    places = cylinder_motion(engine, number, angles).piston.place.real
+    ends = angles[[int(np.argmin(places)), int(np.argmax(places))]]
+    for _ in range(NEWTON_STEPS):
+        motion = cylinder_motion(engine, number, ends).piston
+        ends = ends - motion.first.real / motion.second.real
+    lowest, highest = cylinder_motion(engine, number, ends).piston.place.real.tolist()
+    return lowest, highest
+
+
+def piston_travel(engine: "EngineLayout", number: int, shaft_angles: FloatArray) -> FloatArray:
+    """Return how far a piston is from its highest place [m], shape (m,)."""
+    top = piston_ends(engine, number)[1]
+    return top - cylinder_motion(engine, number, shaft_angles).piston.place.real
+
+
+def reduced_inertia(
+    engine: "EngineLayout", models: "tuple[RodModel, ...]", shaft_angles: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the inertia reduced to the crank, I in T = I w^2 / 2, and its derivative by the angle.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    models : tuple of n RodModel
+        Of each cylinder's rod.
+    shaft_angles : ndarray of shape (m,)
+        [rad]
+
+    Returns
+    -------
+    ndarray of shape (m,)
+        I [kg m^2], shaft and flywheel included.
+    ndarray of shape (m,)
+        dI/dphi [kg m^2/rad].
+    """
+    inertia = np.full(shaft_angles.shape, engine.shaft_inertia)
+    derivative = np.zeros(shaft_angles.shape)
+    for number, (cylinder, model) in enumerate(zip(engine.cylinders, models, strict=True), start=1):
+        motion = cylinder_motion(engine, number, shaft_angles)
+        for mass, point in (
+            (cylinder.piston_mass, motion.piston),
+            (model.mass, motion.rod_point(model.center)),
+        ):
+            inertia += mass * np.abs(point.first) ** 2
+            derivative += 2.0 * mass * (np.conj(point.first) * point.second).real
+        inertia += model.inertia * motion.rod.first**2
+        derivative += 2.0 * model.inertia * motion.rod.first * motion.rod.second
+    return inertia, derivative

@@ -1,0 +1,1 @@
+"""The elastic hinge that keeps a crank's speed constant."""

@@ -1,0 +1,1 @@
+"""Kinematics of the crank mechanism and the masses of its rods."""

@@ -1,0 +1,146 @@
+"""Motion of a point or a turning body as the crank turns: values and derivatives by crank angle.
+
+Plane vectors are complex numbers. In the frame of a cylinder the real part s runs along its axis
+away from the shaft, the imaginary part n across it, to the side to which the crankpin moves as it
+passes the top. Multiplication by exp(i a) turns a vector by a in the sense of rotation.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dynamics.checks import FloatArray
+from geometry.errors import InputError
+
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class PointMotion:
+    """A moving point.
+
+    Parameters
+    ----------
+    place : complex ndarray of shape (m,)
+        Position [m].
+    first, second : complex ndarray of shape (m,)
+        Its derivatives by the crank angle [m/rad, m/rad^2].
+    """
+
+    place: ComplexArray
+    first: ComplexArray
+    second: ComplexArray
+
+    def velocity(self, speed: float | FloatArray) -> ComplexArray:
+        """Return the velocity at a crank speed [rad/s], in m/s."""
+        return speed * self.first
+
+    def acceleration(
+        self, speed: float | FloatArray, crank_acceleration: float | FloatArray = 0.0
+    ) -> ComplexArray:
+        """Return the acceleration at a crank speed [rad/s] and acceleration [rad/s^2], in m/s^2.
+
+        Both may be arrays of shape (m,), one value for each place.
+        """
+        return speed**2 * self.second + crank_acceleration * self.first
+
+    def turned(self, angle: float) -> "PointMotion":
+        """Return the motion turned by an angle [rad] in the sense of rotation."""
+        turn = np.exp(1j * angle)
+        return PointMotion(turn * self.place, turn * self.first, turn * self.second)
+
+
+@dataclass(frozen=True, eq=False)
+class TurnMotion:
+    """The angle through which a body turns, in the sense of rotation of the crank.
+
+    Parameters
+    ----------
+    angle : ndarray of shape (m,)
+        Angle [rad].
+    first, second : ndarray of shape (m,)
+        Its derivatives by the crank angle.
+    """
+
+    angle: FloatArray
+    first: FloatArray
+    second: FloatArray
+
+    def acceleration(
+        self, speed: float | FloatArray, crank_acceleration: float | FloatArray = 0.0
+    ) -> FloatArray:
+        """Return the angular acceleration [rad/s^2] at a crank speed and acceleration."""
+        return speed**2 * self.second + crank_acceleration * self.first
+
+
+def crankpin_motion(crank_radius: float, angle: FloatArray) -> PointMotion:
+    """Return the motion of the crankpin R exp(i alpha), angles [rad] from the cylinder axis."""
+    place = crank_radius * np.exp(1j * angle)
+    return PointMotion(place, 1j * place, -place)
+
+
+def rod_turn(foot: PointMotion, length: float, pin_offset: float) -> TurnMotion:
+    """Return the turning of a rod whose foot is carried and whose other end runs along a line.
+
+    Parameters
+    ----------
+    foot : PointMotion
+        Center of the crankpin, or of the pin that hinges the rod to another rod, in the frame of
+        the rod's own cylinder.
+    length : float
+        Distance L of the two pins [m].
+    pin_offset : float
+        The piston pin runs on n = e [m].
+
+    Returns
+    -------
+    TurnMotion
+        The angle is -beta of the papers: sin beta = (n_foot - e) / L.
+
+    Raises
+    ------
+    InputError
+        If the foot goes so far aside that the rod cannot reach its line.
+
+    Notes
+    -----
+    From L sin beta = n - e: beta' = n' / (L cos beta), beta'' = n'' / (L cos beta) + beta'^2 tan beta.
+    """
+    sine = (foot.place.imag - pin_offset) / length
+    farthest = float(np.max(np.abs(sine), initial=0.0))
+    if farthest >= 1.0:
+        raise InputError(
+            f"rod length: given {length:g} m for a pin that goes {farthest * length:g} m aside of the "
+            "cylinder's line; allowed is more than that, because the mechanism must turn."
+        )
+    cosine = np.sqrt(1.0 - sine**2)
+    first = foot.first.imag / (length * cosine)
+    second = foot.second.imag / (length * cosine) + first**2 * sine / cosine
+    return TurnMotion(-np.arcsin(sine), -first, -second)
+
+
+def carried_point(foot: PointMotion, turn: TurnMotion, place: complex) -> PointMotion:
+    """Return the motion of a point of a rod.
+
+    Parameters
+    ----------
+    foot : PointMotion
+        The rod's end at the crank.
+    turn : TurnMotion
+        Its turning, zero when it lies along the cylinder axis.
+    place : complex
+        Where on the rod, u + i v: u from the foot towards the piston pin, v across [m].
+
+    Notes
+    -----
+    D = A + (u + i v) exp(i t); D'' = A'' + (i t'' - t'^2)(u + i v) exp(i t). This replaces the
+    accelerations printed in Yamanin, Zhukov, Baryshnikov 2018, doi
+    10.21821/2309-5180-2018-10-1-191-200, whose signs and factors are wrong.
+    """
+    arm = place * np.exp(1j * turn.angle)
+    return PointMotion(
+        foot.place + arm,
+        foot.first + 1j * turn.first * arm,
+        foot.second + (1j * turn.second - turn.first**2) * arm,
+    )

@@ -1,0 +1,142 @@
+"""Kinematics of one crank, rod and piston."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import finite_array, finite_vector, positive_number
+from dynamics.mechanism.motion import (
+    PointMotion,
+    TurnMotion,
+    carried_point,
+    crankpin_motion,
+    rod_turn,
+)
+from geometry.errors import InputError
+
+
+@dataclass(frozen=True)
+class SliderCrank:
+    """A crank, a connecting rod and a piston.
+
+    Parameters
+    ----------
+    crank_radius : float
+        R [m].
+    rod_length : float
+        L, between the centers of crankpin and piston pin [m].
+    pin_offset : float, optional
+        e: how far the piston pin's line lies aside of the shaft axis, positive to the side to which
+        the crankpin moves as it passes the top [m].
+
+    Raises
+    ------
+    InputError
+        If a length is not above zero, or the crank radius is not shorter than the rod less the
+        offset.
+
+    Notes
+    -----
+    Angles count from where the crank lies along the cylinder axis, in the sense of rotation. All
+    derivatives are analytic.
+
+    Examples
+    --------
+    >>> drive = SliderCrank(0.070, 0.265)
+    >>> round(float(drive.travel([math.pi]).place[0].real), 9)
+    0.14
+    """
+
+    crank_radius: float
+    rod_length: float
+    pin_offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive_number("crank_radius", self.crank_radius, "m", "it is a length")
+        positive_number("rod_length", self.rod_length, "m", "it is a length")
+        check_reach("crank_radius", self.crank_radius, self.rod_length, self.pin_offset)
+
+    @property
+    def top_angle(self) -> float:
+        """Angle at which the piston is farthest from the shaft [rad]: sin = e / (L + R)."""
+        return math.asin(self.pin_offset / (self.rod_length + self.crank_radius))
+
+    @property
+    def bottom_angle(self) -> float:
+        """Angle at which the piston is nearest to the shaft [rad]: pi + asin(e / (L - R))."""
+        return math.pi + math.asin(self.pin_offset / (self.rod_length - self.crank_radius))
+
+    @property
+    def top(self) -> float:
+        """Greatest distance of the piston pin from the shaft, along the cylinder axis [m]."""
+        return math.sqrt((self.rod_length + self.crank_radius) ** 2 - self.pin_offset**2)
+
+    @property
+    def stroke(self) -> float:
+        """Way of the piston from bottom to top [m]; more than 2 R with an offset."""
+        lowest = math.sqrt((self.rod_length - self.crank_radius) ** 2 - self.pin_offset**2)
+        return self.top - lowest
+
+    def crankpin(self, angle: ArrayLike) -> PointMotion:
+        """Return the motion of the crankpin's center at angles [rad] of shape (m,)."""
+        return crankpin_motion(self.crank_radius, finite_vector("angle", angle))
+
+    def rod(self, angle: ArrayLike) -> TurnMotion:
+        """Return the turning of the rod, -beta, at angles [rad] of shape (m,)."""
+        return rod_turn(self.crankpin(angle), self.rod_length, self.pin_offset)
+
+    def rod_point(self, angle: ArrayLike, along: float, across: float = 0.0) -> PointMotion:
+        """Return the motion of a point of the rod.
+
+        Parameters
+        ----------
+        angle : array_like of shape (m,)
+            Crank angles [rad].
+        along, across : float
+            Distance from the crankpin's center towards the piston pin, and across the rod, positive
+            to the side to which the crankpin moves as it passes the top [m].
+
+        Returns
+        -------
+        PointMotion
+            s + i n with first and second derivatives by the crank angle.
+
+        Raises
+        ------
+        InputError
+            If a value is not a finite number.
+        """
+        place = finite_array("along, across", [along, across])
+        return carried_point(self.crankpin(angle), self.rod(angle), complex(place[0], place[1]))
+
+    def piston(self, angle: ArrayLike) -> PointMotion:
+        """Return the motion of the piston pin, s + i e, at angles [rad] of shape (m,)."""
+        return self.rod_point(angle, self.rod_length)
+
+    def travel(self, angle: ArrayLike) -> PointMotion:
+        """Return how far the piston is from its top, real, and its derivatives by the angle [m]."""
+        piston = self.piston(angle)
+        return PointMotion(
+            (self.top - piston.place.real).astype(np.complex128),
+            (-piston.first.real).astype(np.complex128),
+            (-piston.second.real).astype(np.complex128),
+        )
+
+
+def check_reach(field: str, crank_radius: float, rod_length: float, pin_offset: float) -> None:
+    """Refuse a crank that does not turn round.
+
+    Raises
+    ------
+    InputError
+        If the crank radius is not shorter than the rod less the offset.
+    """
+    offset = abs(float(finite_array("pin_offset", pin_offset)))
+    if not crank_radius < rod_length - offset:
+        raise InputError(
+            f"{field}: given {crank_radius:g} m with a rod of {rod_length:g} m and a pin offset of "
+            f"{offset:g} m; allowed is less than rod length minus offset, {rod_length - offset:g} m, "
+            "because the crank must turn round."
+        )
