@@ -1,6 +1,5 @@
 """Read the torque of one throw over a cycle from a small CSV file."""
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,12 +10,18 @@ from dynamics.cycle import (
     checked_strokes,
     covers_cycle,
     cycle_degrees,
-    first_not_increasing,
     first_uneven,
     has_closing_sample,
     mean_step,
 )
 from dynamics.harmonics import Harmonics, harmonics
+from dynamics.sample_table import (
+    SampleRows,
+    TableKind,
+    check_increasing,
+    read_sample_rows,
+    wrong_angle,
+)
 from geometry.errors import InputError
 
 CYCLE_ANGLE = "cycle_angle_deg"
@@ -24,6 +29,16 @@ CRANK_ANGLE = "crank_angle_deg"
 TORQUE = "torque_Nm"
 # First and closing sample count as equal within this share of the largest torque.
 CLOSING_TOLERANCE = 1e-9
+
+TABLE = TableKind(
+    name="torque table",
+    angle_names=(CRANK_ANGLE, CYCLE_ANGLE),
+    value_names=(TORQUE,),
+    headers=f'"{CRANK_ANGLE},{TORQUE}" or "{CYCLE_ANGLE},{TORQUE}"',
+    header_shows="it says the angle",
+    header_reason="it says which angle is meant and in which units",
+    sample_reason="every sample enters the sums",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,17 +65,6 @@ class TorqueTable:
     def harmonics(self) -> Harmonics:
         """Return the harmonics of the torque [N m]."""
         return harmonics(self.torque, self.strokes, angles_deg=self.crank_angle_deg)
-
-
-@dataclass(frozen=True)
-class _Rows:
-    """The file as read: header name of the angle, angles, torques and their line numbers."""
-
-    angle_name: str
-    angles: FloatArray
-    torques: FloatArray
-    lines: tuple[int, ...]
-    comments: tuple[str, ...]
 
 
 def read_torque_table(path: str | Path, *, strokes: int | None = None) -> TorqueTable:
@@ -93,7 +97,7 @@ def read_torque_table(path: str | Path, *, strokes: int | None = None) -> Torque
     path = Path(path)
     if strokes is not None:
         checked_strokes(strokes)
-    rows = _read_rows(path)
+    rows = read_sample_rows(path, TABLE)
     if rows.angles.size < 3:
         raise InputError(
             f"{path}: given {rows.angles.size} samples; allowed are 3 or more, because fewer do "
@@ -108,88 +112,22 @@ def read_torque_table(path: str | Path, *, strokes: int | None = None) -> Torque
     scale = cycle_degrees(strokes) / cycle
     return TorqueTable(
         crank_angle_deg=read_only(scale * rows.angles[:count]),
-        torque=read_only(rows.torques[:count].copy()),
+        torque=read_only(rows.values[:count].copy()),
         source="\n".join(rows.comments),
         strokes=strokes,
     )
 
 
-def _read_rows(path: Path) -> _Rows:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
-        raise InputError(f"{path}: the torque table cannot be read, because {reason}.") from None
-    angle_name = ""
-    comments: list[str] = []
-    lines: list[int] = []
-    samples: list[tuple[float, float]] = []
-    for number, line in enumerate(text.splitlines(), start=1):
-        stripped = line.strip()
-        if stripped.startswith("#"):
-            comments.append(stripped.lstrip("#").strip())
-        elif stripped and not angle_name:
-            angle_name = _header(path, number, stripped)
-        elif stripped:
-            samples.append(_sample(path, number, stripped, angle_name))
-            lines.append(number)
-    if not angle_name:
-        raise InputError(f"{path}: no header; allowed is {_headers()}, because it says the angle.")
-    table = np.array(samples, dtype=np.float64).reshape(-1, 2)
-    return _Rows(angle_name, table[:, 0], table[:, 1], tuple(lines), tuple(comments))
-
-
-def _headers() -> str:
-    return f'"{CRANK_ANGLE},{TORQUE}" or "{CYCLE_ANGLE},{TORQUE}"'
-
-
-def _header(path: Path, number: int, line: str) -> str:
-    names = [name.strip() for name in line.split(",")]
-    if len(names) != 2 or names[0] not in (CRANK_ANGLE, CYCLE_ANGLE) or names[1] != TORQUE:
-        raise InputError(
-            f'{path}, line {number}: given the header "{line}"; allowed is {_headers()}, because '
-            "it says which angle is meant and in which units."
-        )
-    return names[0]
-
-
-def _sample(path: Path, number: int, line: str, angle_name: str) -> tuple[float, float]:
-    cells = [cell.strip() for cell in line.split(",")]
-    if len(cells) != 2:
-        raise InputError(
-            f'{path}, line {number}: given "{line}"; allowed are two numbers with a comma between '
-            f"them and decimal points, because the header is {angle_name},{TORQUE}."
-        )
-    values: list[float] = []
-    for name, cell in zip((angle_name, TORQUE), cells, strict=True):
-        try:
-            value = float(cell)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise InputError(
-                f'{path}, line {number}: {name}: given "{cell}"; allowed are finite numbers, '
-                "because every sample enters the sums."
-            )
-        values.append(value)
-    return values[0], values[1]
-
-
-def _check_even(path: Path, rows: _Rows) -> None:
-    index = first_not_increasing(rows.angles)
-    wanted = "strictly increasing angles, because the samples follow the crank"
-    if index is None:
-        index = first_uneven(rows.angles)
+def _check_even(path: Path, rows: SampleRows) -> None:
+    check_increasing(path, rows)
+    index = first_uneven(rows.angles)
+    if index is not None:
         usual = np.median(np.diff(rows.angles))
         wanted = f"even steps (here {usual:g} deg), because the sums weigh all samples alike"
-    if index is not None:
-        raise InputError(
-            f"{path}, line {rows.lines[index]}: {rows.angle_name}: given {rows.angles[index]:g} "
-            f"deg after {rows.angles[index - 1]:g} deg; allowed are {wanted}."
-        )
+        raise wrong_angle(path, rows, index, wanted)
 
 
-def _cycle_and_strokes(path: Path, rows: _Rows, strokes: int | None) -> tuple[float, int]:
+def _cycle_and_strokes(path: Path, rows: SampleRows, strokes: int | None) -> tuple[float, int]:
     """Return the cycle's length in the table's own angle [deg], and the strokes."""
     if rows.angle_name == CYCLE_ANGLE:
         possible = {4 if strokes is None else strokes: 360.0}
@@ -209,9 +147,9 @@ def _cycle_and_strokes(path: Path, rows: _Rows, strokes: int | None) -> tuple[fl
     )
 
 
-def _check_closing(path: Path, rows: _Rows) -> None:
-    first, last = rows.torques[0], rows.torques[-1]
-    if abs(last - first) > CLOSING_TOLERANCE * np.max(np.abs(rows.torques)):
+def _check_closing(path: Path, rows: SampleRows) -> None:
+    first, last = rows.values[0], rows.values[-1]
+    if abs(last - first) > CLOSING_TOLERANCE * np.max(np.abs(rows.values)):
         raise InputError(
             f"{path}, line {rows.lines[-1]}: {TORQUE}: given {last:g} N m for the closing sample; "
             f"allowed is the {first:g} N m of line {rows.lines[0]}, because the closing sample "

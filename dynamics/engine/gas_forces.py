@@ -1,6 +1,6 @@
 """Gas forces on all pistons of an engine from the pressures in its cylinders."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -8,9 +8,9 @@ from numpy.typing import ArrayLike
 
 from dynamics.checks import FloatArray, finite_vector, nonnegative_number
 from dynamics.engine.layout import EngineLayout
+from dynamics.engine.motions import cylinder_motion
+from dynamics.gas.pressure import ATMOSPHERE
 from geometry.errors import InputError
-
-ATMOSPHERE = 101325.0
 
 
 class Pressure(Protocol):
@@ -72,3 +72,36 @@ def gas_forces(
             )
         forces.append(cylinder.area * (own.at(angles - firing) - under))
     return np.array(forces)
+
+
+def piston_position(engine: EngineLayout, number: int) -> Callable[[FloatArray], FloatArray]:
+    """Return where a cylinder's piston stands over the angle from its firing top.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    number : int
+        Of the cylinder, from 1.
+
+    Returns
+    -------
+    callable
+        Angles [rad] of shape (m,) to places of the piston pin along the cylinder axis, away from the
+        shaft [m], as `gas_cycle` takes it.
+
+    Raises
+    ------
+    InputError
+        If the engine has no such cylinder.
+    """
+    if not 1 <= number <= len(engine.cylinders):
+        raise InputError(
+            f"cylinder: given {number}; allowed is 1 to {len(engine.cylinders)}, because the engine has "
+            "these."
+        )
+    firing = engine.firing[number - 1]
+
+    def position(angle: FloatArray) -> FloatArray:
+        return cylinder_motion(engine, number, firing + angle).piston.place.real
+
+    return position

@@ -1,0 +1,305 @@
+"""The parameters of the cycle model, with usual values for those that are not given."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from itertools import pairwise
+
+import numpy as np
+
+from dynamics.checks import nonnegative_number, positive_number
+from dynamics.cycle import checked_strokes
+from geometry.errors import InputError
+
+DEGREE = math.pi / 180.0
+# [Pa] What an exhaust into the open has at least: the atmosphere and some flow resistance.
+LEAST_EXHAUST = 1.05e5
+# [deg] Below these the blow-down or the combustion would be a jump.
+SHORTEST_BLOW_DOWN = 5.0
+BOTTOM = math.pi
+
+
+@dataclass(frozen=True)
+class GasCycle:
+    """Parameters of the cycle model: compression, Wiebe heat release, expansion, gas exchange.
+
+    All angles are crank angles [rad] from the firing top dead center. `usual_gas_cycle` fills in
+    what is not known.
+
+    Parameters
+    ----------
+    strokes : int
+        Strokes per cycle, 2 or 4.
+    compression_ratio : float
+        Largest over smallest volume, geometric.
+    intake_pressure : float
+        Absolute pressure in the cylinder when it closes [Pa].
+    exhaust_pressure : float
+        Absolute pressure in the cylinder while it empties [Pa].
+    heat_capacity_ratio : float
+        Ratio of the heat capacities of the gas at constant pressure and volume, one for the cycle.
+    combustion_start : float
+        Where heat release begins [rad], negative before the top.
+    combustion_duration : float
+        Crank angle over which it lasts [rad].
+    wiebe_shape : float
+        Exponent m of the Wiebe law, 0 or more: the rate begins as the m-th power of the angle.
+    wiebe_completeness : float
+        Share of the heat that the untruncated Wiebe law releases within the duration; the law is
+        scaled so that all of the heat is released.
+    intake_closes : float
+        Where the last valve or port closes and compression begins [rad], negative.
+    exhaust_opens : float
+        Where the first valve or port opens and expansion ends [rad].
+    overlap_begins, overlap_ends : float
+        Between these the pressure passes from that of the exhaust to that of the intake [rad].
+    assumed : tuple of str
+        Names of the parameters above that were assumed, not given.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range, or the events are out of their order.
+    """
+
+    strokes: int
+    compression_ratio: float
+    intake_pressure: float
+    exhaust_pressure: float
+    heat_capacity_ratio: float
+    combustion_start: float
+    combustion_duration: float
+    wiebe_shape: float
+    wiebe_completeness: float
+    intake_closes: float
+    exhaust_opens: float
+    overlap_begins: float
+    overlap_ends: float
+    assumed: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        checked_strokes(self.strokes)
+        for name in ("combustion_start", "overlap_begins", "overlap_ends"):
+            _check_finite(name, getattr(self, name))
+        _check_range("compression_ratio", self.compression_ratio, 1.0, 100.0, "it compresses")
+        positive_number("intake_pressure", self.intake_pressure, "Pa", "it is absolute pressure")
+        positive_number("exhaust_pressure", self.exhaust_pressure, "Pa", "it is absolute pressure")
+        reason = "gases have ratios between these, 5/3 with single atoms"
+        _check_range("heat_capacity_ratio", self.heat_capacity_ratio, 1.0, 1.7, reason)
+        nonnegative_number(
+            "wiebe_shape", self.wiebe_shape, "", "the rate of heat release is finite"
+        )
+        reason = "it is the share of heat released by the end"
+        _check_range("wiebe_completeness", self.wiebe_completeness, 0.5, 1.0, reason)
+        positive_number("combustion_duration", self.combustion_duration, "rad", "it lasts")
+        self._check_order()
+
+    @property
+    def cycle(self) -> float:
+        """Length of the cycle in crank angle [rad]."""
+        return math.pi * self.strokes
+
+    def _check_order(self) -> None:
+        """Refuse events that do not follow each other over the cycle."""
+        opening = BOTTOM - SHORTEST_BLOW_DOWN * DEGREE * (1.0 - 1e-9)
+        reason = "the blow-down ends at the bottom dead center and takes its time"
+        _check_range("exhaust_opens", self.exhaust_opens, 0.0, opening, reason)
+        earliest = -1.5 * BOTTOM if self.strokes == 4 else -BOTTOM
+        reason = "the charge is compressed before the top and taken in before that"
+        _check_range("intake_closes", self.intake_closes, earliest, 0.0, reason)
+        events = (
+            ("intake_closes", self.intake_closes),
+            ("combustion_start", self.combustion_start),
+            ("end of combustion", self.combustion_start + self.combustion_duration),
+            ("exhaust_opens", self.exhaust_opens),
+        )
+        exchange = (
+            ("bottom dead center", BOTTOM),
+            ("overlap_begins", self.overlap_begins),
+            ("overlap_ends", self.overlap_ends),
+            ("intake_closes one cycle later", self.intake_closes + self.cycle),
+        )
+        for chain in (events, exchange):
+            for (before, earlier), (after, later) in pairwise(chain):
+                # Round-off of degrees turned into radians is no disorder.
+                if not earlier <= later + 1e-9:
+                    raise InputError(
+                        f"{after}: given {later / DEGREE:.6g} deg, with {before} at "
+                        f"{earlier / DEGREE:.6g} deg; allowed is a later angle, because closing, "
+                        "combustion, opening, overlap and closing follow in this order."
+                    )
+        if self.overlap_ends - self.overlap_begins < SHORTEST_BLOW_DOWN * DEGREE * (1.0 - 1e-9):
+            raise InputError(
+                f"overlap_ends: given {self.overlap_ends / DEGREE:.6g} deg after overlap_begins at "
+                f"{self.overlap_begins / DEGREE:.6g} deg; allowed is {SHORTEST_BLOW_DOWN:g} deg or "
+                "more between them, because the pressure passes over and does not jump."
+            )
+
+
+@dataclass(frozen=True)
+class UsualValue:
+    """A value to assume.
+
+    Parameters
+    ----------
+    value : callable
+        Of the strokes and the values known so far.
+    reason : str
+        Why this one.
+    """
+
+    value: Callable[[int, Mapping[str, float]], float]
+    reason: str
+
+
+def _by_strokes(four: float, two: float) -> Callable[[int, Mapping[str, float]], float]:
+    return lambda strokes, _: four if strokes == 4 else two
+
+
+USUAL_VALUES: dict[str, UsualValue] = {
+    "intake_pressure": UsualValue(
+        _by_strokes(2.5e5, 2.5e5),
+        "turbocharged diesel engines at rated load have 0.2 to 0.4 MPa in the receiver",
+    ),
+    "exhaust_pressure": UsualValue(
+        lambda _, known: max(0.9 * known["intake_pressure"], LEAST_EXHAUST),
+        "a good turbocharger leaves the exhaust about a tenth below the intake, and no engine "
+        "exhausts below the atmosphere",
+    ),
+    "heat_capacity_ratio": UsualValue(
+        _by_strokes(1.35, 1.35),
+        "air has 1.40 cold and 1.34 at 1000 K, lean burnt gas at 2000 K about 1.28; measured "
+        "compressions follow 1.33 to 1.37",
+    ),
+    "combustion_start": UsualValue(
+        _by_strokes(-6.0 * DEGREE, -2.0 * DEGREE),
+        "diesel fuel injected 10 to 15 deg before the top burns some degrees later, in slow "
+        "two-stroke engines about the top",
+    ),
+    "combustion_duration": UsualValue(
+        _by_strokes(60.0 * DEGREE, 60.0 * DEGREE),
+        "with the shape 1 this releases half of the heat within 19 deg, as diesel engines do",
+    ),
+    "wiebe_shape": UsualValue(
+        _by_strokes(1.0, 1.0),
+        "diesel engines have 0.5 to 1.5 as burning by mixing falls slowly, spark ignition about 2",
+    ),
+    "wiebe_completeness": UsualValue(
+        _by_strokes(0.999, 0.999), "the customary end of the law, whose factor then is 6.908"
+    ),
+    "intake_closes": UsualValue(
+        _by_strokes(-145.0 * DEGREE, -115.0 * DEGREE),
+        "inlet valves close about 35 deg after the bottom; ports are symmetric about it",
+    ),
+    "exhaust_opens": UsualValue(
+        _by_strokes(130.0 * DEGREE, 115.0 * DEGREE),
+        "exhaust valves of four-stroke engines open about 50 deg before the bottom, exhaust ports "
+        "and valves of two-stroke engines 60 to 70 deg before it",
+    ),
+    "overlap_begins": UsualValue(
+        _by_strokes(320.0 * DEGREE, 180.0 * DEGREE),
+        "in a four-stroke engine the valves overlap by some 80 deg about the top, in a two-stroke "
+        "engine the fresh charge takes over after the bottom",
+    ),
+    "overlap_ends": UsualValue(
+        lambda strokes, known: (
+            400.0 * DEGREE if strokes == 4 else known["intake_closes"] + 2.0 * BOTTOM
+        ),
+        "in a four-stroke engine the valves overlap by some 80 deg about the top, and a two-stroke "
+        "cylinder is at intake pressure when it closes",
+    ),
+}
+
+
+def usual_gas_cycle(compression_ratio: float, strokes: int = 4, **given: float) -> GasCycle:
+    """Return the parameters of a cycle, those not given being those of a turbocharged diesel.
+
+    Parameters
+    ----------
+    compression_ratio : float
+        Largest over smallest volume.
+    strokes : int, optional
+        Strokes per cycle, 2 or 4.
+    **given : float
+        Any other parameters of `GasCycle`, in SI units.
+
+    Returns
+    -------
+    GasCycle
+        Its `assumed` names what was filled in.
+
+    Raises
+    ------
+    InputError
+        If a parameter is unknown, out of its range, or the events are out of their order.
+
+    Notes
+    -----
+    Assumed are, for the reasons in `USUAL_VALUES`: intake pressure 0.25 MPa, as turbocharged diesel
+    engines at rated load have 0.2 to 0.4 MPa; exhaust pressure nine tenths of it but not below
+    0.105 MPa; ratio of heat capacities 1.35, between that of hot air and of burnt gas; combustion
+    from 6 deg (two-stroke 2 deg) before the top over 60 deg, with the Wiebe shape 1 and
+    completeness 99.9 %, so that half of the heat is out 19 deg after the start; closing 35 deg
+    after the bottom (two-stroke 65 deg); exhaust opening 50 deg before the bottom (two-stroke
+    65 deg); overlap from 40 deg before to 40 deg after the gas-exchange top (two-stroke: from the
+    bottom to the closing).
+
+    Examples
+    --------
+    >>> cycle = usual_gas_cycle(14.0, intake_pressure=3e5)
+    >>> cycle.exhaust_pressure, cycle.assumed[0]
+    (270000.0, 'exhaust_pressure')
+    """
+    checked_strokes(strokes)
+    unknown = [name for name in given if name not in USUAL_VALUES]
+    if unknown:
+        raise InputError(
+            f"{unknown[0]}: given {given[unknown[0]]!r}; allowed are {', '.join(USUAL_VALUES)}, "
+            "because the cycle model has no other parameters."
+        )
+    for name, value in given.items():
+        _check_finite(name, value)
+    values = dict(given)
+    assumed = tuple(name for name in USUAL_VALUES if name not in given)
+    for name in assumed:
+        values[name] = USUAL_VALUES[name].value(strokes, values)
+    return GasCycle(
+        strokes=int(strokes), compression_ratio=compression_ratio, assumed=assumed, **values
+    )
+
+
+def assumption_remarks(cycle: GasCycle) -> tuple[str, ...]:
+    """Return one sentence for each assumed parameter: its value and why."""
+    names = [field.name for field in fields(cycle) if field.name in cycle.assumed]
+    return tuple(
+        f"Assumed: {name} {_shown(name, getattr(cycle, name))}, because "
+        f"{USUAL_VALUES[name].reason}."
+        for name in names
+    )
+
+
+def _shown(name: str, value: float) -> str:
+    if name.endswith("_pressure"):
+        return f"{value / 1e6:g} MPa"
+    if name.startswith(("heat_", "wiebe_", "compression_")):
+        return f"{value:g}"
+    return f"{value / DEGREE:.6g} deg"
+
+
+def _check_finite(name: str, value: object) -> None:
+    raw = np.asarray(value)
+    if raw.ndim != 0 or raw.dtype.kind not in "iuf" or not np.isfinite(raw):
+        raise InputError(
+            f"{name}: given {value!r}; allowed are finite numbers in SI units, because the cycle is "
+            "calculated from it."
+        )
+
+
+def _check_range(name: str, value: float, above: float, below: float, reason: str) -> None:
+    """Refuse what is not a number strictly between two limits."""
+    _check_finite(name, value)
+    if not above < value < below:
+        raise InputError(
+            f"{name}: given {_shown(name, value)}; allowed is more than {_shown(name, above)} and "
+            f"less than {_shown(name, below)}, because {reason}."
+        )

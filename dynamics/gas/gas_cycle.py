@@ -1,0 +1,336 @@
+"""The pressure over a whole cycle from the cycle model, set by heat, peak or mean pressure."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from dynamics.checks import FloatArray, nonnegative_number
+from dynamics.gas.closed_cycle import motored_pressure
+from dynamics.gas.cycle_samples import CycleSamples, cycle_samples, even_angles
+from dynamics.gas.cycle_values import DEGREE, GasCycle, assumption_remarks
+from dynamics.gas.cylinder_volume import CylinderVolume, Position, cylinder_volume
+from dynamics.gas.pressure import HIGHEST_PEAK, GasPressure, gas_pressure
+from geometry.errors import InputError
+
+SAMPLES_PER_TURN = 1440
+FEWEST_PER_TURN = 360
+# Steps that the combustion must take at least: a shorter one is a jump between samples.
+LEAST_STEPS = 8
+# [rad] Where a start or a duration of combustion is looked for when it is solved.
+EARLIEST_START, LATEST_START = -60.0 * DEGREE, 45.0 * DEGREE
+LONGEST_DURATION = 150.0 * DEGREE
+SEARCH_PLACES = 43
+
+Solved = Literal["combustion_start", "combustion_duration"]
+
+
+@dataclass(frozen=True, eq=False)
+class GasCycleResult:
+    """A calculated cycle.
+
+    Parameters
+    ----------
+    pressure : GasPressure
+        Absolute pressure over the cycle; its remarks say what was solved and assumed.
+    cycle : GasCycle
+        The parameters, with those that were solved.
+    volume : CylinderVolume
+        The volume over the piston.
+    heat : float
+        Heat released in one cycle, net of what the walls take [J].
+    work : float
+        Indicated work of one cycle, gas exchange included [J], from the samples of `pressure`.
+    mean_effective_pressure : float
+        Indicated mean effective pressure, gas exchange included [Pa].
+    compression_pressure : float
+        Pressure without combustion at the piston's highest position [Pa].
+    """
+
+    pressure: GasPressure
+    cycle: GasCycle
+    volume: CylinderVolume
+    heat: float
+    work: float
+    mean_effective_pressure: float
+    compression_pressure: float
+
+    @property
+    def work_ratio(self) -> float | None:
+        """Indicated work over heat, None without heat.
+
+        It is above the indicated efficiency of the fuel by the heat that the walls take.
+        """
+        return self.work / self.heat if self.heat > 0.0 else None
+
+
+def gas_cycle(
+    cycle: GasCycle,
+    position: Position,
+    area: float,
+    *,
+    heat: float | None = None,
+    peak_pressure: float | None = None,
+    mean_effective_pressure: float | None = None,
+    solve_for: Solved = "combustion_start",
+    samples: int | None = None,
+) -> GasCycleResult:
+    """Calculate the pressure over a cycle.
+
+    Parameters
+    ----------
+    cycle : GasCycle
+        Parameters of the cycle, as from `usual_gas_cycle`.
+    position : callable
+        Position of the piston along the cylinder axis from any origin, growing away from the
+        shaft [m], for an array of crank angles [rad] from the nominal firing top. Any mechanism
+        serves: its dead centers are looked for.
+    area : float
+        Piston area [m^2].
+    heat : float, optional
+        Heat released in one cycle, net of what the walls take [J]; 0 is a motored engine.
+    peak_pressure : float, optional
+        Highest absolute pressure [Pa].
+    mean_effective_pressure : float, optional
+        Indicated mean effective pressure, gas exchange included [Pa]. With `peak_pressure` the
+        parameter named in `solve_for` is found too.
+    solve_for : str, optional
+        "combustion_start" or "combustion_duration", when both pressures are given.
+    samples : int, optional
+        Even samples over the cycle, 360 a turn or more; 1440 a turn unless given.
+
+    Returns
+    -------
+    GasCycleResult
+        Pressure and what was found. Peak and work are those of the samples, so that they meet
+        their targets to round-off in every sum over them; another sampling moves them by some
+        1e-5 and 1e-8 of their value.
+
+    Raises
+    ------
+    InputError
+        If no target or one too many is given, a target cannot be reached (the message states what
+        can), or the samples are too few for the combustion.
+
+    Notes
+    -----
+    Closed part by the first law with one ratio of heat capacities, see `closed_cycle`. From exhaust
+    opening to the bottom the pressure passes to that of the exhaust, over the overlap to that of
+    the intake, each along 3 t^2 - 2 t^3, and there it stays until the intake closes. As the pressure
+    is linear in the heat, heat from peak or mean pressure needs no search.
+
+    Examples
+    --------
+    >>> from dynamics.gas.cycle_values import usual_gas_cycle
+    >>> def position(angle):
+    ...     return 0.07 * np.cos(angle) + np.sqrt(0.25**2 - (0.07 * np.sin(angle)) ** 2)
+    >>> found = gas_cycle(usual_gas_cycle(15.0), position, 0.0133, peak_pressure=14e6)
+    >>> round(found.pressure.peak_pressure / 1e6, 9)
+    14.0
+    """
+    volume = cylinder_volume(position, area, cycle.compression_ratio)
+    angles = even_angles(cycle.strokes, _checked_count(cycle, samples))
+    _check_heat_alone(heat, peak_pressure, mean_effective_pressure)
+    remarks: list[str] = []
+    if peak_pressure is not None and mean_effective_pressure is not None:
+        given = cycle
+        cycle = _solved_combustion(
+            cycle, volume, angles, peak_pressure, mean_effective_pressure, solve_for
+        )
+        remarks.append(
+            f"Solved: {solve_for} {getattr(cycle, solve_for) / DEGREE:.6g} deg in place of "
+            f"{getattr(given, solve_for) / DEGREE:.6g} deg."
+        )
+    _check_resolved(cycle, angles)
+    state = cycle_samples(cycle, volume, angles)
+    if heat is not None:
+        released = _allowed_heat(state, heat)
+    elif mean_effective_pressure is not None:
+        released = _heat_for_mean_pressure(state, mean_effective_pressure)
+    elif peak_pressure is not None:
+        released = _heat_for_peak(state, peak_pressure)
+    else:
+        raise InputError(
+            "heat: given neither it nor peak_pressure nor mean_effective_pressure; allowed is one "
+            "of them, or both pressures, because they set the load."
+        )
+    if heat is None:
+        remarks.append(f"Solved: heat {released:.6g} J per cycle.")
+    work = state.work(released)
+    return GasCycleResult(
+        pressure=gas_pressure(
+            angles,
+            state.pressure(released),
+            cycle.strokes,
+            source="cycle model",
+            remarks=(*remarks, *assumption_remarks(cycle)),
+        ),
+        cycle=cycle,
+        volume=volume,
+        heat=released,
+        work=work,
+        mean_effective_pressure=work / volume.swept,
+        compression_pressure=float(motored_pressure(cycle, volume, volume.top_angle)),
+    )
+
+
+def _checked_count(cycle: GasCycle, samples: int | None) -> int:
+    turns = cycle.strokes // 2
+    if samples is None:
+        return SAMPLES_PER_TURN * turns
+    least = FEWEST_PER_TURN * turns
+    if isinstance(samples, bool) or not isinstance(samples, int) or samples < least:
+        raise InputError(
+            f"samples: given {samples!r}; allowed are whole numbers from {least}, because steps "
+            "above 1 deg miss the peak."
+        )
+    return samples
+
+
+def _check_heat_alone(heat: float | None, peak: float | None, mean_pressure: float | None) -> None:
+    if heat is not None and not (peak is None and mean_pressure is None):
+        raise InputError(
+            "heat: given together with peak_pressure or mean_effective_pressure; allowed is one of "
+            "them, or both pressures, because either sets the heat."
+        )
+
+
+def _check_resolved(cycle: GasCycle, angles: FloatArray) -> None:
+    shortest = LEAST_STEPS * float(angles[1])
+    if cycle.combustion_duration < shortest * (1.0 - 1e-9):
+        raise InputError(
+            f"combustion_duration: given {cycle.combustion_duration / DEGREE:.4g} deg; allowed is "
+            f"{shortest / DEGREE:.4g} deg or more with {angles.size} samples, because a shorter one "
+            "falls between them."
+        )
+
+
+def _allowed_heat(state: CycleSamples, heat: float) -> float:
+    nonnegative_number("heat", heat, "J", "combustion releases heat")
+    most = state.heat_for_peak(HIGHEST_PEAK)
+    if heat > most:
+        raise InputError(
+            f"heat: given {heat:g} J; allowed are 0 to {most:.6g} J, because more drives the peak "
+            f"above {_mega(HIGHEST_PEAK)}, which no piston engine stands."
+        )
+    return float(heat)
+
+
+def _heat_for_peak(state: CycleSamples, peak_pressure: float) -> float:
+    peak = _checked_peak(peak_pressure, state.peak(0.0))
+    return max(state.heat_for_peak(peak), 0.0)
+
+
+def _checked_peak(peak: float, lowest: float) -> float:
+    # The lowest peak is found to round-off, and it may be what is asked for.
+    if not _is_number(peak) or not lowest * (1.0 - 1e-12) <= peak <= HIGHEST_PEAK:
+        raise InputError(
+            f"peak_pressure: given {_mega(peak)}; allowed are {_mega(lowest)} to "
+            f"{_mega(HIGHEST_PEAK)}, because compression alone gives the lowest and no piston engine "
+            "stands more than the highest."
+        )
+    return max(float(peak), lowest)
+
+
+def _heat_for_mean_pressure(state: CycleSamples, mean_pressure: float) -> float:
+    lowest = state.mean_pressure(0.0)
+    if state.work_per_heat <= 0.0:
+        raise _idle_heat(mean_pressure)
+    highest = state.mean_pressure(state.heat_for_peak(HIGHEST_PEAK))
+    inside = _is_number(mean_pressure) and mean_pressure <= highest
+    if not inside or mean_pressure < lowest - 1e-12 * abs(lowest):
+        raise InputError(
+            f"mean_effective_pressure: given {_mega(mean_pressure)}; allowed are {_mega(lowest)} to "
+            f"{_mega(highest)}, because no heat gives the lowest and the highest drives the peak to "
+            f"{_mega(HIGHEST_PEAK)}."
+        )
+    return max(state.heat_for_mean_pressure(mean_pressure), 0.0)
+
+
+def _idle_heat(mean_pressure: float) -> InputError:
+    return InputError(
+        f"mean_effective_pressure: given {_mega(mean_pressure)}; allowed is what a later combustion "
+        "gives, because the heat of this one is all released too early to do work."
+    )
+
+
+def _solved_combustion(
+    cycle: GasCycle,
+    volume: CylinderVolume,
+    angles: FloatArray,
+    peak: float,
+    mean_pressure: float,
+    name: Solved,
+) -> GasCycle:
+    """Return the cycle whose start or duration of combustion gives both pressures."""
+    if name not in ("combustion_start", "combustion_duration"):
+        raise InputError(
+            f'solve_for: given {name!r}; allowed are "combustion_start" and "combustion_duration", '
+            "because these move the peak at a given work."
+        )
+    motored = cycle_samples(cycle, volume, angles)
+    peak = _checked_peak(peak, motored.peak(0.0))
+    lowest = motored.mean_pressure(0.0)
+    if not _is_number(mean_pressure) or mean_pressure <= lowest:
+        raise InputError(
+            f"mean_effective_pressure: given {_mega(mean_pressure)}; allowed is more than "
+            f"{_mega(lowest)}, because that is left without heat."
+        )
+
+    def changed(value: float) -> GasCycle:
+        assumed = tuple(other for other in cycle.assumed if other != name)
+        if name == "combustion_start":
+            return replace(cycle, combustion_start=value, assumed=assumed)
+        return replace(cycle, combustion_duration=value, assumed=assumed)
+
+    def peak_at(value: float) -> float:
+        state = cycle_samples(changed(value), volume, angles)
+        if state.work_per_heat <= 0.0:
+            return math.inf
+        return state.peak(state.heat_for_mean_pressure(mean_pressure))
+
+    places = _search_places(cycle, angles, name)
+    peaks = np.array([peak_at(value) for value in places])
+    # Later or slower combustion lowers the peak, down to that of compression or of a second hump
+    # that a very late one makes; what comes after the lowest is left aside.
+    peaks, places = peaks[: np.argmin(peaks) + 1], places[: np.argmin(peaks) + 1]
+    reached, places = peaks[np.isfinite(peaks)], places[np.isfinite(peaks)]
+    if reached.size == 0:
+        raise _idle_heat(mean_pressure)
+    below = np.flatnonzero((reached[:-1] >= peak) & (reached[1:] <= peak))
+    if below.size == 0:
+        raise InputError(
+            f"peak_pressure: given {_mega(peak)}; allowed are {_mega(np.min(reached))} to "
+            f"{_mega(np.max(reached))}, because with a mean effective pressure of "
+            f"{_mega(mean_pressure)} a {name} from {places[0] / DEGREE:.4g} to "
+            f"{places[-1] / DEGREE:.4g} deg gives no others."
+        )
+    from scipy.optimize import brentq  # here: loading it takes a quarter second
+
+    first = int(below[0])
+    found = brentq(
+        lambda value: peak_at(value) - peak, places[first], places[first + 1], xtol=1e-15
+    )
+    return changed(float(found))
+
+
+def _search_places(cycle: GasCycle, angles: FloatArray, name: Solved) -> FloatArray:
+    """Return where to look for the start or the duration of the combustion [rad]."""
+    if name == "combustion_start":
+        given = cycle.combustion_start
+        low = max(EARLIEST_START, cycle.intake_closes)
+        high = min(LATEST_START, cycle.exhaust_opens - cycle.combustion_duration)
+        return np.linspace(min(low, given), max(high, given), SEARCH_PLACES, dtype=np.float64)
+    high = min(LONGEST_DURATION, cycle.exhaust_opens - cycle.combustion_start)
+    return np.linspace(LEAST_STEPS * float(angles[1]), high, SEARCH_PLACES, dtype=np.float64)
+
+
+def _is_number(value: float) -> bool:
+    raw = np.asarray(value)
+    return raw.ndim == 0 and raw.dtype.kind in "iuf" and bool(np.isfinite(raw))
+
+
+def _mega(pressure: float) -> str:
+    """Return a pressure in MPa for a message, or what was given in its place."""
+    return f"{pressure / 1e6:.6g} MPa" if _is_number(pressure) else repr(pressure)

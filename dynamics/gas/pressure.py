@@ -1,0 +1,267 @@
+"""The absolute pressure in a cylinder over one working cycle."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_array, finite_vector, positive_vector, read_only
+from dynamics.cycle import (
+    checked_strokes,
+    covers_cycle,
+    cycle_degrees,
+    first_not_increasing,
+    first_uneven,
+)
+from geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
+
+# [Pa] The standard atmosphere.
+ATMOSPHERE = 101325.0
+# [Pa] No piston engine stands more.
+HIGHEST_PEAK = 50e6
+# [deg] A wider gap between samples could hide the whole rise of the pressure.
+WIDEST_GAP = 10.0
+# [deg] Steps of samples that are made even, between which half the smallest gap is taken.
+FINEST_STEP, COARSEST_STEP = 0.1, 1.0
+# [deg] Angles moved less than this to their even places are taken as even without a remark.
+SILENT_SHIFT = 1e-6
+# Samples repeated beyond either end of the cycle: slopes look at two neighbors on each side.
+REPEATED = 3
+
+
+@dataclass(frozen=True, eq=False)
+class GasPressure:
+    """The absolute pressure in one cylinder, sampled evenly over one working cycle.
+
+    Made by `gas_pressure`, which checks; read by `read_pressure_table`; calculated by `gas_cycle`.
+
+    Parameters
+    ----------
+    angles : ndarray of shape (m,)
+        Crank angles [rad] from the firing top dead center, ascending in even steps from zero or
+        from below one step, without the closing sample.
+    pressure : ndarray of shape (m,)
+        Absolute pressure [Pa], positive.
+    strokes : int
+        Strokes per cycle, 2 or 4.
+    source : str
+        Where the samples come from.
+    remarks : tuple of str
+        What was done to them on the way, a sentence each.
+    """
+
+    angles: FloatArray
+    pressure: FloatArray
+    strokes: int
+    source: str = ""
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def cycle(self) -> float:
+        """Length of the cycle in crank angle [rad]."""
+        return math.pi * self.strokes
+
+    @property
+    def peak_pressure(self) -> float:
+        """The highest pressure [Pa]; it is a sample, as the curve between samples stays between."""
+        return float(np.max(self.pressure))
+
+    @property
+    def peak_angle(self) -> float:
+        """Crank angle of the highest sample [rad], from -cycle/2 (excluded) to cycle/2."""
+        angle = float(self.angles[int(np.argmax(self.pressure))])
+        return angle - self.cycle if angle > self.cycle / 2.0 else angle
+
+    @property
+    def lowest(self) -> float:
+        """The lowest pressure [Pa]."""
+        return float(np.min(self.pressure))
+
+    def at(self, angle: ArrayLike) -> FloatArray:
+        """Return the pressure at any crank angles.
+
+        Parameters
+        ----------
+        angle : array_like of any shape
+            Crank angles from the firing top [rad]; the pressure repeats with the cycle.
+
+        Returns
+        -------
+        ndarray of the same shape
+            Absolute pressure [Pa]: a piecewise cubic through the samples that keeps their shape,
+            so that it passes no value above or below its two neighbors.
+
+        Raises
+        ------
+        InputError
+            If an angle is not a finite number.
+
+        Notes
+        -----
+        Slopes after F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300-304, as in
+        scipy's PchipInterpolator.
+        """
+        folded = np.mod(finite_array("angle", angle), self.cycle)
+        return np.asarray(self._curve(folded), dtype=np.float64)
+
+    @cached_property
+    def _curve(self) -> "PchipInterpolator":
+        return _periodic_curve(self.angles, self.pressure, self.cycle)
+
+
+def gas_pressure(
+    angles: ArrayLike,
+    pressure: ArrayLike,
+    strokes: int = 4,
+    *,
+    source: str = "",
+    remarks: tuple[str, ...] = (),
+) -> GasPressure:
+    """Return the pressure over a cycle from samples, made even where they are not.
+
+    Parameters
+    ----------
+    angles : array_like of shape (m,)
+        Crank angles from the firing top dead center [rad], strictly ascending over one cycle that
+        may start anywhere, no gap wider than 10 deg, the closing sample left out.
+    pressure : array_like of shape (m,)
+        Absolute pressure [Pa], positive.
+    strokes : int, optional
+        Strokes per cycle, 2 or 4.
+    source : str, optional
+        Where the samples come from.
+    remarks : tuple of str, optional
+        What has been done to them before.
+
+    Returns
+    -------
+    GasPressure
+        Even samples. Angles that are even but for rounding are moved to their even places. Uneven
+        ones are replaced by even ones on the shape-preserving curve through the given samples, in
+        steps of half the smallest gap (0.1 deg to 1 deg), one of them on the highest sample, so
+        that the peak stays; a remark says so.
+
+    Raises
+    ------
+    InputError
+        If lengths differ, a number is not finite, a pressure is not positive, angles do not
+        increase, cover more than the cycle, or leave a gap wider than 10 deg.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> angle = np.radians(np.arange(-180.0, 180.0, 2.0))
+    >>> found = gas_pressure(angle, 2e5 + 9e6 * np.exp(-20.0 * (angle - 0.2) ** 2), 2)
+    >>> round(found.peak_pressure / 1e6, 2), round(float(np.degrees(found.peak_angle)), 9)
+    (9.18, 12.0)
+    """
+    cycle = cycle_degrees(checked_strokes(strokes))
+    given = np.degrees(finite_vector("angles", angles))
+    values = positive_vector("pressure", pressure, "Pa", "it is absolute pressure")
+    if given.size != values.size:
+        raise InputError(
+            f"angles: given {given.size} angles for {values.size} pressures; allowed is one angle "
+            "for each pressure, because together they are the samples."
+        )
+    _check_cover(given, cycle)
+    even = first_uneven(given) is None and covers_cycle(given, cycle)
+    places, values, remark = (
+        _placed(given, values, cycle) if even else _resampled(given, values, cycle)
+    )
+    return GasPressure(
+        angles=read_only(np.radians(places)),
+        pressure=read_only(values),
+        strokes=int(strokes),
+        source=source,
+        remarks=remarks + ((remark,) if remark else ()),
+    )
+
+
+def widest_gap(angles_deg: FloatArray, cycle_deg: float) -> tuple[int, float]:
+    """Return the sample after the widest gap, 0 for the gap to the next cycle, and the gap [deg].
+
+    Parameters
+    ----------
+    angles_deg : ndarray of shape (m,)
+        Ascending angles [deg], at least one.
+    cycle_deg : float
+        Length of the cycle [deg].
+    """
+    seam = angles_deg[0] + cycle_deg - angles_deg[-1]
+    gaps = np.concatenate([[seam], np.diff(angles_deg)])
+    index = int(np.argmax(gaps))
+    return index, float(gaps[index])
+
+
+def _check_cover(angles: FloatArray, cycle: float) -> None:
+    """Refuse angles [deg] that do not increase or do not cover the cycle without wide gaps."""
+    if angles.size < 2:
+        raise InputError(
+            f"angles: given {angles.size} samples; allowed are samples over one cycle of "
+            f"{cycle:g} deg, because the pressure repeats with it."
+        )
+    index = first_not_increasing(angles)
+    if index is not None:
+        raise InputError(
+            f"angles[{index}]: given {angles[index]:g} deg after {angles[index - 1]:g} deg; "
+            "allowed are strictly increasing angles, because the samples follow the crank."
+        )
+    if angles[-1] - angles[0] > cycle - SILENT_SHIFT:
+        raise InputError(
+            f"angles: given {angles[0]:g} to {angles[-1]:g} deg; allowed is one cycle of "
+            f"{cycle:g} deg without the closing sample, because the pressure repeats with it."
+        )
+    index, gap = widest_gap(angles, cycle)
+    if gap > WIDEST_GAP * (1.0 + 1e-9):
+        raise InputError(
+            f"angles: given no sample for {gap:g} deg before {angles[index]:g} deg; allowed are "
+            f"gaps of {WIDEST_GAP:g} deg at most, because a wider one may hide the pressure's rise."
+        )
+
+
+def _placed(
+    angles: FloatArray, values: FloatArray, cycle: float
+) -> tuple[FloatArray, FloatArray, str]:
+    """Return even angles [deg] within the cycle for angles that are even but for rounding."""
+    step = cycle / angles.size
+    number = math.floor(angles[0] / step + 1e-9)
+    offset = max(float(angles[0]) - number * step, 0.0)
+    moved = float(np.max(np.abs(angles - angles[0] - step * np.arange(angles.size))))
+    remark = f"Angles were moved by up to {moved:.2g} deg to their even places."
+    places = offset + step * np.arange(angles.size)
+    return places, np.roll(values, number), remark if moved > SILENT_SHIFT else ""
+
+
+def _resampled(
+    angles: FloatArray, values: FloatArray, cycle: float
+) -> tuple[FloatArray, FloatArray, str]:
+    """Return even samples on the curve through uneven ones, one of them on the peak; and say so."""
+    smallest = float(np.min(np.diff(angles, append=angles[0] + cycle)))
+    step = min(max(smallest / 2.0, FINEST_STEP), COARSEST_STEP)
+    count = math.ceil(cycle / step - 1e-9)
+    step = cycle / count
+    first = float(np.mod(angles[int(np.argmax(values))], step))
+    places = first + step * np.arange(count, dtype=np.float64)
+    curve = _periodic_curve(angles, values, cycle)
+    folded = angles[0] + np.mod(places - angles[0], cycle)
+    remark = (
+        f"The {angles.size} uneven samples were replaced by {count} even ones in steps of "
+        f"{step:.4g} deg on a shape-preserving cubic curve through them."
+    )
+    return places, np.asarray(curve(folded), dtype=np.float64), remark
+
+
+def _periodic_curve(angles: FloatArray, values: FloatArray, cycle: float) -> "PchipInterpolator":
+    """Return the shape-preserving curve through ascending samples within one cycle."""
+    from scipy.interpolate import PchipInterpolator  # here: loading it takes a quarter second
+
+    wrapped = np.concatenate([angles[-REPEATED:] - cycle, angles, angles[:REPEATED] + cycle])
+    return PchipInterpolator(
+        wrapped, np.concatenate([values[-REPEATED:], values, values[:REPEATED]])
+    )

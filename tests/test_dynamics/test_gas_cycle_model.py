@@ -1,0 +1,445 @@
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from dynamics.gas.closed_cycle import (
+    closed_pressure,
+    closed_work,
+    motored_pressure,
+    rise_per_heat,
+    wiebe_fraction,
+)
+from dynamics.gas.cycle_values import USUAL_VALUES, assumption_remarks, usual_gas_cycle
+from dynamics.gas.cylinder_volume import cylinder_volume
+from dynamics.gas.gas_cycle import gas_cycle
+from dynamics.gas.indicated import indicated_work
+from geometry.errors import InputError
+
+R, L, AREA = 0.07, 0.25, 0.0133
+DEGREE = np.pi / 180.0
+
+
+def position(angle, offset=0.0):
+    sideways = R * np.sin(angle) - offset
+    return R * np.cos(angle) + np.sqrt(L**2 - sideways**2)
+
+
+def position_slope(angle, offset=0.0):
+    sideways = R * np.sin(angle) - offset
+    return -R * np.sin(angle) - sideways * R * np.cos(angle) / np.sqrt(L**2 - sideways**2)
+
+
+def offset_position(angle):
+    return position(angle, 0.02)
+
+
+def slave_position(angle):
+    """A piston on an articulated rod: its pin runs on an ellipse, its top is not at zero."""
+    master = np.arcsin(R / L * np.sin(angle + 0.8))
+    foot = R * np.exp(1j * angle) + 0.06 * np.exp(1j * (0.15 - master))
+    return foot.real + np.sqrt(0.2**2 - foot.imag**2)
+
+
+MECHANISMS = [position, offset_position, slave_position]
+FOUR, TWO = usual_gas_cycle(15.0), usual_gas_cycle(13.0, 2)
+CYCLES = [FOUR, TWO, replace(FOUR, wiebe_shape=0.4, intake_closes=-200.0 * DEGREE)]
+
+
+@pytest.fixture(scope="module")
+def volume():
+    return cylinder_volume(position, AREA, 15.0)
+
+
+# The volume
+
+
+def test_volume_of_a_plain_slider_crank(volume):
+    assert volume.stroke == pytest.approx(2.0 * R, rel=1e-14)
+    assert volume.top_angle == pytest.approx(0.0, abs=1e-12)
+    assert volume.bottom_angle == pytest.approx(np.pi, abs=1e-8)
+    ends = volume.at([0.0, np.pi])
+    assert ends[1] / ends[0] == pytest.approx(15.0, rel=1e-13)
+
+
+def test_dead_centers_of_an_offset_piston_pin():
+    """Crank and rod in line: at the top asin(e / (L + R)), at the bottom pi + asin(e / (L - R))."""
+    found = cylinder_volume(offset_position, AREA, 15.0)
+    assert found.top_angle == pytest.approx(np.arcsin(0.02 / (L + R)), abs=1e-8)
+    assert found.bottom_angle == pytest.approx(np.pi + np.arcsin(0.02 / (L - R)), abs=1e-8)
+    stroke = np.sqrt((L + R) ** 2 - 0.02**2) - np.sqrt((L - R) ** 2 - 0.02**2)
+    assert found.stroke == pytest.approx(stroke, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("law", "area", "ratio", "message"),
+    [
+        (position, 0.0, 15.0, "area: given 0 m"),
+        (position, AREA, 1.0, "compression_ratio: given 1; allowed is more than 1"),
+        (lambda angle: 0.0 * angle, AREA, 15.0, "position: given 0 m at 0 deg, .*that moves"),
+        (lambda angle: np.cos(0.5 * angle), AREA, 15.0, "is back after one turn"),
+        (lambda angle: -position(angle), AREA, 15.0, "highest at .*180 deg; allowed are -30 to 30"),
+        (lambda angle: np.full(angle.shape, np.nan), AREA, 15.0, "position.*given nan"),
+    ],
+)
+def test_unusable_pistons_are_refused(law, area, ratio, message):
+    with pytest.raises(InputError, match=message):
+        cylinder_volume(law, area, ratio)
+
+
+# The closed part
+
+
+@given(st.floats(0.0, 5.0), st.floats(0.6, 0.9999), st.floats(-40.0, 10.0), st.floats(5.0, 110.0))
+def test_burnt_share_rises_from_nothing_to_all(shape, completeness, start, duration):
+    cycle = replace(
+        FOUR,
+        wiebe_shape=shape,
+        wiebe_completeness=completeness,
+        combustion_start=start * DEGREE,
+        combustion_duration=duration * DEGREE,
+    )
+    end = cycle.combustion_start + cycle.combustion_duration
+    angles = np.linspace(cycle.combustion_start, end, 200)
+    share = wiebe_fraction(cycle, angles)
+    assert share[0] == 0.0
+    assert share[-1] == pytest.approx(1.0, abs=1e-14)
+    assert np.all(np.diff(share) >= 0.0)
+    assert wiebe_fraction(cycle, [-2.0, end + 0.1]).tolist() == pytest.approx([0.0, 1.0])
+
+
+@pytest.mark.parametrize("shape", [0.0, 0.3, 0.5, 1.0, 2.3])
+def test_heat_release_integrates_to_the_heat(shape):
+    """With V^(g - 1) constant the integral is the burnt share; a ratio near 1 makes it so.
+
+    A ratio of 1 + e leaves V^e, which is 1 but for 3 e; e is a power of two to be exact.
+    """
+    cycle = replace(FOUR, wiebe_shape=shape, heat_capacity_ratio=1.0 + 2.0**-36)
+    law = cylinder_volume(position, AREA, 15.0)
+    angles = np.radians([-10.0, -5.0, 0.0, 20.0, 54.0, 90.0])
+    integral = (
+        rise_per_heat(cycle, law, angles) * law.at(angles) / (cycle.heat_capacity_ratio - 1.0)
+    )
+    assert integral == pytest.approx(wiebe_fraction(cycle, angles), abs=1e-10)
+
+
+def balance(cycle, law, slope, heat):
+    """Return heat, rise of internal energy and work from quadrature of p dV in the closed part."""
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    events = [cycle.intake_closes, cycle.combustion_start]
+    events += [cycle.combustion_start + cycle.combustion_duration, cycle.exhaust_opens]
+    work = 0.0
+    for begin, end in pairwise(events):
+        # Steps that grow from the start of the combustion, where the pressure is least smooth.
+        ends = begin + (end - begin) * np.linspace(0.0, 1.0, 61) ** 3
+        half = 0.5 * np.diff(ends)[:, np.newaxis]
+        angles = (ends[:-1, np.newaxis] + half * (1.0 + nodes)).ravel()
+        power = closed_pressure(cycle, law, heat, angles) * -AREA * slope(angles)
+        work += float(np.sum((half * weights).ravel() * power))
+    ends = np.array([cycle.intake_closes, cycle.exhaust_opens])
+    energy = closed_pressure(cycle, law, heat, ends) * law.at(ends)
+    return float(np.diff(energy)[0]) / (cycle.heat_capacity_ratio - 1.0), work
+
+
+@given(
+    st.floats(0.0, 2e4),
+    st.floats(1.2, 1.45),
+    st.floats(8.0, 22.0),
+    st.floats(0.3, 3.0),
+    st.floats(-30.0, 20.0),
+    st.floats(10.0, 90.0),
+    st.sampled_from((0.0, 0.015)),
+)
+@settings(max_examples=40)
+def test_heat_is_work_and_internal_energy(heat, gamma, ratio, shape, start, duration, offset):
+    cycle = replace(
+        FOUR,
+        heat_capacity_ratio=gamma,
+        wiebe_shape=shape,
+        combustion_start=start * DEGREE,
+        combustion_duration=duration * DEGREE,
+    )
+    law = cylinder_volume(lambda angle: position(angle, offset), AREA, ratio)
+    gained, work = balance(cycle, law, lambda angle: position_slope(angle, offset), heat)
+    # The quadrature of the work reaches 1e-10 of the energies; a motored cycle moves some 1 kJ.
+    assert gained + work == pytest.approx(heat, abs=1e-10 * (heat + 1e3))
+    assert closed_work(cycle, law, heat) == pytest.approx(work, abs=1e-10 * (heat + 1e3))
+
+
+@pytest.mark.parametrize("shape", [0.5, 1.0, 2.0])
+def test_pressure_solves_the_equation_of_the_first_law(shape, volume):
+    """dp/da = ((g - 1) dQ/da - g p dV/da) / V, integrated step by step."""
+    cycle, heat = replace(FOUR, wiebe_shape=shape), 5000.0
+    gamma, start, duration = (
+        cycle.heat_capacity_ratio,
+        cycle.combustion_start,
+        (cycle.combustion_duration),
+    )
+
+    def slope(angle, pressure):
+        v, dv = volume.at(angle), -AREA * position_slope(angle)
+        t = np.clip((angle - start) / duration, 0.0, None)
+        a = np.log(1000.0)
+        rate = a * (shape + 1.0) * t**shape * np.exp(-a * t ** (shape + 1.0)) / 0.999 / duration
+        return (heat * (gamma - 1.0) * rate * (t <= 1.0) - gamma * pressure * dv) / v
+
+    pressure, begin = np.array([cycle.intake_pressure]), cycle.intake_closes
+    for end in (start, start + duration, cycle.exhaust_opens):
+        asked = np.linspace(begin, end, 50)
+        found = solve_ivp(
+            slope, (begin, end), pressure, method="DOP853", t_eval=asked, rtol=1e-12, atol=1e-3
+        )
+        # The integration's own error, larger for the shape 0.5, whose rate begins steeply.
+        assert closed_pressure(cycle, volume, heat, asked) == pytest.approx(found.y[0], rel=1e-8)
+        pressure, begin = found.y[:, -1], end
+
+
+def test_pressure_is_found_at_any_angle_alone(volume):
+    angles = np.radians([40.0, -3.0, 100.0, -90.0, 3.0])
+    together = rise_per_heat(FOUR, volume, angles)
+    alone = [rise_per_heat(FOUR, volume, [angle])[0] for angle in angles]
+    # Other parts of the same integral: its own accuracy.
+    assert together == pytest.approx(np.array(alone), rel=1e-10)
+    assert together[3] == 0.0
+
+
+# The whole cycle
+
+
+@pytest.mark.parametrize("cycle", CYCLES)
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+def test_motored_cycle_does_only_the_work_of_gas_exchange(cycle, mechanism):
+    """Closed part: isentropic from closing to opening, so that its work is -(change of energy)."""
+    found = gas_cycle(cycle, mechanism, AREA, heat=0.0)
+    ends = np.array([cycle.intake_closes, cycle.exhaust_opens])
+    energy = motored_pressure(cycle, found.volume, ends) * found.volume.at(ends)
+    expected = -float(np.diff(energy)[0]) / (cycle.heat_capacity_ratio - 1.0)
+    assert closed_work(cycle, found.volume, 0.0) == pytest.approx(expected, abs=1e-9)
+    back = replace(cycle, intake_closes=-cycle.exhaust_opens)
+    if mechanism is position:
+        assert closed_work(back, found.volume, 0.0) == pytest.approx(0.0, abs=1e-9)
+    assert found.work_ratio is None
+    assert abs(found.mean_effective_pressure) < cycle.intake_pressure
+    # The piston may be highest between two samples of 0.25 deg.
+    assert found.pressure.peak_pressure == pytest.approx(found.compression_pressure, rel=1e-4)
+    assert found.pressure.peak_angle == pytest.approx(found.volume.top_angle, abs=0.13 * DEGREE)
+
+
+@pytest.mark.parametrize("cycle", CYCLES)
+def test_pressure_passes_smoothly_through_the_cycle(cycle):
+    found = gas_cycle(cycle, position, AREA, heat=4000.0).pressure
+    at_events = found.at([cycle.intake_closes, np.pi, cycle.overlap_begins, cycle.overlap_ends])
+    out, into = cycle.exhaust_pressure, cycle.intake_pressure
+    assert at_events == pytest.approx([into, out, out, into], rel=1e-6)
+    open_part = found.at(np.linspace(np.pi, cycle.intake_closes + cycle.cycle, 500))
+    assert np.all((open_part >= min(out, into) - 1.0) & (open_part <= max(out, into) + 1.0))
+    # No jump: a step is small against the steepest isentropic or burning slope, peak / 10 deg.
+    assert np.max(np.abs(np.diff(found.pressure))) < 0.05 * found.peak_pressure
+    closed = np.linspace(cycle.intake_closes, cycle.exhaust_opens, 300)
+    expected = closed_pressure(
+        cycle, cylinder_volume(position, AREA, cycle.compression_ratio), 4000.0, closed
+    )
+    # The cubic curve between samples.
+    assert found.at(closed) == pytest.approx(expected, abs=1e-4 * found.peak_pressure)
+
+
+@given(
+    st.floats(0.1, 2.5),
+    st.sampled_from(CYCLES),
+    st.sampled_from(MECHANISMS),
+)
+@settings(max_examples=30)
+def test_mean_pressure_is_met(mean, cycle, mechanism):
+    found = gas_cycle(cycle, mechanism, AREA, mean_effective_pressure=mean * 1e6)
+    assert found.mean_effective_pressure == pytest.approx(mean * 1e6, rel=1e-12)
+    angles = found.pressure.angles
+    slope = -AREA * (mechanism(angles + 1e-5) - mechanism(angles - 1e-5)) / 2e-5
+    work = indicated_work(found.pressure.pressure, slope, cycle.strokes)
+    # Central differences: 1e-10 of the slope by their step, 1e-11 by round-off.
+    assert work == pytest.approx(mean * 1e6 * found.volume.swept, rel=1e-8)
+    assert work == pytest.approx(found.work, rel=1e-8)
+
+
+@given(st.floats(1.0, 2.5), st.sampled_from(CYCLES), st.sampled_from(MECHANISMS))
+@settings(max_examples=30)
+def test_peak_is_met(rise, cycle, mechanism):
+    lowest = gas_cycle(cycle, mechanism, AREA, heat=0.0).pressure.peak_pressure
+    found = gas_cycle(cycle, mechanism, AREA, peak_pressure=rise * lowest)
+    assert found.pressure.peak_pressure == pytest.approx(rise * lowest, rel=1e-12)
+    assert f"Solved: heat {found.heat:.6g} J per cycle." in found.pressure.remarks
+
+
+@pytest.mark.parametrize("solve_for", ["combustion_start", "combustion_duration"])
+@pytest.mark.parametrize(("peak", "mean"), [(16e6, 1.8e6), (12e6, 1.0e6)])
+@pytest.mark.parametrize("mechanism", [position, slave_position])
+def test_peak_and_mean_pressure_are_met_together(peak, mean, mechanism, solve_for):
+    found = gas_cycle(
+        FOUR,
+        mechanism,
+        AREA,
+        peak_pressure=peak,
+        mean_effective_pressure=mean,
+        solve_for=solve_for,
+        samples=1440,
+    )
+    assert found.pressure.peak_pressure == pytest.approx(peak, rel=1e-9)
+    assert found.mean_effective_pressure == pytest.approx(mean, rel=1e-9)
+    other = {"combustion_start", "combustion_duration"} - {solve_for}
+    assert getattr(found.cycle, *other) == getattr(FOUR, *other)
+    assert solve_for not in found.cycle.assumed
+    assert found.pressure.remarks[0].startswith(f"Solved: {solve_for} ")
+    again = gas_cycle(found.cycle, mechanism, AREA, heat=found.heat, samples=1440)
+    assert again.pressure.pressure == pytest.approx(found.pressure.pressure, rel=1e-12)
+
+
+@given(st.floats(0.0, 9000.0), st.floats(1.0, 9000.0), st.sampled_from(CYCLES))
+@settings(max_examples=30)
+def test_more_heat_gives_more_peak_and_work(heat, more, cycle):
+    one = gas_cycle(cycle, position, AREA, heat=heat)
+    two = gas_cycle(cycle, position, AREA, heat=heat + more)
+    assert two.pressure.peak_pressure >= one.pressure.peak_pressure
+    assert two.work > one.work
+    assert np.all(two.pressure.pressure >= one.pressure.pressure * (1.0 - 1e-15))
+
+
+def test_earlier_combustion_gives_more_peak_for_the_same_work():
+    peaks = [
+        gas_cycle(
+            replace(FOUR, combustion_start=start * DEGREE),
+            position,
+            AREA,
+            mean_effective_pressure=1.8e6,
+        ).pressure.peak_pressure
+        for start in (-25.0, -15.0, -5.0, 0.0)
+    ]
+    assert np.all(np.diff(peaks) < 0.0)
+
+
+def test_work_and_peak_hardly_depend_on_the_sampling():
+    coarse, fine = (
+        gas_cycle(FOUR, position, AREA, heat=4000.0, samples=samples) for samples in (720, 11520)
+    )
+    # Bends of the pressure lie between samples: second order in steps of 1 deg, by their size.
+    assert coarse.work == pytest.approx(fine.work, rel=5e-6)
+    # A parabola through the peak, flat within half a degree.
+    assert coarse.pressure.peak_pressure == pytest.approx(fine.pressure.peak_pressure, rel=2e-4)
+
+
+def test_usual_values_are_named_with_their_reasons():
+    cycle = usual_gas_cycle(15.0, intake_pressure=3e5, wiebe_shape=0.8)
+    assert set(cycle.assumed) == set(USUAL_VALUES) - {"intake_pressure", "wiebe_shape"}
+    assert cycle.exhaust_pressure == pytest.approx(2.7e5)
+    remarks = assumption_remarks(cycle)
+    assert len(remarks) == len(cycle.assumed)
+    assert "Assumed: combustion_start -6 deg, because " in "".join(remarks)
+    assert usual_gas_cycle(10.0, intake_pressure=1e5).exhaust_pressure == 1.05e5
+    found = gas_cycle(cycle, position, AREA, heat=100.0)
+    assert found.pressure.remarks == remarks
+    assert usual_gas_cycle(10.0, **{n: getattr(cycle, n) for n in USUAL_VALUES}).assumed == ()
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"boost": 1.0}, "boost: given 1.0; allowed are intake_pressure, exhaust"),
+        ({"intake_pressure": "2 bar"}, "intake_pressure: given '2 bar'; allowed are finite"),
+        ({"intake_pressure": -1.0}, "intake_pressure: given -1 Pa"),
+        ({"heat_capacity_ratio": 1.0}, "heat_capacity_ratio: given 1; allowed is more than 1"),
+        ({"wiebe_shape": -0.5}, "wiebe_shape: given -0.5"),
+        ({"wiebe_completeness": 1.0}, "wiebe_completeness: given 1; allowed is more than 0.5"),
+        ({"combustion_start": np.nan}, "combustion_start: given nan"),
+        ({"combustion_start": -2.6}, "combustion_start: given -148.969 deg, with intake_closes at"),
+        ({"combustion_duration": 2.5}, "exhaust_opens: given 130 deg, with end of combustion"),
+        ({"exhaust_opens": 3.1}, "exhaust_opens: given 177.617 deg; allowed .* less than 175 deg"),
+        ({"intake_closes": 0.1}, "intake_closes: given 5.72958 deg; allowed is more than -270"),
+        ({"overlap_begins": 3.0}, "overlap_begins: given 171.887 deg, with bottom dead center at"),
+        ({"overlap_ends": 5.0}, "overlap_ends: given 286.479 deg, with overlap_begins at 320"),
+        ({"overlap_ends": 5.6}, "overlap_ends: .* 5 deg or more between them"),
+        ({"overlap_ends": 11.0}, "intake_closes one cycle later: given 575 deg, with overlap_ends"),
+    ],
+)
+def test_impossible_parameters_are_refused(given, message):
+    with pytest.raises(InputError, match=message) as raised:
+        usual_gas_cycle(15.0, **given)
+    assert "\n" not in str(raised.value)
+
+
+def test_impossible_ratio_and_strokes_are_refused():
+    with pytest.raises(InputError, match=r"compression_ratio: given 0\.9; allowed is more than 1"):
+        usual_gas_cycle(0.9)
+    with pytest.raises(InputError, match="strokes: given 3"):
+        usual_gas_cycle(15.0, 3)
+
+
+@pytest.mark.parametrize(
+    ("targets", "message"),
+    [
+        ({}, "heat: given neither it nor peak_pressure nor mean_effective_pressure"),
+        ({"heat": 1.0, "peak_pressure": 1e7}, "heat: given together with"),
+        ({"heat": -1.0}, "heat: given -1 J; allowed are finite numbers of zero or more"),
+        (
+            {"heat": 1e6},
+            r"heat: given 1e\+06 J; allowed are 0 to 3\d+\.?\d* J, because more drives",
+        ),
+        ({"peak_pressure": 5e6}, r"peak_pressure: given 5 MPa; allowed are 8\.86464 MPa to 50 MPa"),
+        ({"peak_pressure": 6e7}, "peak_pressure: given 60 MPa; allowed are"),
+        ({"peak_pressure": np.nan}, "peak_pressure: given nan; allowed are"),
+        ({"mean_effective_pressure": -1e6}, "given -1 MPa; allowed are 0.0229.* MPa to 11.9.* MPa"),
+        ({"mean_effective_pressure": 2e7}, "given 20 MPa; allowed are"),
+        (
+            {"peak_pressure": 4e7, "mean_effective_pressure": 1e6},
+            r"peak_pressure: given 40 MPa; allowed are 8\.86464 MPa to 25\.6\d* MPa, because with a "
+            r"mean effective pressure of 1 MPa a combustion_start from -60 to 2\.5 deg",
+        ),
+        (
+            {
+                "peak_pressure": 1e7,
+                "mean_effective_pressure": 3.5e6,
+                "solve_for": "combustion_duration",
+            },
+            r"allowed are 1\d\.\d+ MPa to .* a combustion_duration from 2 to 136 deg",
+        ),
+        (
+            {"peak_pressure": 1e7, "mean_effective_pressure": 0.0},
+            "mean_effective_pressure: given 0 MPa; allowed is more than 0.0229",
+        ),
+        (
+            {"peak_pressure": 1e7, "mean_effective_pressure": 1e6, "solve_for": "heat"},
+            "solve_for: given 'heat'",
+        ),
+        ({"heat": 1.0, "samples": 600}, "samples: given 600; allowed are whole numbers from 720"),
+        ({"heat": 1.0, "samples": 1e4}, "samples: given 10000.0"),
+    ],
+)
+def test_targets_out_of_reach_are_refused_with_what_is_in_reach(targets, message):
+    with pytest.raises(InputError, match=message) as raised:
+        gas_cycle(FOUR, position, AREA, **targets)
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize("place", [0.0, 0.999999])
+def test_stated_range_of_the_peak_is_reached(place):
+    """From the compression pressure itself up to the stated limit."""
+    low, high = 8.864637942, 25.6
+    targets = {"peak_pressure": 1e6 * (low + place * (high - low)) + 0.5}
+    found = gas_cycle(FOUR, position, AREA, mean_effective_pressure=1e6, samples=1440, **targets)
+    assert found.pressure.peak_pressure == pytest.approx(targets["peak_pressure"], rel=1e-9)
+
+
+def test_combustion_too_short_or_too_early_is_refused():
+    short = replace(FOUR, combustion_duration=1.0 * DEGREE)
+    with pytest.raises(InputError, match="combustion_duration: given 1 deg; allowed is 2 deg or"):
+        gas_cycle(short, position, AREA, heat=100.0)
+    early = replace(
+        FOUR,
+        intake_closes=-200.0 * DEGREE,
+        combustion_start=-170.0 * DEGREE,
+        combustion_duration=20.0 * DEGREE,
+        exhaust_opens=60.0 * DEGREE,
+    )
+    with pytest.raises(InputError, match="released too early to do work"):
+        gas_cycle(early, position, AREA, mean_effective_pressure=1e6)

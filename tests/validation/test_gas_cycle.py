@@ -1,0 +1,120 @@
+"""The cycle model against closed forms of engine thermodynamics.
+
+Sources: textbook results for a gas with constant heat capacities, such as in J. B. Heywood,
+Internal Combustion Engine Fundamentals, the chapter on ideal models of engine cycles: isentropic
+compression p V^g = const; the constant-volume (Otto) cycle, whose work ratio is 1 - r^(1 - g);
+the constant-volume rise of pressure (g - 1) Q / V. Volume of a slider-crank: its law written out,
+V = V_c + A (R + L - R cos a - sqrt(L^2 - R^2 sin^2 a)). The factor 6.908 of the Wiebe law is
+-ln(1 - 0.999).
+
+Tolerances: round-off where the closed form is that of the model. Combustion of a short duration d
+at the top is the constant-volume one but for the volume's growth over d, which near the top is
+V / V_c - 1 = (r - 1) (1 + R / L) a^2 / 4: the test checks that shortfall, not only its size, to a
+hundredth, as the square law is the first term of its series in d.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from dynamics.gas.closed_cycle import closed_pressure, closed_work, wiebe_fraction
+from dynamics.gas.cycle_values import usual_gas_cycle
+from dynamics.gas.cylinder_volume import cylinder_volume
+from dynamics.gas.gas_cycle import gas_cycle
+
+R, L, AREA = 0.07, 0.25, 0.0133
+DEGREE = np.pi / 180.0
+
+
+def position(angle):
+    return R * np.cos(angle) + np.sqrt(L**2 - (R * np.sin(angle)) ** 2)
+
+
+def volume_law(angle, ratio):
+    way = R + L - R * np.cos(angle) - np.sqrt(L**2 - (R * np.sin(angle)) ** 2)
+    return AREA * (2.0 * R / (ratio - 1.0) + way)
+
+
+@pytest.mark.parametrize(("ratio", "gamma"), [(8.0, 1.4), (14.0, 1.35), (22.0, 1.3)])
+def test_isentropic_compression_from_the_bottom(ratio, gamma):
+    cycle = usual_gas_cycle(ratio, intake_closes=-np.pi, heat_capacity_ratio=gamma)
+    found = gas_cycle(cycle, position, AREA, heat=0.0)
+    expected = 2.5e5 * ratio**gamma
+    assert found.compression_pressure == pytest.approx(expected, rel=1e-12)
+    assert found.pressure.peak_pressure == pytest.approx(expected, rel=1e-12)
+    angles = np.radians([-120.0, -60.0, -30.0, 10.0, 100.0])
+    law = 2.5e5 * (volume_law(np.pi, ratio) / volume_law(angles, ratio)) ** gamma
+    # Between its samples the pressure is a cubic; these angles are samples.
+    assert found.pressure.at(angles) == pytest.approx(law, rel=1e-11)
+
+
+@pytest.mark.parametrize(("ratio", "gamma"), [(8.0, 1.4), (14.0, 1.35), (22.0, 1.3)])
+def test_instant_combustion_at_the_top_is_the_constant_volume_cycle(ratio, gamma):
+    """Opening as far after the top as closing before it, the cycle closes over volumes V_o, V_c."""
+    opens, heat = 150.0 * DEGREE, 3000.0
+    cycle = usual_gas_cycle(
+        ratio, intake_closes=-opens, exhaust_opens=opens, heat_capacity_ratio=gamma
+    )
+    law = cylinder_volume(position, AREA, ratio)
+    effective = float(volume_law(opens, ratio) / volume_law(0.0, ratio))
+    otto = 1.0 - effective ** (1.0 - gamma)
+    instant = replace(cycle, combustion_start=0.0, combustion_duration=1e-6)
+    # The volume grows by 1e-12 during combustion.
+    assert closed_work(instant, law, heat) / heat == pytest.approx(otto, rel=1e-11)
+    rise = (gamma - 1.0) * heat / float(volume_law(0.0, ratio))
+    before = 2.5e5 * effective**gamma
+    after = closed_pressure(instant, law, heat, [2e-6])[0]
+    assert after - before == pytest.approx(rise, rel=1e-9)
+
+
+def test_shortfall_of_a_short_combustion_grows_with_the_square_of_its_duration():
+    ratio, gamma, opens = 14.0, 1.35, 150.0 * DEGREE
+    cycle = usual_gas_cycle(
+        ratio, intake_closes=-opens, exhaust_opens=opens, heat_capacity_ratio=gamma
+    )
+    law = cylinder_volume(position, AREA, ratio)
+    effective = float(volume_law(opens, ratio) / volume_law(0.0, ratio))
+    otto = 1.0 - effective ** (1.0 - gamma)
+    for duration in (0.02, 0.01, 0.005):
+        short = replace(cycle, combustion_start=0.0, combustion_duration=duration)
+        # Heat released where V = (1 + c a^2) V_c works as with the ratio V_o / V.
+        share = (np.arange(4000) + 0.5) / 4000
+        a = np.log(1000.0)
+        rate = 2.0 * a * share * np.exp(-a * share**2) / 0.999 / 4000
+        mean_square = duration**2 * float(rate @ share**2)
+        growth = (ratio - 1.0) * (1.0 + R / L) / 4.0 * mean_square
+        expected = effective ** (1.0 - gamma) * (gamma - 1.0) * growth
+        shortfall = otto - closed_work(short, law, 3000.0) / 3000.0
+        assert shortfall == pytest.approx(expected, rel=0.01)
+
+
+def test_wiebe_law_with_the_customary_factor():
+    """x = 1 - exp(-6.908 t^2) for the shape 1, which the model scales by 1 / 0.999."""
+    cycle = usual_gas_cycle(14.0)
+    share = np.array([0.1, 0.25, 0.5, 0.8])
+    angles = cycle.combustion_start + share * cycle.combustion_duration
+    expected = 1.0 - np.exp(-6.907755278982137 * share**2)
+    assert 0.999 * wiebe_fraction(cycle, angles) == pytest.approx(expected, rel=1e-12)
+
+
+def test_gas_exchange_does_the_work_of_its_two_pressures():
+    """Exhaust from the bottom to the top and intake back to the bottom: (p_i - p_e) V_s.
+
+    Blow-down is left out by opening at the lowest pressure difference, a motored cycle that
+    closes at the bottom; the overlap passes over symmetrically about the top, so that what it
+    takes before is given after: the work is met to the square of its half width.
+    """
+    half = 2.5 * DEGREE
+    cycle = usual_gas_cycle(
+        14.0,
+        intake_pressure=3e5,
+        exhaust_pressure=2e5,
+        intake_closes=-np.pi,
+        exhaust_opens=175.0 * DEGREE,
+        overlap_begins=2.0 * np.pi - half,
+        overlap_ends=2.0 * np.pi + half,
+    )
+    found = gas_cycle(cycle, position, AREA, heat=0.0)
+    # Overlap and blow-down over 5 deg at a dead center: V_s (1 + R / L) half^2 / 4 at most each.
+    assert found.mean_effective_pressure == pytest.approx(1e5, rel=2e-3)
