@@ -1,0 +1,309 @@
+"""What the inertia of the moving parts leaves over: forces and moments on the engine, by order."""
+
+import cmath
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from dynamics.checks import FloatArray, finite_array, positive_number
+from dynamics.engine.hodograph import Hodograph, hodograph_sum
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.moving_masses import MovingMasses, moving_masses
+from dynamics.engine.orders import checked_orders, turn_spectrum
+from dynamics.mechanism.motion import ComplexArray
+from geometry.errors import InputError
+
+BalanceModel = Literal["rigid", "two-mass"]
+# Forces below this share of the sum of all masses times R w^2 are round-off.
+BALANCED = 1e-12
+
+
+@dataclass(frozen=True)
+class Resultant:
+    """A force and its moment, both of one order.
+
+    Parameters
+    ----------
+    force : Hodograph
+        On the engine [N].
+    moment : Hodograph
+        Moment vector about a point of the shaft axis [N m], the sum of z e_z x F: a force at z
+        turned by 90 deg.
+    """
+
+    force: Hodograph
+    moment: Hodograph
+
+
+@dataclass(frozen=True)
+class OrderBalance:
+    """The inertia forces of one order and their moments.
+
+    Parameters
+    ----------
+    order : int
+        Cycles per turn of the shaft.
+    total : Resultant
+        All parts together.
+    reciprocating : Resultant
+        Of the masses at the piston pins.
+    rotating : Resultant
+        Of the masses at the crankpins and of counterweights; first order only.
+    lateral : Resultant
+        Of what lies beside the rods' axes, slave pins included; zero in the two-mass model.
+    force_scale : float
+        Sum of all moving masses times R w^2 [N].
+    moment_scale : float
+        That times the largest distance of a cylinder from the point [N m].
+    """
+
+    order: int
+    total: Resultant
+    reciprocating: Resultant
+    rotating: Resultant
+    lateral: Resultant
+    force_scale: float
+    moment_scale: float
+
+    @property
+    def force(self) -> Hodograph:
+        """The whole force [N]."""
+        return self.total.force
+
+    @property
+    def moment(self) -> Hodograph:
+        """The whole moment [N m]."""
+        return self.total.moment
+
+    @property
+    def force_balanced(self) -> bool:
+        """Whether the force is round-off."""
+        return self.force.major <= BALANCED * self.force_scale
+
+    @property
+    def moment_balanced(self) -> bool:
+        """Whether the moment is round-off."""
+        return self.moment.major <= BALANCED * self.moment_scale
+
+
+@dataclass(frozen=True)
+class Balance:
+    """The balance of an engine at one speed.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    speed : float
+        Of the shaft [rad/s]; forces grow with its square.
+    about : float
+        Where on the shaft axis moments are taken [m].
+    model : str
+        "rigid" or "two-mass".
+    rows : tuple of OrderBalance
+        One for each order.
+    """
+
+    engine: EngineLayout
+    speed: float
+    about: float
+    model: BalanceModel
+    rows: tuple[OrderBalance, ...]
+
+    def of(self, order: int) -> OrderBalance:
+        """Return one order.
+
+        Raises
+        ------
+        InputError
+            If it was not asked for.
+        """
+        for row in self.rows:
+            if row.order == order:
+                return row
+        raise InputError(
+            f"order: given {order}; allowed are {', '.join(str(row.order) for row in self.rows)}, "
+            "because these were asked for."
+        )
+
+
+def balance(
+    engine: EngineLayout,
+    speed: float,
+    orders: Sequence[int] = (1, 2, 4),
+    *,
+    about: float | None = None,
+    model: BalanceModel = "rigid",
+) -> Balance:
+    """Find the inertia forces and moments that act on the engine at constant speed, by order.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+        Its `rotating` masses are counterweights, and what its throws have out of balance.
+    speed : float
+        Of the shaft [rad/s].
+    orders : sequence of int, optional
+        Cycles per turn of the shaft.
+    about : float, optional
+        Where on the shaft axis moments are taken [m]; the middle of the cylinders if not given.
+    model : str, optional
+        "rigid": pistons and rods as they are. "two-mass": masses at the ends of the rods only, a
+        hinged rod's foot shared out to the main rod's ends; differs where something lies beside a
+        rod's axis.
+
+    Returns
+    -------
+    Balance
+
+    Raises
+    ------
+    InputError
+        If the speed is not above zero, an order is not a whole number of 1 or more, or there is no
+        such model.
+
+    Notes
+    -----
+    The force is minus the sum of mass times acceleration, exact: orders come from a fast Fourier
+    transform of so many samples that nothing is folded back on them. A hinged rod's foot acts in
+    the plane of the main rod. Gas forces leave no force on the engine, nor a moment about x or y.
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> from dynamics.engine.cylinder import EngineCylinder
+    >>> from dynamics.mechanism.rods import ConnectingRod
+    >>> rod = ConnectingRod(length=0.15, mass=0.6, center_distance=0.05, inertia=0.002)
+    >>> engine = EngineLayout(
+    ...     0.045,
+    ...     [
+    ...         EngineCylinder(0.09, 0.5, rod, crank_angle=angle, position=0.1 * place)
+    ...         for place, angle in enumerate((0, pi, pi, 0))
+    ...     ],
+    ...     [1, 3, 4, 2],
+    ... )
+    >>> found = balance(engine, 600.0)
+    >>> found.of(1).force_balanced, found.of(2).force_balanced
+    (True, False)
+    >>> round(found.of(2).force.major)  # 4 m R w^2 (lambda + lambda^3 / 4 + ...)
+    13928
+    """
+    turning = positive_number("speed", speed, "rad/s", "the shaft turns")
+    wanted = checked_orders(orders)
+    if model not in get_args(BalanceModel):
+        raise InputError(
+            f"model: given {model!r}; allowed are {', '.join(get_args(BalanceModel))}, because these are "
+            "the ways to count the rods' mass."
+        )
+    places = [cylinder.position for cylinder in engine.cylinders]
+    middle = 0.5 * (min(places) + max(places))
+    point = middle if about is None else float(finite_array("about", about))
+    masses = moving_masses(engine)
+    moving = sum(one.reciprocating + one.rotating for one in masses)
+    statics = sum(mass.static_moment for mass in engine.rotating)
+    force_scale = (moving * engine.crank_radius + statics) * turning**2
+    reach = max(engine.crank_radius, *(abs(place - point) for place in places))
+    to_and_fro = _reciprocating(engine, masses, turning, wanted)
+    beside = _lateral(engine, masses, turning, wanted) if model == "rigid" else {}
+    with_the_crank = _rotating(engine, masses, turning)
+    rows = []
+    for order in wanted:
+        to_fro, side = to_and_fro[order], beside.get(order, [])
+        turns = with_the_crank if order == 1 else []
+        rows.append(
+            OrderBalance(
+                order,
+                total=_resultant(order, (*to_fro, *turns, *side), point),
+                reciprocating=_resultant(order, to_fro, point),
+                rotating=_resultant(order, turns, point),
+                lateral=_resultant(order, side, point),
+                force_scale=force_scale,
+                moment_scale=force_scale * reach,
+            )
+        )
+    return Balance(engine, turning, point, model, tuple(rows))
+
+
+# A force and where along the shaft it acts.
+_Placed = tuple[float, Hodograph]
+
+
+def _resultant(order: int, forces: Iterable[_Placed], about: float) -> Resultant:
+    given = list(forces)
+    return Resultant(
+        hodograph_sum(order, (force for _, force in given)),
+        hodograph_sum(order, (force.times(1j * (place - about)) for place, force in given)),
+    )
+
+
+def _reciprocating(
+    engine: EngineLayout, masses: Sequence[MovingMasses], speed: float, orders: Sequence[int]
+) -> dict[int, list[_Placed]]:
+    numbers = range(1, len(engine.cylinders) + 1)
+
+    def forces(angles: FloatArray) -> ComplexArray:
+        motions = (cylinder_motion(engine, number, angles).piston for number in numbers)
+        return np.array(
+            [
+                -mass.reciprocating * motion.acceleration(speed).real
+                for mass, motion in zip(masses, motions, strict=True)
+            ]
+        )
+
+    return _placed(engine, forces, orders)
+
+
+def _lateral(
+    engine: EngineLayout, masses: Sequence[MovingMasses], speed: float, orders: Sequence[int]
+) -> dict[int, list[_Placed]]:
+    """Return the forces of the static moments S beside the rods: -S i d^2/dt^2 exp(i t)."""
+    if not any(mass.lateral for mass in masses):
+        return {}
+    numbers = range(1, len(engine.cylinders) + 1)
+
+    def forces(angles: FloatArray) -> ComplexArray:
+        turns = (cylinder_motion(engine, number, angles).rod for number in numbers)
+        return np.array(
+            [
+                -1j
+                * mass.lateral
+                * speed**2
+                * (1j * turn.second - turn.first**2)
+                * np.exp(1j * turn.angle)
+                for mass, turn in zip(masses, turns, strict=True)
+            ]
+        )
+
+    return _placed(engine, forces, orders)
+
+
+def _placed(
+    engine: EngineLayout, forces: Callable[[FloatArray], ComplexArray], orders: Sequence[int]
+) -> dict[int, list[_Placed]]:
+    """Return the orders of forces in the cylinders' frames as placed hodographs in the engine's."""
+    spectrum = turn_spectrum(forces, max(orders))
+    found: dict[int, list[_Placed]] = {}
+    for order in orders:
+        ahead, back = spectrum.of(order).tolist(), spectrum.of(-order).tolist()
+        found[order] = [
+            (
+                cylinder.position,
+                Hodograph(order, forward, backward).times(cmath.exp(1j * cylinder.bank_angle)),
+            )
+            for cylinder, forward, backward in zip(engine.cylinders, ahead, back, strict=True)
+        ]
+    return found
+
+
+def _rotating(engine: EngineLayout, masses: Sequence[MovingMasses], speed: float) -> list[_Placed]:
+    at_pins = [
+        (cylinder.position, mass.rotating * engine.crank_radius, cylinder.crank_angle)
+        for cylinder, mass in zip(engine.cylinders, masses, strict=True)
+    ]
+    on_shaft = [(mass.position, mass.static_moment, mass.angle) for mass in engine.rotating]
+    return [
+        (place, Hodograph(1, static * speed**2 * cmath.exp(1j * angle), 0j))
+        for place, static, angle in (*at_pins, *on_shaft)
+    ]

@@ -1,0 +1,175 @@
+"""What hinged rods change in the inertia forces, against rods side by side on the crankpin."""
+
+import cmath
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from dynamics.checks import FloatArray, positive_number
+from dynamics.engine.hodograph import Hodograph, hodograph_sum
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.moving_masses import moving_masses
+from dynamics.engine.orders import (
+    checked_cylinder,
+    checked_orders,
+    piston_acceleration,
+    turn_spectrum,
+)
+from geometry.errors import InputError
+
+
+@dataclass(frozen=True)
+class HodographChange:
+    """How one hodograph differs from another.
+
+    Parameters
+    ----------
+    major, minor : float or None
+        Change of the semi-axes as a share of the other's; none where the other's is zero.
+    turn : float or None
+        Turn of the major axis about +z [rad], -pi/2 to pi/2; none where one has no major axis.
+    """
+
+    major: float | None
+    minor: float | None
+    turn: float | None
+
+
+def hodograph_change(hodograph: Hodograph, reference: Hodograph) -> HodographChange:
+    """Return how a hodograph differs from a reference."""
+    turn = (
+        None
+        if hodograph.angle is None or reference.angle is None
+        else math.remainder(hodograph.angle - reference.angle, math.pi)
+    )
+    # The minor axis of a line is round-off.
+    minor = hodograph.minor / reference.minor - 1.0 if reference.sense else None
+    major = hodograph.major / reference.major - 1.0 if reference.major else None
+    return HodographChange(major, minor, turn)
+
+
+@dataclass(frozen=True)
+class HingedRodEffects:
+    """Inertia forces of one order [N], with rods side by side and hinged, and what makes it up.
+
+    Parameters
+    ----------
+    order : int
+        Cycles per turn of the shaft.
+    side_by_side : Hodograph
+        Each hinged rod replaced by a copy of the main rod, and its reciprocating mass by that of
+        the main rod's cylinder.
+    kinematics : Hodograph
+        The pistons move as they do, the masses are those of the main rods' cylinders.
+    masses : Hodograph
+        The pistons move as with rods side by side, the masses are their own.
+    hinged : Hodograph
+        Movement and masses as they are.
+    """
+
+    order: int
+    side_by_side: Hodograph
+    kinematics: Hodograph
+    masses: Hodograph
+    hinged: Hodograph
+
+
+def hinged_rod_effects(
+    engine: EngineLayout,
+    speed: float,
+    orders: Sequence[int] = (1, 2),
+    cylinders: Sequence[int] | None = None,
+) -> tuple[HingedRodEffects, ...]:
+    """Tell the effects of the hinged rods' kinematics and masses on the inertia forces apart.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+        With at least one hinged rod.
+    speed : float
+        Of the shaft [rad/s].
+    orders : sequence of int, optional
+        Cycles per turn of the shaft.
+    cylinders : sequence of int, optional
+        Numbers of the cylinders whose forces are added, such as the two of one throw; all if not
+        given.
+
+    Returns
+    -------
+    tuple of HingedRodEffects
+        One for each order. Reciprocating masses only, as `moving_masses` gives them.
+
+    Raises
+    ------
+    InputError
+        If none of the cylinders has a hinged rod, there is no such cylinder, an order is not a
+        whole number of 1 or more, or the speed is not above zero.
+
+    Notes
+    -----
+    After Mikhina, Vyalkov 2024, Politekhnicheskiy molodezhnyy zhurnal no. 05 (94).
+    """
+    positive_number("speed", speed, "rad/s", "the shaft turns")
+    wanted = checked_orders(orders)
+    count = len(engine.cylinders)
+    chosen = range(1, count + 1) if cylinders is None else cylinders
+    numbers = [checked_cylinder(engine, number) for number in chosen]
+    if all(engine.main_of(number) == number for number in numbers):
+        raise InputError(
+            f"cylinders: given {numbers}, none of which has a hinged rod; allowed are cylinders with one, "
+            "because their effect is asked for."
+        )
+    beside = _side_by_side(engine)
+    own = [masses.reciprocating for masses in moving_masses(engine)]
+    of_mains = [own[engine.main_of(number) - 1] for number in range(1, count + 1)]
+
+    def forces(layout: EngineLayout, masses: Sequence[float]) -> list[Hodograph]:
+        return _reciprocating_forces(layout, masses, numbers, speed, wanted)
+
+    cases = (
+        forces(beside, of_mains),
+        forces(engine, of_mains),
+        forces(beside, own),
+        forces(engine, own),
+    )
+    return tuple(
+        HingedRodEffects(order, *each)
+        for order, each in zip(wanted, zip(*cases, strict=True), strict=True)
+    )
+
+
+def _side_by_side(engine: EngineLayout) -> EngineLayout:
+    """Return the engine with copies of the main rods in place of the hinged ones."""
+    mains = [
+        engine.cylinders[engine.main_of(number) - 1]
+        for number in range(1, len(engine.cylinders) + 1)
+    ]
+    cylinders = [
+        replace(cylinder, rod=main.rod, pin_offset=main.pin_offset, slave_pin=None)
+        for cylinder, main in zip(engine.cylinders, mains, strict=True)
+    ]
+    return replace(engine, cylinders=cylinders)
+
+
+def _reciprocating_forces(
+    engine: EngineLayout,
+    masses: Sequence[float],
+    numbers: Sequence[int],
+    speed: float,
+    orders: Sequence[int],
+) -> list[Hodograph]:
+    """Return the sum of mass times acceleration towards the shaft, along the axes, by order."""
+    parts: dict[int, list[Hodograph]] = {order: [] for order in orders}
+    for number in numbers:
+        cylinder = engine.cylinders[number - 1]
+
+        def acceleration(angles: FloatArray, number: int = number) -> FloatArray:
+            top = engine.cylinders[number - 1].top_shaft_angle
+            return piston_acceleration(engine, number, angles - top, speed)
+
+        spectrum = turn_spectrum(acceleration, max(orders))
+        factor = masses[number - 1] * cmath.exp(1j * cylinder.bank_angle)
+        for order in orders:
+            ahead, back = complex(spectrum.of(order)), complex(spectrum.of(-order))
+            parts[order].append(Hodograph(order, ahead, back).times(factor))
+    return [hodograph_sum(order, parts[order]) for order in orders]

@@ -1,0 +1,196 @@
+"""Hodographs: the curve that the head of a plane vector runs along as the shaft turns."""
+
+import cmath
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_array
+from dynamics.engine.orders import checked_orders
+from dynamics.mechanism.motion import ComplexArray
+from geometry.errors import InputError
+
+# An ellipse whose axes differ by less than this share is a circle; one so flat is a line.
+ROUND_OFF = 1e-12
+# Directions nearer to -90 deg than this [rad] are written as +90 deg.
+FOLD = 1e-9
+
+
+@dataclass(frozen=True)
+class Hodograph:
+    """One order of a plane vector: F(phi) = P exp(i k phi) + Q exp(-i k phi), an ellipse.
+
+    Vectors are complex in the engine's frame, y - i x: the real part points up, and angles count
+    from there about +z, in the sense of rotation.
+
+    Parameters
+    ----------
+    order : int
+        k, cycles per turn of the shaft.
+    forward : complex
+        P, the part that turns with the shaft, k times as fast.
+    backward : complex
+        Q, the part that turns against it.
+
+    Examples
+    --------
+    >>> line = Hodograph(2, 100.0, 100.0)  # a force up and down
+    >>> line.major, line.minor, line.sense, line.angle
+    (200.0, 0.0, 0, 0.0)
+    """
+
+    order: int
+    forward: complex
+    backward: complex
+
+    @property
+    def major(self) -> float:
+        """Major semi-axis, |P| + |Q|: the largest value of the vector."""
+        return abs(self.forward) + abs(self.backward)
+
+    @property
+    def minor(self) -> float:
+        """Minor semi-axis, ||P| - |Q||: the least value of the vector."""
+        return abs(abs(self.forward) - abs(self.backward))
+
+    @property
+    def sense(self) -> int:
+        """1 where the vector turns with the shaft, -1 against it, 0 for a line (or nothing)."""
+        if self.minor <= ROUND_OFF * self.major:
+            return 0
+        return 1 if abs(self.forward) > abs(self.backward) else -1
+
+    @property
+    def angle(self) -> float | None:
+        """Direction of the major axis [rad], above -pi/2 to pi/2; none for a circle or a point.
+
+        Half the sum of the arguments of P and Q.
+        """
+        if self._is_round:
+            return None
+        # The argument of a product is the sum of both; its half is known up to half turns.
+        half = cmath.phase(_unit(self.forward) * _unit(self.backward)) / 2.0
+        return 0.5 * math.pi if half < FOLD - 0.5 * math.pi else half
+
+    @property
+    def largest_at(self) -> float | None:
+        """First shaft angle from zero at which the vector lies along the major axis [rad].
+
+        It does so again every half cycle, pi/k. None for a circle or a point.
+        """
+        if self._is_round:
+            return None
+        half = cmath.phase(_unit(self.backward) / _unit(self.forward)) / 2.0
+        return (half % math.pi) / self.order
+
+    @property
+    def _is_round(self) -> bool:
+        return self.major - self.minor <= ROUND_OFF * self.major
+
+    @property
+    def x(self) -> float:
+        """Amplitude of the component along x, across the engine."""
+        return self.amplitude_along(-0.5 * math.pi)
+
+    @property
+    def y(self) -> float:
+        """Amplitude of the component along y, up and down."""
+        return self.amplitude_along(0.0)
+
+    def amplitude_along(self, angle: float) -> float:
+        """Return the amplitude of the component in a direction [rad].
+
+        Re(F exp(-i angle)) has the coefficient P exp(-i angle) + conj(Q) exp(i angle).
+        """
+        turn = cmath.exp(-1j * angle)
+        return abs(self.forward * turn + (self.backward * turn).conjugate())
+
+    def at(self, shaft_angle: ArrayLike) -> ComplexArray:
+        """Return the vector y - i x at shaft angles [rad] of any shape.
+
+        Raises
+        ------
+        InputError
+            If an angle is not finite.
+        """
+        turn = np.exp(1j * self.order * finite_array("shaft_angle", shaft_angle))
+        return np.asarray(self.forward * turn + self.backward / turn)
+
+    def points(self, count: int = 181) -> tuple[FloatArray, FloatArray]:
+        """Return x and y of points along the closed curve, each real of shape (count,)."""
+        vectors = self.at(np.linspace(0.0, 2.0 * np.pi / self.order, count))
+        return -vectors.imag, vectors.real
+
+    def times(self, factor: complex) -> "Hodograph":
+        """Return the hodograph of the vector times a complex number: stretched and turned."""
+        return Hodograph(self.order, self.forward * factor, self.backward * factor)
+
+
+def _unit(number: complex) -> complex:
+    return number / abs(number)
+
+
+def hodograph_sum(order: int, hodographs: Iterable[Hodograph]) -> Hodograph:
+    """Return the hodograph of the sum of vectors of one order."""
+    given = list(hodographs)
+    return Hodograph(
+        order,
+        _accurate_sum(one.forward for one in given),
+        _accurate_sum(one.backward for one in given),
+    )
+
+
+def _accurate_sum(numbers: Iterable[complex]) -> complex:
+    """Sum without the round-off of the sum, so that what cancels leaves that of its terms only."""
+    given = list(numbers)
+    return complex(math.fsum(one.real for one in given), math.fsum(one.imag for one in given))
+
+
+def order_vectors(vectors: ArrayLike, orders: Sequence[int]) -> tuple[Hodograph, ...]:
+    """Return the hodographs of some orders of a vector sampled over a turn.
+
+    Parameters
+    ----------
+    vectors : complex array_like of shape (m,)
+        y - i x at m shaft angles, evenly over one turn from zero, the closing one left out.
+    orders : sequence of int
+        Cycles per turn of the shaft.
+
+    Returns
+    -------
+    tuple of Hodograph
+        In the unit of the vectors.
+
+    Raises
+    ------
+    InputError
+        If a vector is not finite, or an order is not a whole number below half the number of
+        samples.
+
+    Examples
+    --------
+    >>> angle = 2 * np.pi * np.arange(12) / 12
+    >>> (found,) = order_vectors(3 * np.exp(2j * angle) + np.exp(-2j * angle), [2])
+    >>> round(found.major, 9), round(found.minor, 9), found.sense
+    (4.0, 2.0, 1)
+    """
+    given = np.asarray(vectors, dtype=np.complex128)
+    if given.ndim != 1 or not np.all(np.isfinite(given)):
+        raise InputError(
+            f"vectors: given an array of shape {given.shape} with {np.count_nonzero(~np.isfinite(given))} "
+            "values not finite; allowed is a row of finite ones, because they follow the shaft."
+        )
+    wanted = checked_orders(orders)
+    if 2 * max(wanted) >= given.size:
+        raise InputError(
+            f"orders: given {max(wanted)} with {given.size} samples; allowed is less than half the number "
+            "of samples over a turn, because they resolve no more."
+        )
+    coefficients = np.fft.fft(given) / given.size
+    return tuple(
+        Hodograph(order, complex(coefficients[order]), complex(coefficients[-order]))
+        for order in wanted
+    )

@@ -1,0 +1,242 @@
+"""Load diagrams of crankpins and main bearings over one working cycle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_array, finite_vector, positive_number
+from dynamics.cycle import (
+    covers_cycle,
+    cycle_degrees,
+    first_not_increasing,
+    first_uneven,
+    has_closing_sample,
+)
+from dynamics.engine.forces import MechanismForces, pin_groups, summed
+from dynamics.mechanism.motion import ComplexArray
+from geometry.errors import InputError
+
+FEWEST_ANGLES = 3
+
+
+@dataclass(frozen=True, eq=False)
+class LoadDiagram:
+    """The force on one bearing over a working cycle.
+
+    Parameters
+    ----------
+    name : str
+        Of the crankpin or main bearing.
+    angles : ndarray of shape (m,)
+        Shaft angles [rad], even over one cycle, closing sample left out.
+    force : complex ndarray of shape (m,)
+        y - i x in the engine's frame [N]: of the rods on the crankpin, or of the main journal on its
+        bearing.
+    crank_angle : float
+        Of the crank that the turning frame follows, about +z, counted from +y, when the shaft angle
+        is zero [rad]: the crankpin's own; of cylinder 1 for a main bearing.
+    """
+
+    name: str
+    angles: FloatArray
+    force: ComplexArray
+    crank_angle: float
+
+    @property
+    def in_crank_frame(self) -> ComplexArray:
+        """Force in the frame that turns with the crank, -Z + i T, shape (m,) [N]."""
+        return np.asarray(self.force * np.exp(-1j * (self.crank_angle + self.angles)))
+
+    @property
+    def magnitude(self) -> FloatArray:
+        """Size of the force, shape (m,) [N]."""
+        return np.abs(self.force)
+
+    @property
+    def mean(self) -> float:
+        """Mean size of the force over the cycle [N]."""
+        return float(np.mean(self.magnitude))
+
+    @property
+    def maximum(self) -> float:
+        """Largest size of the force at the sampled angles [N]."""
+        return float(np.max(self.magnitude))
+
+    @property
+    def maximum_angle(self) -> float:
+        """Shaft angle of the largest force [rad]."""
+        return float(self.angles[int(np.argmax(self.magnitude))])
+
+    def specific_pressure(self, diameter: float, length: float) -> FloatArray:
+        """Return the size of the force over the journal's projected area, shape (m,) [Pa].
+
+        Parameters
+        ----------
+        diameter, length : float
+            Of the bearing surface [m].
+
+        Raises
+        ------
+        InputError
+            If a size is not above zero.
+        """
+        across = positive_number("bearing diameter", diameter, "m", "it is a length")
+        along = positive_number("bearing length", length, "m", "it is a length")
+        return self.magnitude / (across * along)
+
+    def columns(self) -> dict[str, FloatArray]:
+        """Return what a table of the diagram shows, each of shape (m,), units in the names."""
+        turning = self.in_crank_frame
+        return {
+            "shaft_angle_deg": np.degrees(self.angles),
+            "force_x_N": -self.force.imag,
+            "force_y_N": self.force.real,
+            "tangential_N": turning.imag,
+            "radial_N": -turning.real,
+            "magnitude_N": self.magnitude,
+        }
+
+
+def crankpin_loads(forces: MechanismForces) -> tuple[LoadDiagram, ...]:
+    """Return the load of each crankpin bearing.
+
+    Parameters
+    ----------
+    forces : MechanismForces
+        At even angles over one working cycle; a closing sample is left out.
+
+    Returns
+    -------
+    tuple of LoadDiagram
+        One for each rod on the crankshaft, in the order of the cylinders: rods side by side on one
+        pin have bearings of their own, rods hinged to a main rod load its bearing.
+
+    Raises
+    ------
+    InputError
+        If the angles are not even over one cycle.
+
+    Notes
+    -----
+    The force is that of the rod on the pin, with what the rod's own motion brings; the pin presses
+    on the rod's bearing with its opposite.
+    """
+    used = _one_cycle(forces)
+    diagrams = []
+    for group in pin_groups(forces.engine):
+        noun = "cylinder" if len(group) == 1 else "cylinders"
+        numbers = " and ".join(str(number) for number in group)
+        diagrams.append(
+            LoadDiagram(
+                f"crankpin, {noun} {numbers}",
+                forces.shaft_angles[:used],
+                summed(forces, group)[:used],
+                forces.engine.cylinders[group[0] - 1].crank_angle,
+            )
+        )
+    return tuple(diagrams)
+
+
+def main_bearing_loads(
+    forces: MechanismForces,
+    bearing_positions: ArrayLike,
+    speed: float | FloatArray,
+    *,
+    crank_acceleration: float | FloatArray = 0.0,
+) -> tuple[LoadDiagram, ...]:
+    """Return the load of each main bearing, as if the shaft were hinged at every bearing.
+
+    Each force acts on the two bearings beside it, shared by the lever: statically determinate. A
+    shaft that runs on through its bearings shares every load among all of them, by its own stiffness
+    and the bearings'; loads on the bearings next to the force are then usually smaller, and loads
+    two bearings away not zero.
+
+    Parameters
+    ----------
+    forces : MechanismForces
+        At even angles over one working cycle; a closing sample is left out.
+    bearing_positions : array_like of shape (k,)
+        Of the bearings' middles along the shaft, ascending [m].
+    speed : float or ndarray of shape (m,)
+        Of the shaft, that of `forces` [rad/s].
+    crank_acceleration : float or ndarray of shape (m,), optional
+        That of `forces` [rad/s^2].
+
+    Returns
+    -------
+    tuple of k LoadDiagram
+        Of the journals on their bearings. Rods load the shaft at the position of the cylinder whose
+        rod is on the crankpin; the engine's rotating masses where they are. Weights are left out.
+
+    Raises
+    ------
+    InputError
+        If the angles are not even over one cycle, there are fewer than two bearings, their positions
+        do not ascend, or a load does not lie between them.
+    """
+    used = _one_cycle(forces)
+    bearings = _bearing_positions(bearing_positions)
+    engine, angles = forces.engine, forces.shaft_angles
+    places, loads = [], []
+    for group in pin_groups(engine):
+        place = engine.cylinders[group[0] - 1].position
+        _check_between(f"cylinder {group[0]}: position", place, bearings)
+        places.append(place)
+        loads.append(summed(forces, group))
+    # A mass at r turns with it: its force on the shaft is -m r'' = m r (w^2 - i w').
+    swing = np.broadcast_to(finite_array("speed", speed), angles.shape) ** 2 - 1j * (
+        finite_array("crank_acceleration", crank_acceleration)
+    )
+    for number, mass in enumerate(engine.rotating, start=1):
+        _check_between(f"rotating mass {number}: position", mass.position, bearings)
+        places.append(mass.position)
+        loads.append(mass.static_moment * swing * np.exp(1j * (mass.angle + angles)))
+    # Bearing j takes the share of a load that a hat function has at its place.
+    shares = np.array([np.interp(places, bearings, hat) for hat in np.eye(bearings.size)])
+    carried = shares @ np.array(loads)[:, :used]
+    crank_angle = engine.cylinders[0].crank_angle
+    return tuple(
+        LoadDiagram(f"main bearing {number}", angles[:used], force, crank_angle)
+        for number, force in enumerate(carried, start=1)
+    )
+
+
+def _one_cycle(forces: MechanismForces) -> int:
+    """Return how many of the angles stand in one cycle, without the closing one."""
+    degrees = np.degrees(forces.shaft_angles)
+    cycle = cycle_degrees(forces.engine.strokes)
+    if degrees.size < FEWEST_ANGLES:
+        given = f"{degrees.size} angles"
+    elif (falling := first_not_increasing(degrees)) is not None:
+        given = f"{degrees[falling]:g} deg after {degrees[falling - 1]:g} deg"
+    elif (uneven := first_uneven(degrees)) is not None:
+        given = f"uneven steps at {degrees[uneven]:g} deg"
+    elif has_closing_sample(degrees, cycle):
+        return degrees.size - 1
+    elif covers_cycle(degrees, cycle):
+        return degrees.size
+    else:
+        given = f"{degrees[0]:g} to {degrees[-1]:g} deg"
+    raise InputError(
+        f"shaft_angles: given {given}; allowed are even steps over one cycle of {cycle:g} deg, because "
+        "a load's mean is taken over the cycle."
+    )
+
+
+def _bearing_positions(values: ArrayLike) -> FloatArray:
+    bearings = finite_vector("bearing_positions", values)
+    if bearings.size < 2 or np.any(np.diff(bearings) <= 0.0):
+        raise InputError(
+            f"bearing_positions: given {bearings.tolist()} m; allowed are two or more ascending "
+            "positions, because every load lies between two bearings."
+        )
+    return bearings
+
+
+def _check_between(field: str, place: float, bearings: FloatArray) -> None:
+    if not bearings[0] <= place <= bearings[-1]:
+        raise InputError(
+            f"{field}: given {place:g} m; allowed is {bearings[0]:g} to {bearings[-1]:g} m, because a "
+            "load beyond the end bearings needs the shaft's stiffness to be shared."
+        )

@@ -1,0 +1,131 @@
+"""What moves to and fro and what turns: the masses of pistons and rods shared out to their ends."""
+
+import cmath
+import math
+from dataclasses import dataclass
+
+from dynamics.checks import nonnegative_number
+from dynamics.engine.cylinder import RotatingMass
+from dynamics.engine.layout import EngineLayout
+
+
+@dataclass(frozen=True)
+class MovingMasses:
+    """The masses of one cylinder's moving parts, as the inertia forces see them.
+
+    Parameters
+    ----------
+    reciprocating : float
+        At the piston pin: piston and the rod's share [kg].
+    rotating : float
+        At the crankpin [kg]; zero for a hinged rod, whose share is in the main rod's.
+    lateral : float
+        Static moment of what lies beside the rod's axis, positive to the side to which the crankpin
+        moves as it passes the top [kg m]: the part that two masses on the axis leave out.
+    """
+
+    reciprocating: float
+    rotating: float
+    lateral: float
+
+
+def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
+    """Return the masses of each cylinder's moving parts.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+
+    Returns
+    -------
+    tuple of n MovingMasses
+
+    Notes
+    -----
+    A point of a rod at u + i v moves as (1 - u/L) A + (u/L) B + i v exp(-i beta), A and B its
+    ends. So a rod of mass M puts M u/L at B and M (1 - u/L) at A, exactly, and keeps the static
+    moment M v. A hinged rod's A is the slave pin, the point p + i q of the main rod, and is shared
+    out again: (p/L) and (1 - p/L) of its mass go to the main rod's ends, and the static moment
+    grows by q times it. Mikhina, Vyalkov 2024, Politekhnicheskiy molodezhnyy zhurnal no. 05 (94),
+    does the same and leaves the static moment out.
+
+    Examples
+    --------
+    >>> from dynamics.engine.cylinder import EngineCylinder
+    >>> from dynamics.mechanism.rods import ConnectingRod
+    >>> rod = ConnectingRod(length=0.5, mass=10.0, center_distance=0.15, inertia=0.3)
+    >>> moving_masses(EngineLayout(0.1, [EngineCylinder(0.2, 7.0, rod)], [1]))
+    (MovingMasses(reciprocating=10.0, rotating=7.0, lateral=0.0),)
+    """
+    reciprocating = [cylinder.piston_mass for cylinder in engine.cylinders]
+    rotating = [0.0] * len(engine.cylinders)
+    lateral = [0.0] * len(engine.cylinders)
+
+    def share_out(place: int, mass: float, point: complex) -> float:
+        """Share a mass out to the ends of a rod; return what falls to its foot."""
+        at_piston = mass * point.real / engine.cylinders[place].rod.length
+        reciprocating[place] += at_piston
+        lateral[place] += mass * point.imag
+        return mass - at_piston
+
+    for place, cylinder in enumerate(engine.cylinders):
+        at_foot = share_out(place, cylinder.rod.mass, cylinder.rod.center)
+        if cylinder.slave_pin is not None:
+            main = cylinder.slave_pin.main_cylinder - 1
+            at_foot = share_out(main, at_foot, cylinder.slave_pin.place)
+            rotating[main] += at_foot
+        else:
+            rotating[place] += at_foot
+    return tuple(map(MovingMasses, reciprocating, rotating, lateral))
+
+
+def balancing_masses(
+    engine: EngineLayout, reciprocating_share: float = 0.0
+) -> tuple[RotatingMass, ...]:
+    """Return counterweights that cancel the rods' rotating masses, and a share of the others.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+        What it has as `rotating` is not counted.
+    reciprocating_share : float, optional
+        Share of the reciprocating masses of the throw that is balanced, too. With 0.5 nothing of
+        the first order is left that turns with the shaft: in a V engine of 90 deg nothing at all,
+        in others what turns against it.
+
+    Returns
+    -------
+    tuple of RotatingMass
+        One for each crankpin, opposite to it, in the plane of the main rod.
+
+    Raises
+    ------
+    InputError
+        If the share is negative or not finite.
+
+    Notes
+    -----
+    The first order of one cylinder is m R w^2 cos(alpha) along its axis: half of it turns with the
+    crankpin whatever the axis, half against it.
+    """
+    share = nonnegative_number(
+        "reciprocating_share", reciprocating_share, "", "the weights stand opposite to the crank"
+    )
+    pins: dict[int, float] = {}
+    for number, masses in enumerate(moving_masses(engine), start=1):
+        main = engine.main_of(number)
+        balanced = masses.rotating + share * masses.reciprocating
+        pins[main] = pins.get(main, 0.0) + balanced
+    return tuple(
+        RotatingMass(
+            mass * engine.crank_radius,
+            _opposite(engine.cylinders[main - 1].crank_angle),
+            engine.cylinders[main - 1].position,
+        )
+        for main, mass in pins.items()
+    )
+
+
+def _opposite(angle: float) -> float:
+    """Return the opposite direction [rad], 0 to below 2 pi."""
+    return cmath.phase(-cmath.exp(1j * angle)) % (2.0 * math.pi)

@@ -1,0 +1,202 @@
+"""Orders of what repeats every turn of the shaft, free of aliasing."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dynamics.checks import FloatArray, finite_vector, positive_number
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.motions import cylinder_motion
+from dynamics.harmonics import Harmonics, harmonics
+from dynamics.mechanism.motion import ComplexArray
+from geometry.errors import InputError
+
+# Samples over a turn are doubled until the upper orders are round-off: below this share of the
+# largest value. A crank of 0.999 rod lengths still needs less than the most.
+ROUND_OFF = 1e-14
+FEWEST, MOST = 64, 32768
+
+
+@dataclass(frozen=True, eq=False)
+class TurnSpectrum:
+    """Fourier coefficients of functions of the shaft angle, f = sum of c_k exp(i k phi).
+
+    Parameters
+    ----------
+    coefficients : complex ndarray of shape (..., N)
+        c_k in the order of the fast Fourier transform: 0, 1 ... N/2 - 1, -N/2 ... -1.
+    """
+
+    coefficients: ComplexArray
+
+    @property
+    def samples(self) -> int:
+        """Number of samples over a turn, N."""
+        return int(self.coefficients.shape[-1])
+
+    def of(self, order: int) -> ComplexArray:
+        """Return c_k of one order, positive or negative, of shape (...)."""
+        return np.asarray(self.coefficients[..., order])
+
+
+def turn_spectrum(
+    function: Callable[[FloatArray], NDArray[np.float64] | ComplexArray], highest: int
+) -> TurnSpectrum:
+    """Return the Fourier coefficients of functions that repeat every turn of the shaft.
+
+    Parameters
+    ----------
+    function : callable
+        Takes shaft angles (m,) [rad] and returns values (..., m).
+    highest : int
+        The highest order that is wanted.
+
+    Returns
+    -------
+    TurnSpectrum
+        Of as many samples as make orders from 3/8 of their number on round-off. What is folded
+        back onto a wanted order lies beyond them, so that it is round-off, too.
+
+    Raises
+    ------
+    InputError
+        If that takes too many samples: the crank is as good as as long as the rod.
+    """
+    count = FEWEST
+    while count * 3 // 8 <= highest:
+        count *= 2
+    while count <= MOST:
+        values = np.asarray(function(even_angles(count)))
+        coefficients = np.fft.fft(values) / count
+        upper = coefficients[..., 3 * count // 8 : count - 3 * count // 8 + 1]
+        if np.all(np.abs(upper) <= ROUND_OFF * np.max(np.abs(values), initial=0.0)):
+            return TurnSpectrum(coefficients)
+        count *= 2
+    raise InputError(
+        f"orders: given a mechanism whose orders do not fade out within {MOST} samples over a turn; "
+        "allowed are rods clearly longer than crank radius plus offset, because others jerk."
+    )
+
+
+def even_angles(count: int) -> FloatArray:
+    """Return so many angles [rad], evenly over a turn from zero, the closing one left out."""
+    return np.asarray(2.0 * np.pi / count * np.arange(count))
+
+
+def checked_orders(orders: Sequence[int]) -> tuple[int, ...]:
+    """Return orders as integers.
+
+    Raises
+    ------
+    InputError
+        If there is none, or one is not a whole number of 1 or more, or stands twice.
+    """
+    given = list(orders)
+    whole = [order for order in given if isinstance(order, int | np.integer) and order >= 1]
+    if not given or len(whole) != len(given) or len(set(given)) != len(given):
+        raise InputError(
+            f"orders: given {given}; allowed are different whole numbers of 1 or more, because "
+            "inertia forces repeat every turn."
+        )
+    return tuple(int(order) for order in given)
+
+
+def checked_cylinder(engine: EngineLayout, number: int) -> int:
+    """Return the number of a cylinder.
+
+    Raises
+    ------
+    InputError
+        If the engine has no such cylinder.
+    """
+    count = len(engine.cylinders)
+    if not isinstance(number, int | np.integer) or not 1 <= number <= count:
+        raise InputError(
+            f"cylinder: given {number!r}; allowed are the whole numbers 1 to {count}, because the "
+            f"engine has {count} cylinders."
+        )
+    return int(number)
+
+
+def piston_acceleration(
+    engine: EngineLayout, number: int, angles: ArrayLike, speed: float
+) -> FloatArray:
+    """Return the acceleration of a piston towards the shaft, at constant speed.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    number : int
+        Of the cylinder, from 1; its rod may be hinged to another.
+    angles : array_like of shape (m,)
+        Crank angle [rad], counted from where the crank lies along this cylinder's axis.
+    speed : float
+        Of the shaft [rad/s].
+
+    Returns
+    -------
+    ndarray of shape (m,)
+        [m/s^2], positive at the top: R w^2 (cos alpha + lambda cos 2 alpha + ...). The piston's
+        inertia force, away from the shaft, is mass times this.
+
+    Raises
+    ------
+    InputError
+        If the engine has no such cylinder, an angle is not finite or the speed not above zero.
+    """
+    place = checked_cylinder(engine, number)
+    turning = positive_number("speed", speed, "rad/s", "the shaft turns")
+    shaft = finite_vector("angles", angles) + engine.cylinders[place - 1].top_shaft_angle
+    return -cylinder_motion(engine, place, shaft).piston.acceleration(turning).real
+
+
+def acceleration_orders(
+    engine: EngineLayout, number: int, speed: float, highest: int = 8
+) -> Harmonics:
+    """Return the orders of a piston's acceleration towards the shaft, exact to round-off.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    number : int
+        Of the cylinder, from 1.
+    speed : float
+        Of the shaft [rad/s].
+    highest : int, optional
+        The highest order that is needed.
+
+    Returns
+    -------
+    Harmonics
+        Orders 1, 2 ... per turn [m/s^2], with the crank angle counted as in `piston_acceleration`.
+
+    Raises
+    ------
+    InputError
+        As `piston_acceleration`, and if `highest` is not a whole number of 1 or more.
+
+    Notes
+    -----
+    With a rod on the crankpin and no pin offset the first order is R w^2 and the odd ones beyond
+    are zero. So they are with a hinged rod whose pin stands, from the main rod, at the angle
+    between the cylinders: sin beta has odd orders only, so has the way of the slave pin across the
+    other cylinder, and what its square brings has even ones.
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> from dynamics.engine.cylinder import EngineCylinder
+    >>> from dynamics.mechanism.rods import ConnectingRod
+    >>> rod = ConnectingRod(length=0.65, mass=40.0, center_distance=0.2, inertia=2.0)
+    >>> engine = EngineLayout(0.13, [EngineCylinder(0.26, 44.1, rod)], [1])
+    >>> acceleration_orders(engine, 1, 1000 * pi / 30).amplitude[:4].round(2).tolist()
+    [1425.61, 288.03, 0.0, 2.94]
+    """
+    checked_orders([highest])
+    spectrum = turn_spectrum(
+        lambda angles: piston_acceleration(engine, number, angles, speed), highest
+    )
+    angles = even_angles(spectrum.samples)
+    return harmonics(piston_acceleration(engine, number, angles, speed), strokes=2)

@@ -1,0 +1,273 @@
+"""Balance of well-known engines against what textbooks state, derived by hand.
+
+Source: one cylinder with crank radius R, lambda = R/L and reciprocating mass m has the inertia force
+m R w^2 (cos a + A_2 cos 2a + A_4 cos 4a + ...) along its axis. From s = R cos a + L sqrt(1 - lambda^2
+sin^2 a), with the binomial series and sin^2n a as a sum of cosines,
+
+    A_2k = (2k)^2 (2/lambda) (-1)^k sum over n >= k of C(1/2, n) (-lambda^2/4)^n C(2n, n-k),
+
+whose first terms are the textbooks' A_2 = lambda + lambda^3/4 + 15 lambda^5/128 and
+A_4 = -(lambda^3/4 + 3 lambda^5/16). The resultants of an engine follow from summing exp(i k angle) over
+its cranks by hand; the results stand at each engine below and in handbooks (for example the tables of
+free forces and moments in Bosch's Automotive Handbook), with h_k = m R w^2 A_k and cylinder pitch a.
+
+Tolerances: the series above is summed until its terms are below 1e-17, the engines are exact: 1e-12 of
+the value leaves room for round-off of some tens of terms. Numbers printed with three digits after the
+point are met to half of the last one.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import binom
+
+from dynamics.engine.balance import balance
+from dynamics.engine.cylinder import EngineCylinder, RotatingMass
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.moving_masses import balancing_masses
+from dynamics.engine.orders import acceleration_orders
+from dynamics.mechanism.rods import ConnectingRod
+
+RADIUS, LENGTH, SPEED, PITCH = 0.05, 0.16, 400.0, 0.11
+# Reciprocating 0.5 + 0.6 * 0.25 = 0.65 kg, rotating 0.45 kg.
+PISTON, ROD = 0.5, ConnectingRod(LENGTH, 0.6, 0.04, 0.003)
+RECIPROCATING, ROTATING = 0.65, 0.45
+UNIT = RECIPROCATING * RADIUS * SPEED**2
+EXACT = 1e-12
+
+
+def coefficient(order, ratio):
+    """A_k of the inertia force, from the binomial series."""
+    half = order // 2
+    terms = [
+        binom(0.5, n) * (-(ratio**2) / 4.0) ** n * binom(2 * n, n - half) for n in range(half, 60)
+    ]
+    return order**2 * 2.0 / ratio * (-1) ** half * math.fsum(terms)
+
+
+def size(order):
+    return UNIT * (1.0 if order == 1 else abs(coefficient(order, RADIUS / LENGTH)))
+
+
+def engine(cranks_deg, banks_deg=(0.0,), pin_step_deg=0.0):
+    """One throw for each crank angle, with a cylinder for each bank; cranks of a throw may differ."""
+    cylinders = [
+        EngineCylinder(
+            0.09,
+            PISTON,
+            ROD,
+            math.radians(crank + place * pin_step_deg),
+            math.radians(bank),
+            throw * PITCH,
+        )
+        for throw, crank in enumerate(cranks_deg)
+        for place, bank in enumerate(banks_deg)
+    ]
+    tops = [cylinder.top_shaft_angle for cylinder in cylinders]
+    return EngineLayout(
+        RADIUS, cylinders, list(range(1, len(cylinders) + 1)), 2, firing_angles=tops
+    )
+
+
+def rotating_balanced(cranks_deg, banks_deg=(0.0,), pin_step_deg=0.0):
+    plain = engine(cranks_deg, banks_deg, pin_step_deg)
+    return replace(plain, rotating=balancing_masses(plain))
+
+
+def approx(value):
+    return pytest.approx(value, rel=EXACT)
+
+
+def test_series_of_the_slider_crank():
+    for ratio in (0.15, 0.25, 0.3125):
+        rod = ConnectingRod(RADIUS / ratio, 0.6, 0.04, 0.003)
+        single = EngineLayout(RADIUS, [EngineCylinder(0.09, PISTON, rod)], [1])
+        found = acceleration_orders(single, 1, SPEED, 8)
+        unit = RADIUS * SPEED**2
+        assert found.cosine[0] == approx(unit)
+        for order in (2, 4, 6, 8):
+            assert found.cosine[order - 1] == pytest.approx(
+                unit * coefficient(order, ratio), abs=1e-14 * unit
+            )
+        np.testing.assert_allclose(found.amplitude[2:8:2], 0.0, atol=1e-14 * unit)
+        # What the first terms leave is of the order of the next one, with coefficients below 0.15.
+        second = ratio + ratio**3 / 4 + 15 * ratio**5 / 128
+        assert coefficient(2, ratio) == pytest.approx(second, abs=0.15 * ratio**7)
+        fourth = -(ratio**3) / 4 - 3 * ratio**5 / 16
+        assert coefficient(4, ratio) == pytest.approx(fourth, abs=0.15 * ratio**7)
+
+
+def test_one_cylinder():
+    found = balance(engine([0.0]), SPEED)
+    first = found.of(1).force
+    assert first.major == approx((RECIPROCATING + ROTATING) * RADIUS * SPEED**2)
+    assert first.minor == approx(ROTATING * RADIUS * SPEED**2)
+    assert (first.angle, first.sense) == (pytest.approx(0.0, abs=1e-12), 1)
+    for order in (2, 4):
+        assert found.of(order).force.major == approx(size(order))
+        assert found.of(order).force.sense == 0
+        assert found.of(order).moment_balanced
+
+
+def test_one_cylinder_with_an_offset():
+    """Against quadrature of the piston's way, s = R cos a + sqrt(L^2 - (R sin a - e)^2)."""
+    offset = 0.012
+    cylinder = EngineCylinder(0.09, PISTON, ROD, pin_offset=offset)
+    found = balance(EngineLayout(RADIUS, [cylinder], [1]), SPEED, (1, 2, 3, 4))
+
+    def way(angle):
+        side = RADIUS * math.sin(angle) - offset
+        return RADIUS * math.cos(angle) + math.sqrt(LENGTH**2 - side**2)
+
+    for row in found.rows:
+        order = row.order
+        parts = [
+            quad(way, 0.0, 2.0 * math.pi, weight=weight, wvar=order, epsabs=1e-13)[0] / math.pi
+            for weight in ("cos", "sin")
+        ]
+        wanted = RECIPROCATING * SPEED**2 * order**2 * complex(*parts)
+        made = row.reciprocating.force
+        # 1e-13 m of the way is 16 * 1e-13 / R of the force of fourth order.
+        assert 2.0 * made.forward.conjugate() == pytest.approx(wanted, abs=4e-11 * UNIT)
+    # The offset brings a third order, of -(R sin a - e)^4 / (8 L^3); what follows is a tenth of it.
+    third = 9.0 * RADIUS**2 * offset / (8.0 * LENGTH**3) * UNIT
+    assert found.of(3).force.major == pytest.approx(third, rel=0.15)
+
+
+def test_two_in_line():
+    """Cranks opposite: no first force, its moment (m + m_r) R w^2 a; second forces add up."""
+    found = balance(engine([0.0, 180.0]), SPEED)
+    assert found.of(1).force_balanced
+    assert found.of(1).moment.major == approx(
+        (RECIPROCATING + ROTATING) * RADIUS * SPEED**2 * PITCH
+    )
+    assert found.of(2).force.major == approx(2.0 * size(2))
+    assert found.of(2).moment_balanced
+
+
+def test_three_in_line():
+    """No forces; moments sqrt(3) h a of first, second and fourth order; the sixth order adds up."""
+    found = balance(rotating_balanced([0.0, 240.0, 120.0]), SPEED, (1, 2, 4, 6))
+    for order in (1, 2, 4):
+        assert found.of(order).force_balanced
+        assert found.of(order).moment.major == approx(math.sqrt(3.0) * size(order) * PITCH)
+        # Forces upwards have moments about the axis across.
+        assert abs(found.of(order).moment.angle) == approx(math.pi / 2)
+        assert found.of(order).moment.sense == 0
+    assert found.of(6).force.major == pytest.approx(3.0 * size(6), abs=EXACT * UNIT)
+    assert found.of(6).moment_balanced
+    # The throws' own moment turns with the shaft.
+    rotating = balance(engine([0.0, 240.0, 120.0]), SPEED).of(1).rotating.moment
+    assert rotating.major == approx(math.sqrt(3.0) * ROTATING * RADIUS * SPEED**2 * PITCH)
+    assert rotating.minor == approx(rotating.major)
+
+
+def test_four_in_line():
+    """Cranks 0-180-180-0: 4 h_2 and 4 h_4, nothing else."""
+    found = balance(engine([0.0, 180.0, 180.0, 0.0]), SPEED)
+    assert found.of(1).force_balanced
+    for order in (2, 4):
+        assert found.of(order).force.major == approx(4.0 * size(order))
+    assert all(row.moment_balanced for row in found.rows)
+
+
+def test_five_in_line():
+    """Firing order 1-2-4-5-3: moments 0.449 h_1 a and 4.980 h_2 a, as handbooks print."""
+    cranks = [0.0] * 5
+    for place, number in enumerate((1, 2, 4, 5, 3)):
+        cranks[number - 1] = -144.0 * place
+    found = balance(rotating_balanced(cranks), SPEED)
+    assert all(row.force_balanced for row in found.rows)
+    assert found.of(1).moment.major / (size(1) * PITCH) == pytest.approx(0.449, abs=5e-4)
+    assert found.of(2).moment.major / (size(2) * PITCH) == pytest.approx(4.980, abs=5e-4)
+
+
+def test_six_in_line():
+    """Cranks 0-120-240-240-120-0: only 6 h_6 and its multiples are left."""
+    found = balance(engine([0.0, 120.0, 240.0, 240.0, 120.0, 0.0]), SPEED, (1, 2, 3, 4, 5, 6))
+    assert all(row.moment_balanced for row in found.rows)
+    assert [row.order for row in found.rows if not row.force_balanced] == [6]
+    assert found.of(6).force.major == pytest.approx(6.0 * size(6), abs=EXACT * UNIT)
+
+
+def test_flat_twin():
+    """Opposite cylinders on opposite cranks: no forces, moments h a of every order."""
+    twin = EngineLayout(
+        RADIUS,
+        [
+            EngineCylinder(0.09, PISTON, ROD, crank, bank, place)
+            for crank, bank, place in ((0.0, math.pi / 2, 0.0), (math.pi, -math.pi / 2, PITCH))
+        ],
+        [1, 2],
+    )
+    found = balance(replace(twin, rotating=balancing_masses(twin)), SPEED)
+    for row in found.rows:
+        assert row.force_balanced
+        assert row.moment.major == approx(size(row.order) * PITCH)
+        # Forces to the side tilt the engine about the vertical.
+        assert row.moment.angle == pytest.approx(0.0, abs=1e-12)
+
+
+def test_vee_of_90_degrees():
+    """Each throw: first order m R w^2, turning; second sqrt(2) h_2 across, fourth up and down."""
+    found = balance(rotating_balanced([0.0], (-45.0, 45.0)), SPEED)
+    first, second, fourth = (row.force for row in found.rows)
+    assert first.major == approx(UNIT)
+    assert first.minor == approx(UNIT)
+    assert first.sense == 1
+    assert second.major == approx(math.sqrt(2.0) * size(2))
+    assert abs(second.angle) == approx(math.pi / 2)
+    assert fourth.major == approx(math.sqrt(2.0) * size(4))
+    assert fourth.angle == pytest.approx(0.0, abs=1e-12)
+
+
+def test_cross_plane_v8():
+    """Cranks 0-90-270-180: the moment sqrt(10) h_1 a turns with the shaft, counterweights cancel it."""
+    cranks, banks = [0.0, 90.0, 270.0, 180.0], (-45.0, 45.0)
+    found = balance(rotating_balanced(cranks, banks), SPEED)
+    assert found.of(1).force_balanced
+    assert found.of(1).moment.major == approx(math.sqrt(10.0) * UNIT * PITCH)
+    assert found.of(1).moment.minor == approx(math.sqrt(10.0) * UNIT * PITCH)
+    assert found.of(1).moment.sense == 1
+    assert found.of(2).force_balanced
+    assert found.of(2).moment_balanced
+    assert found.of(4).force.major == approx(4.0 * math.sqrt(2.0) * size(4))
+    # Two counterweights at the ends are enough: they carry the moment over another length.
+    plain = engine(cranks, banks)
+    moment = balance(plain, SPEED).of(1).moment
+    arm = (moment.forward / 1j / SPEED**2) / (3.0 * PITCH)
+    ends = [
+        RotatingMass(abs(arm), float(np.angle(arm * sign)), place)
+        for sign, place in ((1.0, 0.0), (-1.0, 3.0 * PITCH))
+    ]
+    for weights in (balancing_masses(plain, 0.5), ends):
+        row = balance(replace(plain, rotating=weights), SPEED).of(1)
+        assert row.force_balanced
+        assert row.moment_balanced
+
+
+def test_v6_of_90_degrees_with_three_throws():
+    """Moments sqrt(3) h_1 a, turning, and sqrt(6) h_2 a; no forces."""
+    found = balance(rotating_balanced([0.0, 120.0, 240.0], (-45.0, 45.0)), SPEED)
+    first, second = found.of(1), found.of(2)
+    assert first.force_balanced
+    assert second.force_balanced
+    assert first.moment.major == approx(math.sqrt(3.0) * UNIT * PITCH)
+    assert first.moment.minor == approx(math.sqrt(3.0) * UNIT * PITCH)
+    assert second.moment.major == approx(math.sqrt(6.0) * size(2) * PITCH)
+    assert second.moment.sense == 0
+
+
+def test_v6_of_60_degrees_with_six_pins():
+    """Pins of a throw 60 deg apart: moments 1.5 h_1 a with the shaft, 1.5 h_2 a against it."""
+    found = balance(rotating_balanced([0.0, 120.0, 240.0], (-30.0, 30.0), -60.0), SPEED)
+    first, second = found.of(1), found.of(2)
+    assert first.force_balanced
+    assert second.force_balanced
+    for row, sense in ((first, 1), (second, -1)):
+        assert row.moment.major == approx(1.5 * size(row.order) * PITCH)
+        assert row.moment.minor == approx(row.moment.major)
+        assert row.moment.sense == sense
