@@ -36,3 +36,54 @@ def engine_path(given: str | Path) -> Path:
         f"{given}: {kind}; give the path of an engine file, or the name of a shipped one "
         f"({', '.join(shipped_engines())})."
     )
+
+
+def find_table(field: str, beside: Path, name: str) -> Path:
+    """Find a table beside a file that names it, or a shipped one.
+
+    Parameters
+    ----------
+    field : str
+        The field that names it, for the message.
+    beside : Path
+        The file that names it.
+    name : str
+        Of the table's file.
+
+    Raises
+    ------
+    InputError
+        If there is neither.
+    """
+    for path in (beside.parent / name, data_folder() / "tables" / name):
+        if path.is_file():
+            return path
+    raise InputError(
+        f"{field}: given {name!r}, which is neither beside the engine file nor a shipped table."
+    )
+
+
+def shipped_hinges() -> tuple[str, ...]:
+    """Return the names of the shipped hinge files."""
+    return tuple(sorted(path.stem for path in (data_folder() / "hinges").glob("*.toml")))
+
+
+def hinge_path(given: str | Path) -> Path:
+    """Find a hinge file by path, or a shipped one by name.
+
+    Raises
+    ------
+    InputError
+        If there is neither.
+    """
+    path = Path(given)
+    if path.is_file():
+        return path
+    shipped = data_folder() / "hinges" / f"{path.name.removesuffix('.toml')}.toml"
+    if path.parent == Path() and shipped.is_file():
+        return shipped
+    kind = "is a folder, not a file" if path.is_dir() else "does not exist"
+    raise InputError(
+        f"{given}: {kind}; give the path of a hinge file, or the name of a shipped one "
+        f"({', '.join(shipped_hinges())})."
+    )

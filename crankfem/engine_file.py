@@ -3,22 +3,19 @@
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from crankfem.data_files import data_folder, engine_path
+from crankfem.data_files import engine_path, find_table
 from crankfem.engine_sections import (
     Engine,
     Flywheel,
     FreeEnd,
-    Gas,
-    Piston,
-    Rod,
     ShaftLayout,
     ThrustBearing,
     TorqueTable,
     TwoMassInput,
     VibrationSettings,
 )
+from crankfem.mechanism_sections import Gas, Piston, Rod
 from crankfem.study_file import study_plan
 from crankfem.toml_file import InputRecord, TomlFile, read_toml
 from fem.material import STEEL, Material
@@ -81,6 +78,7 @@ REQUIRED = {
     "material": False,
     "rod": True,
     "piston": True,
+    "hinged_rods": False,
     "flywheel": True,
     "free_end": False,
     "thrust_bearing": True,
@@ -112,22 +110,33 @@ def load_engine(path: str | Path) -> EngineFile:
             f"{', '.join(f'[{name}]' for name, needed in REQUIRED.items() if needed and name != 'throw')}, "
             "or use it with throw, formulas, draw and export."
         )
+    if describes_mechanism(content):
+        raise InputError(
+            f"{content.path.name}: describes a crank mechanism, not a whole engine; add the sections "
+            "[flywheel] and [thrust_bearing], or use it with mechanism, harmonics, throw and draw."
+        )
     content.check_sections(REQUIRED)
-    engine = _required(content.model("engine", Engine))
-    throw = _required(content.model("throw", CrankThrow))
+    engine = content.required("engine", Engine)
+    if engine.bank_angles is not None:
+        raise InputError(
+            f"engine.bank_angles: given {len(engine.bank_angles)} angles; allowed are engines in line "
+            "here, because the chains know one cylinder on each throw; mechanism and harmonics take V "
+            "engines."
+        )
+    throw = content.required("throw", CrankThrow)
     material = content.model("material", Material) or STEEL
     if not math.isclose(2.0 * throw.crank_radius, engine.stroke, rel_tol=1e-3):
         raise InputError(
             f"throw.crank_radius: given {show_quantity(throw.crank_radius, 'm')}; allowed is half of "
             f"engine.stroke, {show_quantity(engine.stroke / 2.0, 'm')}."
         )
-    rod = _required(content.model("rod", Rod))
+    rod = content.required("rod", Rod)
     if rod.length <= 1.5 * throw.crank_radius:
         raise InputError(
             f"rod.length: given {show_quantity(rod.length, 'm')}; allowed is more than 1.5 crank radii, "
             f"{show_quantity(1.5 * throw.crank_radius, 'm')}, or the mechanism cannot turn."
         )
-    thrust = _required(content.model("thrust_bearing", ThrustBearing))
+    thrust = content.required("thrust_bearing", ThrustBearing)
     if thrust.bearing > engine.cylinders:
         raise InputError(
             f"thrust_bearing.bearing: given {thrust.bearing}; allowed is 0 (free end) to "
@@ -150,13 +159,15 @@ def load_engine(path: str | Path) -> EngineFile:
         shaft_ends=content.model("shaft_ends", ShaftEnds) or ShaftEnds(),
         material=material,
         rod=rod,
-        piston=_required(content.model("piston", Piston)),
-        flywheel=_required(content.model("flywheel", Flywheel)),
+        piston=content.required("piston", Piston),
+        flywheel=content.required("flywheel", Flywheel),
         thrust_bearing=thrust,
         vibration=vibration,
         free_end=content.model("free_end", FreeEnd),
         gas=content.model("gas", Gas),
-        torque_table=None if torque is None else _find_table(content.path, torque.table),
+        torque_table=None
+        if torque is None
+        else find_table("torque.table", content.path, torque.table),
         two_mass=content.model("two_mass_check", TwoMassInput),
         study=study,
         records=tuple(content.records),
@@ -173,7 +184,7 @@ def load_throw(path: str | Path) -> tuple[CrankThrow, Material]:
     """
     content = read_toml(engine_path(path))
     content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
-    throw = _required(content.model("throw", CrankThrow))
+    throw = content.required("throw", CrankThrow)
     return throw, content.model("material", Material) or STEEL
 
 
@@ -205,6 +216,14 @@ def _describes_a_throw(content: TomlFile) -> bool:
     return "throw" in sections and not any(name in sections for name in ENGINE_SECTIONS)
 
 
+def describes_mechanism(content: TomlFile) -> bool:
+    """Tell whether a file describes cranks, rods and pistons, but not a whole engine."""
+    sections = content.sections
+    return {"engine", "rod", "piston"} <= set(sections) and not any(
+        name in sections for name in ("flywheel", "thrust_bearing")
+    )
+
+
 def load_engine_or_throw(path: str | Path) -> EngineFile | ThrowFile:
     """Read and check a file: as an engine if it has any of its sections, else as a throw.
 
@@ -216,7 +235,7 @@ def load_engine_or_throw(path: str | Path) -> EngineFile | ThrowFile:
     if not _describes_a_throw(content):
         return load_engine(path)
     content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
-    throw = _required(content.model("throw", CrankThrow))
+    throw = content.required("throw", CrankThrow)
     material = content.model("material", Material) or STEEL
     content.model("engine", Engine)
     content.model("shaft", ShaftLayout)
@@ -237,7 +256,7 @@ def load_crankshaft(path: str | Path) -> Crankshaft:
     """
     content = read_toml(engine_path(path))
     content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
-    throw = _required(content.model("throw", CrankThrow))
+    throw = content.required("throw", CrankThrow)
     layout = content.model("shaft", ShaftLayout)
     if layout is not None:
         angles = layout.throw_angles
@@ -267,10 +286,9 @@ def load_study(path: str | Path) -> StudyPlan:
     """
     content = read_toml(engine_path(path))
     content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True, "study": True})
-    throw = _required(content.model("throw", CrankThrow))
-    plan: StudyPlan = _required(
-        study_plan(content, throw, content.model("material", Material) or STEEL)
-    )
+    throw = content.required("throw", CrankThrow)
+    plan = study_plan(content, throw, content.model("material", Material) or STEEL)
+    assert plan is not None  # the section has been made sure of
     return plan
 
 
@@ -290,18 +308,3 @@ def _check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> Non
             raise InputError(
                 f"vibration.{kind}_source: given {given!r}; allowed are {', '.join(allowed)}{reason}."
             )
-
-
-def _required(section: Any) -> Any:
-    """Return a section that `check_sections` has made sure of."""
-    assert section is not None
-    return section
-
-
-def _find_table(engine_file: Path, name: str) -> Path:
-    for path in (engine_file.parent / name, data_folder() / "tables" / name):
-        if path.is_file():
-            return path
-    raise InputError(
-        f"torque.table: given {name!r}, which is neither beside the engine file nor a shipped table."
-    )

@@ -5,7 +5,7 @@ from typing import ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from dynamics.critical import even_firing_angles
+from dynamics.engine.firing import firing_angles_of_order
 from geometry.errors import InputError
 from geometry.model import InputModel, quantity_field
 from geometry.quantity import show_quantity
@@ -17,7 +17,7 @@ class Engine(InputModel):
     section: ClassVar[str] = "engine"
 
     name: str = Field(description="what to call the engine")
-    cylinders: int = quantity_field("number of cylinders in line", "", minimum=1, maximum=24)
+    cylinders: int = quantity_field("number of cylinders", "", minimum=1, maximum=24)
     strokes: int = quantity_field("strokes per cycle, 2 or 4", "", minimum=2, maximum=4)
     bore: float = quantity_field("cylinder bore", "m", minimum=0.01, maximum=2.0)
     stroke: float = quantity_field("piston stroke", "m", minimum=0.01, maximum=5.0)
@@ -33,7 +33,18 @@ class Engine(InputModel):
         "rad",
     )
     firing_order: tuple[int, ...] = Field(
-        description="cylinder numbers in firing order; they fire at even intervals"
+        description="cylinder numbers in firing order; each fires when its crank is at the top"
+    )
+    bank_angles: tuple[float, ...] | None = quantity_field(
+        "of a V engine: angle of each cylinder's axis, cylinder by cylinder, counted as crank_angles",
+        "rad",
+        default=None,
+    )
+    throws: tuple[int, ...] | None = quantity_field(
+        "of a V engine: throw that each cylinder works on, from 1 at the free end; if not given, the "
+        "first cylinder of each bank is on throw 1, the second on throw 2, and so on",
+        "",
+        default=None,
     )
 
     @model_validator(mode="after")
@@ -51,38 +62,65 @@ class Engine(InputModel):
                 f"lowest_speed to highest_speed, {show_quantity(self.lowest_speed, 'rad/s')} to "
                 f"{show_quantity(self.highest_speed, 'rad/s')}."
             )
-        if len(self.crank_angles) != self.cylinders:
-            raise InputError(
-                f"engine.crank_angles: given {len(self.crank_angles)} angles; allowed is one for each of "
-                f"the {self.cylinders} cylinders."
-            )
+        for name, kind in (
+            ("crank_angles", "angles"),
+            ("bank_angles", "angles"),
+            ("throws", "throws"),
+        ):
+            given = getattr(self, name)
+            if given is not None and len(given) != self.cylinders:
+                raise InputError(
+                    f"engine.{name}: given {len(given)} {kind}; allowed is one for each of the "
+                    f"{self.cylinders} cylinders."
+                )
         if sorted(self.firing_order) != list(range(1, self.cylinders + 1)):
             raise InputError(
                 f"engine.firing_order: given {list(self.firing_order)}; allowed is each cylinder number "
                 f"from 1 to {self.cylinders} once."
             )
-        self._check_firing()
+        if self.throws is not None and set(self.throws) != set(range(1, max(self.throws) + 1)):
+            raise InputError(
+                f"engine.throws: given {list(self.throws)}; allowed are numbers from 1 up without a gap, "
+                "because each throw carries a cylinder."
+            )
+        _ = self.turning_sense
         return self
 
-    def _check_firing(self) -> None:
-        """Each crank must be at the top when its cylinder fires."""
-        for sense in (1.0, -1.0):
-            offsets = [
-                math.remainder(firing - sense * crank, 2.0 * math.pi)
-                for firing, crank in zip(self.firing_angles, self.crank_angles, strict=True)
-            ]
-            if max(abs(offset - offsets[0]) for offset in offsets) < 1e-6:
-                return
+    @property
+    def turning_sense(self) -> int:
+        """1 if the shaft turns in the sense in which the angles count, else -1: the firing order tells.
+
+        Raises
+        ------
+        InputError
+            If the firing order fits neither.
+        """
+        for sense in (1, -1):
+            try:
+                firing_angles_of_order(self.firing_order, self._tops(sense), self.strokes)
+            except InputError:
+                continue
+            return sense
+        degrees = [round(math.degrees(angle), 3) for angle in self.crank_angles]
         raise InputError(
             f"engine.firing_order: given {list(self.firing_order)}, which does not fit the crank angles "
-            f"{[round(math.degrees(angle), 3) for angle in self.crank_angles]} deg at even firing "
-            "intervals; allowed is an order in which each crank is at the top when its cylinder fires."
+            f"{degrees} deg; allowed is an order in which each crank is at the top when its cylinder "
+            "fires, all within one cycle."
         )
+
+    def _tops(self, sense: int) -> list[float]:
+        """Shaft angle at which each crank is at the top, for a sense of turning [rad]."""
+        banks = self.bank_angles or (0.0,) * self.cylinders
+        return [
+            sense * (bank - crank) for bank, crank in zip(banks, self.crank_angles, strict=True)
+        ]
 
     @property
     def firing_angles(self) -> tuple[float, ...]:
-        """Crank angle at which each cylinder fires, at even intervals [rad]."""
-        return tuple(even_firing_angles(self.firing_order, self.strokes).tolist())
+        """Crank angle at which each cylinder fires, from the first to fire [rad]."""
+        tops = self._tops(self.turning_sense)
+        angles = firing_angles_of_order(self.firing_order, tops, self.strokes)
+        return tuple(angle - angles[self.firing_order[0] - 1] for angle in angles)
 
 
 class ShaftLayout(InputModel):
@@ -101,35 +139,6 @@ class ShaftLayout(InputModel):
         "engine if not given",
         "rad",
     )
-
-
-class Rod(InputModel):
-    """Connecting rod."""
-
-    section: ClassVar[str] = "rod"
-
-    length: float = quantity_field("connecting-rod length", "m", minimum=0.02, maximum=10.0)
-    mass: float = quantity_field("connecting-rod mass", "kg", minimum=1e-3, maximum=2e4)
-    rotating_mass: float = quantity_field(
-        "share of the rod's mass that turns with the crankpin", "kg", minimum=0.0, maximum=2e4
-    )
-
-    @model_validator(mode="after")
-    def _share_below_whole(self) -> Self:
-        if self.rotating_mass >= self.mass:
-            raise InputError(
-                f"rod.rotating_mass: given {self.rotating_mass:g} kg; allowed is less than the rod's mass "
-                f"of {self.mass:g} kg."
-            )
-        return self
-
-
-class Piston(InputModel):
-    """Piston with rings and gudgeon pin; crosshead and piston rod where the engine has them."""
-
-    section: ClassVar[str] = "piston"
-
-    mass: float = quantity_field("mass of the piston set", "kg", minimum=1e-3, maximum=2e4)
 
 
 class Flywheel(InputModel):
@@ -157,16 +166,6 @@ class ThrustBearing(InputModel):
     stiffness: float = quantity_field("axial stiffness", "N/m", minimum=1e4, maximum=1e13)
     bearing: int = quantity_field(
         "main bearing it sits at, 0 at the free end", "", minimum=0, maximum=24
-    )
-
-
-class Gas(InputModel):
-    """Gas pressure in the cylinder."""
-
-    section: ClassVar[str] = "gas"
-
-    peak_pressure: float = quantity_field(
-        "largest gas pressure above ambient", "Pa", minimum=1e4, maximum=1e8
     )
 
 

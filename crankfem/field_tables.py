@@ -7,7 +7,7 @@ from typing import Literal, get_args, get_origin
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from crankfem import engine_sections
+from crankfem import engine_sections, mechanism_sections
 from fem.material import Material
 from geometry.errors import InputError
 from geometry.model import InputModel, field_extra, part_kind
@@ -21,12 +21,13 @@ SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
     (engine_sections.ShaftLayout, "optional"),
     (ShaftEnds, "optional"),
     (Material, "optional, steel by default"),
-    (engine_sections.Rod, "required"),
-    (engine_sections.Piston, "required"),
+    (mechanism_sections.Rod, "required"),
+    (mechanism_sections.Piston, "required"),
+    (mechanism_sections.HingedRods, "optional"),
     (engine_sections.Flywheel, "required"),
     (engine_sections.FreeEnd, "optional"),
     (engine_sections.ThrustBearing, "required"),
-    (engine_sections.Gas, "optional; without it reactions are given for 100 kN"),
+    (mechanism_sections.Gas, "optional; without it reactions are given for 100 kN"),
     (engine_sections.VibrationSettings, "optional"),
     (engine_sections.TorqueTable, "optional"),
     (engine_sections.TwoMassInput, "optional"),

@@ -15,6 +15,7 @@ from crankfem.export import write_vtu
 from crankfem.fit_records import study_record
 from crankfem.fitting import ResponseFits
 from crankfem.formula_records import fe_axial_curve, fe_record, formula_records
+from crankfem.mechanism_file import load_mechanism
 from crankfem.pictures import fit_plots, formula_plots, plots
 from crankfem.pictures.drawing import write_drawing
 from crankfem.pictures.render import DEFORMED, MESH, Rendering
@@ -28,6 +29,7 @@ from crankfem.vibration import (
     torsional_vibration,
 )
 from dynamics.critical import engine_orders, major_orders
+from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.torque_table import TorqueTable, read_torque_table
 from dynamics.two_mass import two_mass_check
 from fem.analysis import ThrowAnalysis, analyze_throw
@@ -140,7 +142,7 @@ def run_engine(
         found: dict[str, Any] = {
             "about": records.about_record(),
             "engine": _engine_record(engine_file),
-            "inputs": records.input_records(engine_file),
+            "inputs": records.input_records(engine_file.records),
             "sources": engine_file.sources,
             "throw": records.throw_record(analysis, _radial_force(engine_file)),
             "formulas": formula_records(engine_file.throw, engine_file.material) | {"fe": fe},
@@ -217,7 +219,10 @@ def _radial_force(engine_file: EngineFile) -> float:
     """Radial force at firing top dead center: gas pressure on the piston [N]."""
     if engine_file.gas is None:
         return UNIT_RADIAL_FORCE
-    return engine_file.gas.peak_pressure * math.pi / 4.0 * engine_file.engine.bore**2
+    peak = engine_file.gas.peak_pressure
+    if peak is None:
+        peak = load_mechanism(engine_file.path).pressure[0].peak_pressure - ATMOSPHERE
+    return peak * math.pi / 4.0 * engine_file.engine.bore**2
 
 
 def _engine_record(engine_file: EngineFile) -> dict[str, Any]:

@@ -2,13 +2,15 @@
 
 import datetime
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.engine_file import EngineFile, ThrowFile
+from crankfem.engine_file import EngineFile
 from crankfem.fitting import package_version
+from crankfem.toml_file import InputRecord
 from crankfem.vibration import SourceResult, Vibration
 from dynamics.harmonics import Harmonics
 from dynamics.two_mass import TwoMassCheck
@@ -35,7 +37,7 @@ def about_record() -> Record:
     }
 
 
-def input_records(engine_file: EngineFile | ThrowFile) -> list[Record]:
+def input_records(records: Iterable[InputRecord]) -> list[Record]:
     """Every input with its source."""
     return [
         {
@@ -46,7 +48,7 @@ def input_records(engine_file: EngineFile | ThrowFile) -> list[Record]:
             "source": record.source,
             "assumed": record.assumed,
         }
-        for record in engine_file.records
+        for record in records
     ]
 
 

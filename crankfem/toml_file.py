@@ -95,6 +95,18 @@ class TomlFile:
         self._record(section, made, values)
         return made
 
+    def required(self, section: str, kind: type[Model]) -> Model:
+        """Validate one section that must be there.
+
+        Raises
+        ------
+        InputError
+        """
+        made = self.model(section, kind)
+        if made is None:
+            raise InputError(f"{self.path.name}: the section [{section}] is missing.")
+        return made
+
     def _record(self, section: str, made: InputModel, values: Mapping[str, Any]) -> None:
         """Note every value of a record, and of the records in it that the file gives."""
         for name, info in type(made).model_fields.items():

@@ -115,7 +115,7 @@ class InputModel(BaseModel):
                 converted[key] = _parts_from_text(part, info, text, f"{prefix}{key}")
             elif unit is None:
                 converted[key] = text
-            elif isinstance(text, list) and get_origin(info.annotation) is tuple:
+            elif isinstance(text, list) and _holds_several(info):
                 converted[key] = tuple(
                     parse_quantity(item, unit, f"{prefix}{key}[{number}]", _range(info))
                     for number, item in enumerate(text)
@@ -128,6 +128,11 @@ class InputModel(BaseModel):
             message = str(error)
             own = f"{cls.section}." if cls.section else ""
             raise InputError(prefix + message.removeprefix(own)) from None
+
+
+def _holds_several(info: FieldInfo) -> bool:
+    """Tell whether a field holds a tuple, perhaps an optional one."""
+    return tuple in (get_origin(kind) for kind in (info.annotation, *get_args(info.annotation)))
 
 
 def _parts_from_text(kind: type[InputModel], info: FieldInfo, value: object, name: str) -> Any:

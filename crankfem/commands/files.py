@@ -40,15 +40,19 @@ def new(
 
 def check(engine: EngineArgument, json: JsonOption = False) -> None:
     """Check an engine file or a throw's, and list what is assumed in it."""
-    from crankfem.engine_file import EngineFile, load_engine_or_throw
+    from crankfem.engine_file import EngineFile
+    from crankfem.mechanism_file import MechanismFile, load_any
     from crankfem.results import input_records
 
-    read = load_engine_or_throw(engine)
-    records = input_records(read)
-    kind = "engine" if isinstance(read, EngineFile) else "throw"
+    read = load_any(engine)
+    records = input_records(read.records)
+    kind, name = "throw", None
+    if isinstance(read, EngineFile):
+        kind, name = "engine", read.engine.name
+    elif isinstance(read, MechanismFile):
+        kind, name = "mechanism", read.name
     assumed = sum(record["assumed"] for record in records)
     if json:
-        name = read.engine.name if isinstance(read, EngineFile) else None
         shape = _shape_record(read.throw)
         print_json({"engine": name, "kind": kind, "valid": True, "shape": shape, "inputs": records})
         return
@@ -58,6 +62,12 @@ def check(engine: EngineArgument, json: JsonOption = False) -> None:
     if kind == "throw":
         console.output.print(
             "It describes a throw, not an engine: it serves throw, formulas, draw and export.",
+            soft_wrap=True,
+        )
+    if kind == "mechanism":
+        console.output.print(
+            "It describes cranks, rods and pistons, not a whole engine: it serves mechanism, harmonics, "
+            "throw, formulas, draw and export.",
             soft_wrap=True,
         )
     tables.print_shape(_shape_record(read.throw))

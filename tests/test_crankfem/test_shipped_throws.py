@@ -7,6 +7,7 @@ import pytest
 
 from crankfem.data_files import engine_path, shipped_engines
 from crankfem.engine_file import load_engine, load_throw
+from crankfem.mechanism_file import load_mechanism
 from crankfem.toml_file import read_toml
 from fem.material import Material
 from geometry.shaft_ends import ShaftEnds
@@ -26,7 +27,9 @@ TYPES_OF_THE_PAPER = (
     "8chn13-14",
 )
 OLDER = ("6chn25-34", "yamz-5340")
-FULL = tuple(n for n in shipped_engines() if "engine" in read_toml(engine_path(n)).sections)
+SECTIONS = {n: read_toml(engine_path(n)).sections for n in shipped_engines()}
+FULL = tuple(n for n, sections in SECTIONS.items() if "flywheel" in sections)
+MECHANISMS = tuple(n for n, sections in SECTIONS.items() if "engine" in sections)
 CYLINDER_PITCH = re.compile(r"cylinder pitch of ([\d.]+) mm")
 
 
@@ -89,9 +92,16 @@ def test_full_engine_files_are_valid(name):
     engine = load_engine(name)
     assert engine.throw.crank_radius == pytest.approx(engine.engine.stroke / 2.0)
     assert engine.throw.further_pins == ()
-    # Piston speed and rod of engines that exist.
-    assert 4.0 < engine.engine.stroke * engine.engine.rated_speed / math.pi < 15.0
-    assert 0.2 < engine.throw.crank_radius / engine.rod.length < 0.5
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_mechanisms_are_those_of_engines_that_exist(name):
+    mechanism = load_mechanism(name)
+    layout = mechanism.layout
+    assert layout.crank_radius == pytest.approx(mechanism.throw.crank_radius)
+    assert 4.0 < 2.0 * layout.crank_radius * mechanism.rated_speed / math.pi < 15.0  # piston speed
+    assert all(0.19 < layout.crank_radius / c.rod.length < 0.5 for c in layout.cylinders)
+    assert 5e6 < mechanism.pressure[0].peak_pressure < 16e6
 
 
 @pytest.mark.parametrize("name", sorted(set(shipped_engines()) - set(OLDER)))

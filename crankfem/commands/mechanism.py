@@ -1,0 +1,102 @@
+"""Forces, loads, torque and balance of an engine's crank mechanism."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from crankfem import console
+from crankfem.commands.options import EngineArgument, JsonOption
+from crankfem.console import print_json
+from geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from dynamics.mechanism.rods import RodModelName
+
+
+def mechanism(
+    engine: EngineArgument,
+    speed: Annotated[
+        str | None,
+        typer.Option(metavar='"1000 1/min"', help="Speed; the rated speed by default."),
+    ] = None,
+    model: Annotated[
+        str | None,
+        typer.Option(
+            help='Of the rods\' masses: rigid, three-mass, "two-mass with inertia" or two-mass; rigid by '
+            "default where the file gives the rods' inertia."
+        ),
+    ] = None,
+    motored: Annotated[
+        bool, typer.Option("--motored", help="Turn the engine without combustion.")
+    ] = False,
+    csv: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv", help="Write all forces over the cycle.")
+    ] = None,
+    pictures: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Write load diagrams and hodographs.")
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Forces in the crank mechanism, load diagrams of the bearings, and the balance of the engine."""
+    from crankfem.balance_tables import (
+        balance_record,
+        hinged_rods_record,
+        print_balance,
+        print_hinged_rods,
+    )
+    from crankfem.mechanism_file import load_mechanism
+    from crankfem.mechanism_run import run_mechanism
+    from crankfem.mechanism_tables import mechanism_record, print_mechanism, write_forces
+    from crankfem.pictures.mechanism_pictures import picture_mechanism
+
+    if csv is not None:
+        console.check_folder(csv)
+    run = run_mechanism(
+        load_mechanism(engine), _parsed_speed(speed), _checked_model(model), motored=motored
+    )
+    record = mechanism_record(run)
+    balanced, hinged = balance_record(run.balance), hinged_rods_record(run.hinged_rods)
+    if csv is not None:
+        write_forces(csv, run)
+    made = [] if pictures is None else picture_mechanism(pictures, run)
+    if json:
+        print_json(
+            record
+            | {
+                "balance": balanced,
+                "hinged_rods": hinged,
+                "pictures": [str(path) for path in made],
+            }
+        )
+        return
+    print_mechanism(record)
+    print_balance(balanced)
+    if hinged:
+        print_hinged_rods(hinged)
+    if csv is not None:
+        console.output.print(f"Forces: {csv}", soft_wrap=True)
+    if made:
+        console.output.print(f"Pictures: {pictures} ({len(made)} files)", soft_wrap=True)
+
+
+def _parsed_speed(text: str | None) -> float | None:
+    from geometry.quantity import parse_quantity
+
+    if text is None:
+        return None
+    speed = parse_quantity(text, "rad/s", "--speed")
+    if not speed > 0.0:
+        raise InputError(
+            f"--speed: given {text!r}; allowed is a speed above 0, because the engine turns."
+        )
+    return speed
+
+
+def _checked_model(name: str | None) -> "RodModelName | None":
+    from dynamics.mechanism.rods import ROD_MODELS
+
+    found = next((model for model in ROD_MODELS if model == name), None)
+    if name is not None and found is None:
+        raise InputError(f"--model: given {name!r}; allowed are {', '.join(ROD_MODELS)}.")
+    return found

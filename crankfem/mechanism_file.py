@@ -1,0 +1,193 @@
+"""The crank mechanism that an engine file describes: pistons, rods, cranks and gas pressure."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from crankfem.data_files import engine_path
+from crankfem.engine_file import (
+    REQUIRED,
+    EngineFile,
+    ThrowFile,
+    describes_mechanism,
+    load_engine_or_throw,
+)
+from crankfem.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
+from crankfem.gas_pressure import cylinder_pressures
+from crankfem.mechanism_cylinders import (
+    angles_of_throws,
+    engine_cylinders,
+    side_by_side,
+    throws_of,
+)
+from crankfem.mechanism_sections import Gas, HingedRods, Piston, Rod
+from crankfem.toml_file import InputRecord, read_toml
+from dynamics.engine.cylinder import RotatingMass
+from dynamics.engine.layout import EngineLayout
+from dynamics.gas.pressure import GasPressure
+from dynamics.mechanism.rods import RodModelName
+from fem.material import STEEL, Material
+from geometry.balance import unbalance
+from geometry.crankshaft import throw_masses
+from geometry.shaft_ends import ShaftEnds
+from geometry.throw import CrankThrow
+
+NEEDED = ("engine", "throw", "rod", "piston")
+
+
+@dataclass(frozen=True)
+class MechanismFile:
+    """The mechanism of an engine file, read and checked.
+
+    Attributes
+    ----------
+    path : Path
+    name : str
+        Of the engine.
+    layout : EngineLayout
+        Cylinders and rods; what turns with the shaft is added by `with_throws`.
+    pressure : tuple of GasPressure
+        Cylinder by cylinder; empty if the file has no section [gas].
+    rod_model : str
+        "rigid" if the rods' inertia is given, otherwise "two-mass".
+    rated_speed : float
+        [rad/s]
+    throw, material
+        Sections of the file.
+    throw_angles : tuple of float
+        Angle of each throw from the first, in the sense of rotation [rad].
+    throws : tuple of int
+        Throw that each cylinder works on, from 0.
+    turning_sense : int
+        1 if the shaft turns in the sense in which the file counts angles, else -1: then the layout is
+        the mirror image, x against the file's.
+    gas : Gas or None
+        Section of the file.
+    attached_inertia : float
+        Of flywheel and free end, where given [kg m^2].
+    remarks : tuple of str
+        What was assumed beyond the values of the file.
+    records : tuple of InputRecord
+        Every value with its source.
+    sources : dict
+        Short name to full citation.
+    """
+
+    path: Path
+    name: str
+    layout: EngineLayout
+    pressure: tuple[GasPressure, ...]
+    rod_model: RodModelName
+    rated_speed: float
+    throw: CrankThrow
+    material: Material
+    throw_angles: tuple[float, ...]
+    throws: tuple[int, ...]
+    turning_sense: int
+    gas: Gas | None
+    attached_inertia: float
+    remarks: tuple[str, ...]
+    records: tuple[InputRecord, ...]
+    sources: dict[str, str]
+
+    @property
+    def bearing_positions(self) -> tuple[float, ...]:
+        """Middle of each main bearing along the shaft, one more than throws [m]."""
+        return tuple(number * self.throw.length for number in range(len(self.throw_angles) + 1))
+
+
+def load_mechanism(path: str | Path) -> MechanismFile:
+    """Read the crank mechanism of an engine file, or of a shipped engine.
+
+    Parameters
+    ----------
+    path : path
+        The file, or the name of a shipped engine. It needs the sections [engine], [throw], [rod]
+        and [piston]; [gas], [hinged_rods] and [shaft] are read where given.
+
+    Raises
+    ------
+    InputError
+        With one sentence that names the field, what was given and what is allowed.
+    """
+    content = read_toml(engine_path(path))
+    content.check_sections(dict.fromkeys(REQUIRED, False) | dict.fromkeys(NEEDED, True))
+    engine, throw = content.required("engine", Engine), content.required("throw", CrankThrow)
+    rod, piston = content.required("rod", Rod), content.required("piston", Piston)
+    sense = engine.turning_sense
+    throws = throws_of(engine)
+    angles = angles_of_throws(content.model("shaft", ShaftLayout), engine, throws)
+    hinged = content.model("hinged_rods", HingedRods)
+    content.model("shaft_ends", ShaftEnds)
+    cylinders = engine_cylinders(engine, throw, rod, piston, hinged, throws, angles)
+    layout = EngineLayout(0.5 * engine.stroke, cylinders, engine.firing_order, engine.strokes)
+    remarks = []
+    if side_by_side(throw, throws, hinged):
+        remarks.append(
+            "rods side by side share the pin's length equally, the cylinder with the lower number nearer "
+            "to the free end"
+        )
+    if rod.inertia is None:
+        remarks.append("rod.inertia is not given: the rod is taken as two masses at its pins")
+    gas = content.model("gas", Gas)
+    pressure = () if gas is None else cylinder_pressures(gas, layout, content.path)
+    flywheel, free_end = content.model("flywheel", Flywheel), content.model("free_end", FreeEnd)
+    return MechanismFile(
+        path=content.path,
+        name=engine.name,
+        layout=layout,
+        pressure=pressure,
+        rod_model="two-mass" if rod.inertia is None else "rigid",
+        rated_speed=engine.rated_speed,
+        throw=throw,
+        material=content.model("material", Material) or STEEL,
+        throw_angles=tuple(sense * angle for angle in angles),
+        throws=throws,
+        turning_sense=sense,
+        gas=gas,
+        attached_inertia=sum(part.inertia for part in (flywheel, free_end) if part is not None),
+        remarks=tuple(remarks),
+        records=tuple(content.records),
+        sources=content.sources,
+    )
+
+
+def load_any(path: str | Path) -> EngineFile | MechanismFile | ThrowFile:
+    """Read and check a file as what it describes: a whole engine, a mechanism, or a throw.
+
+    Raises
+    ------
+    InputError
+    """
+    if describes_mechanism(read_toml(engine_path(path))):
+        return load_mechanism(path)
+    return load_engine_or_throw(path)
+
+
+def with_throws(mechanism: MechanismFile) -> EngineLayout:
+    """Return the layout with the throws' unbalance and inertia, from their solids.
+
+    Each throw stands as two masses in the planes of its ends, which have its static and dynamic
+    unbalance. The inertia is that of the throws, flywheel and free end.
+
+    Raises
+    ------
+    MeshError
+        If the throw's solid cannot be built.
+    """
+    masses = throw_masses(mechanism.throw, mechanism.material.density)
+    found, length = unbalance(masses, 0.0), mechanism.throw.length
+    # Real and imaginary part lie along +y and against +x, as in the layout's frame.
+    sense = mechanism.turning_sense
+    static = complex(found.static[1], -sense * found.static[0])
+    far = complex(found.dynamic[1], -sense * found.dynamic[0]) / length
+    rotating = []
+    for number, angle in enumerate(mechanism.throw_angles):
+        for moment, place in ((static - far, number), (far, number + 1)):
+            rotating.append(
+                RotatingMass(abs(moment), float(np.angle(moment)) + angle, place * length)
+            )
+    inertia = mechanism.attached_inertia
+    inertia += len(mechanism.throw_angles) * masses.inertia_about_shaft
+    return replace(mechanism.layout, rotating=tuple(rotating), shaft_inertia=inertia)

@@ -1,0 +1,242 @@
+"""Records and printed tables of a crank mechanism's forces."""
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crankfem import console
+from crankfem.console import number, print_table
+from crankfem.mechanism_run import MechanismRun, bearing_sizes, compare_rod_models
+from dynamics.checks import FloatArray
+from dynamics.engine.forces import pin_groups
+from dynamics.engine.loads import LoadDiagram
+
+RPM = 30.0 / np.pi
+# Shares below this are round-off.
+ROUND_OFF = 1e-12
+ASSUMED = "Assumed: "
+
+
+def mechanism_record(run: MechanismRun) -> dict[str, Any]:
+    """Return the results of a mechanism as plain numbers in SI units, angles in degrees."""
+    mechanism, forces, torque = run.mechanism, run.forces, run.torque
+    pin, journal = bearing_sizes(mechanism)
+    return {
+        "engine": mechanism.name,
+        "speed_rpm": run.speed * RPM,
+        "rod_model": forces.model,
+        "firing_angles_deg": np.degrees(run.layout.firing).tolist(),
+        "angle_step_deg": float(np.degrees(forces.shaft_angles[1] - forces.shaft_angles[0])),
+        "power": run.power,
+        "torque": {"mean": float(torque.mean()), **_extremes(torque, forces.shaft_angles)},
+        "cylinders": [
+            {
+                "cylinder": place + 1,
+                "peak_pressure": work.peak_pressure,
+                "peak_angle_deg": float(np.degrees(work.peak_angle)),
+                "indicated_work": work.work,
+                "mean_effective_pressure": work.mean_effective_pressure,
+                "work_mismatch": work.mismatch,
+                "largest_side_force": float(np.max(np.abs(forces.side[place]))),
+                "largest_piston_pin_force": float(np.max(np.abs(forces.piston_pin[place]))),
+                "largest_tangential_force": float(np.max(np.abs(forces.tangential[place]))),
+            }
+            for place, work in enumerate(run.works)
+        ],
+        "crankpins": [
+            _load_record(load, pin)
+            | {
+                "cylinders": list(group),
+                "largest_angle_from_firing_deg": _from_firing(run, load, group),
+            }
+            for load, group in zip(run.crankpins, pin_groups(run.layout), strict=True)
+        ],
+        "main_bearings": [_load_record(load, journal) for load in run.bearings],
+        "rod_models": [
+            {
+                "model": compared.model,
+                "crankpin_beside_mean": compared.crankpin,
+                "side_force_beside_largest": compared.side,
+            }
+            for compared in compare_rod_models(run)
+        ],
+        "remarks": [*mechanism.remarks, *run.pressure[0].remarks],
+    }
+
+
+def _extremes(values: FloatArray, angles: FloatArray) -> dict[str, float]:
+    least, most = int(np.argmin(values)), int(np.argmax(values))
+    return {
+        "smallest": float(values[least]),
+        "smallest_angle_deg": float(np.degrees(angles[least])),
+        "largest": float(values[most]),
+        "largest_angle_deg": float(np.degrees(angles[most])),
+    }
+
+
+def _from_firing(run: MechanismRun, load: LoadDiagram, group: Sequence[int]) -> float:
+    """Return the angle of the largest load from the firing top of the rod's own cylinder [deg]."""
+    after = (load.maximum_angle - run.layout.firing[group[0] - 1]) % run.layout.cycle
+    return float(np.degrees(after))
+
+
+def _load_record(load: LoadDiagram, size: tuple[float, float]) -> dict[str, Any]:
+    pressure = load.specific_pressure(*size)
+    return {
+        "name": load.name,
+        "mean": load.mean,
+        "largest": load.maximum,
+        "largest_angle_deg": float(np.degrees(load.maximum_angle)),
+        "diameter": size[0],
+        "length": size[1],
+        "mean_specific_pressure": float(pressure.mean()),
+        "largest_specific_pressure": float(pressure.max()),
+    }
+
+
+def print_mechanism(record: dict[str, Any]) -> None:
+    """Print the record of a mechanism as tables."""
+    torque = record["torque"]
+    console.output.print(
+        f"{record['engine']} at {number(record['speed_rpm'])} 1/min, rods as {record['rod_model']}: "
+        f"indicated power {number(record['power'] / 1e3)} kW, torque {number(torque['mean'] / 1e3)} kN m "
+        f"({number(torque['smallest'] / 1e3)} to {number(torque['largest'] / 1e3)} kN m).",
+        soft_wrap=True,
+    )
+    print_table(
+        "Cylinders",
+        ["cylinder", "p [MPa]", "at [deg]", "p_i [MPa]", "N [kN]", "pin [kN]", "T [kN]"],
+        merged_rows(
+            [
+                [
+                    str(row["cylinder"]),
+                    number(row["peak_pressure"] / 1e6),
+                    f"{row['peak_angle_deg']:.1f}",
+                    number(row["mean_effective_pressure"] / 1e6),
+                    number(row["largest_side_force"] / 1e3),
+                    number(row["largest_piston_pin_force"] / 1e3),
+                    number(row["largest_tangential_force"] / 1e3),
+                ]
+                for row in record["cylinders"]
+            ]
+        ),
+    )
+    console.output.print(
+        "p: peak pressure and its angle from the firing top; p_i: mean effective; N, pin, T: largest side "
+        "force, piston-pin force and tangential force.",
+        soft_wrap=True,
+    )
+    columns = ["mean [kN]", "largest [kN]", "at [deg]", "mean [MPa]", "largest [MPa]"]
+    print_table(
+        "Crankpin bearings, angle from the firing top",
+        ["cylinder", *columns],
+        merged_rows(
+            [
+                [
+                    "+".join(str(cylinder) for cylinder in row["cylinders"]),
+                    *_load_cells(row, row["largest_angle_from_firing_deg"]),
+                ]
+                for row in record["crankpins"]
+            ]
+        ),
+    )
+    print_table(
+        "Main bearings, each throw carried by its two neighbors, shaft angle",
+        ["bearing", *columns],
+        [
+            [str(place), *_load_cells(row, row["largest_angle_deg"])]
+            for place, row in enumerate(record["main_bearings"], start=1)
+        ],
+    )
+    _print_models(record)
+    mismatch = max(row["work_mismatch"] for row in record["cylinders"])
+    console.output.print(
+        f"Check: the work of the gas torque misses the integral of p dV by {mismatch:.1e} at most.",
+        soft_wrap=True,
+    )
+    _print_remarks(record["remarks"])
+
+
+def _load_cells(row: dict[str, Any], angle: float) -> list[str]:
+    return [
+        number(row["mean"] / 1e3),
+        number(row["largest"] / 1e3),
+        f"{angle:.1f}",
+        number(row["mean_specific_pressure"] / 1e6),
+        number(row["largest_specific_pressure"] / 1e6),
+    ]
+
+
+def merged_rows(rows: list[list[str]]) -> list[list[str]]:
+    """Put rows that differ in the first column only into one, such as "1, 2, 3"."""
+    found: dict[tuple[str, ...], list[str]] = {}
+    for first, *rest in rows:
+        found.setdefault(tuple(rest), []).append(first)
+    return [[", ".join(names), *rest] for rest, names in found.items()]
+
+
+def _print_remarks(remarks: list[str]) -> None:
+    """Print remarks, the assumed values of the gas cycle as one line without their reasons."""
+    assumed = [remark for remark in remarks if remark.startswith(ASSUMED)]
+    for remark in remarks:
+        if remark not in assumed:
+            console.output.print(f"Note: {remark.rstrip('.')}.", soft_wrap=True)
+    if assumed:
+        values = ", ".join(remark.removeprefix(ASSUMED).partition(",")[0] for remark in assumed)
+        console.output.print(
+            f"Assumed in the cycle: {values}; the reasons stand in --json.", soft_wrap=True
+        )
+
+
+def _print_models(record: dict[str, Any]) -> None:
+    """Print what the rod models make of it, unless the rod's data cannot tell them apart."""
+    rows = record["rod_models"]
+    if all(row["crankpin_beside_mean"] < ROUND_OFF for row in rows):
+        return
+    print_table(
+        "Rod models beside the rigid rod, largest differences",
+        ["model", "crankpin force / its mean [%]", "side force / its largest [%]"],
+        [
+            [
+                row["model"],
+                f"{100.0 * row['crankpin_beside_mean']:.2f}",
+                f"{100.0 * row['side_force_beside_largest']:.2f}",
+            ]
+            for row in rows
+        ],
+    )
+
+
+def write_forces(path: Path, run: MechanismRun) -> None:
+    """Write the forces over the cycle as CSV: a row for each shaft angle, units in the names.
+
+    Parameters
+    ----------
+    path : Path
+    run : MechanismRun
+    """
+    columns = {"shaft_angle_deg": np.degrees(run.forces.shaft_angles), "torque_Nm": run.torque}
+    for place in range(len(run.layout.cylinders)):
+        for name, values in (
+            ("gas_force_N", run.forces.gas),
+            ("side_force_N", run.forces.side),
+            ("tangential_N", run.forces.tangential),
+            ("radial_N", run.forces.radial),
+            ("torque_Nm", run.forces.torque),
+        ):
+            columns[f"cylinder_{place + 1}_{name}"] = values[place]
+    for load in (*run.crankpins, *run.bearings):
+        name = load.name.replace(", ", "_").replace(" ", "_")
+        columns |= {f"{name}_{key}": load.columns()[key] for key in ("force_x_N", "force_y_N")}
+    with path.open("w", encoding="utf-8", newline="") as file:
+        file.write(
+            f"# {run.mechanism.name}, {run.speed * RPM:.10g} 1/min, rods as {run.forces.model}\n"
+        )
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(
+            [f"{value:.10g}" for value in row] for row in zip(*columns.values(), strict=True)
+        )

@@ -1,0 +1,85 @@
+"""The diagrams of a crank mechanism: loads of its bearings, forces of its pistons, balance."""
+
+from pathlib import Path
+
+import numpy as np
+
+from crankfem.mechanism_run import MechanismRun
+from crankfem.pictures.balance_plots import plot_balance, plot_hinged_rods
+from crankfem.pictures.load_plots import Frame, plot_developed_loads, plot_polar_loads
+from crankfem.pictures.style import BLUE, GREEN, ORANGE, figure
+from dynamics.engine.forces import pin_groups
+from dynamics.engine.loads import LoadDiagram
+
+RPM = 30.0 / np.pi
+
+
+def picture_mechanism(folder: Path, run: MechanismRun) -> list[Path]:
+    """Write the diagrams of a mechanism into a folder, which is made if it is not there.
+
+    Returns
+    -------
+    list of Path
+        The SVG files.
+
+    Raises
+    ------
+    OSError
+        If the folder cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    at_speed = f"{run.mechanism.name}, {run.speed * RPM:.4g} 1/min"
+    heaviest = max(run.bearings, key=lambda load: load.maximum)
+    made = []
+    drawn: tuple[tuple[str, LoadDiagram, Frame], ...] = (
+        ("crankpin", run.crankpins[0], "crank"),
+        ("main_bearing", heaviest, "engine"),
+    )
+    for name, load, frame in drawn:
+        polar, developed = folder / f"{name}_polar.svg", folder / f"{name}_developed.svg"
+        plot_polar_loads(polar, [load], frame=frame, title=f"{load.name}\n{at_speed}")
+        plot_developed_loads(developed, [load], title=f"{load.name}, {at_speed}")
+        made += [polar, developed]
+    made.append(folder / "piston_forces.svg")
+    plot_piston_forces(made[-1], run)
+    made.append(folder / "balance.svg")
+    plot_balance(made[-1], run.balance)
+    if run.hinged_rods:
+        made.append(folder / "hinged_rods.svg")
+        group = next(group for group in pin_groups(run.layout) if len(group) > 1)
+        plot_hinged_rods(made[-1], run.layout, run.speed, cylinders=group)
+    return made
+
+
+def plot_piston_forces(path: Path, run: MechanismRun, cylinder: int = 1) -> None:
+    """Plot gas force, side force and tangential force of a cylinder over the cycle, as SVG.
+
+    Parameters
+    ----------
+    path : Path
+    run : MechanismRun
+    cylinder : int, optional
+        Its number, from 1.
+    """
+    forces, firing = run.forces, run.layout.firing[cylinder - 1]
+    degrees = np.degrees((forces.shaft_angles - firing) % run.layout.cycle)
+    order = np.argsort(degrees)
+    with figure(path) as axes:
+        for values, color, label in (
+            (forces.gas, BLUE, "gas, towards the shaft"),
+            (forces.tangential, ORANGE, "tangential, T"),
+            (forces.side, GREEN, "side, N"),
+        ):
+            axes.plot(
+                degrees[order],
+                1e-3 * values[cylinder - 1][order],
+                color=color,
+                linewidth=1.4,
+                label=label,
+            )
+        axes.set_xlim(0.0, np.degrees(run.layout.cycle))
+        axes.set_xticks(np.arange(0.0, np.degrees(run.layout.cycle) + 1.0, 90.0))
+        axes.set_xlabel("crank angle from the firing top, deg")
+        axes.set_ylabel("force, kN")
+        axes.set_title(f"cylinder {cylinder}, {run.mechanism.name}, {run.speed * RPM:.4g} 1/min")
+        axes.legend(fontsize=8)

@@ -1,0 +1,99 @@
+"""The command `mechanism`: tables, files, pictures, and what it refuses."""
+
+import csv
+
+import pytest
+
+from crankfem.mechanism_file import load_mechanism
+from crankfem.mechanism_run import compare_rod_models, run_mechanism
+from crankfem.mechanism_tables import mechanism_record, merged_rows
+
+
+@pytest.fixture(scope="module")
+def v8():
+    return run_mechanism(load_mechanism("8chn13-14"))
+
+
+def test_the_record_is_consistent(v8):
+    record = mechanism_record(v8)
+    work = sum(row["indicated_work"] for row in record["cylinders"])
+    # Four strokes: one cycle takes two turns.
+    assert record["power"] == pytest.approx(work * record["speed_rpm"] / 120.0, rel=1e-9)
+    assert max(row["work_mismatch"] for row in record["cylinders"]) < 1e-12
+    assert record["cylinders"][0]["mean_effective_pressure"] == pytest.approx(1.1e6, rel=1e-6)
+    assert len(record["crankpins"]) == 8
+    assert len(record["main_bearings"]) == 5
+    assert record["torque"]["smallest"] < record["torque"]["mean"] < record["torque"]["largest"]
+
+
+def test_the_mean_load_balances_over_the_bearings(v8):
+    # What the bearings carry is what rods and rotating masses press on the shaft.
+    carried = sum(load.force for load in v8.bearings)
+    pressed = v8.forces.crankpin.sum(axis=0)
+    turning = sum(
+        mass.static_moment * v8.speed**2 for mass in v8.layout.rotating
+    )  # a bound: their sum turns once a turn and cancels over it
+    assert abs((carried - pressed).mean()) < 1e-9 * turning
+
+
+def test_models_differ_as_their_masses_do(v8):
+    compared = {row.model: row for row in compare_rod_models(v8)}
+    assert 0.02 < compared["three-mass"].crankpin < compared["two-mass"].crankpin < 0.05
+
+
+def test_motored_engine_gives_no_power():
+    run = run_mechanism(load_mechanism("6chn25-34"), 20.0, motored=True)
+    fired = run_mechanism(load_mechanism("6chn25-34"), 20.0)
+    assert abs(run.power) < 0.1 * fired.power
+    assert max(work.peak_pressure for work in run.works) < 6e6
+
+
+def test_tables_and_files(call, tmp_path):
+    answer = call(
+        "mechanism", "8chn26-26", "--csv", tmp_path / "forces.csv", "--pictures", tmp_path / "p"
+    )
+    assert answer.code == 0
+    assert "indicated power" in answer.out
+    assert "1, 2, 3, 4" in answer.out  # cylinders alike share a row
+    assert "Assumed in the cycle: intake_pressure" in answer.out
+    with (tmp_path / "forces.csv").open(encoding="utf-8") as file:
+        assert file.readline().startswith("# 8ChN 26/26")
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 1440
+    total = sum(float(rows[100][f"cylinder_{number}_torque_Nm"]) for number in range(1, 9))
+    assert float(rows[100]["torque_Nm"]) == pytest.approx(total, rel=1e-6)
+    assert len(list((tmp_path / "p").glob("*.svg"))) >= 5
+
+
+def test_json(call):
+    content = call("mechanism", "6chn25-34", "--json", "--speed", "300 1/min").json()
+    assert content["speed_rpm"] == pytest.approx(300.0)
+    assert content["balance"]["orders"][0]["force_balanced"] is True
+    assert content["pictures"] == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--speed", "1000"), "--speed: given '1000', a bare number"),
+        (("--speed", "0 1/min"), "allowed is a speed above 0"),
+        (("--speed", "3 m"), "is no speed of rotation"),
+        (("--model", "stiff"), "--model: given 'stiff'; allowed are rigid, three-mass"),
+        (("--csv", "/no/such/folder/x.csv"), "there is no folder /no/such/folder"),
+    ],
+)
+def test_refused_options(call, arguments, message):
+    answer = call("mechanism", "6chn25-34", *arguments)
+    assert answer.code == 2
+    assert message in answer.err
+    assert "Traceback" not in answer.err
+
+
+def test_refused_files(call):
+    answer = call("mechanism", "8chn14-14")
+    assert answer.code == 2
+    assert "the section [engine] is missing" in answer.err
+
+
+def test_rows_alike_become_one():
+    assert merged_rows([["1", "a"], ["2", "b"], ["3", "a"]]) == [["1, 3", "a"], ["2", "b"]]
