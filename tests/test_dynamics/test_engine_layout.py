@@ -1,0 +1,214 @@
+"""Layouts of engines: firing angles by hand, and everything that is refused with its reason."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
+from dynamics.engine.firing import firing_angles_of_order, firing_order_of_angles
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.motions import cylinder_motion, piston_ends, piston_travel
+from dynamics.mechanism.rods import ConnectingRod
+from dynamics.mechanism.slider_crank import SliderCrank
+from geometry.errors import InputError
+
+ROD = ConnectingRod(0.265, 5.0, 0.097, 0.069)
+SHORT = ConnectingRod(0.065, 5.0, 0.03, 0.005)
+
+
+def cylinder(crank=0.0, bank=0.0, **more):
+    given = {"bore": 0.13, "piston_mass": 4.0, "rod": ROD, **more}
+    return EngineCylinder(crank_angle=math.radians(crank), bank_angle=math.radians(bank), **given)
+
+
+def in_line(*cranks):
+    return [cylinder(crank) for crank in cranks]
+
+
+def degrees(angles):
+    return np.degrees(angles).tolist()
+
+
+@pytest.mark.parametrize(
+    ("cranks", "order", "strokes", "wanted"),
+    [
+        ((0, 180, 180, 0), (1, 3, 4, 2), 4, (0, 540, 180, 360)),
+        ((0, 180, 180, 0), (1, 2, 4, 3), 4, (0, 180, 540, 360)),
+        ((0, 240, 120, 120, 240, 0), (1, 5, 3, 6, 2, 4), 4, (0, 480, 240, 600, 120, 360)),
+        ((0, 240, 120), (1, 2, 3), 2, (0, 120, 240)),
+        # Two cylinders side by side on one crank, 360 deg apart, and a twin with a pause.
+        ((0, 0), (1, 2), 4, (0, 360)),
+        ((0, 180), (1, 2), 4, (0, 180)),
+        ((90,), (1,), 4, (270,)),
+    ],
+)
+def test_firing_angles_in_line(cranks, order, strokes, wanted):
+    engine = EngineLayout(0.07, in_line(*cranks), order, strokes)
+    assert degrees(engine.firing) == pytest.approx(wanted, abs=1e-9)
+    assert math.degrees(engine.cycle) == pytest.approx(180.0 * strokes)
+    assert firing_order_of_angles(engine.firing) == order
+
+
+def test_firing_angles_of_a_vee_engine():
+    """V8 with a cross-plane shaft, banks at -45 and 45 deg: even 90 deg steps by hand."""
+    cranks, banks = (0, 270, 90, 180), (-45, 45)
+    cylinders = [cylinder(crank, bank) for bank in banks for crank in cranks]
+    tops = [math.degrees(one.top_shaft_angle) % 360 for one in cylinders]
+    assert tops == pytest.approx([315, 45, 225, 135, 45, 135, 315, 225])
+    order = (1, 5, 4, 8, 7, 2, 6, 3)
+    engine = EngineLayout(0.07, cylinders, order)
+    steps = np.diff([degrees(engine.firing)[number - 1] for number in order])
+    np.testing.assert_allclose(steps, 90.0, rtol=1e-12)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.permutations(range(1, 6)), st.floats(0.0, 6.0))
+def test_firing_angles_of_even_cranks_follow_the_order(order, start):
+    """Any order over even intervals: cranks set so that cylinder order[j] fires at j * 144 deg."""
+    tops = [0.0] * 5
+    for place, number in enumerate(order):
+        tops[number - 1] = math.fmod(start + math.radians(144.0 * place), 2.0 * math.pi)
+    angles = firing_angles_of_order(order, tops, 4)
+    assert firing_order_of_angles(angles) == tuple(order)
+    for place, number in enumerate(order):
+        later = angles[number - 1] - angles[order[0] - 1]
+        assert math.degrees(later) == pytest.approx(144.0 * place, abs=1e-3)
+        assert math.remainder(angles[number - 1] - tops[number - 1], 2.0 * math.pi) == (
+            pytest.approx(0.0, abs=1e-9)
+        )
+
+
+def test_firing_angles_may_be_given():
+    engine = EngineLayout(0.07, in_line(0, 0), [1, 2], firing_angles=[4.0 * math.pi, 2.0 * math.pi])
+    assert engine.firing == (4.0 * math.pi, 2.0 * math.pi)
+    assert engine.main_of(2) == 2
+
+
+def test_one_cylinder_of_an_engine_moves_as_a_slider_crank():
+    engine = EngineLayout(0.07, [cylinder(30.0, -45.0, pin_offset=0.01)], [1])
+    drive = SliderCrank(0.07, 0.265, 0.01)
+    angles = np.linspace(0.0, 6.0, 9)
+    motion, alone = cylinder_motion(engine, 1, angles), drive.piston(angles + math.radians(75.0))
+    for name in ("place", "first", "second"):
+        ours, wanted = getattr(motion.piston, name), getattr(alone, name)
+        np.testing.assert_allclose(ours, wanted, rtol=0.0, atol=1e-15)
+    lowest, highest = piston_ends(engine, 1)
+    assert highest == pytest.approx(drive.top, abs=1e-14)
+    assert highest - lowest == pytest.approx(drive.stroke, abs=1e-14)
+    travel = drive.travel(angles + math.radians(75.0)).place.real
+    np.testing.assert_allclose(piston_travel(engine, 1, angles), travel, rtol=0.0, atol=1e-14)
+
+
+def test_the_slave_pin_turns_with_the_main_rod():
+    """Equal banks and a pin straight out on the rod's axis: the foot is a point of the main rod."""
+    hinged = cylinder(slave_pin=SlavePin(1, 0.06, 0.3), rod=ConnectingRod(0.2, 3.0, 0.07, 0.03))
+    engine = EngineLayout(0.07, [cylinder(), hinged], [1, 2])
+    angles = np.linspace(0.0, 6.0, 9)
+    place = 0.06 * np.exp(0.3j)
+    wanted = SliderCrank(0.07, 0.265).rod_point(angles, place.real, place.imag)
+    foot = cylinder_motion(engine, 2, angles).foot
+    np.testing.assert_allclose(foot.place, wanted.place, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(foot.second, wanted.second, rtol=0.0, atol=1e-15)
+    assert engine.main_of(2) == 1
+
+
+def hinged_to(main, crank=0.0, **pin):
+    return cylinder(crank, 40.0, slave_pin=SlavePin(main, **{"radius": 0.06, "angle": 0.7, **pin}))
+
+
+@pytest.mark.parametrize(
+    ("parts", "order", "more", "words"),
+    [
+        (in_line(0, 0, 0), [1, 2, 2], {}, "from 1 to 3 once, because it repeats cylinder 2"),
+        (in_line(0, 0, 0), [1, 2], {}, r"given \[1, 2\]; .*because it omits cylinder 3"),
+        (in_line(0, 0), [1, 3], {}, "because the engine has no cylinder 3"),
+        (in_line(0, 0), [0, 1], {}, "because the engine has no cylinder 0"),
+        (in_line(0, 0), [1, 2, 1], {}, "because it repeats cylinder 1"),
+        (in_line(0, 180, 180, 0), [1, 4, 3, 2], {}, r"order whose .* within one cycle of 720 deg"),
+        (in_line(0, 0), [1, 2], {"strokes": 2}, "within one cycle of 360 deg"),
+        (in_line(0), [1], {"strokes": 3}, "strokes: given 3; allowed are 2 and 4"),
+        ([], [], {}, "cylinders: given none"),
+        (in_line(0), [1], {"crank_radius": 0.0}, "crank_radius: given 0 m"),
+        (in_line(0), [1], {"shaft_inertia": -1.0}, "shaft_inertia: given -1 kg"),
+        (
+            [cylinder(rod=SHORT)],
+            [1],
+            {},
+            "cylinder 1: crank_radius: given 0.07 m .*0.065 m, because",
+        ),
+        (
+            [cylinder(pin_offset=-0.2)],
+            [1],
+            {},
+            "offset of 0.2 m; allowed is less than rod length minus offset, 0.065 m",
+        ),
+        (
+            [hinged_to(1)],
+            [1],
+            {},
+            "cylinder 1: slave pin: given main cylinder 1; .*another cylinder",
+        ),
+        ([cylinder(), hinged_to(3)], [1, 2], {}, "cylinder 2: slave pin: given main cylinder 3"),
+        ([cylinder(), hinged_to(0)], [1, 2], {}, "cylinder 2: slave pin: given main cylinder 0"),
+        (
+            [cylinder(), hinged_to(1), hinged_to(2)],
+            [1, 2, 3],
+            {},
+            "cylinder 3: slave pin: given main cylinder 2, whose own rod is hinged",
+        ),
+        (
+            [cylinder(), hinged_to(1, crank=90.0)],
+            [1, 2],
+            {},
+            "cylinder 2: crank_angle: given 90 deg; allowed is that of cylinder 1, 0 deg",
+        ),
+        (
+            [cylinder(), hinged_to(1, radius=0.265)],
+            [1, 2],
+            {},
+            "cylinder 2: slave pin radius: given 0.265 m; .*main rod's length of 0.265 m",
+        ),
+        (
+            [cylinder(), hinged_to(1, radius=0.26, angle=-0.9)],
+            [1, 2],
+            {},
+            "cylinder 2: rod length: given 0.265 m for a pin that goes 0.[0-9]+ m aside",
+        ),
+        (
+            in_line(0, 0),
+            [1, 2],
+            {"firing_angles": [0.0]},
+            "firing_angles: given 1 angles; .*the 2 cyl",
+        ),
+        (
+            in_line(0, 180),
+            [1, 2],
+            {"firing_angles": [0.0, 0.0]},
+            "given 0 deg for cylinder 2; allowed is -180 deg plus whole turns",
+        ),
+    ],
+)
+def test_bad_layouts_are_refused_with_the_reason(parts, order, more, words):
+    with pytest.raises(InputError, match=words):
+        EngineLayout(**{"crank_radius": 0.07, "cylinders": parts, "firing_order": order, **more})
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: cylinder(piston_mass=-4.0), "piston_mass: given -4 kg; .*it is a mass"),
+        (lambda: cylinder(bore=0.0), "bore: given 0 m"),
+        (lambda: cylinder(position=math.nan), "position: given nan"),
+        (lambda: cylinder(crank=math.inf), "crank_angle: given inf"),
+        (lambda: SlavePin(1, 0.0, 0.7), "slave pin radius: given 0 m"),
+        (lambda: SlavePin(1, 0.06, math.nan), "slave pin angle: given nan"),
+        (lambda: RotatingMass(-0.1, 0.0), "static_moment: given -0.1 kg m; .*mass times radius"),
+        (lambda: RotatingMass(0.1, math.nan), "angle: given nan"),
+    ],
+)
+def test_impossible_parts_are_refused(make, words):
+    with pytest.raises(InputError, match=words):
+        make()

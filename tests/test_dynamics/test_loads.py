@@ -1,0 +1,189 @@
+"""Load diagrams against sums by hand: one cycle, common pins, levers between bearings, and refusals.
+
+Sums of a few terms of the load's size: 1e-12 of it is round-off with room.
+"""
+
+import math
+
+import numpy as np
+import pytest
+
+from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
+from dynamics.engine.forces import mechanism_forces
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_loads
+from dynamics.mechanism.rods import ConnectingRod
+from geometry.errors import InputError
+
+ROD = ConnectingRod(0.265, 5.0, 0.097, 0.069, 0.009)
+ANGLES = np.radians(np.arange(0.0, 720.0, 10.0))
+CLOSED = np.radians(np.arange(0.0, 730.0, 10.0))
+SPEED = 220.0
+BEARINGS = [0.0, 0.16, 0.32]
+
+
+def cylinder(crank=0.0, position=0.0, bank=0.0, **more):
+    return EngineCylinder(0.13, 4.0, ROD, math.radians(crank), math.radians(bank), position, **more)
+
+
+def twin(*rotating):
+    return EngineLayout(
+        0.07, [cylinder(0.0, 0.06), cylinder(180.0, 0.24)], [1, 2], rotating=rotating
+    )
+
+
+def forces_of(engine, angles=ANGLES, **more):
+    gas = [4e4 * (1.1 + np.cos(0.5 * angles - 0.8 * n)) for n in range(len(engine.cylinders))]
+    return mechanism_forces(engine, angles, SPEED, np.array(gas), **more)
+
+
+def test_a_crankpin_bears_the_rods_on_it():
+    hinged = cylinder(bank=60.0, slave_pin=SlavePin(1, 0.06, math.radians(60.0)))
+    engine = EngineLayout(0.07, [cylinder(), hinged, cylinder(bank=60.0)], [1, 2, 3], 4, [
+        0.0, math.radians(60.0), math.radians(420.0),
+    ])  # fmt: skip
+    forces = forces_of(engine)
+    loads = crankpin_loads(forces)
+    assert [load.name for load in loads] == ["crankpin, cylinders 1 and 2", "crankpin, cylinder 3"]
+    np.testing.assert_allclose(loads[0].force, forces.crankpin[:2].sum(axis=0), rtol=1e-14)
+    np.testing.assert_allclose(loads[1].force, forces.crankpin[2], rtol=1e-14)
+    np.testing.assert_allclose(loads[1].in_crank_frame, forces.in_crank_frame[2], rtol=1e-12)
+    np.testing.assert_allclose(np.abs(loads[0].in_crank_frame), loads[0].magnitude, rtol=1e-12)
+
+
+def test_each_crankpin_turns_with_its_own_crank():
+    forces = forces_of(twin())
+    for number, load in enumerate(crankpin_loads(forces)):
+        np.testing.assert_allclose(load.in_crank_frame, forces.in_crank_frame[number], rtol=1e-12)
+    assert crankpin_loads(forces)[1].crank_angle == math.pi
+
+
+def test_a_turning_mass_stands_still_in_its_crank_frame():
+    """Frame, mean, maximum and columns of a force that is known: 3 outwards, 4 against rotation."""
+    force = 1e3 * (3.0 - 4.0j) * np.exp(1j * (0.5 + ANGLES))
+    load = LoadDiagram("pin", ANGLES, force, 0.5)
+    np.testing.assert_allclose(load.in_crank_frame, 1e3 * (3.0 - 4.0j), rtol=1e-13)
+    assert load.mean == pytest.approx(5e3, rel=1e-13)
+    np.testing.assert_allclose(load.specific_pressure(0.1, 0.05), 1e6, rtol=1e-13)
+    columns = load.columns()
+    np.testing.assert_allclose(columns["tangential_N"], -4e3, rtol=1e-12)
+    np.testing.assert_allclose(columns["radial_N"], -3e3, rtol=1e-12)
+    np.testing.assert_allclose(columns["magnitude_N"], 5e3, rtol=1e-13)
+    np.testing.assert_allclose(columns["shaft_angle_deg"], np.arange(0.0, 720.0, 10.0), rtol=1e-13)
+    # The engine's complex plane is y - i x.
+    np.testing.assert_allclose(columns["force_y_N"] - 1j * columns["force_x_N"], force, rtol=1e-13)
+
+
+def test_maximum_and_its_angle():
+    size = 2.0 + np.cos(ANGLES - math.radians(130.0))
+    load = LoadDiagram("pin", ANGLES, size.astype(complex), 0.0)
+    assert load.maximum == pytest.approx(3.0)
+    assert math.degrees(load.maximum_angle) == pytest.approx(130.0)
+    assert load.mean == pytest.approx(2.0)
+
+
+def test_the_closing_sample_counts_once():
+    engine = twin()
+    for loads in (crankpin_loads, lambda forces: main_bearing_loads(forces, BEARINGS, SPEED)):
+        once, twice = loads(forces_of(engine)), loads(forces_of(engine, CLOSED))
+        for ours, theirs in zip(once, twice, strict=True):
+            assert theirs.angles.size == ours.angles.size == theirs.force.size == 72
+            assert theirs.mean == pytest.approx(ours.mean, rel=1e-12)
+
+
+def test_each_load_is_shared_by_the_lever():
+    """Cylinder 1 at 0.06 of 0.16, cylinder 2 in the middle of the second bay."""
+    forces = forces_of(twin())
+    first, second = forces.crankpin
+    loads = main_bearing_loads(forces, BEARINGS, SPEED)
+    wanted = [0.625 * first, 0.375 * first + 0.5 * second, 0.5 * second]
+    for load, force in zip(loads, wanted, strict=True):
+        np.testing.assert_allclose(load.force, force, rtol=1e-12)
+        assert load.crank_angle == 0.0
+    assert [load.name for load in loads] == [f"main bearing {n}" for n in (1, 2, 3)]
+
+
+def test_bearings_carry_forces_and_moments_of_all_loads_turning_masses_included():
+    """A mass at rest on the shaft, m r (w^2 - i w') outwards; sum and lever sum over the bearings."""
+    masses = RotatingMass(0.3, 2.0, 0.1), RotatingMass(0.2, -1.0, 0.32)
+    gain = 4000.0
+    engine = twin(*masses)
+    forces = forces_of(engine, crank_acceleration=gain)
+    loads = main_bearing_loads(forces, BEARINGS, SPEED, crank_acceleration=gain)
+    total, moment = forces.crankpin.sum(axis=0), forces.crankpin.T @ [0.06, 0.24]
+    for mass in masses:
+        # Twice differentiated in time: r'' = (i w' - w^2) r.
+        inertia = mass.static_moment * np.exp(1j * (mass.angle + ANGLES)) * (SPEED**2 - 1j * gain)
+        total, moment = total + inertia, moment + mass.position * inertia
+    found = np.array([load.force for load in loads])
+    size = np.max(np.abs(total))
+    np.testing.assert_allclose(found.sum(axis=0), total, rtol=0.0, atol=1e-12 * size)
+    np.testing.assert_allclose(found.T @ BEARINGS, moment, rtol=0.0, atol=1e-12 * size)
+    bare = main_bearing_loads(forces_of(twin(), crank_acceleration=gain), BEARINGS, SPEED)
+    np.testing.assert_allclose(found[0] - bare[0].force, 0.375 * 0.3 * np.exp(1j * (2.0 + ANGLES)) * (
+        SPEED**2 - 1j * gain
+    ), rtol=1e-9)  # fmt: skip
+
+
+def test_a_hinged_rod_loads_the_shaft_where_the_main_rod_does():
+    hinged = cylinder(bank=60.0, position=0.2, slave_pin=SlavePin(1, 0.06, math.radians(60.0)))
+    engine = EngineLayout(0.07, [cylinder(position=0.04), hinged], [1, 2])
+    forces = forces_of(engine)
+    loads = main_bearing_loads(forces, [0.0, 0.16], SPEED)
+    np.testing.assert_allclose(loads[0].force, 0.75 * forces.crankpin.sum(axis=0), rtol=1e-12)
+
+
+def test_a_speed_for_each_angle():
+    speeds = np.linspace(200.0, 240.0, ANGLES.size)
+    engine = twin(RotatingMass(0.3, 2.0, 0.0))
+    forces = forces_of(engine)
+    loads = main_bearing_loads(forces, BEARINGS, speeds)
+    at_mean = main_bearing_loads(forces, BEARINGS, 0.0)
+    np.testing.assert_allclose(
+        np.abs(loads[0].force - at_mean[0].force), 0.3 * speeds**2, rtol=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("angles", "words"),
+    [
+        (ANGLES[:36], "given 0 to 350 deg; allowed are even steps over one cycle of 720 deg"),
+        (ANGLES[:2], "given 2 angles"),
+        (ANGLES[::-1], "given 700 deg after 710 deg"),
+        (np.delete(ANGLES, 5), "given uneven steps at 60 deg"),
+        (np.radians(np.arange(0.0, 1440.0, 10.0)), "given 0 to 1430 deg"),
+    ],
+)
+def test_angles_that_are_not_one_cycle_are_refused(angles, words):
+    forces = forces_of(twin(), angles)
+    for loads in (crankpin_loads, lambda forces: main_bearing_loads(forces, BEARINGS, SPEED)):
+        with pytest.raises(InputError, match=f"shaft_angles: {words}"):
+            loads(forces)
+
+
+@pytest.mark.parametrize(
+    ("bearings", "rotating", "words"),
+    [
+        ([0.0], (), r"bearing_positions: given \[0.0\] m; allowed are two or more ascending"),
+        ([0.0, 0.3, 0.3], (), "ascending"),
+        ([0.3, 0.0], (), "ascending"),
+        ([0.1, 0.3], (), "cylinder 1: position: given 0.06 m; allowed is 0.1 to 0.3 m"),
+        ([0.0, 0.2], (), "cylinder 2: position: given 0.24 m"),
+        (
+            BEARINGS,
+            (RotatingMass(0.1, 0.0, 0.4),),
+            "rotating mass 1: position: given 0.4 m; .*beyond the end bearings",
+        ),
+    ],
+)
+def test_bearings_that_do_not_hold_the_shaft_are_refused(bearings, rotating, words):
+    with pytest.raises(InputError, match=words):
+        main_bearing_loads(forces_of(twin(*rotating)), bearings, SPEED)
+
+
+def test_bearings_without_size_are_refused():
+    load = LoadDiagram("pin", ANGLES, ANGLES.astype(complex), 0.0)
+    with pytest.raises(InputError, match="bearing diameter: given 0 m"):
+        load.specific_pressure(0.0, 0.05)
+    with pytest.raises(InputError, match="bearing length: given -1 m"):
+        load.specific_pressure(0.1, -1.0)

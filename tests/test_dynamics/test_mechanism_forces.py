@@ -1,0 +1,376 @@
+"""Forces in the mechanism against formulations that share nothing with the code under test.
+
+Positions come from circles cut with lines, their accelerations from five-point differences in time,
+and the forces from one linear system of all Newton-Euler equations of two rods and two pistons, in
+plain coordinates. Round-off of the differences (1e-16 m over a squared step of 1e-3 rad) leaves 1e-9
+of the largest acceleration; conditions of the system take that to 1e-8 at most, so 1e-7 of the
+largest force is asked. Balances of analytic quantities hold to round-off: 1e-12, or 1e-9 where the
+requirement says so.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dynamics.engine.cylinder import EngineCylinder, SlavePin
+from dynamics.engine.forces import mechanism_forces, rod_models, summed
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.motions import cylinder_motion, reduced_inertia
+from dynamics.mechanism.rods import ROD_MODELS, ConnectingRod
+
+SPEED, GAIN = 220.0, 9000.0
+ANGLES = np.linspace(0.0, 4.0 * math.pi, 24, endpoint=False)
+# Exact sums over a turn need more angles: the torque's orders fall by lambda each.
+FINE = np.linspace(0.0, 4.0 * math.pi, 240, endpoint=False)
+FORCES = ("side", "piston_pin", "foot", "crankpin")
+share = st.floats(-1.0, 1.0)
+
+
+@st.composite
+def rods(draw, length):
+    center = length * draw(st.floats(0.2, 0.8))
+    mass = draw(st.floats(0.5, 8.0))
+    inertia = mass * length**2 * draw(st.floats(0.02, 0.3))
+    return ConnectingRod(length, mass, center, inertia, 0.1 * length * draw(share))
+
+
+@st.composite
+def vee_engines(draw):
+    """Two cylinders on one crankpin, the second one's rod hinged to the first one's."""
+    main = EngineCylinder(
+        bore=0.13,
+        piston_mass=draw(st.floats(1.0, 6.0)),
+        rod=draw(rods(0.265)),
+        crank_angle=draw(share),
+        bank_angle=draw(share),
+        pin_offset=0.01 * draw(share),
+    )
+    vee = 0.8 * draw(share)
+    hinged = EngineCylinder(
+        bore=0.12,
+        piston_mass=draw(st.floats(1.0, 6.0)),
+        rod=draw(rods(0.21)),
+        crank_angle=main.crank_angle,
+        bank_angle=main.bank_angle + vee,
+        pin_offset=0.01 * draw(share),
+        slave_pin=SlavePin(1, 0.06, vee + 0.2 * draw(share)),
+    )
+    return EngineLayout(0.07, [main, hinged], [1, 2], firing_angles=tops(main, hinged))
+
+
+def tops(*cylinders):
+    return [cylinder.top_shaft_angle for cylinder in cylinders]
+
+
+GAS = np.array([30e3 * (1.2 + np.cos(ANGLES / 2.0)), 20e3 * (1.1 + np.sin(ANGLES / 2.0))])
+RUB = np.array([400.0 * np.sin(ANGLES), -300.0 * np.cos(ANGLES)])
+
+
+def solved_forces(engine, angles, model, *, gas=GAS, friction=RUB, speed=SPEED, gain=GAIN):
+    return mechanism_forces(
+        engine, angles, speed, gas, model=model, friction=friction, crank_acceleration=gain
+    )
+
+
+# --- One linear system of all equations of motion, in coordinates (y, -x) of the engine's frame.
+
+
+@dataclass
+class Place:
+    """Position of everything at one shaft angle, as complex numbers of the engine's frame."""
+
+    crank: complex
+    pistons: list
+    directions: list
+    slave: complex
+
+
+def place_of(engine, shaft_angle):
+    main, hinged = engine.cylinders
+    crank = engine.crank_radius * np.exp(1j * (main.crank_angle + shaft_angle))
+    first, direction = reached(crank, main)
+    pin = hinged.slave_pin
+    slave = crank + direction * pin.radius * np.exp(1j * pin.angle)
+    second, other = reached(slave, hinged)
+    return Place(crank, [first, second], [direction, other], slave)
+
+
+def reached(foot, cylinder):
+    """Return where a circle of the rod's length round the foot cuts the line of the piston pin."""
+    axis = np.exp(1j * cylinder.bank_angle)
+    local = foot / axis
+    aside = local.imag - cylinder.pin_offset
+    along = local.real + math.sqrt(cylinder.rod.length**2 - aside**2)
+    piston = axis * complex(along, cylinder.pin_offset)
+    return piston, (piston - foot) / cylinder.rod.length
+
+
+def second_in_time(function, shaft_angle):
+    """Differences over times at which the crank moves by about 1e-3 rad."""
+    step = 1e-3 / SPEED
+    times = step * np.arange(-2.0, 3.0)
+    values = [function(shaft_angle + SPEED * t + 0.5 * GAIN * t * t) for t in times]
+    return np.dot([-1.0, 16.0, -30.0, 16.0, -1.0], values) / (12.0 * step**2)
+
+
+def newton_euler(engine, shaft_angle, model, gas, friction):
+    """Solve 10 equations for: crankpin on rod 1, pin 1 on rod 1, rod 1 on rod 2, pin 2 on rod 2, N1, N2.
+
+    Every point mass of a rod enters with its own force and moment about the rod's foot.
+    """
+    now = place_of(engine, shaft_angle)
+    matrix, right = np.zeros((10, 10)), np.zeros(10)
+    crank, pin_1, hinge, pin_2, wall = 0, 2, 4, 6, 8
+    feet = [now.crank, now.slave]
+    for number, cylinder in enumerate(engine.cylinders):
+        rod, row = cylinder.rod.model(model), 3 * number
+        foot_force, pin_force = (crank, pin_1) if number == 0 else (hinge, pin_2)
+        arm = now.pistons[number] - feet[number]
+        matrix[row, foot_force] = matrix[row + 1, foot_force + 1] = 1.0
+        matrix[row, pin_force] = matrix[row + 1, pin_force + 1] = 1.0
+        matrix[row + 2, pin_force : pin_force + 2] = -arm.imag, arm.real
+        if number == 0:
+            matrix[row, hinge] = matrix[row + 1, hinge + 1] = -1.0
+            lever = now.slave - now.crank
+            matrix[row + 2, hinge : hinge + 2] = lever.imag, -lever.real
+        for mass, where in zip(rod.masses, rod.places, strict=True):
+
+            def point(angle, number=number, where=where):
+                place = place_of(engine, angle)
+                foot = place.crank if number == 0 else place.slave
+                return foot + where * place.directions[number]
+
+            force = mass * second_in_time(point, shaft_angle)
+            lever = where * now.directions[number]
+            right[row] += force.real
+            right[row + 1] += force.imag
+            right[row + 2] += lever.real * force.imag - lever.imag * force.real
+        turn = second_in_time(
+            lambda angle, number=number: np.angle(
+                place_of(engine, angle).directions[number] / now.directions[number]
+            ),
+            shaft_angle,
+        )
+        right[row + 2] += rod.added_inertia * turn
+        # The piston: gas and friction along the axis, the wall across it, the rod's pin against it.
+        axis = np.exp(1j * cylinder.bank_angle)
+        push = (friction[number] - gas[number]) * axis
+        moved = cylinder.piston_mass * second_in_time(
+            lambda angle, number=number: place_of(engine, angle).pistons[number], shaft_angle
+        )
+        row = 6 + 2 * number
+        matrix[row, pin_force] = matrix[row + 1, pin_force + 1] = -1.0
+        matrix[row, wall + number], matrix[row + 1, wall + number] = -axis.imag, axis.real
+        right[row], right[row + 1] = (moved - push).real, (moved - push).imag
+    found = np.linalg.solve(matrix, right)
+    pairs = found[0:8:2] + 1j * found[1:8:2]
+    return pairs, found[8:]
+
+
+@pytest.mark.parametrize("model", ROD_MODELS)
+@settings(max_examples=4, deadline=None)
+@given(engine=vee_engines(), start=st.integers(0, 23))
+def test_forces_solve_the_equations_of_motion_of_all_bodies(model, engine, start):
+    forces = solved_forces(engine, ANGLES, model)
+    size = np.max(np.abs(forces.foot))
+    axes = [np.exp(1j * cylinder.bank_angle) for cylinder in engine.cylinders]
+    for place in (start, (start + 7) % 24):
+        (crank, pin_1, hinge, pin_2), walls = newton_euler(
+            engine, ANGLES[place], model, GAS[:, place], RUB[:, place]
+        )
+        np.testing.assert_allclose(forces.side[:, place], walls, rtol=0.0, atol=1e-7 * size)
+        ours = np.array(
+            [
+                -summed(forces, (1, 2))[place],
+                -forces.foot[0, place] * axes[0],
+                -forces.piston_pin[0, place] * axes[0],
+                -forces.foot[1, place] * axes[1],
+                -forces.piston_pin[1, place] * axes[1],
+            ]
+        )
+        wanted = np.array([crank, crank, pin_1, hinge, pin_2])
+        np.testing.assert_allclose(ours, wanted, rtol=0.0, atol=1e-7 * size)
+
+
+# --- Balances of the whole mechanism.
+
+
+@pytest.mark.parametrize("model", ROD_MODELS)
+@settings(max_examples=8, deadline=None)
+@given(engine=vee_engines())
+def test_torque_is_gas_and_friction_power_less_the_rise_of_kinetic_energy(model, engine):
+    forces = solved_forces(engine, ANGLES, model)
+    inertia, slope = reduced_inertia(engine, rod_models(engine, model), ANGLES)
+    slopes = np.array([cylinder_motion(engine, n, ANGLES).piston.first.real for n in (1, 2)])
+    power = np.sum((RUB - GAS) * slopes, axis=0)
+    wanted = power - (0.5 * slope * SPEED**2 + inertia * GAIN)
+    torque = np.sum(forces.torque, axis=0)
+    np.testing.assert_allclose(torque, wanted, rtol=0.0, atol=1e-9 * np.max(np.abs(wanted)))
+
+
+@settings(max_examples=8, deadline=None)
+@given(engine=vee_engines())
+def test_kinetic_energy_is_that_of_all_masses(engine):
+    """Energy 0.5 I w^2 from the speeds of point masses, and dI/dphi by differences."""
+    step = 1e-3
+    for model in ROD_MODELS:
+        models = rod_models(engine, model)
+        inertia, slope = reduced_inertia(engine, models, ANGLES)
+        total = np.zeros(ANGLES.shape)
+        for number, (cylinder, rod) in enumerate(zip(engine.cylinders, models, strict=True), 1):
+            motion = cylinder_motion(engine, number, ANGLES)
+            total += cylinder.piston_mass * np.abs(motion.piston.first) ** 2
+            total += rod.added_inertia * motion.rod.first**2
+            for mass, place in zip(rod.masses, rod.places, strict=True):
+                total += mass * np.abs(motion.rod_point(place).first) ** 2
+        np.testing.assert_allclose(inertia, total, rtol=0.0, atol=1e-13 * np.max(total))
+        with_shaft = reduced_inertia(replace(engine, shaft_inertia=1.5), models, ANGLES)[0]
+        np.testing.assert_allclose(with_shaft, 1.5 + inertia, rtol=1e-14)
+        around = [
+            reduced_inertia(engine, models, ANGLES + shift * step)[0] for shift in (-2, -1, 1, 2)
+        ]
+        wanted = np.dot([1.0, -8.0, 8.0, -1.0], around) / (12.0 * step)
+        # The differences' own error: step^4 times the fifth derivative, and round-off.
+        np.testing.assert_allclose(slope, wanted, rtol=0.0, atol=1e-9 * np.max(total))
+
+
+@pytest.mark.parametrize("model", ROD_MODELS)
+@settings(max_examples=5, deadline=None)
+@given(engine=vee_engines())
+def test_energy_over_a_cycle_balances(model, engine):
+    gas = np.array([30e3 * (1.2 + np.cos(FINE / 2.0)), 20e3 * (1.1 + np.sin(FINE / 2.0))])
+    forces = solved_forces(engine, FINE, model, gas=gas, friction=-500.0, gain=0.0)
+    slopes = np.array([cylinder_motion(engine, n, FINE).piston.first.real for n in (1, 2)])
+    torque = np.sum(forces.torque, axis=0)
+    # -500 N along +s all the time does no work over a cycle: what is left is that of the gas.
+    work = np.mean(-gas * slopes) * 2.0
+    assert np.mean(torque) == pytest.approx(work, abs=1e-9 * np.max(np.abs(torque)))
+    idle = solved_forces(engine, FINE, model, gas=0.0, friction=0.0, gain=0.0).torque
+    assert abs(np.mean(idle)) <= 1e-9 * np.max(np.abs(idle))
+
+
+@pytest.mark.parametrize("model", ROD_MODELS)
+@settings(max_examples=6, deadline=None)
+@given(engine=vee_engines())
+def test_outer_forces_change_the_momentum_of_all_moving_parts(model, engine):
+    """Forces of gas, wall, friction and crank on all parts; their moment about the shaft as well."""
+    forces = solved_forces(engine, ANGLES, model)
+    total = -np.sum(forces.crankpin, axis=0)
+    moment = -np.sum(forces.torque, axis=0)
+    momentum, turning = np.zeros(ANGLES.shape, complex), np.zeros(ANGLES.shape)
+    for number, cylinder in enumerate(engine.cylinders):
+        motion = cylinder_motion(engine, number + 1, ANGLES)
+        axis = np.exp(1j * cylinder.bank_angle)
+        outer = RUB[number] - GAS[number] + 1j * forces.side[number]
+        total += outer * axis
+        moment += (np.conj(motion.piston.place) * outer).imag
+        rod = cylinder.rod.model(model)
+        parts = [(cylinder.piston_mass, motion.piston)]
+        parts += [
+            (mass, motion.rod_point(place))
+            for mass, place in zip(rod.masses, rod.places, strict=True)
+        ]
+        for mass, point in parts:
+            rise = mass * point.acceleration(SPEED, GAIN)
+            momentum += rise * axis
+            turning += (np.conj(point.place) * rise).imag
+        turning += rod.added_inertia * motion.rod.acceleration(SPEED, GAIN)
+    size = np.max(np.abs(forces.foot))
+    np.testing.assert_allclose(total, momentum, rtol=0.0, atol=1e-12 * size)
+    np.testing.assert_allclose(moment, turning, rtol=0.0, atol=1e-12 * size)
+
+
+@settings(max_examples=8, deadline=None)
+@given(engine=vee_engines())
+def test_forces_on_a_rod_are_its_mass_times_acceleration(engine):
+    """Of the hinged rod, which carries nothing: forces at its pins, and moments about its center."""
+    forces = solved_forces(engine, ANGLES, "rigid")
+    rod, motion = engine.cylinders[1].rod, cylinder_motion(engine, 2, ANGLES)
+    center = motion.rod_point(rod.center)
+    at_foot, at_piston = -forces.foot[1], -forces.piston_pin[1]
+    size = np.max(np.abs(at_foot))
+    wanted = rod.mass * center.acceleration(SPEED, GAIN)
+    np.testing.assert_allclose(at_foot + at_piston, wanted, rtol=0.0, atol=1e-12 * size)
+    moment = (np.conj(motion.foot.place - center.place) * at_foot).imag
+    moment += (np.conj(motion.piston.place - center.place) * at_piston).imag
+    turned = rod.inertia * motion.rod.acceleration(SPEED, GAIN)
+    np.testing.assert_allclose(moment, turned, rtol=0.0, atol=1e-12 * size)
+
+
+# --- What must not matter.
+
+
+@settings(max_examples=8, deadline=None)
+@given(vee_engines(), st.floats(0.1, 10.0), st.floats(0.1, 10.0), st.floats(0.1, 10.0))
+def test_forces_do_not_depend_on_the_units(engine, longer, heavier, slower):
+    def scaled(cylinder):
+        rod, pin = cylinder.rod, cylinder.slave_pin
+        return EngineCylinder(
+            longer * cylinder.bore,
+            heavier * cylinder.piston_mass,
+            ConnectingRod(
+                longer * rod.length,
+                heavier * rod.mass,
+                longer * rod.center_distance,
+                heavier * longer**2 * rod.inertia,
+                longer * rod.center_offset,
+            ),
+            cylinder.crank_angle,
+            cylinder.bank_angle,
+            longer * cylinder.position,
+            longer * cylinder.pin_offset,
+            pin and SlavePin(pin.main_cylinder, longer * pin.radius, pin.angle),
+        )
+
+    main, hinged = (scaled(cylinder) for cylinder in engine.cylinders)
+    other = EngineLayout(
+        longer * engine.crank_radius, [main, hinged], [1, 2], firing_angles=tops(main, hinged)
+    )
+    factor = heavier * longer / slower**2
+    for model in ROD_MODELS:
+        ours = solved_forces(engine, ANGLES, model)
+        theirs = solved_forces(
+            other,
+            ANGLES,
+            model,
+            gas=factor * GAS,
+            friction=factor * RUB,
+            speed=SPEED / slower,
+            gain=GAIN / slower**2,
+        )
+        size = factor * np.max(np.abs(ours.foot))
+        for part in FORCES:
+            wanted = factor * getattr(ours, part)
+            np.testing.assert_allclose(getattr(theirs, part), wanted, rtol=0.0, atol=1e-12 * size)
+
+
+@settings(max_examples=8, deadline=None)
+@given(vee_engines(), st.floats(-3.0, 3.0))
+def test_an_engine_turned_as_a_whole_has_the_same_forces(engine, angle):
+    turned = [
+        EngineCylinder(
+            c.bore,
+            c.piston_mass,
+            c.rod,
+            c.crank_angle + angle,
+            c.bank_angle + angle,
+            c.position,
+            c.pin_offset,
+            c.slave_pin,
+        )
+        for c in engine.cylinders
+    ]
+    other = EngineLayout(0.07, turned, [1, 2], firing_angles=tops(*turned))
+    ours, theirs = (solved_forces(e, ANGLES, "rigid") for e in (engine, other))
+    size = np.max(np.abs(ours.foot))
+    for part in ("side", "piston_pin", "foot", "tangential", "radial"):
+        np.testing.assert_allclose(
+            getattr(theirs, part), getattr(ours, part), rtol=0.0, atol=1e-12 * size
+        )
+    np.testing.assert_allclose(
+        theirs.crankpin, ours.crankpin * np.exp(1j * angle), rtol=0.0, atol=1e-12 * size
+    )

@@ -1,0 +1,144 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dynamics.critical import even_firing_angles, major_orders, vector_sums
+from dynamics.cycle import order_step
+from dynamics.engine.cylinder import EngineCylinder, SlavePin
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.star import leading_stars, same_stars, star_diagram
+from dynamics.engine.torque import engine_torque
+from dynamics.mechanism.rods import ConnectingRod
+from geometry.errors import InputError
+
+FOUR = even_firing_angles((1, 3, 4, 2))
+SIX = even_firing_angles((1, 5, 3, 6, 2, 4))
+
+
+def test_stars_of_the_in_line_six():
+    stars = star_diagram(SIX, 6.0)
+    assert [star.order for star in stars if star.kind == "major"] == [3.0, 6.0]
+    assert {star.kind for star in stars} == {"major", "balanced"}
+    groups = [[star.order for star in group] for group in same_stars(stars)]
+    assert groups == [[0.5, 2.5, 3.5, 5.5], [1.0, 2.0, 4.0, 5.0], [1.5, 4.5], [3.0, 6.0]]
+    # Order 1: three directions 120 deg apart, cylinders 1 and 6, 2 and 5, 3 and 4 together.
+    first = stars[1].directions
+    assert np.degrees(first) == pytest.approx([0.0, 120.0, 240.0, 240.0, 120.0, 0.0])
+    assert [star.order for star in leading_stars(stars)] == [3.0, 6.0]
+
+
+def test_resultants_are_the_vector_sums():
+    orders = np.arange(0.5, 8.5, 0.5)
+    angles = [0.0, 1.0, 2.5, 4.0, 4.2]
+    shape = [1.0, 0.6, 0.1, -0.4, -0.8]
+    for weights in (None, shape):
+        stars = star_diagram(angles, orders, mode_shape=weights)
+        sums = vector_sums(orders, angles, weights)
+        assert [star.resultant for star in stars] == pytest.approx(sums)
+
+
+@given(st.permutations(range(1, 7)), st.sampled_from((2, 4)))
+@settings(max_examples=20, deadline=None)
+def test_even_firing_has_the_multiples_of_ignitions_per_turn_as_majors(order, strokes):
+    angles = even_firing_angles(order, strokes)
+    stars = star_diagram(angles, 12.0, strokes=strokes)
+    majors = [star.order for star in stars if star.kind == "major"]
+    per_turn = 6 * order_step(strokes)
+    assert majors == list(np.arange(per_turn, 12.1, per_turn))
+    assert majors == major_orders([star.order for star in stars], angles).tolist()
+    assert {star.kind for star in stars} == {"major", "balanced"}
+
+
+def test_uneven_firing_names_the_strongest_order():
+    """A two-cylinder engine with cranks in one direction less 90 deg: fires at 0 and 450 deg.
+
+    |1 + exp(i k 450 deg)| = 2 |cos(k 225 deg)|: 2 only from order 4 on; below, cos(2.5 * 225 deg)
+    and cos(1.5 * 225 deg) = cos(337.5 deg) are the largest.
+    """
+    stars = star_diagram(np.radians([0.0, 450.0]), 3.5)
+    assert all(star.kind != "major" for star in stars)
+    found = leading_stars(stars)
+    assert [star.order for star in found] == [1.5, 2.5]
+    assert found[0].share == pytest.approx(math.cos(math.radians(22.5)))
+    assert [star.order for star in leading_stars(star_diagram(np.radians([0.0, 450.0]), 4.0))] == [
+        4.0
+    ]
+
+
+def test_mode_shape_turns_majors_into_minors():
+    """The one-node mode of the in-line four, antisymmetric: order 2 cancels, half orders do not."""
+    stars = star_diagram(FOUR, 4.0, mode_shape=[1.0, 0.4, -0.4, -1.0])
+    kinds = {star.order: star.kind for star in stars}
+    assert kinds[2.0] == kinds[4.0] == "balanced"
+    assert kinds[0.5] == "minor"
+    assert stars[0].largest == pytest.approx(2.8)
+
+
+def hinged_vee():
+    rod = ConnectingRod(0.25, 2.0, 0.08, 0.02)
+    slave = ConnectingRod(0.18, 1.2, 0.07, 0.008)
+    cylinders = []
+    for throw, crank in enumerate((0.0, math.pi)):
+        main = EngineCylinder(0.12, 3.0, rod, crank, -math.radians(30), 0.2 * throw)
+        pin = SlavePin(2 * throw + 1, 0.06, math.radians(60))
+        hinged = EngineCylinder(
+            0.12, 2.8, slave, crank, math.radians(30), 0.2 * throw, slave_pin=pin
+        )
+        cylinders += [main, hinged]
+    return EngineLayout(0.07, cylinders, [1, 2, 3, 4])
+
+
+def test_stars_with_each_cylinders_own_harmonics_sum_to_the_engines():
+    """Hinged rods: amplitudes and phases differ, and the resultant is the engine's harmonic."""
+    engine = hinged_vee()
+    forces = 1e4 * np.random.default_rng(5).random((4, 48))
+    torque = engine_torque(engine, 100.0, forces, samples=48)
+    own = [torque.cylinder_harmonics(number) for number in (1, 2, 3, 4)]
+    whole = torque.harmonics()
+    # Not the half sampling rate, where the phase is not that of a shifted wave.
+    orders = whole.orders[:-1]
+    stars = star_diagram(
+        engine,
+        orders,
+        amplitudes=np.array([each.amplitude[:-1] for each in own]).T,
+        phases=np.array([each.phase[:-1] for each in own]).T,
+    )
+    largest = np.max(whole.amplitude)
+    found = [star.resultant * np.exp(-1j * star.resultant_direction) for star in stars]
+    wanted = (whole.amplitude * np.exp(1j * whole.phase))[:-1]
+    assert np.array(found) == pytest.approx(wanted, abs=1e-12 * largest)
+    assert len({round(float(weight), 6) for weight in stars[0].weights}) == 4
+
+
+def test_an_engine_gives_its_own_orders_and_firing_angles():
+    engine = hinged_vee()
+    stars = star_diagram(engine, 2.0)
+    assert [star.order for star in stars] == [0.5, 1.0, 1.5, 2.0]
+    assert stars[1].directions == pytest.approx(np.mod(engine.firing, 2.0 * np.pi))
+
+
+def test_balanced_orders_have_no_direction():
+    assert star_diagram(FOUR, [1.0])[0].resultant_direction == 0.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([], 4.0), "firing angles: given none"),
+        ((FOUR, [0.0]), r"orders\[0\]: given 0"),
+        ((FOUR, 0.1), "highest: given 0.1"),
+    ],
+)
+def test_refusals(arguments, message):
+    with pytest.raises(InputError, match=message):
+        star_diagram(*arguments)
+
+
+def test_arrays_that_do_not_fit_are_refused():
+    with pytest.raises(InputError, match="mode_shape: given an array of shape"):
+        star_diagram(FOUR, 4.0, mode_shape=[1.0, 2.0])
+    with pytest.raises(InputError, match="stars: given none"):
+        leading_stars([])
