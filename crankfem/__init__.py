@@ -13,22 +13,56 @@ check_packages()
 
 if TYPE_CHECKING:
     from crankfem.engine_file import EngineFile, load_crankshaft, load_engine, load_throw
+    from crankfem.hinge_file import HingeFile, load_hinge
+    from crankfem.mechanism_file import MechanismFile, load_mechanism
+    from crankfem.pictures.balance_plots import plot_accelerations, plot_balance, plot_hinged_rods
     from crankfem.pictures.drawing import draw_throw
+    from crankfem.pictures.load_plots import plot_developed_loads, plot_polar_loads
     from crankfem.pictures.solid_picture import picture_shaft, picture_throw
     from crankfem.pictures.stress_picture import picture_stresses
     from crankfem.pipeline import RunResult, run_engine
     from crankfem.studies import StudyResult, run_study
+    from dynamics.balance.balance import Balance, OrderBalance, balance
+    from dynamics.balance.hinged_rods import HingedRodEffects, hinged_rod_effects, hodograph_change
+    from dynamics.balance.hodograph import Hodograph, order_vectors
+    from dynamics.balance.moving_masses import MovingMasses, balancing_masses, moving_masses
     from dynamics.chain import Chain, Modes
     from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders
     from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
     from dynamics.engine.forces import MechanismForces, mechanism_forces
-    from dynamics.engine.gas_forces import gas_forces
+    from dynamics.engine.gas_forces import gas_forces, piston_position
     from dynamics.engine.layout import EngineLayout
+    from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_loads
     from dynamics.engine.motions import cylinder_motion, reduced_inertia
+    from dynamics.engine.orders import acceleration_orders, piston_acceleration
+    from dynamics.gas.cycle_values import GasCycle, usual_gas_cycle
+    from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle
+    from dynamics.gas.indicated import indicated_work
+    from dynamics.gas.pressure import GasPressure, gas_pressure
+    from dynamics.gas.pressure_table import read_pressure_table
     from dynamics.harmonics import Harmonics, harmonics
+    from dynamics.hinge.crosshead import CrossheadEngine
+    from dynamics.hinge.evening import BestPressure, best_pressure, flywheel_for
+    from dynamics.hinge.gas_force import piston_gas_force, two_stroke_cycle
+    from dynamics.hinge.moment import HingeMoment, hinge_moment
+    from dynamics.hinge.profile import HingeProfile, ProfileCheck, hinge_profile
+    from dynamics.hinge.reduced import ReducedCrank, reduced_crank
+    from dynamics.hinge.running import SteadyTurn, simulate_hinge, steady_turn
+    from dynamics.hinge.spring import GasSpring
     from dynamics.mechanism.rods import ConnectingRod, RodModel
     from dynamics.mechanism.slider_crank import SliderCrank
+    from dynamics.torque.pin_harmonics import PinForceHarmonics, pin_force_harmonics
+    from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
+    from dynamics.torque.torque import EngineTorque, engine_torque
     from dynamics.torque_table import TorqueTable, read_torque_table
+    from dynamics.turning.free_turning import FreeTurning, turn_freely
+    from dynamics.turning.speed_over_angle import (
+        SpeedOverAngle,
+        SteadyTurning,
+        speed_over_angle,
+        steady_turning,
+    )
+    from dynamics.turning.steady_engine import turn_steadily
     from dynamics.two_mass import TwoMassCheck, two_mass_check
     from fem.analysis import AxialAnalysis, ThrowAnalysis, analyze_axial, analyze_throw
     from fem.angle_law import AngleLaw
@@ -96,13 +130,93 @@ _HOMES = {
             "critical_speeds",
             "engine_orders",
         ),
+        "crankfem.pictures.balance_plots": (
+            "plot_accelerations",
+            "plot_balance",
+            "plot_hinged_rods",
+        ),
+        "dynamics.balance.balance": ("Balance", "OrderBalance", "balance"),
+        "dynamics.balance.hinged_rods": (
+            "HingedRodEffects",
+            "hinged_rod_effects",
+            "hodograph_change",
+        ),
+        "dynamics.balance.hodograph": ("Hodograph", "order_vectors"),
+        "dynamics.balance.moving_masses": ("MovingMasses", "balancing_masses", "moving_masses"),
+        "dynamics.engine.orders": ("acceleration_orders", "piston_acceleration"),
         "dynamics.engine.cylinder": ("EngineCylinder", "RotatingMass", "SlavePin"),
         "dynamics.engine.forces": ("MechanismForces", "mechanism_forces"),
-        "dynamics.engine.gas_forces": ("gas_forces",),
+        "dynamics.engine.gas_forces": ("gas_forces", "piston_position"),
         "dynamics.engine.layout": ("EngineLayout",),
+        "crankfem.pictures.load_plots": ("plot_developed_loads", "plot_polar_loads"),
+        "dynamics.engine.loads": ("LoadDiagram", "crankpin_loads", "main_bearing_loads"),
         "dynamics.engine.motions": ("cylinder_motion", "reduced_inertia"),
+        "crankfem.hinge_file": (
+            "HingeFile",
+            "load_hinge",
+        ),
+        "dynamics.hinge.crosshead": ("CrossheadEngine",),
+        "dynamics.hinge.evening": (
+            "BestPressure",
+            "best_pressure",
+            "flywheel_for",
+        ),
+        "dynamics.hinge.gas_force": (
+            "piston_gas_force",
+            "two_stroke_cycle",
+        ),
+        "dynamics.hinge.moment": (
+            "HingeMoment",
+            "hinge_moment",
+        ),
+        "dynamics.hinge.profile": (
+            "HingeProfile",
+            "ProfileCheck",
+            "hinge_profile",
+        ),
+        "dynamics.hinge.reduced": (
+            "ReducedCrank",
+            "reduced_crank",
+        ),
+        "dynamics.hinge.running": (
+            "SteadyTurn",
+            "simulate_hinge",
+            "steady_turn",
+        ),
+        "dynamics.hinge.spring": ("GasSpring",),
         "dynamics.mechanism.rods": ("ConnectingRod", "RodModel"),
         "dynamics.mechanism.slider_crank": ("SliderCrank",),
+        "crankfem.mechanism_file": ("MechanismFile", "load_mechanism"),
+        "dynamics.gas.cycle_values": ("GasCycle", "usual_gas_cycle"),
+        "dynamics.gas.gas_cycle": ("GasCycleResult", "gas_cycle"),
+        "dynamics.gas.indicated": ("indicated_work",),
+        "dynamics.gas.pressure": ("GasPressure", "gas_pressure"),
+        "dynamics.gas.pressure_table": ("read_pressure_table",),
+        "dynamics.turning.free_turning": (
+            "FreeTurning",
+            "turn_freely",
+        ),
+        "dynamics.turning.steady_engine": ("turn_steadily",),
+        "dynamics.torque.pin_harmonics": (
+            "PinForceHarmonics",
+            "pin_force_harmonics",
+        ),
+        "dynamics.torque.star": (
+            "Star",
+            "leading_stars",
+            "same_stars",
+            "star_diagram",
+        ),
+        "dynamics.torque.torque": (
+            "EngineTorque",
+            "engine_torque",
+        ),
+        "dynamics.turning.speed_over_angle": (
+            "SpeedOverAngle",
+            "SteadyTurning",
+            "speed_over_angle",
+            "steady_turning",
+        ),
         "dynamics.harmonics": (
             "Harmonics",
             "harmonics",
@@ -207,6 +321,8 @@ __all__ = [
     "STEEL",
     "AngleLaw",
     "AxialAnalysis",
+    "Balance",
+    "BestPressure",
     "Chain",
     "ComplianceModel",
     "ConnectingRod",
@@ -214,32 +330,51 @@ __all__ = [
     "CrankThrow",
     "Crankshaft",
     "CriticalSpeed",
+    "CrossheadEngine",
     "DynamicSuperelement",
     "EndReaction",
     "EngineCylinder",
     "EngineFile",
     "EngineLayout",
+    "EngineTorque",
     "FilletPeak",
     "FilletStresses",
     "FormulaValue",
+    "FreeTurning",
     "FurtherPin",
+    "GasCycle",
+    "GasCycleResult",
+    "GasPressure",
+    "GasSpring",
     "Harmonics",
+    "HingeFile",
+    "HingeMoment",
+    "HingeProfile",
+    "HingedRodEffects",
+    "Hodograph",
     "ImportedThrow",
     "InputError",
     "Limit",
+    "LoadDiagram",
     "Lookup",
     "MassProperties",
     "Material",
+    "MechanismFile",
     "MechanismForces",
     "MeshError",
     "MissingLibraryError",
     "Modes",
     "Motion",
+    "MovingMasses",
     "Neighbors",
     "Optimum",
+    "OrderBalance",
     "OutsideRangeWarning",
+    "PinForceHarmonics",
     "PinResponse",
+    "ProfileCheck",
     "Reactions",
+    "ReducedCrank",
     "RodModel",
     "RotatingMass",
     "RunResult",
@@ -248,6 +383,10 @@ __all__ = [
     "SlavePin",
     "SliderCrank",
     "SolveError",
+    "SpeedOverAngle",
+    "Star",
+    "SteadyTurn",
+    "SteadyTurning",
     "StudyResult",
     "ThrowAnalysis",
     "ThrowMesh",
@@ -256,38 +395,79 @@ __all__ = [
     "TwoMassCheck",
     "Unbalance",
     "Web",
+    "acceleration_orders",
     "analyze_axial",
     "analyze_throw",
     "assemble_dynamic_shaft",
     "axial_formula",
     "axial_formulas",
+    "balance",
+    "balancing_masses",
+    "best_pressure",
+    "crankpin_loads",
     "critical_speeds",
     "cylinder_motion",
     "draw_throw",
     "engine_orders",
+    "engine_torque",
     "fillet_stresses",
     "find_optimum",
+    "flywheel_for",
+    "gas_cycle",
     "gas_forces",
+    "gas_pressure",
     "harmonics",
+    "hinge_moment",
+    "hinge_profile",
+    "hinged_rod_effects",
+    "hodograph_change",
     "import_throw",
+    "indicated_work",
+    "leading_stars",
     "load_crankshaft",
     "load_engine",
+    "load_hinge",
+    "load_mechanism",
     "load_throw",
+    "main_bearing_loads",
     "mechanism_forces",
     "mesh_throw",
+    "moving_masses",
     "natural_modes",
+    "order_vectors",
     "picture_shaft",
     "picture_stresses",
     "picture_throw",
+    "pin_force_harmonics",
+    "piston_acceleration",
+    "piston_gas_force",
+    "piston_position",
+    "plot_accelerations",
+    "plot_balance",
+    "plot_developed_loads",
+    "plot_hinged_rods",
+    "plot_polar_loads",
+    "read_pressure_table",
     "read_torque_table",
+    "reduced_crank",
     "reduced_inertia",
     "run_engine",
     "run_study",
+    "same_stars",
     "shaft_compliances",
+    "simulate_hinge",
+    "speed_over_angle",
+    "star_diagram",
+    "steady_turn",
+    "steady_turning",
     "throw_masses",
     "torsional_formulas",
+    "turn_freely",
+    "turn_steadily",
     "two_mass_check",
+    "two_stroke_cycle",
     "unbalance",
+    "usual_gas_cycle",
     "write_calculix",
     "write_mesh",
     "write_step",

@@ -4,10 +4,10 @@ import math
 from typing import Any
 
 from crankfem.console import number, output, print_table
-from dynamics.engine.balance import Balance, OrderBalance, Resultant
-from dynamics.engine.hinged_rods import HingedRodEffects, hodograph_change
-from dynamics.engine.hodograph import Hodograph
-from dynamics.engine.moving_masses import moving_masses
+from dynamics.balance.balance import Balance, OrderBalance, Resultant
+from dynamics.balance.hinged_rods import HingedRodEffects, hodograph_change
+from dynamics.balance.hodograph import Hodograph
+from dynamics.balance.moving_masses import moving_masses
 
 Record = dict[str, Any]
 BALANCED_TEXT = "balanced"

@@ -7,12 +7,15 @@ from crankfem.commands.doe import doe
 from crankfem.commands.files import check, fields, new
 from crankfem.commands.fit import fit
 from crankfem.commands.formulas import formulas
+from crankfem.commands.harmonics import harmonics
+from crankfem.commands.hinge import hinge
 from crankfem.commands.lookup import lookup
+from crankfem.commands.mechanism import mechanism
 from crankfem.commands.optimum import optimum
 from crankfem.commands.run import report, run
 from crankfem.commands.shapes import draw, export
 from crankfem.commands.throw import stress, throw
-from crankfem.commands.vibration import harmonics, vibration
+from crankfem.commands.vibration import vibration
 
 COMMANDS = (
     (run, "Example: crankfem run data/engines/6chn25-34.toml"),
@@ -35,8 +38,10 @@ COMMANDS = (
         "Example: crankfem optimum model.json --minimize web_thickness "
         "--limit 'axial_compliance <= 1.2e-9 m/N'",
     ),
+    (mechanism, "Example: crankfem mechanism 8chn13-14 --pictures loads"),
     (harmonics, "Example: crankfem harmonics yamz5340_torque_one_throw.csv --orders 4"),
     (vibration, "Example: crankfem vibration 6chn25-34"),
+    (hinge, "Example: crankfem hinge crosshead-30-100 --pictures hinge"),
     (report, "Example: crankfem report 6chn25-34-results"),
 )
 

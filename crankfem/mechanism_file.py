@@ -30,6 +30,7 @@ from dynamics.mechanism.rods import RodModelName
 from fem.material import STEEL, Material
 from geometry.balance import unbalance
 from geometry.crankshaft import throw_masses
+from geometry.mass import MassProperties
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 
@@ -165,7 +166,7 @@ def load_any(path: str | Path) -> EngineFile | MechanismFile | ThrowFile:
     return load_engine_or_throw(path)
 
 
-def with_throws(mechanism: MechanismFile) -> EngineLayout:
+def with_throws(mechanism: MechanismFile, masses: MassProperties | None = None) -> EngineLayout:
     """Return the layout with the throws' unbalance and inertia, from their solids.
 
     Each throw stands as two masses in the planes of its ends, which have its static and dynamic

@@ -8,11 +8,11 @@ import numpy as np
 
 from crankfem.gas_pressure import motored_pressures
 from crankfem.mechanism_file import MechanismFile, with_throws
+from dynamics.balance.balance import Balance, balance
+from dynamics.balance.hinged_rods import HingedRodEffects, hinged_rod_effects
 from dynamics.checks import FloatArray
-from dynamics.engine.balance import Balance, balance
 from dynamics.engine.forces import MechanismForces, mechanism_forces, pin_groups
 from dynamics.engine.gas_forces import gas_forces
-from dynamics.engine.hinged_rods import HingedRodEffects, hinged_rod_effects
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_loads
 from dynamics.engine.motions import cylinder_motion, piston_ends
@@ -20,6 +20,7 @@ from dynamics.gas.indicated import indicated_mean_effective_pressure, indicated_
 from dynamics.gas.pressure import ATMOSPHERE, GasPressure
 from dynamics.mechanism.rods import ROD_MODELS, RodModelName
 from geometry.errors import InputError
+from geometry.mass import MassProperties
 
 # Samples over one cycle: a step of 0.5 deg for four strokes.
 SAMPLES_PER_STROKE = 360
@@ -97,6 +98,7 @@ def run_mechanism(
     model: RodModelName | None = None,
     *,
     motored: bool = False,
+    masses: MassProperties | None = None,
 ) -> MechanismRun:
     """Calculate an engine's mechanism at constant speed.
 
@@ -110,6 +112,8 @@ def run_mechanism(
         Of the rods' masses; that of the file by default.
     motored : bool, optional
         Turn the engine without combustion.
+    masses : MassProperties, optional
+        Of one throw; from its solid if not given.
 
     Raises
     ------
@@ -125,7 +129,7 @@ def run_mechanism(
         )
     turning = mechanism.rated_speed if speed is None else speed
     rod_model = mechanism.rod_model if model is None else model
-    layout = with_throws(mechanism)
+    layout = with_throws(mechanism, masses)
     pressure = motored_pressures(mechanism.gas, layout) if motored else mechanism.pressure
     angles = cycle_angles(layout)
     gas = gas_forces(layout, angles, pressure)

@@ -15,7 +15,8 @@ from crankfem.export import write_vtu
 from crankfem.fit_records import study_record
 from crankfem.fitting import ResponseFits
 from crankfem.formula_records import fe_axial_curve, fe_record, formula_records
-from crankfem.mechanism_file import load_mechanism
+from crankfem.mechanism_file import MechanismFile, load_mechanism
+from crankfem.mechanism_report import mechanism_results
 from crankfem.pictures import fit_plots, formula_plots, plots
 from crankfem.pictures.drawing import write_drawing
 from crankfem.pictures.render import DEFORMED, MESH, Rendering
@@ -128,6 +129,7 @@ def run_engine(
     told.step("Reading the engine file")
     check_workers(workers)
     engine_file = load_engine(engine)
+    mechanism = None if engine_file.gas is None else load_mechanism(engine_file.path)
     torque = _read_torque(engine_file)
     folder = _make_folder(output, engine_file)
     pictures = folder / "pictures"
@@ -144,17 +146,21 @@ def run_engine(
             "engine": _engine_record(engine_file),
             "inputs": records.input_records(engine_file.records),
             "sources": engine_file.sources,
-            "throw": records.throw_record(analysis, _radial_force(engine_file)),
+            "throw": records.throw_record(analysis, _radial_force(engine_file, mechanism)),
             "formulas": formula_records(engine_file.throw, engine_file.material) | {"fe": fe},
             "angle_law": _angle_record(engine_file, analysis) | {"law": fe["angle_law"]},
             "shaft": records.shaft_record(shaft, analysis),
             "balance": records.balance_record(engine_file),
+            "mechanism": None,
             "study": None,
             "harmonics": None,
             "two_mass": None,
             "pictures": {},
             "picture_note": None,
         }
+        if mechanism is not None:
+            found["mechanism"], drawn = mechanism_results(mechanism, analysis.masses, pictures)
+            found["pictures"] |= drawn
         told.step("Running the study")
         model = None
         if engine_file.study is not None:
@@ -215,14 +221,12 @@ def _read_torque(engine_file: EngineFile) -> TorqueTable | None:
     return read_torque_table(engine_file.torque_table, strokes=engine_file.engine.strokes)
 
 
-def _radial_force(engine_file: EngineFile) -> float:
+def _radial_force(engine_file: EngineFile, mechanism: MechanismFile | None) -> float:
     """Radial force at firing top dead center: gas pressure on the piston [N]."""
-    if engine_file.gas is None:
+    if mechanism is None:
         return UNIT_RADIAL_FORCE
-    peak = engine_file.gas.peak_pressure
-    if peak is None:
-        peak = load_mechanism(engine_file.path).pressure[0].peak_pressure - ATMOSPHERE
-    return peak * math.pi / 4.0 * engine_file.engine.bore**2
+    above = max(pressure.peak_pressure for pressure in mechanism.pressure) - ATMOSPHERE
+    return above * math.pi / 4.0 * engine_file.engine.bore**2
 
 
 def _engine_record(engine_file: EngineFile) -> dict[str, Any]:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from crankfem.pictures.style import COLORS, GRAY, figure
-from dynamics.engine.balance import Balance
-from dynamics.engine.hinged_rods import hinged_rod_effects
-from dynamics.engine.hodograph import Hodograph
+from dynamics.balance.balance import Balance
+from dynamics.balance.hinged_rods import hinged_rod_effects
+from dynamics.balance.hodograph import Hodograph
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.orders import acceleration_orders, checked_cylinder, piston_acceleration
 from geometry.errors import InputError

@@ -1,1 +1,1 @@
-"""Engines of any layout: motions, forces, torque, loads, balance and free turning."""
+"""Engines of any layout: where cylinders, cranks and rods are, how they move, what forces act."""

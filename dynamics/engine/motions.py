@@ -143,7 +143,7 @@ def reduced_inertia(
     ndarray of shape (m,)
         dI/dphi [kg m^2/rad].
     """
-    inertia = np.full(shaft_angles.shape, engine.shaft_inertia)
+    inertia = np.full(shaft_angles.shape, float(engine.shaft_inertia))
     derivative = np.zeros(shaft_angles.shape)
     for number, (cylinder, model) in enumerate(zip(engine.cylinders, models, strict=True), start=1):
         motion = cylinder_motion(engine, number, shaft_angles)

@@ -11,11 +11,11 @@ from crankfem.pictures.balance_plots import (
     plot_hinged_rods,
     plot_hodographs,
 )
-from dynamics.engine.balance import balance
+from dynamics.balance.balance import balance
+from dynamics.balance.hinged_rods import hinged_rod_effects
+from dynamics.balance.moving_masses import balancing_masses
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
-from dynamics.engine.hinged_rods import hinged_rod_effects
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.moving_masses import balancing_masses
 from dynamics.mechanism.rods import ConnectingRod
 from geometry.errors import InputError
 

@@ -150,6 +150,7 @@ def test_fields_are_explained(call):
     assert "section: given 'throws'; allowed are engine, throw" in " ".join(wrong.err.split())
 
 
+@pytest.mark.slow
 def test_export_of_solid_mesh_and_shaft(call, tmp_path):
     for file, options in (("a.step", ()), ("shaft.stp", ("--shaft",)), ("m.vtu", ("--size", "2"))):
         answer = call("export", "6chn25-34", file, *options)

@@ -170,6 +170,7 @@ def test_limits_are_quantities(call, study, monkeypatch):
     assert given["dask"] == "tcp://h:1"
 
 
+@pytest.mark.slow
 def test_a_design_beyond_its_time_is_told_and_the_others_are_fitted(call, study, tmp_path):
     text = STUDY.replace('"300 mm"', '"299 mm", "300 mm"')
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")

@@ -74,6 +74,7 @@ def test_fit_takes_a_form_by_its_twin(store, call, tmp_path):
     assert model.responses["mass"].form == "interactions"
 
 
+@pytest.mark.slow
 def test_fit_writes_diagrams_and_json(store, call, tmp_path):
     answer = call("fit", store, "--plots", "diagrams", "--json", "--model", "other.json")
     assert answer.code == 0, answer.err

@@ -10,14 +10,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from dynamics.engine.balance import balance
+from dynamics.balance.balance import balance
+from dynamics.balance.hinged_rods import hinged_rod_effects, hodograph_change
+from dynamics.balance.hodograph import Hodograph
+from dynamics.balance.moving_masses import balancing_masses, moving_masses
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
 from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.hinged_rods import hinged_rod_effects, hodograph_change
-from dynamics.engine.hodograph import Hodograph
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
-from dynamics.engine.moving_masses import balancing_masses, moving_masses
 from dynamics.engine.orders import (
     acceleration_orders,
     piston_acceleration,

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dynamics.harmonics import harmonics, harmonics_by_sums
@@ -188,3 +188,51 @@ def test_a_missing_sample_is_named():
 def test_angles_printed_rounded_are_accepted():
     angles_deg = np.round(np.arange(216) * 720.0 / 216, 1)
     assert harmonics(np.ones(216), angles_deg=angles_deg).samples == 216
+
+
+@given(
+    st.integers(1, 24),
+    st.booleans(),
+    STROKES,
+    st.floats(-720.0, 720.0),
+    st.randoms(use_true_random=False),
+)
+@settings(max_examples=30, deadline=None)
+def test_a_known_series_returns_its_amplitudes_and_phases(terms, even, strokes, start_deg, random):
+    """Odd and even numbers of samples, wherever they start; 1e-12 of the largest amplitude."""
+    amplitudes = np.array([random.uniform(0.5, 1.0) for _ in range(terms)])
+    phases = np.array([random.uniform(0.0, 2.0 * np.pi) for _ in range(terms)])
+    mean = random.uniform(-5.0, 5.0)
+    # One sample more than twice the terms resolves them all; the half sampling rate stays free.
+    count = 2 * terms + (2 if even else 1)
+    angles = sample_angles(count, strokes, np.radians(start_deg))
+    orders = 2.0 / strokes * np.arange(1, terms + 1)
+    values = mean + np.sin(np.outer(angles, orders) + phases) @ amplitudes
+    found = harmonics(values, strokes, angles_deg=np.degrees(angles))
+    assert found.orders[:terms] == pytest.approx(orders, rel=1e-15)
+    assert found.mean == pytest.approx(mean, abs=1e-12)
+    assert found.amplitude[:terms] == pytest.approx(amplitudes, abs=1e-12)
+    apart = np.exp(1j * found.phase[:terms]) - np.exp(1j * phases)
+    # Amplitudes are not small, so that phases are as well determined.
+    assert np.max(np.abs(apart)) < 1e-12
+    assert found.amplitude[terms:] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_closing_sample_does_not_count_twice():
+    """With both ends of the cycle the harmonics would change: it is refused where angles tell."""
+    angles_deg = np.arange(0.0, 721.0, 20.0)
+    values = 3.0 + 2.0 * np.cos(np.radians(0.5 * angles_deg))
+    right = harmonics(values[:-1], angles_deg=angles_deg[:-1])
+    assert right.mean == pytest.approx(3.0, rel=1e-14)
+    assert harmonics(values).mean != pytest.approx(3.0, rel=1e-3)
+    with pytest.raises(InputError, match="closing sample; leave it out"):
+        harmonics(values, angles_deg=angles_deg)
+
+
+def test_an_order_beyond_the_samples_would_appear_as_a_lower_one():
+    """Order 7 in 12 samples of a two-stroke cycle looks like order 5: so it is refused."""
+    angles = sample_angles(12, 2)
+    found = harmonics(np.sin(7.0 * angles), 2)
+    assert found.amplitude[4] == pytest.approx(1.0)
+    with pytest.raises(InputError, match="order: given 7; allowed are 1 to 6"):
+        found.index_of(7)

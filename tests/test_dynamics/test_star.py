@@ -9,9 +9,9 @@ from dynamics.critical import even_firing_angles, major_orders, vector_sums
 from dynamics.cycle import order_step
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.star import leading_stars, same_stars, star_diagram
-from dynamics.engine.torque import engine_torque
 from dynamics.mechanism.rods import ConnectingRod
+from dynamics.torque.star import leading_stars, same_stars, star_diagram
+from dynamics.torque.torque import engine_torque
 from geometry.errors import InputError
 
 FOUR = even_firing_angles((1, 3, 4, 2))

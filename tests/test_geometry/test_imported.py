@@ -368,6 +368,7 @@ def two_pins(dimensions):
     )
 
 
+@pytest.mark.slow
 def test_two_pins_in_any_order(two_pins, folder):
     text = name_faces(step_text(two_pins), usual_names(two_pins))
     path = write(folder / "two.step", text)
@@ -409,6 +410,7 @@ def test_a_pin_in_two_faces_of_which_one_is_named(throw, folder):
     assert len(surfaces[MAIN_JOURNAL]) == 4
 
 
+@pytest.mark.slow
 def test_an_oil_hole_disturbs_nothing(throw, folder):
     def build(gmsh):
         occ = gmsh.model.occ
@@ -670,6 +672,7 @@ def test_surfaces_that_are_elsewhere_are_noticed(imported):
         mesh_imported_from(wrong, 3.0, None, ("no",) * (len(LADDER) - 1))
 
 
+@pytest.mark.slow
 def test_nothing_is_left_behind_in_this_process(throw, plain, imported):
     """Neither in the options of a running gmsh nor in the kernel, which also writes files."""
     with gmsh_session("outer") as gmsh:

@@ -35,6 +35,7 @@ def same(first, second):
     )
 
 
+@pytest.mark.slow
 def test_the_mesh_is_bit_identical_to_that_of_this_process(dimensions, process):
     throw = CrankThrow(**dimensions, pin_bore=0.06)
     here = mesh_throw(throw, 1.5)

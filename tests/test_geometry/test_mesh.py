@@ -334,6 +334,7 @@ def throws(draw):
         return CrankThrow(**{**sizes, "crank_radius": main})
 
 
+@pytest.mark.slow
 @settings(
     max_examples=8,
     deadline=None,

@@ -157,6 +157,7 @@ def test_a_map_too_coarse_for_the_volume_climbs_the_ladder(throw, coarse_mesh):
         mesh_throw(throw, sizes=hopeless)
 
 
+@pytest.mark.slow
 def test_the_same_mesh_here_and_in_a_process_of_its_own(throw, graded, made):
     process = IsolatedProcess()
     try:

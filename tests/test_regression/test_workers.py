@@ -204,6 +204,7 @@ def test_the_signal_that_ended_a_worker_is_named(puppets):
     )
 
 
+@pytest.mark.slow
 def test_a_design_that_takes_too_much_memory_is_given_up(puppets):
     found = collect(["a", "large", "b"], memory=0.5e9)
     assert {key for key, outcome in found.items() if outcome.responses} == {"a", "b"}
@@ -379,6 +380,7 @@ def test_trouble_of_the_machine_is_told_from_that_of_the_design(monkeypatch, err
 # ------------------------------------------------------------------------------------ real workers
 
 
+@pytest.mark.slow
 @needs_proc
 def test_workers_killed_in_the_middle_cost_a_retry(mark):
     widths = [0.270, 0.280, 0.290, 0.300, 0.310]

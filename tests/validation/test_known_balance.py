@@ -24,10 +24,10 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import binom
 
-from dynamics.engine.balance import balance
+from dynamics.balance.balance import balance
+from dynamics.balance.moving_masses import balancing_masses
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.moving_masses import balancing_masses
 from dynamics.engine.orders import acceleration_orders
 from dynamics.mechanism.rods import ConnectingRod
 

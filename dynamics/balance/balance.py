@@ -7,11 +7,11 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from dynamics.balance.hodograph import Hodograph, hodograph_sum
+from dynamics.balance.moving_masses import MovingMasses, moving_masses
 from dynamics.checks import FloatArray, finite_array, positive_number
-from dynamics.engine.hodograph import Hodograph, hodograph_sum
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
-from dynamics.engine.moving_masses import MovingMasses, moving_masses
 from dynamics.engine.orders import checked_orders, turn_spectrum
 from dynamics.mechanism.motion import ComplexArray
 from geometry.errors import InputError

@@ -5,10 +5,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from dynamics.balance.hodograph import Hodograph, hodograph_sum
+from dynamics.balance.moving_masses import moving_masses
 from dynamics.checks import FloatArray, positive_number
-from dynamics.engine.hodograph import Hodograph, hodograph_sum
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.moving_masses import moving_masses
 from dynamics.engine.orders import (
     checked_cylinder,
     checked_orders,

@@ -1,0 +1,170 @@
+"""Harmonics of a torque table, or of an engine's torque with its star diagrams."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from crankfem import console
+from crankfem.commands.options import JsonOption
+from crankfem.console import print_json
+from geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from dynamics.harmonics import Harmonics
+
+USUAL_ORDERS, USUAL_ENGINE_ORDERS = 9.0, 12.0
+
+
+def harmonics(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="TORQUE.csv|ENGINE.toml",
+            help="Torque over one cycle; or an engine file or the name of a shipped engine.",
+        ),
+    ],
+    strokes: Annotated[
+        int | None, typer.Option(help="Strokes per cycle of a torque table, 2 or 4 (4 by default).")
+    ] = None,
+    orders: Annotated[
+        float | None,
+        typer.Option(help="Highest order; 9 by default for a torque table, 12 for an engine."),
+    ] = None,
+    cylinder: Annotated[
+        int | None,
+        typer.Option(help="Also the harmonics of this cylinder's forces on its crankpin."),
+    ] = None,
+    csv: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv", help="Write the harmonics as a table.")
+    ] = None,
+    pictures: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help="Write torque, harmonics and star diagrams as SVG."),
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Split torque into harmonics M_k sin(k w t + a_k): of a table, or of an engine with its stars."""
+    from crankfem.harmonics_tables import write_table
+
+    if orders is not None and not orders > 0.0:
+        raise InputError(f"--orders: given {orders:g}; allowed is an order above 0.")
+    if csv is not None:
+        console.check_folder(csv)
+    if pictures is not None:
+        pictures.mkdir(parents=True, exist_ok=True)
+    of_engine = _names_engine(source)
+    if of_engine:
+        record = _of_engine(source, strokes, orders, cylinder, pictures)
+    else:
+        record = _of_table(source, strokes, orders, cylinder, pictures)
+    if csv is not None:
+        write_table(csv, record)
+    if json:
+        print_json(record)
+        return
+    _print(record, orders)
+    for path, kind in ((csv, "Table"), (pictures, "Pictures")):
+        if path is not None:
+            console.output.print(f"{kind}: {path}", soft_wrap=True)
+
+
+def _names_engine(source: str) -> bool:
+    """Tell an engine from a torque table: by the file's ending, or as the name of a shipped engine."""
+    from crankfem.data_files import shipped_engines
+
+    path = Path(source)
+    if path.suffix.lower() in (".toml", ".csv"):
+        return path.suffix.lower() == ".toml"
+    return not path.is_file() or (path.name in shipped_engines() and path.parent == Path())
+
+
+def _of_table(
+    source: str,
+    strokes: int | None,
+    orders: float | None,
+    cylinder: int | None,
+    pictures: Path | None,
+) -> dict[str, Any]:
+    from crankfem.data_files import data_folder
+    from crankfem.pictures.plots import plot_torque
+    from crankfem.results import harmonics_record
+    from dynamics.torque_table import read_torque_table
+
+    if cylinder is not None:
+        raise InputError(
+            f"--cylinder: given {cylinder} with a torque table; allowed is an engine file, because a "
+            "table knows no cylinders."
+        )
+    path = Path(source)
+    if not path.is_file() and (data_folder() / "tables" / path.name).is_file():
+        path = data_folder() / "tables" / path.name
+    table = read_torque_table(path, strokes=4 if strokes is None else strokes)
+    found = table.harmonics()
+    _check_resolved(orders, found)
+    if pictures is not None:
+        plot_torque(pictures / "torque.svg", table.torque, found)
+    return harmonics_record(found)
+
+
+def _of_engine(
+    source: str,
+    strokes: int | None,
+    orders: float | None,
+    cylinder: int | None,
+    pictures: Path | None,
+) -> dict[str, Any]:
+    from crankfem.harmonics_tables import engine_record, pin_force_record
+    from crankfem.mechanism_file import load_mechanism
+    from crankfem.pictures.torque_plots import picture_torque
+    from dynamics.torque.pin_harmonics import pin_force_harmonics
+    from dynamics.torque.torque import engine_torque
+
+    mechanism = load_mechanism(source)
+    engine, speed = mechanism.layout, mechanism.rated_speed
+    if strokes is not None and strokes != engine.strokes:
+        raise InputError(
+            f"--strokes: given {strokes}; allowed is {engine.strokes} or nothing, because the engine "
+            "file says so."
+        )
+    if cylinder is not None and not 1 <= cylinder <= len(engine.cylinders):
+        raise InputError(
+            f"--cylinder: given {cylinder}; allowed is 1 to {len(engine.cylinders)}, because the "
+            "engine has that many."
+        )
+    pressure, model = mechanism.pressure or None, mechanism.rod_model
+    torque = engine_torque(engine, speed, pressure, model=model, throws=mechanism.throws)
+    _check_resolved(orders, torque.harmonics())
+    highest = USUAL_ENGINE_ORDERS if orders is None else orders
+    record = engine_record(mechanism, torque, highest)
+    if cylinder is not None:
+        forces = pin_force_harmonics(engine, speed, pressure, model=model, highest_order=highest)
+        record["cylinder"] = pin_force_record(forces[cylinder - 1], highest)
+    if pictures is not None:
+        picture_torque(pictures, torque, highest)
+    return record
+
+
+def _check_resolved(orders: float | None, found: "Harmonics") -> None:
+    if orders is not None and orders > found.highest_order * (1.0 + 1e-9):
+        raise InputError(
+            f"--orders: given {orders:g}; allowed is {found.highest_order:g} or less, because "
+            f"{found.samples} samples over one cycle resolve no higher order."
+        )
+
+
+def _print(record: dict[str, Any], orders: float | None) -> None:
+    from crankfem.harmonics_tables import COLUMNS, print_engine, print_harmonics, print_pin_forces
+
+    if "throws" in record:
+        print_engine(record)
+        if "cylinder" in record:
+            print_pin_forces(record["cylinder"])
+        return
+    console.output.print(
+        f"Mean {record['mean']:.2f} N m; {record['samples']} samples resolve orders up to "
+        f"{record['highest_order']:g}."
+    )
+    highest = USUAL_ORDERS if orders is None else orders
+    kept = sum(order <= highest * (1.0 + 1e-9) for order in record["orders"])
+    print_harmonics("Harmonics", record | {name: record[name][:kept] for name in COLUMNS}, "N m")

@@ -1,0 +1,78 @@
+"""The elastic hinge that keeps a crank's speed constant."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from crankfem import console
+from crankfem.commands.options import JsonOption
+from crankfem.console import print_json
+from geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from dynamics.hinge.reduced import Kinematics
+
+
+def hinge(
+    file: Annotated[
+        str,
+        typer.Argument(metavar="HINGE.toml", help="Hinge file, or the name of a shipped one."),
+    ] = "crosshead-30-100",
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            metavar='"142 1/min"',
+            help="The one other running point of the file to look at; all of them by default.",
+        ),
+    ] = None,
+    kinematics: Annotated[
+        str, typer.Option(help="By which the guides are made: exact, series or printed.")
+    ] = "exact",
+    csv: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv", help="Write all over the turn.")
+    ] = None,
+    pictures: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Write moments, guides and speeds.")
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Guides of an elastic hinge for constant crank speed, and how evenly the crank turns with it."""
+    from crankfem.hinge_file import load_hinge
+    from crankfem.hinge_records import hinge_record, write_hinge_table
+    from crankfem.hinge_run import run_hinge
+    from crankfem.hinge_tables import print_hinge
+    from geometry.quantity import parse_quantity
+
+    if csv is not None:
+        console.check_folder(csv)
+    other = None if speed is None else parse_quantity(speed, "rad/s", "--speed")
+    run = run_hinge(load_hinge(file), _checked_kinematics(kinematics), other)
+    record = hinge_record(run)
+    if csv is not None:
+        write_hinge_table(csv, run)
+    made: list[Path] = []
+    if pictures is not None:
+        from crankfem.pictures.hinge_plots import plot_hinge
+
+        made = plot_hinge(pictures, run)
+    if json:
+        print_json(record | {"pictures": [str(path) for path in made]})
+        return
+    print_hinge(record)
+    if csv is not None:
+        console.output.print(f"Over the turn: {csv}", soft_wrap=True)
+    if made:
+        console.output.print(f"Pictures: {pictures} ({len(made)} files)", soft_wrap=True)
+
+
+def _checked_kinematics(name: str) -> "Kinematics":
+    from dynamics.hinge.reduced import KINEMATICS
+
+    for known in KINEMATICS:
+        if name == known:
+            return known
+    raise InputError(
+        f"--kinematics: given {name!r}; allowed are {', '.join(KINEMATICS)}, because these are the ways "
+        "to describe the mechanism."
+    )

@@ -1,0 +1,156 @@
+"""What is calculated of an elastic hinge: guides, evenness of the speed, other running points."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from crankfem.hinge_file import HingeFile
+from dynamics.hinge.evening import BestPressure, best_pressure, flywheel_for
+from dynamics.hinge.moment import HingeMoment
+from dynamics.hinge.profile import HingeProfile
+from dynamics.hinge.reduced import KINEMATICS, Kinematics
+from dynamics.hinge.running import SteadyTurn, simulate_hinge, steady_turn
+from dynamics.hinge.spring import GasSpring
+from dynamics.turning.speed_over_angle import SpeedOverAngle
+from geometry.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class OtherSpeed:
+    """Another running point with the guides as they are.
+
+    Parameters
+    ----------
+    point : HingeMoment
+        Of that running point.
+    best : BestPressure
+    turn : SteadyTurn
+        With the best pressure.
+    flywheel, flywheel_with_hinge : float
+        Inertia that reaches the compared fluctuation without the hinge, and with it at its best
+        pressure [kg m^2].
+    """
+
+    point: HingeMoment
+    best: BestPressure
+    turn: SteadyTurn
+    flywheel: float
+    flywheel_with_hinge: float
+
+
+@dataclass(frozen=True, eq=False)
+class HingeRun:
+    """All results for a hinge file.
+
+    Parameters
+    ----------
+    file : HingeFile
+    moment : HingeMoment
+        For which the guides are made, by the kinematics asked for.
+    point : HingeMoment
+        The same running point by exact kinematics, in which the crank is let turn.
+    profile : HingeProfile
+    with_hinge, without : SpeedOverAngle
+        A turn integrated from the top dead center: with the hinge at the mean speed, without it
+        from the same speed at the top.
+    refused : str or None
+        Why the crank does not turn at the mean speed without the hinge, if it does not.
+    flywheel : float
+        Inertia that reaches the compared fluctuation without the hinge [kg m^2].
+    flywheel_turn : SteadyTurn
+    others : tuple of OtherSpeed
+    compared : list of (GasSpring, float, HingeProfile or str)
+        Other springs: start radius, and guides or why there are none.
+    deviations : dict
+        Largest difference of M_h to that of exact kinematics, by the largest M_h, of each other
+        kinematics.
+    """
+
+    file: HingeFile
+    moment: HingeMoment
+    point: HingeMoment
+    profile: HingeProfile
+    with_hinge: SpeedOverAngle
+    without: SpeedOverAngle
+    refused: str | None
+    flywheel: float
+    flywheel_turn: SteadyTurn
+    others: tuple[OtherSpeed, ...]
+    compared: list[tuple[GasSpring, float, HingeProfile | str]]
+    deviations: dict[Kinematics, float]
+
+
+def run_hinge(
+    file: HingeFile, kinematics: Kinematics = "exact", speed: float | None = None
+) -> HingeRun:
+    """Calculate a hinge file.
+
+    Parameters
+    ----------
+    file : HingeFile
+    kinematics : str, optional
+        By which the guides are made.
+    speed : float, optional
+        The one other running point to look at [rad/s]; all of the file unless given.
+
+    Raises
+    ------
+    InputError
+        If the guides cannot be made, or there is no running point of that speed.
+    """
+    moment = file.moment(kinematics=kinematics)
+    point = moment if kinematics == "exact" else file.moment()
+    if speed is not None:
+        file.point_at("--speed", speed)
+    profile = file.profile(moment)
+    without = simulate_hinge(point, start_speed=point.speed)
+    flywheel = flywheel_for(point, file.operation.flywheel_fluctuation)
+    others = [
+        other
+        for other in (file.speeds if speed is None else (speed,))
+        if not math.isclose(other, file.design_speed, rel_tol=1e-6) or speed is not None
+    ]
+    return HingeRun(
+        file=file,
+        moment=moment,
+        point=point,
+        profile=profile,
+        with_hinge=simulate_hinge(point, profile),
+        without=without,
+        refused=_refusal(point),
+        flywheel=flywheel,
+        flywheel_turn=steady_turn(point, flywheel=flywheel),
+        others=tuple(_other(file, profile, other) for other in others),
+        compared=file.compared(moment),
+        deviations=_deviations(file, point),
+    )
+
+
+def _refusal(point: HingeMoment) -> str | None:
+    try:
+        steady_turn(point)
+    except InputError as error:
+        return str(error)
+    return None
+
+
+def _other(file: HingeFile, profile: HingeProfile, speed: float) -> OtherSpeed:
+    point, wanted = file.moment(speed), file.operation.flywheel_fluctuation
+    best = best_pressure(point, profile)
+    return OtherSpeed(
+        point=point,
+        best=best,
+        turn=steady_turn(point, profile, pressure=best.pressure),
+        flywheel=flywheel_for(point, wanted),
+        flywheel_with_hinge=flywheel_for(point, wanted, profile.with_pressure(best.pressure)),
+    )
+
+
+def _deviations(file: HingeFile, point: HingeMoment) -> dict[Kinematics, float]:
+    largest = float(np.max(np.abs(point.moment)))
+    return {
+        name: float(np.max(np.abs(file.moment(kinematics=name).moment - point.moment))) / largest
+        for name in KINEMATICS
+        if name != "exact"
+    }

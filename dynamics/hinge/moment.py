@@ -1,0 +1,189 @@
+"""The moment that a hinge between frame and crank must have for a constant crank speed."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_vector, positive_number, read_only
+from dynamics.hinge.crosshead import CrossheadEngine
+from dynamics.hinge.periodic import antiderivative, even_angles, periodic_spline, turn_integral
+from dynamics.hinge.reduced import Kinematics, ReducedCrank, reduced_crank
+from geometry.errors import InputError
+
+# Force on the piston towards the shaft [N] at crank angles [rad] of shape (m,).
+GasForce = Callable[[FloatArray], FloatArray]
+SAMPLES = 1440
+# Fewer samples do not resolve a rise of pressure by combustion.
+FEWEST_SAMPLES = 72
+
+
+@dataclass(frozen=True, eq=False)
+class HingeMoment:
+    """The hinge moment for one running point of an engine; arrays of shape (m,) over one turn.
+
+    Made by `hinge_moment`.
+
+    Parameters
+    ----------
+    engine : CrossheadEngine
+    speed : float
+        Of the crank, held constant [rad/s].
+    kinematics : str
+        "exact", "series" or "printed".
+    angles : ndarray
+        Even crank angles from the top dead center [rad], the closing one left out.
+    gas_force : callable
+        Force on the piston towards the shaft [N] at any angles.
+    gas : ndarray
+        That force at the angles [N].
+    reduced : ReducedCrank
+        The engine reduced to its crank at the angles.
+    load : float
+        M_r, constant moment of the driven machine [N m]: the mean of the gas moment.
+    moment : ndarray
+        M_h, on the crank, positive when it drives [N m].
+    """
+
+    engine: CrossheadEngine
+    speed: float
+    kinematics: Kinematics
+    angles: FloatArray
+    gas_force: GasForce
+    gas: FloatArray
+    reduced: ReducedCrank
+    load: float
+    moment: FloatArray
+
+    @property
+    def gas_moment(self) -> FloatArray:
+        """Moment of the gas force [N m], shape (m,)."""
+        return self.gas * self.reduced.travel_rate
+
+    @property
+    def inertia_moment(self) -> FloatArray:
+        """What the changing inertia asks for at constant speed, w^2/2 dI/dphi [N m], shape (m,)."""
+        return 0.5 * self.speed**2 * self.reduced.inertia_rate
+
+    @cached_property
+    def stored_energy(self) -> FloatArray:
+        """What the hinge must have stored since the top, minus the integral of M_h [J], (m,)."""
+        return read_only(-antiderivative(self.moment))
+
+    @property
+    def closing_error(self) -> float:
+        """Integral of M_h over a turn, by that of its absolute value."""
+        return turn_integral(self.moment) / max(turn_integral(np.abs(self.moment)), 1e-300)
+
+    @property
+    def driving_moment(self) -> FloatArray:
+        """Gas, weights and load without the hinge [N m], shape (m,)."""
+        return self.gas_moment + self.reduced.weight_moment - self.load
+
+    def at_angles(self, angles: FloatArray) -> tuple[ReducedCrank, FloatArray]:
+        """Return the reduced crank and the driving moment [N m] at any angles [rad], shape (k,)."""
+        reduced = reduced_crank(self.engine, angles, self.kinematics)
+        gas = self.gas_force(angles) * reduced.travel_rate
+        return reduced, gas + reduced.weight_moment - self.load
+
+
+def hinge_moment(
+    engine: CrossheadEngine,
+    gas_force: GasForce | ArrayLike,
+    speed: float,
+    *,
+    kinematics: Kinematics = "exact",
+    samples: int = SAMPLES,
+) -> HingeMoment:
+    """Find the moment of a hinge that keeps the crank speed constant.
+
+    Parameters
+    ----------
+    engine : CrossheadEngine
+    gas_force : callable or array_like of shape (k,)
+        Force on the piston towards the shaft [N]: a function of an array of crank angles [rad] from
+        the top dead center, or values at even angles over one turn from the top, the closing one
+        left out.
+    speed : float
+        Of the crank [rad/s].
+    kinematics : str, optional
+        "exact", "series" or "printed"; see `reduced_crank`.
+    samples : int, optional
+        Angles over the turn.
+
+    Returns
+    -------
+    HingeMoment
+
+    Raises
+    ------
+    InputError
+        If the speed is not above zero, there are too few samples, or the force is not finite.
+
+    Notes
+    -----
+    Lagrange's equation of the crank is I phi'' + I' phi'^2 / 2 = F x' + M_w - M_r + M_h, with the
+    moment M_w of the weights. For phi'' = 0 at phi' = w (equation (8) of Zotov, Imaeva 2024, doi
+    10.24412/0131-4270-2024-1-2-50-55): M_h = w^2/2 I' - F x' - M_w + M_r, where
+    M_r = 1/(2 pi) times the integral of F x' over a turn (5). I' and M_w have the mean zero, hence
+    M_h has, and the hinge gives over a turn what it takes.
+
+    Examples
+    --------
+    >>> from dynamics.mechanism.rods import ConnectingRod
+    >>> rod = ConnectingRod(1.55, 150.0, 0.8, 50.0)
+    >>> engine = CrossheadEngine(0.3, 0.5, 80.0, 0.2, 30.0, rod, 150.0, 200.0, 110.0)
+    >>> found = hinge_moment(engine, lambda angle: 2e5 * (1.0 + np.sin(angle)), 9.3)
+    >>> round(found.load, 6), abs(found.closing_error) < 1e-12
+    (50000.0, True)
+    """
+    positive_number("speed", speed, "rad/s", "the crank turns forward")
+    if samples < FEWEST_SAMPLES:
+        raise InputError(
+            f"samples: given {samples}; allowed are {FEWEST_SAMPLES} or more over a turn, because fewer "
+            "do not show the rise of the pressure."
+        )
+    angles = even_angles(samples)
+    force = as_function(gas_force)
+    gas = finite_vector("gas_force", force(angles))
+    if gas.shape != angles.shape:
+        raise InputError(
+            f"gas_force: given {gas.size} values for {angles.size} angles; allowed is one for each, "
+            "because the force is a function of the angle."
+        )
+    reduced = reduced_crank(engine, angles, kinematics)
+    gas_moment = gas * reduced.travel_rate
+    load = float(np.mean(gas_moment))
+    moment = 0.5 * speed**2 * reduced.inertia_rate - gas_moment - reduced.weight_moment + load
+    return HingeMoment(
+        engine=engine,
+        speed=float(speed),
+        kinematics=kinematics,
+        angles=read_only(angles),
+        gas_force=force,
+        gas=read_only(gas),
+        reduced=reduced,
+        load=load,
+        moment=read_only(moment),
+    )
+
+
+def as_function(gas_force: GasForce | ArrayLike) -> GasForce:
+    """Return a gas force as a function of angles [rad]; samples are joined by a periodic spline.
+
+    Raises
+    ------
+    InputError
+        If samples are too few or not finite.
+    """
+    if callable(gas_force):
+        return gas_force
+    given = finite_vector("gas_force", gas_force)
+    if given.size < FEWEST_SAMPLES:
+        raise InputError(
+            f"gas_force: given {given.size} values; allowed are {FEWEST_SAMPLES} or more at even angles "
+            "over a turn, because fewer do not show the rise of the pressure."
+        )
+    return periodic_spline(given)

@@ -1,0 +1,46 @@
+"""Functions of the crank angle that repeat every turn, given at even angles."""
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dynamics.checks import FloatArray
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
+
+TURN = 2.0 * math.pi
+
+
+def even_angles(count: int) -> FloatArray:
+    """Return even angles over a turn [rad], the closing one left out, shape (count,)."""
+    return np.asarray(TURN / count * np.arange(count), dtype=np.float64)
+
+
+def turn_integral(samples: FloatArray) -> float:
+    """Return the integral over a turn of a function given at even angles.
+
+    The plain sum is exact for all harmonics that the samples resolve.
+    """
+    return TURN * float(np.mean(samples))
+
+
+def antiderivative(samples: FloatArray) -> FloatArray:
+    """Return the integral from the first angle to each one, for samples of mean zero.
+
+    Harmonic by harmonic. A mean is left out: it would not repeat with the turn.
+    """
+    spectrum = np.fft.rfft(samples)
+    spectrum[1:] /= 1j * np.arange(1, spectrum.size)
+    spectrum[0] = 0.0
+    found = np.fft.irfft(spectrum, samples.size)
+    return np.asarray(found - found[0])
+
+
+def periodic_spline(samples: FloatArray) -> "CubicSpline":
+    """Return the cubic spline that repeats every turn through samples at even angles."""
+    from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
+
+    angles = np.append(even_angles(samples.size), TURN)
+    return CubicSpline(angles, np.append(samples, samples[0]), bc_type="periodic")

@@ -1,0 +1,274 @@
+"""The guides of an elastic hinge: their shape for a wanted moment, and whether they can be made."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dynamics.checks import FloatArray, nonnegative_number, positive_number, read_only
+from dynamics.hinge.moment import HingeMoment
+from dynamics.hinge.periodic import even_angles, periodic_spline
+from dynamics.hinge.polar import check_roller, outer_parallel, polar_curvature, smallest_hollow
+from dynamics.hinge.spring import GasSpring
+from dynamics.mechanism.motion import ComplexArray
+from geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
+
+# [rad] Steeper guides press a sliding follower hard to the side; 30 deg is the usual limit of cams.
+STEEP = np.pi / 6.0
+
+
+@dataclass(frozen=True)
+class ProfileCheck:
+    """One condition of a guide that can be made.
+
+    Parameters
+    ----------
+    name : str
+    met : bool
+    value, limit : float
+        What was found and what it is compared with, in `unit`.
+    unit : str
+    sentence : str
+        What it means.
+    """
+
+    name: str
+    met: bool
+    value: float
+    limit: float
+    unit: str
+    sentence: str
+
+
+@dataclass(frozen=True, eq=False)
+class HingeProfile:
+    """Path of the rollers' centers in the turning guides; arrays of shape (m,) over one turn.
+
+    Made by `hinge_profile`. Between the angles the radius is the periodic cubic spline, and all
+    slopes, forces and moments of the hinge are those of that curve.
+
+    Parameters
+    ----------
+    spring : GasSpring
+    start_radius : float
+        rho_0, radius at the top dead center, where the spring has its height and pressure [m].
+    roller_radius : float
+        Of each roller [m].
+    angles : ndarray
+        Even crank angles [rad]. In axes of the guides that turn with the crank the polar angle is
+        its negative, as the spring stands still.
+    radius : ndarray
+        rho [m].
+    speed : float
+        For which the guides were made [rad/s].
+    """
+
+    spring: GasSpring
+    start_radius: float
+    roller_radius: float
+    angles: FloatArray
+    radius: FloatArray
+    speed: float
+
+    @cached_property
+    def curve(self) -> "CubicSpline":
+        """The radius [m] as a function of the crank angle [rad]; `curve(angle, 1)` is its slope."""
+        return periodic_spline(self.radius)
+
+    @cached_property
+    def slope(self) -> FloatArray:
+        """Derivative of the radius by the crank angle [m/rad]."""
+        return read_only(np.asarray(self.curve(self.angles, 1)))
+
+    @property
+    def compression(self) -> FloatArray:
+        """How much shorter the gas column is than at the start, z = 2 (rho_0 - rho) [m]."""
+        return 2.0 * (self.start_radius - self.radius)
+
+    @property
+    def pressure(self) -> FloatArray:
+        """Pressure of the gas above ambient [Pa]."""
+        return self.spring.gas_pressure(self.compression)
+
+    @property
+    def spring_force(self) -> FloatArray:
+        """F_pn, of the gas on each roller, outwards [N]."""
+        return self.spring.force(self.compression)
+
+    @property
+    def pressure_angle(self) -> FloatArray:
+        """Angle between the force of the guide on a roller and the spring's axis [rad]."""
+        return np.arctan2(self.slope, self.radius)
+
+    @property
+    def normal_force(self) -> FloatArray:
+        """Force of the guide on each roller, along the guide's normal, without friction [N]."""
+        return self.spring_force / np.cos(self.pressure_angle)
+
+    @property
+    def side_force(self) -> FloatArray:
+        """Force of the guide on each roller across the spring's axis [N]."""
+        return self.spring_force * np.tan(self.pressure_angle)
+
+    @cached_property
+    def curvature(self) -> FloatArray:
+        """Of the path of the rollers' centers [1/m], positive where it bends round the axis."""
+        second = np.asarray(self.curve(self.angles, 2))
+        return read_only(polar_curvature(self.radius, self.slope, second))
+
+    @property
+    def moment(self) -> FloatArray:
+        """Moment of both rollers on the crank at the angles, positive when it drives [N m]."""
+        return 2.0 * self.spring_force * self.slope
+
+    def moment_at(self, angles: FloatArray, pressure: float | None = None) -> FloatArray:
+        """Return the hinge's moment on the crank, 2 F_pn d rho/d phi [N m].
+
+        Parameters
+        ----------
+        angles : ndarray of any shape
+            Crank angles [rad].
+        pressure : float, optional
+            Start pressure of the spring [Pa], that of the design unless given.
+        """
+        spring = self.spring if pressure is None else replace(self.spring, pressure=pressure)
+        compression = 2.0 * (self.start_radius - self.curve(angles))
+        return np.asarray(2.0 * spring.force(compression) * self.curve(angles, 1))
+
+    def with_pressure(self, pressure: float) -> "HingeProfile":
+        """Return the same guides with another start pressure of the spring [Pa]."""
+        return replace(self, spring=replace(self.spring, pressure=pressure))
+
+    def guide(self) -> ComplexArray:
+        """Return the surface that the rollers run on, outside of their path, x + i y [m], (m,).
+
+        At the polar angle of the crank; seen in the guides' own axes it is the mirror image.
+
+        Raises
+        ------
+        InputError
+            If the roller is so large that the surface would have a cusp.
+        """
+        check_roller(self.roller_radius, self.curvature)
+        return outer_parallel(self.angles, self.radius, self.slope, self.roller_radius)
+
+    @property
+    def checks(self) -> tuple[ProfileCheck, ...]:
+        """Conditions of a guide that can be made, each met or not."""
+        least, column = float(self.radius.min()), self.spring.height - float(self.compression.max())
+        hollow, lowest = smallest_hollow(self.curvature), float(self.pressure.min())
+        return (
+            ProfileCheck(
+                "smallest radius",
+                least > self.roller_radius,
+                least,
+                self.roller_radius,
+                "m",
+                "above the roller's radius, or the two rollers would meet",
+            ),
+            ProfileCheck(
+                "shortest gas column",
+                column > 0.0,
+                column,
+                0.0,
+                "m",
+                "above zero: z stays below H",
+            ),
+            ProfileCheck(
+                "lowest spring pressure",
+                lowest > 0.0,
+                lowest,
+                0.0,
+                "Pa",
+                "above ambient, or the rollers would leave the guides",
+            ),
+            ProfileCheck(
+                "smallest hollow",
+                hollow > self.roller_radius,
+                hollow,
+                self.roller_radius,
+                "m",
+                "above the roller's radius, or its guide would have a cusp",
+            ),
+        )
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences on what is met but should be known."""
+        found = []
+        longest = -float(self.compression.min())
+        if longest > 1e-6 * self.spring.height:
+            found.append(
+                f"The spring gets {longest * 1e3:.3g} mm longer than at the top dead center: its "
+                "cylinder needs room for that."
+            )
+        steepest = float(np.max(np.abs(self.pressure_angle)))
+        if steepest > STEEP:
+            found.append(
+                f"The guides are steep: the force of the rollers stands up to {np.degrees(steepest):.0f} "
+                "deg off the spring's axis (cams are kept below 30 deg), so that friction counts."
+            )
+        half = np.roll(self.radius, -(self.radius.size // 2))
+        apart = float(np.max(np.abs(half - self.radius)))
+        if apart > 1e-6 * self.start_radius:
+            found.append(
+                f"Radii half a turn apart differ by up to {apart * 1e3:.3g} mm: each of the two rollers "
+                "needs a guide of its own, one turned by 180 deg against the other."
+            )
+        return tuple(found)
+
+
+def hinge_profile(
+    moment: HingeMoment, spring: GasSpring, start_radius: float, *, roller_radius: float = 0.0
+) -> HingeProfile:
+    """Find the shape of the guides that gives a wanted moment.
+
+    Parameters
+    ----------
+    moment : HingeMoment
+        Its M_h is wanted.
+    spring : GasSpring
+    start_radius : float
+        rho_0 at the top dead center [m].
+    roller_radius : float, optional
+        [m]
+
+    Returns
+    -------
+    HingeProfile
+        With `checks`, all that can be judged of it.
+
+    Raises
+    ------
+    InputError
+        If the gas column does not fit between the rollers, the gas cannot store or give the energy,
+        or a radius would not be above zero.
+
+    Notes
+    -----
+    The spring stores the work W of the crank on the hinge, minus the integral of M_h from the top:
+    (H - z)^(1-n) = H^(1-n) - (n - 1) / (A p_0 H^n) int M_h dphi, and
+    rho = rho_0 - H/2 + (H - z)/2, equation (11) of Zotov, Imaeva 2024, doi
+    10.24412/0131-4270-2024-1-2-50-55. Their (9), the integral of F_pn dz equal to that of M_h dphi,
+    lacks a minus with their z = 2 rho_0 - 2 rho; (11) is right.
+    """
+    positive_number("start_radius", start_radius, "m", "it is a length")
+    nonnegative_number("roller_radius", roller_radius, "m", "it is a length")
+    if not spring.height < 2.0 * start_radius:
+        raise InputError(
+            f"height: given {spring.height:g} m with a start radius of {start_radius:g} m; allowed is less "
+            f"than twice that, {2.0 * start_radius:g} m, because the gas column stands between the rollers."
+        )
+    compression = spring.compression(moment.stored_energy)
+    return HingeProfile(
+        spring=spring,
+        start_radius=float(start_radius),
+        roller_radius=float(roller_radius),
+        angles=read_only(even_angles(moment.angles.size)),
+        radius=read_only(start_radius - 0.5 * compression),
+        speed=moment.speed,
+    )

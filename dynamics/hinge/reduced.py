@@ -1,0 +1,134 @@
+"""A crosshead engine reduced to its crank: inertia, piston travel and the moment of the weights."""
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_vector
+from dynamics.engine.forces import rod_models
+from dynamics.engine.motions import cylinder_motion, reduced_inertia
+from dynamics.hinge.crosshead import CrossheadEngine
+from geometry.errors import InputError
+
+Kinematics = Literal["exact", "series", "printed"]
+KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedCrank:
+    """What an engine of one degree of freedom shows its crank, arrays of shape (m,).
+
+    Parameters
+    ----------
+    inertia : ndarray
+        I, in T = I w^2 / 2 [kg m^2].
+    inertia_rate : ndarray
+        dI/dphi [kg m^2/rad].
+    travel_rate : ndarray
+        How far the piston moves towards the shaft by crank angle, dx/dphi [m/rad].
+    weight_moment : ndarray
+        Moment of the weights of crank and rod, positive when it drives [N m].
+    """
+
+    inertia: FloatArray
+    inertia_rate: FloatArray
+    travel_rate: FloatArray
+    weight_moment: FloatArray
+
+
+def reduced_crank(
+    engine: CrossheadEngine, angles: ArrayLike, kinematics: Kinematics = "exact"
+) -> ReducedCrank:
+    """Reduce an engine to its crank.
+
+    Parameters
+    ----------
+    engine : CrossheadEngine
+    angles : array_like of shape (m,)
+        Crank angles from the top dead center [rad].
+    kinematics : str, optional
+        "exact"; "series", in which velocities end at the second harmonic; or "printed", the series
+        with the sign of the rod's second harmonic as it is printed in the source.
+
+    Raises
+    ------
+    InputError
+        If there are no such kinematics, or an angle is not a finite number.
+
+    Notes
+    -----
+    The series is that of A. N. Zotov, E. Sh. Imaeva, Transport i khranenie nefteproduktov i
+    uglevodorodnogo syr'ya 2024 no. 1-2, pp. 50-55, doi 10.24412/0131-4270-2024-1-2-50-55: with
+    lambda = R / L, dx = R (sin phi + lambda/2 sin 2 phi) dphi, and
+    cos gamma = 1 - lambda^2/4 + lambda^2/4 cos 2 phi for the rod's angle gamma. Its equations (2),
+    (6), (7), (8) give the rod's center of mass the velocity R (sin phi - lambda l_1/(2 L) sin 2 phi)
+    along the cylinder. From s = R cos phi + l_1 cos gamma it is plus: with l_1 = L the center of
+    mass is at the crosshead, whose velocity stands in the same paper with plus.
+    """
+    if kinematics not in KINEMATICS:
+        raise InputError(
+            f"kinematics: given {kinematics!r}; allowed are {', '.join(KINEMATICS)}, because these are "
+            "the ways to describe the mechanism."
+        )
+    places = finite_vector("angles", angles)
+    if kinematics == "exact":
+        return _exact(engine, places)
+    return _series(engine, places, 1.0 if kinematics == "series" else -1.0)
+
+
+def _exact(engine: CrossheadEngine, angles: FloatArray) -> ReducedCrank:
+    layout = engine.layout
+    inertia, rate = reduced_inertia(layout, rod_models(layout, "rigid"), angles)
+    motion = cylinder_motion(layout, 1, angles)
+    rod_rise = motion.rod_point(engine.rod.center).first.imag
+    return ReducedCrank(
+        inertia=inertia,
+        inertia_rate=rate,
+        travel_rate=-motion.piston.first.real,
+        weight_moment=_weight_moment(engine, angles, rod_rise),
+    )
+
+
+def _series(engine: CrossheadEngine, angles: FloatArray, sign: float) -> ReducedCrank:
+    """Reduce with velocities up to the second harmonic; `sign` is that of the rod's own."""
+    rod, radius, ratio = engine.rod, engine.crank_radius, engine.crank_ratio
+    if rod.center_offset != 0.0:
+        raise InputError(
+            f"rod center_offset: given {rod.center_offset:g} m; allowed is 0 with the series, because it "
+            "is for rods with the center of mass on their axis."
+        )
+    near = sign * rod.center_distance / rod.length
+    far = 1.0 - rod.center_distance / rod.length
+    sine, cosine = np.sin(angles), np.cos(angles)
+    sine_2, cosine_2 = np.sin(2.0 * angles), np.cos(2.0 * angles)
+    rod_cosine = 1.0 - 0.25 * ratio**2 + 0.25 * ratio**2 * cosine_2
+    swing = ratio * cosine / rod_cosine
+    swing_rate = ratio * (-sine / rod_cosine + 0.5 * ratio**2 * sine_2 * cosine / rod_cosine**2)
+    travel_rate = radius * (sine + 0.5 * ratio * sine_2)
+    travel_second = radius * (cosine + ratio * cosine_2)
+    along = radius * (sine + 0.5 * ratio * near * sine_2)
+    along_rate = radius * (cosine + ratio * near * cosine_2)
+    across, across_rate = radius * far * cosine, -radius * far * sine
+    inertia = (
+        engine.crank_inertia
+        + engine.sliding_mass * travel_rate**2
+        + rod.mass * (along**2 + across**2)
+        + rod.inertia * swing**2
+    )
+    rate = 2.0 * (
+        engine.sliding_mass * travel_rate * travel_second
+        + rod.mass * (along * along_rate + across * across_rate)
+        + rod.inertia * swing * swing_rate
+    )
+    # The source joins the series of cos gamma to the exact derivative of gamma.
+    exact_cosine = np.sqrt(1.0 - (ratio * sine) ** 2)
+    rod_rise = (rod.length - rod.center_distance) * rod_cosine * ratio * cosine / exact_cosine
+    return ReducedCrank(inertia, rate, travel_rate, _weight_moment(engine, angles, rod_rise))
+
+
+def _weight_moment(engine: CrossheadEngine, angles: FloatArray, rod_rise: FloatArray) -> FloatArray:
+    """Return the weights' moment from how the rod's center rises by angle [m/rad]."""
+    crank_rise = engine.crank_center_distance * np.cos(angles)
+    return -engine.gravity * (engine.crank_mass * crank_rise + engine.rod.mass * rod_rise)

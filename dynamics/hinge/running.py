@@ -1,0 +1,253 @@
+"""How a crank turns with a hinge, without it, and with a flywheel."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from dynamics.checks import FloatArray, nonnegative_number, positive_number, read_only
+from dynamics.hinge.moment import HingeMoment
+from dynamics.hinge.periodic import TURN, even_angles, periodic_spline
+from dynamics.hinge.profile import HingeProfile
+from dynamics.hinge.reduced import ReducedCrank
+from dynamics.turning.speed_over_angle import SpeedOverAngle, speed_over_angle
+from geometry.errors import InputError
+from geometry.quantity import show_quantity
+
+# Angles over a turn of the energy equation, twice those of a hinge moment by default.
+STEPS = 2880
+# A crank that has less than this share of the turn's swing of energy left at its slowest is taken
+# as not coming round.
+LEAST_ENERGY = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyTurn:
+    """One turn of a crank that repeats.
+
+    Parameters
+    ----------
+    angles : ndarray of shape (m,)
+        Even crank angles from the top dead center [rad].
+    speed : ndarray of shape (m,)
+        [rad/s]
+    mean_speed : float
+        Angle turned by the time that it takes [rad/s].
+    gain : float
+        Energy left over from the turn [J]; not zero by integration error alone.
+    flywheel : float
+        Added inertia [kg m^2].
+    """
+
+    angles: FloatArray
+    speed: FloatArray
+    mean_speed: float
+    gain: float
+    flywheel: float
+
+    @property
+    def fluctuation(self) -> float:
+        """Coefficient of speed fluctuation, (highest - lowest) / mean."""
+        return float((self.speed.max() - self.speed.min()) / self.mean_speed)
+
+
+@dataclass(frozen=True, eq=False)
+class TurnEnergy:
+    """Inertia and the energy gained since the top at even angles, shapes (m,)."""
+
+    angles: FloatArray
+    inertia: FloatArray
+    gained: FloatArray
+    left_over: float
+
+
+def steady_turn(
+    point: HingeMoment,
+    hinge: HingeProfile | None = None,
+    *,
+    pressure: float | None = None,
+    flywheel: float = 0.0,
+    speed: float | None = None,
+    top_speed: float | None = None,
+) -> SteadyTurn:
+    """Find a turn that repeats, the load being constant.
+
+    Parameters
+    ----------
+    point : HingeMoment
+        Engine, gas force, load and speed; its own hinge moment is not used.
+    hinge : HingeProfile, optional
+        Guides whose spring acts on the crank; none unless given.
+    pressure : float, optional
+        Start pressure of the spring [Pa], that of the design unless given.
+    flywheel : float, optional
+        Inertia added [kg m^2].
+    speed : float, optional
+        Mean speed of the turn [rad/s], that of `point` unless given.
+    top_speed : float, optional
+        Speed at the top dead center [rad/s], instead of the mean speed.
+
+    Returns
+    -------
+    SteadyTurn
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range, both speeds are given, or the crank does not come round.
+
+    Notes
+    -----
+    I phi'' + I' phi'^2 / 2 = Q is d(I phi'^2 / 2)/dphi = Q. As gas, weights, load and hinge depend
+    on the angle alone, the energy is an integral of known functions, and a turn repeats from any
+    start. The mean speed grows with the energy at the top, which is solved for it.
+    """
+    nonnegative_number("flywheel", flywheel, "kg m^2", "it is an inertia")
+    energy = turn_energy(point, hinge, pressure)
+    if top_speed is not None:
+        if speed is not None:
+            raise InputError(
+                f"top_speed: given {top_speed:g} rad/s beside a mean speed of {speed:g} rad/s; allowed is "
+                "one of the two, because either follows from the other."
+            )
+        reason = "the crank turns forward"
+        return _from_top(energy, flywheel, positive_number("top_speed", top_speed, "rad/s", reason))
+    wanted = positive_number(
+        "speed", point.speed if speed is None else speed, "rad/s", "the crank turns forward"
+    )
+    return steady_at(energy, flywheel, wanted)
+
+
+def simulate_hinge(
+    point: HingeMoment,
+    hinge: HingeProfile | None = None,
+    *,
+    pressure: float | None = None,
+    flywheel: float = 0.0,
+    start_speed: float | None = None,
+    turns: float = 1.0,
+    samples: int = STEPS,
+) -> SpeedOverAngle:
+    """Integrate the equation of motion of a crank from the top dead center.
+
+    Parameters
+    ----------
+    point, hinge, pressure, flywheel
+        As for `steady_turn`.
+    start_speed : float, optional
+        At the top [rad/s]; unless given, that of the turn that repeats at the speed of `point`.
+    turns : float, optional
+        How far to go.
+    samples : int, optional
+        Steps per turn at which the result is given.
+
+    Returns
+    -------
+    SpeedOverAngle
+
+    Raises
+    ------
+    InputError
+        As `steady_turn`.
+
+    Notes
+    -----
+    Inertia and moments are splines over the angle, the hinge's among them, which is that of its
+    guides and spring, 2 F_pn d rho/d phi.
+    """
+    if start_speed is None:
+        turn = steady_turn(point, hinge, pressure=pressure, flywheel=flywheel)
+        start_speed = float(turn.speed[0])
+    _, reduced, moments = moments_on_crank(point, hinge, pressure)
+    inertia, moment = periodic_spline(reduced.inertia + flywheel), periodic_spline(moments)
+    inertia_rate = inertia.derivative()
+
+    def inertia_at(angle: float) -> tuple[float, float]:
+        return float(inertia(angle)), float(inertia_rate(angle))
+
+    def moment_at(angle: float, _: float) -> float:
+        return float(moment(angle))
+
+    return speed_over_angle(inertia_at, moment_at, 0.0, start_speed, turns, samples)
+
+
+def moments_on_crank(
+    point: HingeMoment, hinge: HingeProfile | None, pressure: float | None
+) -> tuple[FloatArray, ReducedCrank, FloatArray]:
+    """Return even angles, the reduced crank and the sum of all moments on it at them."""
+    angles = even_angles(STEPS)
+    reduced, moment = point.at_angles(angles)
+    if hinge is not None:
+        moment = moment + hinge.moment_at(angles, pressure)
+    return angles, reduced, moment
+
+
+def turn_energy(
+    point: HingeMoment, hinge: HingeProfile | None, pressure: float | None
+) -> TurnEnergy:
+    """Integrate all moments on the crank over a turn."""
+    angles, reduced, moment = moments_on_crank(point, hinge, pressure)
+    return integrated(angles, reduced.inertia, moment)
+
+
+def integrated(angles: FloatArray, inertia: FloatArray, moment: FloatArray) -> TurnEnergy:
+    """Integrate the sum of the moments at even angles from the top."""
+    gained = np.asarray(periodic_spline(moment).antiderivative()(np.append(angles, TURN)))
+    return TurnEnergy(angles, inertia, gained[:-1], float(gained[-1]))
+
+
+def steady_at(energy: TurnEnergy, flywheel: float, speed: float) -> SteadyTurn:
+    """Solve for the energy at the top at which the mean speed is the wanted one."""
+    from scipy.optimize import brentq
+
+    inertia = energy.inertia + flywheel
+    least = -float(energy.gained.min())
+    swing = float(np.ptp(energy.gained))
+
+    def mean(above: float) -> float:
+        return _mean(np.sqrt(2.0 * (energy.gained + least + above) / inertia))
+
+    # The least speed of a turn is below its mean, the greatest above: both ends hold the solution.
+    highest = 0.5 * speed**2 * float(inertia.max()) + swing
+    lowest = max(LEAST_ENERGY * swing, 1e-12 * highest)
+    if mean(lowest) > speed:
+        raise InputError(
+            f"speed: given a mean of {show_quantity(speed, 'rad/s', 4)}; allowed is "
+            f"{show_quantity(mean(lowest), 'rad/s', 4)} or more with a flywheel of {flywheel:.4g} kg m^2, "
+            "because a slower crank does not come round: over a turn its energy swings by "
+            f"{swing / 1e3:.4g} kJ."
+        )
+    above = float(
+        brentq(lambda value: mean(value) - speed, lowest, highest, rtol=1e-14, xtol=1e-12)
+    )
+    return _turn(energy, inertia, least + above, flywheel)
+
+
+def _from_top(energy: TurnEnergy, flywheel: float, top_speed: float) -> SteadyTurn:
+    """Return the turn with a speed at the top."""
+    inertia = energy.inertia + flywheel
+    at_top = 0.5 * float(inertia[0]) * top_speed**2
+    lacking = -float(energy.gained.min())
+    if not at_top > lacking:
+        needed = math.sqrt(2.0 * lacking / float(inertia[0]))
+        raise InputError(
+            f"top_speed: given {top_speed:.4g} rad/s; allowed is more than {needed:.4g} rad/s, because "
+            f"over a turn the crank loses {lacking / 1e3:.4g} kJ and must come round."
+        )
+    return _turn(energy, inertia, at_top, flywheel)
+
+
+def _turn(energy: TurnEnergy, inertia: FloatArray, at_top: float, flywheel: float) -> SteadyTurn:
+    speed = np.sqrt(2.0 * (energy.gained + at_top) / inertia)
+    return SteadyTurn(
+        angles=read_only(energy.angles),
+        speed=read_only(speed),
+        mean_speed=_mean(speed),
+        gain=energy.left_over,
+        flywheel=flywheel,
+    )
+
+
+def _mean(speed: FloatArray) -> float:
+    """Return the mean over time of a speed given at even angles."""
+    return 1.0 / float(np.mean(1.0 / speed))

@@ -1,0 +1,156 @@
+"""A closed gas spring between two pistons: its force, its energy, and its length for an energy."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_array, nonnegative_number, positive_number
+from geometry.errors import InputError
+
+# The gas column counts as gone when this share of its height is left.
+LEAST_COLUMN = 0.01
+# From isothermal to adiabatic gas of single atoms.
+LOWEST_EXPONENT, HIGHEST_EXPONENT = 1.0, 5.0 / 3.0
+NEWTON_STEPS = 60
+
+
+@dataclass(frozen=True)
+class GasSpring:
+    """A gas spring of two opposed pistons.
+
+    Parameters
+    ----------
+    piston_area : float
+        A [m^2].
+    height : float
+        H, height of the gas column when both rollers stand at the start radius [m].
+    pressure : float
+        p_0, of the gas then [Pa]; above `ambient`.
+    exponent : float, optional
+        n of the polytropic law p V^n = const.
+    ambient : float, optional
+        Pressure on the outer sides of the pistons [Pa]. The law of Zotov, Imaeva 2024 has none:
+        they call p_0 an excess pressure and put it into the polytropic law, which holds for
+        absolute pressure. With 0 the spring is theirs, p_0 being the absolute pressure and the
+        atmosphere's push on the pistons left out; with 101325 Pa it is exact for p_0 in excess.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> spring = GasSpring(piston_area=0.031, height=1.0, pressure=5e6)
+    >>> round(float(spring.force(0.0)))
+    155000
+    >>> work = spring.work(0.2)
+    >>> round(float(spring.compression(work)), 12)
+    0.2
+    """
+
+    piston_area: float
+    height: float
+    pressure: float
+    exponent: float = 1.25
+    ambient: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive_number("piston_area", self.piston_area, "m^2", "the gas presses on it")
+        positive_number("height", self.height, "m", "it is a length")
+        positive_number("pressure", self.pressure, "Pa", "the spring presses the rollers out")
+        nonnegative_number("ambient", self.ambient, "Pa", "it is absolute pressure")
+        exponent = float(finite_array("exponent", self.exponent))
+        if not LOWEST_EXPONENT <= exponent <= HIGHEST_EXPONENT:
+            raise InputError(
+                f"exponent: given {exponent:g}; allowed are {LOWEST_EXPONENT:g} to "
+                f"{HIGHEST_EXPONENT:.4g}, because gas is between isothermal and adiabatic."
+            )
+
+    @property
+    def absolute(self) -> float:
+        """Absolute pressure at the start [Pa]."""
+        return self.pressure + self.ambient
+
+    def gas_pressure(self, compression: ArrayLike) -> FloatArray:
+        """Return the pressure above ambient [Pa] when the column is shorter by z [m]."""
+        share = 1.0 - np.asarray(compression, dtype=np.float64) / self.height
+        return np.asarray(self.absolute * share**-self.exponent - self.ambient)
+
+    def force(self, compression: ArrayLike) -> FloatArray:
+        """Return the force on each piston, outwards [N], when the column is shorter by z [m]."""
+        return self.piston_area * self.gas_pressure(compression)
+
+    def work(self, compression: ArrayLike) -> FloatArray:
+        """Return the work that shortens the column by z [m], the integral of the force [J]."""
+        shorter = np.asarray(compression, dtype=np.float64)
+        logarithm = -np.log1p(-shorter / self.height)
+        less = self.exponent - 1.0
+        scale = self.piston_area * self.absolute * self.height
+        stretched = np.expm1(less * logarithm) / less if less > 0.0 else logarithm
+        return np.asarray(scale * stretched - self.piston_area * self.ambient * shorter)
+
+    def compression(self, work: ArrayLike) -> FloatArray:
+        """Return how much shorter the column is after a work.
+
+        Parameters
+        ----------
+        work : array_like
+            Work done on the gas since the start [J]; negative for what it has given.
+
+        Returns
+        -------
+        ndarray of the same shape
+            z [m], negative where the column is longer than at the start.
+
+        Raises
+        ------
+        InputError
+            If the gas cannot give so much, or almost nothing of the column would be left.
+
+        Notes
+        -----
+        Without ambient pressure (H - z)^(1-n) = H^(1-n) + (n - 1) W / (A p_0 H^n). Otherwise
+        Newton's method from above: the work is convex in z while the spring presses outwards.
+        """
+        wanted = finite_array("work", work)
+        self._check_energy(wanted)
+        found = self._closed_form(wanted + self.piston_area * self.ambient * self.height)
+        if self.ambient > 0.0:
+            for _ in range(NEWTON_STEPS):
+                found = found - (self.work(found) - wanted) / self.force(found)
+        left = float(np.min(1.0 - found / self.height, initial=1.0))
+        if left < LEAST_COLUMN:
+            raise InputError(
+                f"pressure: given {self.pressure / 1e6:g} MPa in a spring {self.height:g} m high, of which "
+                f"{left * self.height:.3g} m would be left under the work of {np.max(wanted) / 1e3:.4g} "
+                f"kJ; allowed is a pressure that leaves {LEAST_COLUMN * self.height:.3g} m or more, "
+                "because the compression z must stay below the height H."
+            )
+        return np.asarray(found)
+
+    def _closed_form(self, work: FloatArray) -> FloatArray:
+        """Return z for the work of the gas alone."""
+        less = self.exponent - 1.0
+        share = work / (self.piston_area * self.absolute * self.height)
+        logarithm = np.log1p(less * share) / less if less > 0.0 else share
+        return np.asarray(-self.height * np.expm1(-logarithm))
+
+    def _check_energy(self, work: FloatArray) -> None:
+        """Refuse works below what the gas gives until it presses outwards no more."""
+        asked = -float(np.min(work, initial=0.0))
+        if self.ambient > 0.0:
+            slack = self.height * (1.0 - (self.absolute / self.ambient) ** (1.0 / self.exponent))
+            given = -float(self.work(slack))
+        elif self.exponent > 1.0:
+            scale = self.piston_area * self.absolute * self.height
+            given = scale / (self.exponent - 1.0)
+        else:
+            return
+        if asked >= given * (1.0 - 1e-9):
+            raise InputError(
+                f"pressure: given {self.pressure / 1e6:g} MPa in a spring that must give "
+                f"{asked / 1e3:.4g} kJ; allowed is a pressure at which the gas gives more, here at most "
+                f"{given / 1e3:.4g} kJ, because it does no more work when it has expanded."
+            )

@@ -1,0 +1,65 @@
+"""Samples over an engine's working cycle: shaft angles, gas forces there, and their harmonics."""
+
+from collections.abc import Sequence
+from typing import TypeGuard
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_array
+from dynamics.engine.gas_forces import Pressure, gas_forces
+from dynamics.engine.layout import EngineLayout
+from dynamics.harmonics import Harmonics, harmonics
+from geometry.errors import InputError
+
+# Steps of 0.5 deg over 720 deg resolve orders up to 360, those over 360 deg of twice that.
+DEFAULT_SAMPLES = 1440
+
+
+def samples_and_gas(
+    engine: EngineLayout,
+    pressure: Pressure | Sequence[Pressure] | ArrayLike | None,
+    samples: int,
+    crankcase_pressure: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Return shaft angles evenly over a cycle (m,) [rad], and forces on the pistons (n, m) [N].
+
+    Raises
+    ------
+    InputError
+        If there are less than 3 samples, or pressures or forces do not fit.
+    """
+    if isinstance(samples, bool) or not isinstance(samples, int) or samples < 3:
+        raise InputError(
+            f"samples: given {samples!r}; allowed is a whole number of 3 or more, because fewer show "
+            "no harmonic."
+        )
+    angles = np.asarray(engine.cycle / samples * np.arange(samples), dtype=np.float64)
+    shape = (len(engine.cylinders), samples)
+    if pressure is None:
+        return angles, np.zeros(shape)
+    if _are_pressures(pressure):
+        return angles, gas_forces(engine, angles, pressure, crankcase_pressure)
+    given = finite_array("pressure", np.asarray(pressure))
+    if given.shape != shape:
+        raise InputError(
+            f"pressure: given forces of shape {given.shape}; allowed is {shape}, because there is one "
+            "for each cylinder and sample."
+        )
+    return angles, given
+
+
+def _are_pressures(
+    given: "Pressure | Sequence[Pressure] | ArrayLike",
+) -> TypeGuard["Pressure | Sequence[Pressure]"]:
+    if isinstance(given, Sequence):
+        return bool(given) and hasattr(given[0], "at")
+    return hasattr(given, "at")
+
+
+def from_firing_top(
+    engine: EngineLayout, place: int, angles: FloatArray, values: FloatArray
+) -> Harmonics:
+    """Return the harmonics of a cylinder's values (m,), its place from 0, from its firing top."""
+    since_firing = np.degrees(angles - engine.firing[place])
+    return harmonics(values, engine.strokes, angles_deg=since_firing)

@@ -1,0 +1,108 @@
+"""Harmonics of the force of each cylinder on its crankpin, as a vibration model takes them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, nonnegative_number, positive_number
+from dynamics.cycle import cycle_degrees, order_step
+from dynamics.engine.forces import MechanismForces, mechanism_forces
+from dynamics.engine.gas_forces import Pressure
+from dynamics.engine.layout import EngineLayout
+from dynamics.gas.pressure import ATMOSPHERE
+from dynamics.harmonics import Harmonics
+from dynamics.mechanism.rods import RodModelName
+from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
+from geometry.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class PinForceHarmonics:
+    """Harmonics of one cylinder's force on its crankpin, by its cause [N].
+
+    Phases count from the cylinder's own firing top: a harmonic of order k stands at
+    M_k sin(k (shaft angle - firing_angle) + a_k).
+
+    Parameters
+    ----------
+    number : int
+        Of the cylinder.
+    firing_angle : float
+        Shaft angle of its firing top [rad].
+    tangential_gas, tangential_inertia, tangential : Harmonics
+        T, in the sense of rotation: of the gas, of moving masses, of both. Crank radius times T is
+        the torque.
+    radial_gas, radial_inertia, radial : Harmonics
+        Z, towards the shaft axis.
+    """
+
+    number: int
+    firing_angle: float
+    tangential_gas: Harmonics
+    tangential_inertia: Harmonics
+    tangential: Harmonics
+    radial_gas: Harmonics
+    radial_inertia: Harmonics
+    radial: Harmonics
+
+
+def pin_force_harmonics(
+    engine: EngineLayout,
+    speed: float,
+    pressure: Pressure | Sequence[Pressure] | ArrayLike | None = None,
+    *,
+    highest_order: float = 24.0,
+    samples: int = DEFAULT_SAMPLES,
+    model: RodModelName = "rigid",
+    crankcase_pressure: float = ATMOSPHERE,
+) -> tuple[PinForceHarmonics, ...]:
+    """Find the harmonics of the tangential and the radial force on the crankpin, by cylinder.
+
+    Parameters
+    ----------
+    engine, speed, pressure, samples, model, crankcase_pressure
+        As for `engine_torque`.
+    highest_order : float, optional
+        That will be asked for: checked against the samples.
+
+    Returns
+    -------
+    tuple of n PinForceHarmonics
+
+    Raises
+    ------
+    InputError
+        As `engine_torque`, and if the samples do not resolve the highest order.
+    """
+    running = nonnegative_number("speed", speed, "rad/s", "the shaft turns forward")
+    _check_order(engine, highest_order, samples)
+    angles, gas = samples_and_gas(engine, pressure, samples, crankcase_pressure)
+    from_gas = mechanism_forces(engine, angles, 0.0, gas, model=model)
+    from_masses = mechanism_forces(engine, angles, running, 0.0, model=model)
+    found = []
+    for place, firing in enumerate(engine.firing):
+        split = [
+            from_firing_top(engine, place, angles, values)
+            for values in _parts(from_gas, from_masses, place)
+        ]
+        found.append(PinForceHarmonics(place + 1, firing, *split))
+    return tuple(found)
+
+
+def _parts(gas: MechanismForces, masses: MechanismForces, place: int) -> list[FloatArray]:
+    """Return T of gas, masses and both, then Z of the same (m,)."""
+    parts = []
+    for of_gas, of_masses in ((gas.tangential, masses.tangential), (gas.radial, masses.radial)):
+        parts += [of_gas[place], of_masses[place], of_gas[place] + of_masses[place]]
+    return parts
+
+
+def _check_order(engine: EngineLayout, highest_order: float, samples: int) -> None:
+    highest = positive_number("highest_order", highest_order, "", "orders count cycles per turn")
+    resolved = order_step(engine.strokes) * (samples // 2)
+    if highest > resolved:
+        raise InputError(
+            f"highest_order: given {highest:g}; allowed is {resolved:g} or less, because {samples} "
+            f"samples over a cycle of {cycle_degrees(engine.strokes):g} deg resolve no higher one."
+        )

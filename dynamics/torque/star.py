@@ -1,0 +1,206 @@
+"""Star diagrams: how the harmonics of all cylinders add up, order by order."""
+
+import cmath
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_array, finite_vector, positive_vector, read_only
+from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
+from dynamics.engine.layout import EngineLayout
+from geometry.errors import InputError
+
+Kind = Literal["major", "minor", "balanced"]
+# Two directions are one within this angle [rad].
+SAME_DIRECTION = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Star:
+    """The harmonics of one order of all cylinders as vectors.
+
+    A cylinder that fires at f and whose harmonic is M sin(k (x - f) + a) has the direction k f - a:
+    there its harmonic rises through zero, in terms of k x. The sum over the cylinders is
+    resultant sin(k x - resultant_direction).
+
+    Parameters
+    ----------
+    order : float
+        k, in cycles per crankshaft revolution.
+    directions : ndarray of shape (n,)
+        Of the cylinders' vectors [rad], from 0 to below 2 pi.
+    weights : ndarray of shape (n,)
+        Their lengths; negative where the mode shape turns a vector round.
+    """
+
+    order: float
+    directions: FloatArray
+    weights: FloatArray
+
+    @property
+    def vectors(self) -> "np.ndarray[tuple[int], np.dtype[np.complex128]]":
+        """The cylinders' vectors (n,)."""
+        return np.asarray(self.weights * np.exp(1j * self.directions))
+
+    @property
+    def resultant(self) -> float:
+        """Length of their sum."""
+        return float(abs(self.vectors.sum()))
+
+    @property
+    def resultant_direction(self) -> float:
+        """Direction of their sum [rad], from 0 to below 2 pi; 0 for a balanced order."""
+        if self.kind == "balanced":
+            return 0.0
+        return _turned(cmath.phase(complex(self.vectors.sum())))
+
+    @property
+    def largest(self) -> float:
+        """What the resultant would be with all vectors in line."""
+        return float(np.sum(np.abs(self.weights)))
+
+    @property
+    def share(self) -> float:
+        """Resultant as a share of the largest possible, 0 to 1."""
+        return self.resultant / self.largest if self.largest > 0.0 else 0.0
+
+    @property
+    def kind(self) -> Kind:
+        """Return "major" with all vectors in line, "balanced" with no resultant, else "minor"."""
+        if self.share >= 1.0 - FULL_SUM_TOLERANCE:
+            return "major"
+        return "balanced" if self.share <= FULL_SUM_TOLERANCE else "minor"
+
+
+def star_diagram(
+    engine: EngineLayout | ArrayLike,
+    orders: ArrayLike | float = 12.0,
+    *,
+    strokes: int | None = None,
+    amplitudes: ArrayLike | None = None,
+    phases: ArrayLike | None = None,
+    mode_shape: ArrayLike | None = None,
+) -> tuple[Star, ...]:
+    """Return the star of each order.
+
+    Parameters
+    ----------
+    engine : EngineLayout, or array_like of shape (n,)
+        The engine, or the shaft angle at which each cylinder fires [rad].
+    orders : array_like of shape (K,) or number, optional
+        Orders, or the highest of all orders of the cycle.
+    strokes : int, optional
+        Per cycle; for firing angles with a highest order alone (4 if not given).
+    amplitudes : array_like of shape (n,) or (K, n), optional
+        Of the cylinders' harmonics, where they differ; 1 by default.
+    phases : array_like of shape (n,) or (K, n), optional
+        a of M sin(k (x - f) + a), where they differ, as `cylinder_harmonics` gives them [rad].
+    mode_shape : array_like of shape (n,), optional
+        Displacement of the mode at each cylinder's throw, by which its vector is multiplied.
+
+    Returns
+    -------
+    tuple of K Star
+
+    Raises
+    ------
+    InputError
+        If an array does not fit, or an order is not above zero.
+
+    Examples
+    --------
+    >>> stars = star_diagram(np.radians([0.0, 540.0, 180.0, 360.0]), 4.0)
+    >>> [(star.order, star.kind) for star in stars if star.kind != "balanced"]
+    [(2.0, 'major'), (4.0, 'major')]
+    """
+    if isinstance(engine, EngineLayout):
+        firing, cycle_strokes = np.array(engine.firing), engine.strokes
+    else:
+        firing, cycle_strokes = finite_vector("firing angles", engine), strokes or 4
+    if firing.size == 0:
+        raise InputError("firing angles: given none; allowed is one for each cylinder.")
+    if np.ndim(orders) == 0:
+        asked = engine_orders(cycle_strokes, float(finite_array("orders", orders)))
+    else:
+        asked = positive_vector("orders", orders, "", "they count cycles per revolution")
+    shape = (asked.size, firing.size)
+    lengths = _fitted("amplitudes", 1.0 if amplitudes is None else amplitudes, shape)
+    lengths = lengths * _fitted("mode_shape", 1.0 if mode_shape is None else mode_shape, shape)
+    turns = _fitted("phases", 0.0 if phases is None else phases, shape)
+    directions = np.outer(asked, firing) - turns
+    return tuple(
+        Star(
+            order,
+            read_only(np.array([_turned(angle) for angle in row.tolist()])),
+            read_only(own.copy()),
+        )
+        for order, row, own in zip(asked.tolist(), directions, lengths, strict=True)
+    )
+
+
+def leading_stars(stars: Sequence[Star]) -> tuple[Star, ...]:
+    """Return the major orders, or where none is, as with uneven firing, the strongest ones.
+
+    Raises
+    ------
+    InputError
+        If no star is given.
+    """
+    if not stars:
+        raise InputError("stars: given none; allowed are one or more, because one is to lead.")
+    majors = tuple(star for star in stars if star.kind == "major")
+    strongest = max(star.share for star in stars)
+    return majors or tuple(
+        star for star in stars if star.share >= strongest - FULL_SUM_TOLERANCE and strongest > 0.0
+    )
+
+
+def same_stars(stars: Iterable[Star]) -> tuple[tuple[Star, ...], ...]:
+    """Return the stars in groups that look alike, the mirror image included.
+
+    Two are alike if the lengths are equal and the directions, counted from the first cylinder's,
+    are equal or opposite.
+    """
+    groups: list[list[Star]] = []
+    for star in stars:
+        home = next((group for group in groups if _alike(group[0], star)), None)
+        if home is None:
+            groups.append([star])
+        else:
+            home.append(star)
+    return tuple(tuple(group) for group in groups)
+
+
+def _alike(one: Star, other: Star) -> bool:
+    if one.weights.shape != other.weights.shape or not np.allclose(
+        one.weights, other.weights, rtol=1e-9, atol=0.0
+    ):
+        return False
+    first, second = (star.directions - star.directions[0] for star in (one, other))
+    return _equal_directions(first, second) or _equal_directions(first, -second)
+
+
+def _equal_directions(first: FloatArray, second: FloatArray) -> bool:
+    return bool(np.max(np.abs(np.exp(1j * first) - np.exp(1j * second))) <= SAME_DIRECTION)
+
+
+def _turned(angle: float) -> float:
+    """Return an angle between 0 and 2 pi, with zero for what differs from it by round-off."""
+    turn = 2.0 * math.pi
+    folded = angle % turn
+    return 0.0 if min(folded, turn - folded) < 1e-12 * max(1.0, abs(angle)) else folded
+
+
+def _fitted(field: str, given: ArrayLike | float, shape: tuple[int, int]) -> FloatArray:
+    values = finite_array(field, given)
+    try:
+        return np.array(np.broadcast_to(values, shape))
+    except ValueError:
+        raise InputError(
+            f"{field}: given an array of shape {values.shape}; allowed is one for each of "
+            f"{shape[1]} cylinders, or for each of {shape[0]} orders and each cylinder."
+        ) from None

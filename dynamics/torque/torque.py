@@ -1,0 +1,210 @@
+"""Torque of an engine over its working cycle: by cylinder, by throw and as a whole."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, nonnegative_number, read_only
+from dynamics.engine.forces import mechanism_forces
+from dynamics.engine.gas_forces import Pressure
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.orders import checked_cylinder
+from dynamics.gas.pressure import ATMOSPHERE
+from dynamics.harmonics import Harmonics, harmonics
+from dynamics.mechanism.rods import RodModelName
+from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
+from dynamics.torque.throws import checked_throws, throws_along_shaft
+from geometry.errors import InputError
+
+# A mean torque below this share of the largest is round-off.
+NO_MEAN = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class EngineTorque:
+    """Torque on the shaft over one working cycle, positive when it drives.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    speed : float
+        Constant speed of the shaft [rad/s].
+    shaft_angles : ndarray of shape (m,)
+        Evenly over the cycle from zero, the closing sample left out [rad].
+    gas, inertia : ndarray of shape (n, m)
+        Cylinder by cylinder, what gas and what moving masses give [N m].
+    throws : tuple of tuples of int
+        Numbers of the cylinders on each throw, from the free end to the flywheel.
+    indicated_work : ndarray of shape (n,)
+        Work of the gas on each piston over the cycle, integral of p dV [J].
+    """
+
+    engine: EngineLayout
+    speed: float
+    shaft_angles: FloatArray
+    gas: FloatArray
+    inertia: FloatArray
+    throws: tuple[tuple[int, ...], ...]
+    indicated_work: FloatArray
+
+    @property
+    def per_cylinder(self) -> FloatArray:
+        """Torque of each cylinder (n, m) [N m]."""
+        return self.gas + self.inertia
+
+    @property
+    def per_throw(self) -> FloatArray:
+        """Torque of each throw, along the shaft (k, m) [N m]."""
+        own = self.per_cylinder
+        return np.array(
+            [own[[number - 1 for number in throw]].sum(axis=0) for throw in self.throws]
+        )
+
+    @property
+    def passed_on(self) -> FloatArray:
+        """Torque that the main journal after each throw passes on to the flywheel (k, m) [N m]."""
+        return np.asarray(np.cumsum(self.per_throw, axis=0))
+
+    @property
+    def total(self) -> FloatArray:
+        """Torque of the engine (m,) [N m]."""
+        return np.asarray(self.per_cylinder.sum(axis=0))
+
+    @property
+    def mean(self) -> float:
+        """Mean torque [N m]."""
+        return float(np.mean(self.total))
+
+    @property
+    def power(self) -> float:
+        """Indicated power, mean torque times speed [W]."""
+        return self.mean * self.speed
+
+    @property
+    def nonuniformity(self) -> float | None:
+        """Degree of nonuniformity, (largest - least) / mean; None where the mean is round-off."""
+        total, mean = self.total, self.mean
+        if abs(mean) <= NO_MEAN * float(np.max(np.abs(self.per_cylinder))):
+            return None
+        return float(np.ptp(total) / mean)
+
+    @property
+    def energy_error(self) -> float:
+        """Mean torque times the cycle's angle less indicated work, relative to the gas's exchange.
+
+        That is the work of the gas on all pistons, each bit taken positive.
+        """
+        step = self.engine.cycle / self.shaft_angles.size
+        exchanged = float(np.sum(np.abs(self.gas))) * step
+        difference = self.mean * self.engine.cycle - float(np.sum(self.indicated_work))
+        return difference / exchanged if exchanged > 0.0 else difference
+
+    def harmonics(self, throw: int | None = None) -> Harmonics:
+        """Return the harmonics of the engine's torque, or of one throw's, counted from 1.
+
+        Raises
+        ------
+        InputError
+            If there is no such throw.
+        """
+        if throw is None:
+            return harmonics(self.total, self.engine.strokes)
+        if not 1 <= throw <= len(self.throws):
+            raise InputError(
+                f"throw: given {throw}; allowed is 1 to {len(self.throws)}, because the shaft has that "
+                "many."
+            )
+        return harmonics(self.per_throw[throw - 1], self.engine.strokes)
+
+    def cylinder_harmonics(self, number: int) -> Harmonics:
+        """Return the harmonics of one cylinder's torque, phases counted from its own firing top.
+
+        Raises
+        ------
+        InputError
+            If there is no such cylinder.
+        """
+        place = checked_cylinder(self.engine, number) - 1
+        return from_firing_top(self.engine, place, self.shaft_angles, self.per_cylinder[place])
+
+
+def engine_torque(
+    engine: EngineLayout,
+    speed: float,
+    pressure: Pressure | Sequence[Pressure] | ArrayLike | None = None,
+    *,
+    samples: int = DEFAULT_SAMPLES,
+    model: RodModelName = "rigid",
+    throws: Sequence[int] | None = None,
+    crankcase_pressure: float = ATMOSPHERE,
+) -> EngineTorque:
+    """Find the torque of every cylinder, every throw and the whole engine over a cycle.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    speed : float
+        Of the shaft, constant [rad/s].
+    pressure : GasPressure, sequence of n GasPressure, array_like or None
+        Pressures as `gas_forces` takes them, or forces on the pistons towards the shaft at the
+        samples (n, samples) [N]; None for no gas force.
+    samples : int, optional
+        Over one cycle; they resolve orders up to half their number per revolution.
+    model : str, optional
+        Of the rods: "rigid", "three-mass", "two-mass with inertia" or "two-mass".
+    throws : sequence of n int, optional
+        Throw of each cylinder, 0 next to the free end. Without it, cylinders of different banks
+        with equal crank angles and nearly equal positions share one.
+    crankcase_pressure : float, optional
+        Absolute pressure under the pistons [Pa].
+
+    Returns
+    -------
+    EngineTorque
+
+    Raises
+    ------
+    InputError
+        If samples are too few, forces do not fit, or throws do not.
+
+    Examples
+    --------
+    >>> from dynamics.engine.cylinder import EngineCylinder
+    >>> from dynamics.mechanism.rods import ConnectingRod
+    >>> rod = ConnectingRod(length=0.2, mass=1.0, center_distance=0.07, inertia=0.006)
+    >>> engine = EngineLayout(0.05, [EngineCylinder(0.1, 1.0, rod)], [1])
+    >>> motored = engine_torque(engine, 100.0)
+    >>> motored.harmonics().orders[:4].tolist(), motored.nonuniformity
+    ([0.5, 1.0, 1.5, 2.0], None)
+    """
+    running = nonnegative_number("speed", speed, "rad/s", "the shaft turns forward")
+    angles, gas = samples_and_gas(engine, pressure, samples, crankcase_pressure)
+    from_gas = mechanism_forces(engine, angles, 0.0, gas, model=model)
+    from_masses = mechanism_forces(engine, angles, running, 0.0, model=model)
+    groups = throws_along_shaft(engine) if throws is None else checked_throws(engine, throws)
+    return EngineTorque(
+        engine=engine,
+        speed=running,
+        shaft_angles=read_only(angles),
+        gas=read_only(from_gas.torque),
+        inertia=read_only(from_masses.torque),
+        throws=groups,
+        indicated_work=read_only(_indicated_work(engine, angles, gas)),
+    )
+
+
+def _indicated_work(engine: EngineLayout, angles: FloatArray, gas: FloatArray) -> FloatArray:
+    """Return the integral of F ds over the cycle of each cylinder, from the pistons' motion alone.
+
+    The trapezoidal rule over a period: exact to round-off for what the samples resolve.
+    """
+    slopes = np.array(
+        [
+            cylinder_motion(engine, number, angles).piston.first.real
+            for number in range(1, len(engine.cylinders) + 1)
+        ]
+    )
+    return np.asarray(-(gas * slopes).sum(axis=1) * engine.cycle / angles.size)

@@ -1,0 +1,1 @@
+"""A crank left to turn under gas, load and friction: over time, over the angle, steadily."""

@@ -1,0 +1,104 @@
+import csv
+import re
+
+import numpy as np
+import pytest
+
+import crankfem as cf
+
+TABLE = "yamz5340_torque_one_throw.csv"
+
+
+def test_engine_record(call):
+    record = call("harmonics", "6chn25-34", "--json").json()
+    assert record["leading_orders"] == [3.0, 6.0, 9.0, 12.0]
+    assert record["same_stars"][0] == [0.5, 2.5, 3.5, 5.5, 6.5, 8.5, 9.5, 11.5]
+    assert len(record["throws"]) == 6
+    assert abs(record["energy_error"]) < 1e-9
+    assert record["power"] == pytest.approx(record["mean"] * record["speed_rpm"] * np.pi / 30.0)
+    assert record["harmonics"]["orders"][-1] == 12.0
+    amplitude = dict(
+        zip(record["harmonics"]["orders"], record["harmonics"]["amplitude"], strict=True)
+    )
+    assert max(amplitude, key=amplitude.get) == 3.0
+    assert amplitude[0.5] < 1e-9 * amplitude[3.0]
+    # The same by the public names.
+    engine = cf.load_mechanism("6chn25-34")
+    torque = cf.engine_torque(
+        engine.layout, engine.rated_speed, engine.pressure, model=engine.rod_model
+    )
+    assert record["mean"] == pytest.approx(torque.mean, rel=1e-12)
+
+
+def test_engine_as_tables(call):
+    answer = call("harmonics", "8chn26-26", "--orders", "2.5", "--cylinder", "5")
+    assert answer.code == 0
+    assert "No order is major; the strongest: 2." in answer.out
+    assert "throw 1 (cyl." in answer.out
+    assert re.search(
+        r"Cylinder 5: tangential force T on the crankpin, phases from\s+its", answer.out
+    )
+    assert "-0.00" not in answer.out
+
+
+def test_harmonics_of_a_cylinders_forces(call):
+    record = call("harmonics", "8chn26-26", "--cylinder", "5", "--orders", "4", "--json").json()
+    found = record["cylinder"]
+    assert found["number"] == 5
+    assert found["firing_angle_deg"] == pytest.approx(record["firing_angles_deg"][4])
+    assert found["tangential"]["inertia"]["mean"] == pytest.approx(0.0, abs=1e-6)
+    both = found["tangential"]["gas and inertia"]["mean"]
+    # Crank radius 0.13 m: eight such means are the engine's, but that hinged rods differ.
+    assert 8 * 0.13 * both == pytest.approx(record["mean"], rel=0.05)
+
+
+def test_tables_and_pictures_are_written(call, tmp_path):
+    answer = call(
+        *("harmonics", "6chn25-34", "--orders", "6", "--cylinder", "2", "--json"),
+        *("--csv", "h.csv", "--pictures", "plots"),
+    )
+    assert answer.code == 0
+    names = {path.name for path in (tmp_path / "plots").iterdir()}
+    assert names == {"torque.svg", "harmonics.svg", "stars.svg"}
+    with (tmp_path / "h.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    kinds = {row["of"] for row in rows}
+    assert {"engine torque", "torque of throw 6"} <= kinds
+    assert "radial force of cylinder 2 from gas and inertia" in kinds
+    record = answer.json()
+    mean = next(row for row in rows if row["order"] == "0.0")
+    assert float(mean["amplitude"]) == record["harmonics"]["mean"]
+    third = next(row for row in rows if (row["of"], row["order"]) == ("engine torque", "3.0"))
+    assert float(third["phase_deg"]) == record["harmonics"]["phase_deg"][5]
+
+
+def test_table_writes_too(call, tmp_path):
+    answer = call("harmonics", TABLE, "--csv", "h.csv", "--pictures", "plots")
+    assert answer.code == 0
+    assert "Table: h.csv" in answer.out
+    assert len((tmp_path / "h.csv").read_text(encoding="utf-8").splitlines()) == 20
+    assert (tmp_path / "plots" / "torque.svg").is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fragment"),
+    [
+        (
+            (TABLE, "--orders", "9.5"),
+            "--orders: given 9.5; allowed is 9 or less, because 36 samples",
+        ),
+        ((TABLE, "--orders", "0"), "--orders: given 0; allowed is an order above 0"),
+        ((TABLE, "--cylinder", "1"), "--cylinder: given 1 with a torque table"),
+        (("6chn25-34", "--orders", "361"), "--orders: given 361; allowed is 360 or less"),
+        (("6chn25-34", "--cylinder", "7"), "--cylinder: given 7; allowed is 1 to 6"),
+        (("6chn25-34", "--strokes", "2"), "--strokes: given 2; allowed is 4 or nothing"),
+        (("nowhere.toml",), "nowhere.toml: does not exist"),
+        (("no-such-engine",), "no-such-engine: does not exist"),
+        ((TABLE, "--csv", "nowhere/h.csv"), "there is no folder nowhere"),
+    ],
+)
+def test_refusals_are_one_sentence(call, arguments, fragment):
+    answer = call("harmonics", *arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert fragment in answer.err
+    assert answer.err.count("\n") == 1

@@ -1,0 +1,126 @@
+"""Hinge files, and the command that calculates them."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from crankfem.data_files import hinge_path
+from crankfem.hinge_file import load_hinge
+from dynamics.hinge.spring import GasSpring
+from geometry.errors import InputError
+
+SHIPPED = "crosshead-30-100"
+
+
+@pytest.fixture
+def changed(tmp_path, edit):
+    def make(changes):
+        path = tmp_path / "mine.toml"
+        path.write_text(edit(hinge_path(SHIPPED).read_text(encoding="utf-8"), changes), "utf-8")
+        return path
+
+    return make
+
+
+def test_the_shipped_file():
+    found = load_hinge(SHIPPED)
+    assert found.engine.crank_ratio == pytest.approx(0.5 / 1.55, rel=1e-15)
+    assert found.engine.sliding_mass == 460.0
+    assert found.spring == GasSpring(0.031, 1.0, 5e6, 1.25, 0.0)
+    np.testing.assert_allclose(np.array(found.speeds) * 30.0 / np.pi, [89.0, 129.0, 142.0])
+    # Every value says where it comes from.
+    silent = [record.field for record in found.records if record.source == found.path.name]
+    assert silent == ["engine.name"]
+    assert {"zotov2024"} == set(found.sources)
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"engine.bore": "300"}, "engine.bore: given 300, "),
+        ({"hinge.design_speed": '"90 1/min"'}, r"hinge.design_speed: given 90 1/min; allowed are"),
+        ({"hinge.color": '"red"'}, "hinge.color: unknown field"),
+        ({"rod.inertia": None}, "rod.inertia: missing"),
+        ({"[sliding]": None}, r"the section \[sliding\] is missing"),
+        ({"engine.crank_radius": '"1.6 m"'}, r"crank_radius: given 1\.6 m"),
+    ],
+)
+def test_files_refused(changed, changes, match):
+    path = changed(changes)
+    with pytest.raises(InputError, match=match):
+        load_hinge(path)
+
+
+def test_a_file_without_running_points(changed):
+    path = changed({"[comparison]": None, "[[comparison.sizes]]": None})
+    assert load_hinge(path).comparison is None
+    assert load_hinge(path).compared(load_hinge(path).moment()) == []
+    bare = changed({"[[operation.points]]": None})
+    with pytest.raises(InputError, match=r"operation\.points: given none; allowed are one or more"):
+        load_hinge(bare)
+
+
+def test_a_file_that_is_not_there():
+    with pytest.raises(InputError, match=r"nowhere: does not exist; .*crosshead-30-100"):
+        load_hinge("nowhere")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--speed", "100 1/min"), "--speed: given 100 1/min; allowed are the speeds"),
+        (("--speed", "142"), "--speed: given '142', a bare number"),
+        (("--kinematics", "round"), "--kinematics: given 'round'; allowed are exact, series"),
+        (("--csv", "no/such/folder.csv"), "cannot be written"),
+    ],
+)
+def test_arguments_refused(call, arguments, message):
+    answer = call("hinge", *arguments)
+    assert answer.code == 2
+    assert message in answer.err
+
+
+@pytest.mark.slow
+def test_results_as_json_table_and_pictures(call, tmp_path):
+    answer = call("hinge", "--json", "--csv", "turn.csv", "--pictures", "pictures")
+    assert answer.code == 0, answer.err
+    found = answer.json()
+    turning = found["turning"]
+    assert turning["with_hinge"]["fluctuation"] < 1e-3 * turning["without"]["fluctuation"]
+    assert turning["with_hinge"]["mean_speed_rpm"] == pytest.approx(89.0, rel=1e-6)
+    assert turning["flywheel"]["fluctuation"] == pytest.approx(0.02, rel=1e-9)
+    assert not turning["without"]["comes_round_at_mean_speed"]
+    assert [other["speed_rpm"] for other in found["other_speeds"]] == pytest.approx([129.0, 142.0])
+    assert all(check["met"] for check in found["profile"]["checks"])
+    assert len(found["compared"]) == 6
+    assert len(found["assumed"]) == 14
+    for name in ("hinge_moment", "hinge_speed", "hinge_guides"):
+        assert (tmp_path / "pictures" / f"{name}.svg").stat().st_size > 10_000
+    with (tmp_path / "turn.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == 1440
+    moment = np.array([float(row["hinge_moment_N_m"]) for row in rows])
+    assert moment.max() == pytest.approx(found["hinge_moment"]["largest"], rel=1e-11)
+    slope = np.array([float(row["slope_m_per_rad"]) for row in rows])
+    force = np.array([float(row["spring_force_N"]) for row in rows])
+    # 2 F_pn rho' is the moment but for the spline of the guides.
+    np.testing.assert_allclose(2.0 * force * slope, moment, atol=1e-4 * np.abs(moment).max())
+
+
+@pytest.mark.slow
+def test_tables_and_options(call, changed):
+    answer = call("hinge", SHIPPED, "--speed", "142 1/min", "--kinematics", "printed")
+    assert answer.code == 0, answer.err
+    assert "(printed" in answer.out
+    assert "At 142 1/min with the pressure unchanged" in answer.out
+    assert "At 129 1/min" not in answer.out
+    weak = call(
+        "hinge", changed({"comparison.pressures": '["0.2 MPa"]', "hinge.pressure": '"3 MPa"'})
+    )
+    assert weak.code == 0, weak.err
+    assert "cannot be made" in weak.out
+    assert "the compression z must stay below the height H" in weak.out
+    none = call("hinge", changed({"hinge.pressure": '"0.2 MPa"'}))
+    assert none.code == 2
+    assert "pressure: given 0.2 MPa" in none.err

@@ -1,0 +1,227 @@
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from dynamics.engine.cylinder import EngineCylinder, SlavePin
+from dynamics.engine.forces import mechanism_forces
+from dynamics.engine.gas_forces import gas_forces
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.motions import cylinder_motion
+from dynamics.harmonics import harmonics_by_sums
+from dynamics.mechanism.rods import ConnectingRod
+from dynamics.torque.pin_harmonics import pin_force_harmonics
+from dynamics.torque.torque import engine_torque
+from geometry.errors import InputError
+
+ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
+SLAVE_ROD = ConnectingRod(0.18, 1.2, 0.07, 0.008)
+SPEED = 150.0
+
+
+class SmoothPressure:
+    """A pressure of few harmonics, so that sums over samples are exact integrals."""
+
+    def __init__(self, strokes):
+        self.strokes = strokes
+
+    def at(self, angle):
+        part = 2.0 / self.strokes
+        return 1e5 * (
+            12.0 + 9.0 * np.cos(part * angle - 0.4) + 3.0 * np.cos(2 * part * angle - 0.7)
+        )
+
+
+def in_line_two_stroke():
+    cranks = np.radians([0.0, 120.0, 240.0])
+    cylinders = [
+        EngineCylinder(0.12, 3.0, ROD, crank_angle=c, position=0.2 * i, pin_offset=0.003)
+        for i, c in enumerate(cranks.tolist())
+    ]
+    return EngineLayout(0.07, cylinders, [1, 3, 2], strokes=2)
+
+
+def hinged_vee():
+    """Two throws, each with a main and a hinged rod, 60 deg between the banks."""
+    cylinders = []
+    for throw, crank in enumerate((0.0, math.pi)):
+        place = 0.2 * throw
+        cylinders.append(EngineCylinder(0.12, 3.0, ROD, crank, -math.radians(30), place))
+        pin = SlavePin(2 * throw + 1, 0.06, math.radians(60))
+        cylinders.append(
+            EngineCylinder(0.12, 2.8, SLAVE_ROD, crank, math.radians(30), place, slave_pin=pin)
+        )
+    return EngineLayout(0.07, cylinders, [1, 2, 3, 4])
+
+
+ENGINES = pytest.mark.parametrize("engine", [in_line_two_stroke(), hinged_vee()])
+
+
+@ENGINES
+def test_mean_torque_does_the_indicated_work(engine):
+    found = engine_torque(engine, SPEED, SmoothPressure(engine.strokes))
+    work = found.indicated_work
+    assert np.all(np.abs(work) > 10.0)
+    assert found.mean * engine.cycle == pytest.approx(work.sum(), rel=1e-12)
+    assert abs(found.energy_error) < 1e-13
+    assert found.power == pytest.approx(work.sum() * SPEED / engine.cycle, rel=1e-12)
+    assert found.inertia.mean(axis=1) == pytest.approx(np.zeros(len(work)), abs=1e-9)
+
+
+@ENGINES
+def test_indicated_work_is_the_area_of_the_pressure_over_volume_loop(engine):
+    """The polygon of 20000 corners, from pressure and piston place alone."""
+    pressure = SmoothPressure(engine.strokes)
+    found = engine_torque(engine, SPEED, pressure)
+    angles = np.linspace(0.0, engine.cycle, 20001)
+    for number, cylinder in enumerate(engine.cylinders, start=1):
+        force = (pressure.at(angles - engine.firing[number - 1]) - 101325.0) * cylinder.area
+        place = cylinder_motion(engine, number, angles).piston.place.real
+        work = -np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(place))
+        # A polygon misses the share step^2 / 6 of the loop, 7e-8 with 4 pi / 20000.
+        assert found.indicated_work[number - 1] == pytest.approx(work, rel=2e-7)
+
+
+def test_torque_is_that_of_all_forces_at_once():
+    engine = hinged_vee()
+    pressure = SmoothPressure(4)
+    found = engine_torque(engine, SPEED, pressure, samples=96, model="three-mass")
+    angles = found.shaft_angles
+    gas = gas_forces(engine, angles, pressure)
+    whole = mechanism_forces(engine, angles, SPEED, gas, model="three-mass")
+    largest = np.max(np.abs(whole.torque))
+    assert found.per_cylinder == pytest.approx(whole.torque, abs=1e-13 * largest)
+    assert found.total == pytest.approx(whole.torque.sum(axis=0), abs=1e-13 * largest)
+    assert found.throws == ((1, 2), (3, 4))
+    assert found.per_throw == pytest.approx(
+        np.array([whole.torque[:2].sum(axis=0), whole.torque[2:].sum(axis=0)]), abs=1e-12 * largest
+    )
+    assert found.passed_on[-1] == pytest.approx(found.total, abs=1e-12 * largest)
+    same = engine_torque(engine, SPEED, gas, samples=96, model="three-mass")
+    assert np.array_equal(same.total, found.total)
+
+
+def test_nonuniformity():
+    engine = in_line_two_stroke()
+    found = engine_torque(engine, SPEED, SmoothPressure(2))
+    assert found.nonuniformity == pytest.approx(np.ptp(found.total) / found.mean)
+    assert engine_torque(engine, SPEED).nonuniformity is None
+
+
+@pytest.mark.parametrize("samples", [720, 721])
+@ENGINES
+def test_transform_and_finite_sums_agree_on_an_engines_torque(engine, samples):
+    found = engine_torque(engine, SPEED, SmoothPressure(engine.strokes), samples=samples)
+    plain = harmonics_by_sums(found.total, engine.strokes)
+    fast = found.harmonics()
+    # Round-off of sums of 720 terms.
+    small = 1e-13 * np.max(np.abs(found.total))
+    assert fast.mean == pytest.approx(plain.mean, abs=small)
+    assert fast.cosine == pytest.approx(plain.cosine, abs=small)
+    assert fast.sine == pytest.approx(plain.sine, abs=small)
+    assert fast.samples == samples
+
+
+def test_harmonics_of_throws_add_up_to_the_engines():
+    found = engine_torque(hinged_vee(), SPEED, SmoothPressure(4))
+    throws = [found.harmonics(throw) for throw in (1, 2)]
+    added = sum(throw.cosine + 1j * throw.sine for throw in throws)
+    whole = found.harmonics()
+    assert added == pytest.approx(whole.cosine + 1j * whole.sine, abs=1e-9)
+    with pytest.raises(InputError, match="throw: given 3; allowed is 1 to 2"):
+        found.harmonics(3)
+    with pytest.raises(InputError, match="cylinder: given 5"):
+        found.cylinder_harmonics(5)
+
+
+@ENGINES
+def test_pin_force_harmonics_restore_the_forces_from_the_firing_top(engine):
+    pressure = SmoothPressure(engine.strokes)
+    parts = pin_force_harmonics(engine, SPEED, pressure, samples=360)
+    angles = np.linspace(0.3, 5.0, 7)
+    gas = mechanism_forces(engine, angles, 0.0, gas_forces(engine, angles, pressure))
+    masses = mechanism_forces(engine, angles, SPEED)
+    for place, part in enumerate(parts):
+        since_firing = angles - engine.firing[place]
+        assert part.firing_angle == engine.firing[place]
+        for name, own in (("gas", gas), ("inertia", masses)):
+            # 180 resolved orders of smooth forces: what is cut off is round-off.
+            small = 1e-11 * np.max(np.abs(own.crankpin))
+            tangential = getattr(part, f"tangential_{name}")
+            radial = getattr(part, f"radial_{name}")
+            assert tangential.at(since_firing) == pytest.approx(own.tangential[place], abs=small)
+            assert radial.at(since_firing) == pytest.approx(own.radial[place], abs=small)
+        both = part.tangential_gas.at(angles) + part.tangential_inertia.at(angles)
+        assert part.tangential.at(angles) == pytest.approx(both, abs=1e-8)
+
+
+def test_like_cylinders_have_like_harmonics_from_their_own_firing_tops():
+    parts = pin_force_harmonics(in_line_two_stroke(), SPEED, SmoothPressure(2), samples=360)
+    for one, other in pairwise(parts):
+        assert one.tangential.amplitude[:12] == pytest.approx(other.tangential.amplitude[:12])
+        assert one.radial.phase[:6] == pytest.approx(other.radial.phase[:6], abs=1e-9)
+
+
+def test_torque_harmonics_are_crank_radius_times_tangential_force():
+    engine = hinged_vee()
+    torque = engine_torque(engine, SPEED, SmoothPressure(4), samples=240)
+    force = pin_force_harmonics(engine, SPEED, SmoothPressure(4), samples=240)[1]
+    found = torque.cylinder_harmonics(2)
+    assert found.amplitude == pytest.approx(0.07 * force.tangential.amplitude, abs=1e-9)
+
+
+def test_throws_may_be_told():
+    engine = in_line_two_stroke()
+    assert engine_torque(engine, SPEED, samples=12).throws == ((1,), (2,), (3,))
+    assert engine_torque(engine, SPEED, samples=12, throws=[1, 0, 0]).throws == ((2, 3), (1,))
+    with pytest.raises(InputError, match="throws: given 2; allowed are 3"):
+        engine_torque(engine, SPEED, samples=12, throws=[0, 1])
+    with pytest.raises(InputError, match=r"throws: .*without a gap"):
+        engine_torque(engine, SPEED, samples=12, throws=[0, 2, 2])
+
+
+def test_rods_side_by_side_share_a_throw_but_not_with_the_next():
+    """A V12 whose throws 1 and 6 lie in one direction: rods of throw 1 stand 40 mm apart."""
+    throws = np.radians([0.0, 120.0, 240.0, 240.0, 120.0, 0.0]).tolist()
+    cylinders = [
+        EngineCylinder(0.1, 1.0, ROD, crank, bank, 0.13 * place + shift)
+        for bank, shift in ((-math.pi / 6, 0.0), (math.pi / 6, 0.04))
+        for place, crank in enumerate(throws)
+    ]
+    tops = [cylinder.top_shaft_angle for cylinder in cylinders]
+    engine = EngineLayout(0.05, cylinders, list(range(1, 13)), firing_angles=tops)
+    found = engine_torque(engine, SPEED, samples=12)
+    assert found.throws == ((1, 7), (2, 8), (3, 9), (4, 10), (5, 11), (6, 12))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"samples": 2}, "samples: given 2"),
+        ({"samples": 10.5}, "samples: given 10.5"),
+        ({"pressure": np.zeros((3, 5))}, r"pressure: given forces of shape \(3, 5\)"),
+        ({"speed": -1.0}, "speed: given -1"),
+        ({"pressure": SmoothPressure(4)}, "pressure: given a cycle of 4 strokes"),
+    ],
+)
+def test_refusals(change, message):
+    with pytest.raises(InputError, match=message):
+        engine_torque(in_line_two_stroke(), **({"speed": SPEED} | change))
+
+
+def test_orders_beyond_the_samples_are_refused():
+    engine = in_line_two_stroke()
+    with pytest.raises(InputError, match="highest_order: given 13; allowed is 12 or less"):
+        pin_force_harmonics(engine, SPEED, samples=24, highest_order=13)
+    found = engine_torque(engine, SPEED, samples=24).harmonics()
+    with pytest.raises(InputError, match="order: given 13"):
+        found.index_of(13)
+
+
+def test_samples_resolve_the_default_orders():
+    """Twice as many samples change no amplitude up to order 24 of a pressure of few harmonics."""
+    engine = hinged_vee()
+    fine = engine_torque(engine, SPEED, SmoothPressure(4), samples=2880).harmonics()
+    usual = engine_torque(engine, SPEED, SmoothPressure(4)).harmonics()
+    assert usual.amplitude[:48] == pytest.approx(fine.amplitude[:48], abs=1e-9)
