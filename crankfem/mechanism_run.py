@@ -10,20 +10,18 @@ from crankfem.gas_pressure import motored_pressures
 from crankfem.mechanism_file import MechanismFile, with_throws
 from dynamics.balance.balance import Balance, balance
 from dynamics.balance.hinged_rods import HingedRodEffects, hinged_rod_effects
-from dynamics.checks import FloatArray
 from dynamics.engine.forces import MechanismForces, mechanism_forces, pin_groups
 from dynamics.engine.gas_forces import gas_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_loads
-from dynamics.engine.motions import cylinder_motion, piston_ends
-from dynamics.gas.indicated import indicated_mean_effective_pressure, indicated_work, work_mismatch
-from dynamics.gas.pressure import ATMOSPHERE, GasPressure
+from dynamics.engine.motions import piston_ends
+from dynamics.gas.indicated import indicated_mean_effective_pressure
+from dynamics.gas.pressure import GasPressure
 from dynamics.mechanism.rods import ROD_MODELS, RodModelName
+from dynamics.torque.torque import EngineTorque, engine_torque
 from geometry.errors import InputError
 from geometry.mass import MassProperties
 
-# Samples over one cycle: a step of 0.5 deg for four strokes.
-SAMPLES_PER_STROKE = 360
 BALANCE_ORDERS = (1, 2, 4)
 
 
@@ -39,15 +37,12 @@ class CylinderWork:
         Indicated work of one cycle [J].
     mean_effective_pressure : float
         [Pa]
-    mismatch : float
-        How far the work of the gas torque misses it, beside the work that goes to and fro.
     """
 
     peak_pressure: float
     peak_angle: float
     work: float
     mean_effective_pressure: float
-    mismatch: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +58,7 @@ class MechanismRun:
         [rad/s]
     pressure : tuple of GasPressure
     forces : MechanismForces
+    torque : EngineTorque
     crankpins, bearings : tuple of LoadDiagram
     works : tuple of CylinderWork
     balance : Balance
@@ -75,21 +71,12 @@ class MechanismRun:
     speed: float
     pressure: tuple[GasPressure, ...]
     forces: MechanismForces
+    torque: EngineTorque
     crankpins: tuple[LoadDiagram, ...]
     bearings: tuple[LoadDiagram, ...]
     works: tuple[CylinderWork, ...]
     balance: Balance
     hinged_rods: tuple[HingedRodEffects, ...]
-
-    @property
-    def torque(self) -> FloatArray:
-        """Torque of all cylinders on the shaft, shape (m,) [N m]."""
-        return np.asarray(self.forces.torque.sum(axis=0))
-
-    @property
-    def power(self) -> float:
-        """Indicated power [W]."""
-        return self.speed * float(np.mean(self.torque))
 
 
 def run_mechanism(
@@ -131,7 +118,8 @@ def run_mechanism(
     rod_model = mechanism.rod_model if model is None else model
     layout = with_throws(mechanism, masses)
     pressure = motored_pressures(mechanism.gas, layout) if motored else mechanism.pressure
-    angles = cycle_angles(layout)
+    torque = engine_torque(layout, turning, pressure, model=rod_model, throws=mechanism.throws)
+    angles = torque.shaft_angles
     gas = gas_forces(layout, angles, pressure)
     forces = mechanism_forces(layout, angles, turning, gas, model=rod_model)
     return MechanismRun(
@@ -140,15 +128,16 @@ def run_mechanism(
         speed=turning,
         pressure=pressure,
         forces=forces,
+        torque=torque,
         crankpins=crankpin_loads(forces),
         bearings=main_bearing_loads(forces, mechanism.bearing_positions, turning),
-        works=tuple(_works(layout, angles, pressure, gas)),
+        works=tuple(_works(torque, pressure)),
         balance=balance(
             layout,
             turning,
             BALANCE_ORDERS,
             about=0.5 * mechanism.bearing_positions[-1],
-            model="two-mass" if rod_model == "two-mass" else "rigid",
+            model="two-mass" if model == "two-mass" else "rigid",
         ),
         hinged_rods=_hinged_rods(layout, turning),
     )
@@ -159,31 +148,16 @@ def _hinged_rods(layout: EngineLayout, speed: float) -> tuple[HingedRodEffects, 
     return hinged_rod_effects(layout, speed, cylinders=groups[0]) if groups else ()
 
 
-def cycle_angles(layout: EngineLayout) -> FloatArray:
-    """Return even shaft angles over one cycle, closing sample left out [rad]."""
-    count = SAMPLES_PER_STROKE * layout.strokes
-    return np.linspace(0.0, layout.cycle, count, endpoint=False)
-
-
-def _works(
-    layout: EngineLayout,
-    angles: FloatArray,
-    pressures: Sequence[GasPressure],
-    gas: FloatArray,
-) -> Iterator[CylinderWork]:
-    # Without masses in motion the torque is that of the gas alone.
-    torque = mechanism_forces(layout, angles, 0.0, gas).torque
-    for place, (cylinder, pressure) in enumerate(zip(layout.cylinders, pressures, strict=True)):
-        over = gas[place] / cylinder.area + ATMOSPHERE
-        slope = -cylinder.area * cylinder_motion(layout, place + 1, angles).piston.first.real
-        low, high = piston_ends(layout, place + 1)
-        work = indicated_work(over, slope, layout.strokes)
+def _works(torque: EngineTorque, pressures: Sequence[GasPressure]) -> Iterator[CylinderWork]:
+    works = torque.indicated_work.tolist()
+    for place, (pressure, work) in enumerate(zip(pressures, works, strict=True)):
+        low, high = piston_ends(torque.engine, place + 1)
+        swept = torque.engine.cylinders[place].area * (high - low)
         yield CylinderWork(
             pressure.peak_pressure,
             pressure.peak_angle,
             work,
-            indicated_mean_effective_pressure(work, cylinder.area * (high - low)),
-            work_mismatch(over, slope, torque[place], layout.strokes),
+            indicated_mean_effective_pressure(work, swept),
         )
 
 
