@@ -114,7 +114,7 @@ def print_mechanism(record: dict[str, Any]) -> None:
                 [
                     str(row["cylinder"]),
                     number(row["peak_pressure"] / 1e6),
-                    f"{row['peak_angle_deg']:.1f}",
+                    number(row["peak_angle_deg"]),
                     number(row["mean_effective_pressure"] / 1e6),
                     number(row["largest_side_force"] / 1e3),
                     number(row["largest_piston_pin_force"] / 1e3),
@@ -164,18 +164,25 @@ def _load_cells(row: dict[str, Any], angle: float) -> list[str]:
     return [
         number(row["mean"] / 1e3),
         number(row["largest"] / 1e3),
-        f"{angle:.1f}",
+        number(angle),
         number(row["mean_specific_pressure"] / 1e6),
         number(row["largest_specific_pressure"] / 1e6),
     ]
 
 
 def merged_rows(rows: list[list[str]]) -> list[list[str]]:
-    """Put rows that differ in the first column only into one, such as "1, 2, 3"."""
+    """Put rows that differ in the first column only into one, such as "1, 3" or "1 to 6"."""
     found: dict[tuple[str, ...], list[str]] = {}
     for first, *rest in rows:
         found.setdefault(tuple(rest), []).append(first)
-    return [[", ".join(names), *rest] for rest, names in found.items()]
+    return [[_listed(names), *rest] for rest, names in found.items()]
+
+
+def _listed(names: list[str]) -> str:
+    numbers = [int(name) for name in names if name.isdigit()]
+    if len(numbers) == len(names) > 2 and numbers == [*range(numbers[0], numbers[0] + len(names))]:
+        return f"{names[0]} to {names[-1]}"
+    return ", ".join(names)
 
 
 def _print_remarks(remarks: list[str]) -> None:

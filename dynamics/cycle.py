@@ -35,6 +35,11 @@ def order_step(strokes: int) -> float:
     return 2.0 / checked_strokes(strokes)
 
 
+def even_angles(length: float, count: int) -> FloatArray:
+    """Return `count` even angles over a length from zero, the closing one left out (count,)."""
+    return np.asarray(length / count * np.arange(count), dtype=np.float64)
+
+
 def mean_step(angles_deg: FloatArray) -> float:
     """Return the mean distance between neighbors of n >= 2 increasing angles, shape (n,)."""
     return float((angles_deg[-1] - angles_deg[0]) / (angles_deg.size - 1))

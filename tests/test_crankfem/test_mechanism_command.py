@@ -54,7 +54,7 @@ def test_tables_and_files(call, tmp_path):
     )
     assert answer.code == 0
     assert "indicated power" in answer.out
-    assert "1, 2, 3, 4" in answer.out  # cylinders alike share a row
+    assert "1 to 4" in answer.out  # cylinders alike share a row
     assert "Assumed in the cycle: intake_pressure" in answer.out
     with (tmp_path / "forces.csv").open(encoding="utf-8") as file:
         assert file.readline().startswith("# 8ChN 26/26")
@@ -97,3 +97,5 @@ def test_refused_files(call):
 
 def test_rows_alike_become_one():
     assert merged_rows([["1", "a"], ["2", "b"], ["3", "a"]]) == [["1, 3", "a"], ["2", "b"]]
+    assert merged_rows([[name, "a"] for name in "234"]) == [["2 to 4", "a"]]
+    assert merged_rows([["1+5", "a"], ["2+6", "a"], ["3+7", "a"]]) == [["1+5, 2+6, 3+7", "a"]]
