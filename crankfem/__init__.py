@@ -14,7 +14,8 @@ check_packages()
 if TYPE_CHECKING:
     from crankfem.engine_file import EngineFile, load_crankshaft, load_engine, load_throw
     from crankfem.hinge_file import HingeFile, load_hinge
-    from crankfem.mechanism_file import MechanismFile, load_mechanism
+    from crankfem.mechanism_file import MechanismFile, load_mechanism, with_throws
+    from crankfem.mechanism_run import MechanismRun, run_mechanism
     from crankfem.pictures.balance_plots import plot_accelerations, plot_balance, plot_hinged_rods
     from crankfem.pictures.drawing import draw_throw
     from crankfem.pictures.load_plots import plot_developed_loads, plot_polar_loads
@@ -33,22 +34,23 @@ if TYPE_CHECKING:
     from dynamics.engine.gas_forces import gas_forces, piston_position
     from dynamics.engine.layout import EngineLayout
     from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_loads
-    from dynamics.engine.motions import cylinder_motion, reduced_inertia
+    from dynamics.engine.motions import CylinderMotion, cylinder_motion, reduced_inertia
     from dynamics.engine.orders import acceleration_orders, piston_acceleration
     from dynamics.gas.cycle_values import GasCycle, usual_gas_cycle
     from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle
     from dynamics.gas.indicated import indicated_work
     from dynamics.gas.pressure import GasPressure, gas_pressure
     from dynamics.gas.pressure_table import read_pressure_table
-    from dynamics.harmonics import Harmonics, harmonics
+    from dynamics.harmonics import Harmonics, harmonics, harmonics_by_sums
     from dynamics.hinge.crosshead import CrossheadEngine
     from dynamics.hinge.evening import BestPressure, best_pressure, flywheel_for
     from dynamics.hinge.gas_force import piston_gas_force, two_stroke_cycle
     from dynamics.hinge.moment import HingeMoment, hinge_moment
     from dynamics.hinge.profile import HingeProfile, ProfileCheck, hinge_profile
     from dynamics.hinge.reduced import ReducedCrank, reduced_crank
-    from dynamics.hinge.running import SteadyTurn, simulate_hinge, steady_turn
+    from dynamics.hinge.running import SteadyHingeTurn, simulate_hinge, steady_hinge_turn
     from dynamics.hinge.spring import GasSpring
+    from dynamics.mechanism.motion import PointMotion, TurnMotion
     from dynamics.mechanism.rods import ConnectingRod, RodModel
     from dynamics.mechanism.slider_crank import SliderCrank
     from dynamics.torque.pin_harmonics import PinForceHarmonics, pin_force_harmonics
@@ -56,13 +58,9 @@ if TYPE_CHECKING:
     from dynamics.torque.torque import EngineTorque, engine_torque
     from dynamics.torque_table import TorqueTable, read_torque_table
     from dynamics.turning.free_turning import FreeTurning, turn_freely
-    from dynamics.turning.speed_over_angle import (
-        SpeedOverAngle,
-        SteadyTurning,
-        speed_over_angle,
-        steady_turning,
-    )
+    from dynamics.turning.speed_over_angle import SpeedOverAngle, speed_over_angle
     from dynamics.turning.steady_engine import turn_steadily
+    from dynamics.turning.steady_turning import SteadyTurning, steady_turning
     from dynamics.two_mass import TwoMassCheck, two_mass_check
     from fem.analysis import AxialAnalysis, ThrowAnalysis, analyze_axial, analyze_throw
     from fem.angle_law import AngleLaw
@@ -121,6 +119,10 @@ _HOMES = {
             "StudyResult",
             "run_study",
         ),
+        "dynamics.mechanism.motion": (
+            "PointMotion",
+            "TurnMotion",
+        ),
         "dynamics.chain": (
             "Chain",
             "Modes",
@@ -150,7 +152,7 @@ _HOMES = {
         "dynamics.engine.layout": ("EngineLayout",),
         "crankfem.pictures.load_plots": ("plot_developed_loads", "plot_polar_loads"),
         "dynamics.engine.loads": ("LoadDiagram", "crankpin_loads", "main_bearing_loads"),
-        "dynamics.engine.motions": ("cylinder_motion", "reduced_inertia"),
+        "dynamics.engine.motions": ("CylinderMotion", "cylinder_motion", "reduced_inertia"),
         "crankfem.hinge_file": (
             "HingeFile",
             "load_hinge",
@@ -179,14 +181,15 @@ _HOMES = {
             "reduced_crank",
         ),
         "dynamics.hinge.running": (
-            "SteadyTurn",
+            "SteadyHingeTurn",
             "simulate_hinge",
-            "steady_turn",
+            "steady_hinge_turn",
         ),
         "dynamics.hinge.spring": ("GasSpring",),
         "dynamics.mechanism.rods": ("ConnectingRod", "RodModel"),
         "dynamics.mechanism.slider_crank": ("SliderCrank",),
-        "crankfem.mechanism_file": ("MechanismFile", "load_mechanism"),
+        "crankfem.mechanism_file": ("MechanismFile", "load_mechanism", "with_throws"),
+        "crankfem.mechanism_run": ("MechanismRun", "run_mechanism"),
         "dynamics.gas.cycle_values": ("GasCycle", "usual_gas_cycle"),
         "dynamics.gas.gas_cycle": ("GasCycleResult", "gas_cycle"),
         "dynamics.gas.indicated": ("indicated_work",),
@@ -213,13 +216,16 @@ _HOMES = {
         ),
         "dynamics.turning.speed_over_angle": (
             "SpeedOverAngle",
-            "SteadyTurning",
             "speed_over_angle",
+        ),
+        "dynamics.turning.steady_turning": (
+            "SteadyTurning",
             "steady_turning",
         ),
         "dynamics.harmonics": (
             "Harmonics",
             "harmonics",
+            "harmonics_by_sums",
         ),
         "dynamics.torque_table": (
             "TorqueTable",
@@ -331,6 +337,7 @@ __all__ = [
     "Crankshaft",
     "CriticalSpeed",
     "CrossheadEngine",
+    "CylinderMotion",
     "DynamicSuperelement",
     "EndReaction",
     "EngineCylinder",
@@ -361,6 +368,7 @@ __all__ = [
     "Material",
     "MechanismFile",
     "MechanismForces",
+    "MechanismRun",
     "MeshError",
     "MissingLibraryError",
     "Modes",
@@ -372,6 +380,7 @@ __all__ = [
     "OutsideRangeWarning",
     "PinForceHarmonics",
     "PinResponse",
+    "PointMotion",
     "ProfileCheck",
     "Reactions",
     "ReducedCrank",
@@ -385,13 +394,14 @@ __all__ = [
     "SolveError",
     "SpeedOverAngle",
     "Star",
-    "SteadyTurn",
+    "SteadyHingeTurn",
     "SteadyTurning",
     "StudyResult",
     "ThrowAnalysis",
     "ThrowMesh",
     "ThrowModes",
     "TorqueTable",
+    "TurnMotion",
     "TwoMassCheck",
     "Unbalance",
     "Web",
@@ -417,6 +427,7 @@ __all__ = [
     "gas_forces",
     "gas_pressure",
     "harmonics",
+    "harmonics_by_sums",
     "hinge_moment",
     "hinge_profile",
     "hinged_rod_effects",
@@ -452,13 +463,14 @@ __all__ = [
     "reduced_crank",
     "reduced_inertia",
     "run_engine",
+    "run_mechanism",
     "run_study",
     "same_stars",
     "shaft_compliances",
     "simulate_hinge",
     "speed_over_angle",
     "star_diagram",
-    "steady_turn",
+    "steady_hinge_turn",
     "steady_turning",
     "throw_masses",
     "torsional_formulas",
@@ -468,6 +480,7 @@ __all__ = [
     "two_stroke_cycle",
     "unbalance",
     "usual_gas_cycle",
+    "with_throws",
     "write_calculix",
     "write_mesh",
     "write_step",

@@ -1,6 +1,5 @@
 """Read engine files, and check what their sections say of each other."""
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,13 +14,13 @@ from crankfem.engine_sections import (
     TwoMassInput,
     VibrationSettings,
 )
+from crankfem.mechanism_cylinders import check_sizes
 from crankfem.mechanism_sections import Gas, Piston, Rod
 from crankfem.study_file import study_plan
 from crankfem.toml_file import InputRecord, TomlFile, read_toml
 from fem.material import STEEL, Material
 from geometry.crankshaft import Crankshaft
 from geometry.errors import InputError
-from geometry.quantity import show_quantity
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
@@ -110,6 +109,12 @@ def load_engine(path: str | Path) -> EngineFile:
             f"{', '.join(f'[{name}]' for name, needed in REQUIRED.items() if needed and name != 'throw')}, "
             "or use it with throw, formulas, draw and export."
         )
+    if _is_v_engine(content):
+        raise InputError(
+            f"{content.path.name}: describes a V engine by engine.bank_angles; allowed are engines in line "
+            "here, because the chains know one cylinder on each throw; mechanism, harmonics, throw and draw "
+            "take V engines."
+        )
     if describes_mechanism(content):
         raise InputError(
             f"{content.path.name}: describes a crank mechanism, not a whole engine; add the sections "
@@ -117,25 +122,10 @@ def load_engine(path: str | Path) -> EngineFile:
         )
     content.check_sections(REQUIRED)
     engine = content.required("engine", Engine)
-    if engine.bank_angles is not None:
-        raise InputError(
-            f"engine.bank_angles: given {len(engine.bank_angles)} angles; allowed are engines in line "
-            "here, because the chains know one cylinder on each throw; mechanism and harmonics take V "
-            "engines."
-        )
     throw = content.required("throw", CrankThrow)
     material = content.model("material", Material) or STEEL
-    if not math.isclose(2.0 * throw.crank_radius, engine.stroke, rel_tol=1e-3):
-        raise InputError(
-            f"throw.crank_radius: given {show_quantity(throw.crank_radius, 'm')}; allowed is half of "
-            f"engine.stroke, {show_quantity(engine.stroke / 2.0, 'm')}."
-        )
-    rod = content.required("rod", Rod)
-    if rod.length <= 1.5 * throw.crank_radius:
-        raise InputError(
-            f"rod.length: given {show_quantity(rod.length, 'm')}; allowed is more than 1.5 crank radii, "
-            f"{show_quantity(1.5 * throw.crank_radius, 'm')}, or the mechanism cannot turn."
-        )
+    rod, piston = content.required("rod", Rod), content.required("piston", Piston)
+    check_sizes(engine, throw, rod, piston)
     thrust = content.required("thrust_bearing", ThrustBearing)
     if thrust.bearing > engine.cylinders:
         raise InputError(
@@ -159,7 +149,7 @@ def load_engine(path: str | Path) -> EngineFile:
         shaft_ends=content.model("shaft_ends", ShaftEnds) or ShaftEnds(),
         material=material,
         rod=rod,
-        piston=content.required("piston", Piston),
+        piston=piston,
         flywheel=content.required("flywheel", Flywheel),
         thrust_bearing=thrust,
         vibration=vibration,
@@ -217,11 +207,16 @@ def _describes_a_throw(content: TomlFile) -> bool:
 
 
 def describes_mechanism(content: TomlFile) -> bool:
-    """Tell whether a file describes cranks, rods and pistons, but not a whole engine."""
+    """Tell whether a file describes cranks, rods and pistons, but no engine for the chains."""
     sections = content.sections
-    return {"engine", "rod", "piston"} <= set(sections) and not any(
-        name in sections for name in ("flywheel", "thrust_bearing")
+    return {"engine", "rod", "piston"} <= set(sections) and (
+        _is_v_engine(content)
+        or not any(name in sections for name in ("flywheel", "thrust_bearing"))
     )
+
+
+def _is_v_engine(content: TomlFile) -> bool:
+    return "bank_angles" in content.sections.get("engine", {})
 
 
 def load_engine_or_throw(path: str | Path) -> EngineFile | ThrowFile:

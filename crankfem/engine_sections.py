@@ -101,11 +101,11 @@ class Engine(InputModel):
             except InputError:
                 continue
             return sense
-        degrees = [round(math.degrees(angle), 3) for angle in self.crank_angles]
+        tops = [round(math.degrees(top) % 360.0, 3) for top in self._tops(1)]
         raise InputError(
-            f"engine.firing_order: given {list(self.firing_order)}, which does not fit the crank angles "
-            f"{degrees} deg; allowed is an order in which each crank is at the top when its cylinder "
-            "fires, all within one cycle."
+            f"engine.firing_order: given {list(self.firing_order)}, which does not fit the crank angles; "
+            "allowed is an order in which each crank is at the top when its cylinder fires, all within one "
+            f"cycle (cylinder by cylinder the tops are at {tops} deg, or the other way round)."
         )
 
     def _tops(self, sense: int) -> list[float]:

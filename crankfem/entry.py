@@ -1,10 +1,15 @@
 """The start of the command line: an interrupt is answered in a sentence, even during the imports."""
 
+import os
+import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 # Commands whose finished work is kept and continued.
 CONTINUED = ("run", "doe")
 EXIT_INTERRUPTED = 130
+STANDARD_ERROR = 2
 
 
 def interrupted_sentence() -> str:
@@ -14,11 +19,35 @@ def interrupted_sentence() -> str:
     return "Stopped."
 
 
+def _end_at_once(*_: object) -> None:
+    """Answer an interrupt without raising anything: an exception could be told of by its traceback.
+
+    Python prints one that is raised while an object is cleared away, and goes on.
+    """
+    os.write(STANDARD_ERROR, f"{interrupted_sentence()}\n".encode())
+    os._exit(EXIT_INTERRUPTED)
+
+
+@contextmanager
+def _interrupts_end_at_once() -> Iterator[None]:
+    """Let an interrupt end the process, as long as nothing is open that would have to be closed."""
+    usual = signal.getsignal(signal.SIGINT)
+    if usual is not signal.default_int_handler:
+        # Somebody wants interrupts to be ignored, or to answer them.
+        yield
+        return
+    signal.signal(signal.SIGINT, _end_at_once)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)
+
+
 def main() -> None:
     """Run the command line."""
     try:
-        from crankfem import cli
-
+        with _interrupts_end_at_once():
+            from crankfem import cli
         cli.main()
     except KeyboardInterrupt:
         print(interrupted_sentence(), file=sys.stderr)

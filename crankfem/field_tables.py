@@ -16,17 +16,17 @@ from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 
 SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
-    (engine_sections.Engine, "required"),
+    (engine_sections.Engine, "required for more than a throw"),
     (CrankThrow, "required"),
     (engine_sections.ShaftLayout, "optional"),
     (ShaftEnds, "optional"),
     (Material, "optional, steel by default"),
-    (mechanism_sections.Rod, "required"),
-    (mechanism_sections.Piston, "required"),
+    (mechanism_sections.Rod, "required for more than a throw"),
+    (mechanism_sections.Piston, "required for more than a throw"),
     (mechanism_sections.HingedRods, "optional"),
-    (engine_sections.Flywheel, "required"),
+    (engine_sections.Flywheel, "required for run and vibration"),
     (engine_sections.FreeEnd, "optional"),
-    (engine_sections.ThrustBearing, "required"),
+    (engine_sections.ThrustBearing, "required for run and vibration"),
     (mechanism_sections.Gas, "optional; without it reactions are given for 100 kN"),
     (engine_sections.VibrationSettings, "optional"),
     (engine_sections.TorqueTable, "optional"),

@@ -1,6 +1,5 @@
 """The pressure in each cylinder of an engine file: from its table, or from the cycle model."""
 
-import functools
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -40,18 +39,35 @@ def cylinder_pressures(gas: Gas, layout: EngineLayout, file: Path) -> tuple[GasP
     if gas.pressure_table is not None:
         path = find_table("gas.pressure_table", file, gas.pressure_table)
         return (read_pressure_table(path, layout.strokes),) * len(layout.cylinders)
-    return _for_each_cylinder(layout, functools.partial(_fired, gas))
+    cycle, remarks = _parameters(gas, layout)
+
+    def fired(position: Position, area: float) -> GasPressure:
+        pressure = _reaching(gas, cycle, position, area)
+        return replace(pressure, remarks=remarks + pressure.remarks)
+
+    return _for_each_cylinder(layout, fired)
 
 
 def motored_pressures(gas: Gas, layout: EngineLayout) -> tuple[GasPressure, ...]:
-    """Return the pressure in each cylinder of the engine turned without combustion."""
-    return _for_each_cylinder(layout, functools.partial(_motored, gas))
+    """Return the pressure in each cylinder of the engine turned without combustion.
+
+    Raises
+    ------
+    InputError
+        If the cycle's values do not fit.
+    """
+    cycle, remarks = _parameters(gas, layout)
+
+    def motored(position: Position, area: float) -> GasPressure:
+        pressure = gas_cycle(cycle, position, area, heat=0.0).pressure
+        return replace(pressure, remarks=remarks + pressure.remarks)
+
+    return _for_each_cylinder(layout, motored)
 
 
-Calculate = Callable[[EngineLayout, Position, float], GasPressure]
-
-
-def _for_each_cylinder(layout: EngineLayout, calculate: Calculate) -> tuple[GasPressure, ...]:
+def _for_each_cylinder(
+    layout: EngineLayout, calculate: Callable[[Position, float], GasPressure]
+) -> tuple[GasPressure, ...]:
     """Calculate the pressure in each cylinder, once for all whose pistons move alike."""
     found: dict[object, GasPressure] = {}
     pressures = []
@@ -61,16 +77,16 @@ def _for_each_cylinder(layout: EngineLayout, calculate: Calculate) -> tuple[GasP
         pin = None if cylinder.slave_pin is None else cylinder.slave_pin.place
         alike = (cylinder.bore, cylinder.rod, cylinder.pin_offset, main.rod, turned, pin)
         if alike not in found:
-            found[alike] = calculate(layout, piston_position(layout, number), cylinder.area)
+            found[alike] = calculate(piston_position(layout, number), cylinder.area)
         pressures.append(found[alike])
     return tuple(pressures)
 
 
-def _fired(gas: Gas, layout: EngineLayout, position: Position, area: float) -> GasPressure:
-    cycle, remarks = _parameters(gas, layout, position, area)
+def _reaching(gas: Gas, cycle: GasCycle, position: Position, area: float) -> GasPressure:
+    """Return the pressure of the cycle that reaches what the file asks for."""
     peak = None if gas.peak_pressure is None else gas.peak_pressure + ATMOSPHERE
     try:
-        pressure = gas_cycle(
+        return gas_cycle(
             cycle,
             position,
             area,
@@ -78,31 +94,30 @@ def _fired(gas: Gas, layout: EngineLayout, position: Position, area: float) -> G
             mean_effective_pressure=gas.mean_effective_pressure,
         ).pressure
     except InputError as error:
-        raise InputError(f"gas.{str(error).rstrip('.')} (absolute pressures).") from None
-    return replace(pressure, remarks=remarks + pressure.remarks)
+        text = str(error)
+        if gas.peak_pressure is not None and peak is not None and text.startswith("peak"):
+            above, absolute = (show_quantity(value, "Pa") for value in (gas.peak_pressure, peak))
+            text = text.replace(
+                f"given {absolute}; allowed are", f"given {above} above ambient; allowed in all are"
+            )
+        raise InputError(f"gas.{text}") from None
 
 
-def _motored(gas: Gas, layout: EngineLayout, position: Position, area: float) -> GasPressure:
-    cycle, remarks = _parameters(gas, layout, position, area)
-    try:
-        pressure = gas_cycle(cycle, position, area, heat=0.0).pressure
-    except InputError as error:
-        raise InputError(f"gas.{error}") from None
-    return replace(pressure, remarks=remarks + pressure.remarks)
+def _parameters(gas: Gas, layout: EngineLayout) -> tuple[GasCycle, tuple[str, ...]]:
+    """Return the cycle's parameters, with an intake pressure that suits the peak if none is given.
 
-
-def _parameters(
-    gas: Gas, layout: EngineLayout, position: Position, area: float
-) -> tuple[GasCycle, tuple[str, ...]]:
-    """Return the cycle's parameters, with an intake pressure that suits the peak if it is not given."""
+    All cylinders breathe from one receiver: the intake is found for the first main cylinder.
+    """
     given = {
         name: value for name in USUAL_VALUES if (value := getattr(gas, name, None)) is not None
     }
+    number = layout.main_of(1)
+    area = layout.cylinders[number - 1].area
     try:
         cycle = usual_gas_cycle(gas.compression_ratio, layout.strokes, **given)
         if gas.intake_pressure is not None or gas.peak_pressure is None:
             return cycle, ()
-        plain = gas_cycle(cycle, position, area, heat=0.0)
+        plain = gas_cycle(cycle, piston_position(layout, number), area, heat=0.0)
         rise = (gas.peak_pressure + ATMOSPHERE) / plain.compression_pressure
         intake = cycle.intake_pressure * rise / USUAL_PRESSURE_RISE
         suited = usual_gas_cycle(

@@ -11,7 +11,7 @@ from crankfem import console
 from crankfem.console import number, print_table
 from crankfem.mechanism_file import MechanismFile
 from crankfem.results import harmonics_record
-from dynamics.harmonics import Harmonics
+from crankfem.table_units import table_unit
 from dynamics.torque.pin_harmonics import PinForceHarmonics
 from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
@@ -19,13 +19,6 @@ from dynamics.torque.torque import EngineTorque
 Record = dict[str, Any]
 COLUMNS = ("orders", "cosine", "sine", "amplitude", "phase_deg")
 PARTS = ("gas", "inertia", "gas and inertia")
-
-
-def cut_record(found: Harmonics, highest: float) -> Record:
-    """Return the record of harmonics with the orders up to a highest one."""
-    record = harmonics_record(found)
-    kept = sum(order <= highest * (1.0 + 1e-9) for order in record["orders"])
-    return record | {name: record[name][:kept] for name in COLUMNS}
 
 
 def engine_record(mechanism: MechanismFile, torque: EngineTorque, highest: float) -> Record:
@@ -38,27 +31,31 @@ def engine_record(mechanism: MechanismFile, torque: EngineTorque, highest: float
     return {
         "engine": mechanism.name,
         "speed_rpm": torque.speed * 30.0 / math.pi,
-        "rod_model": mechanism.rod_model,
+        "rod_model": "rigid",
         "strokes": engine.strokes,
         "mean": torque.mean,
         "power": torque.power,
         "nonuniformity": torque.nonuniformity,
         "indicated_work": torque.indicated_work.tolist(),
         "energy_error": torque.energy_error,
-        "harmonics": cut_record(torque.harmonics(), highest),
+        "harmonics": harmonics_record(torque.harmonics().up_to(highest)),
         "throws": [
-            {"cylinders": list(throw), "harmonics": cut_record(torque.harmonics(place), highest)}
+            {
+                "cylinders": list(throw),
+                "harmonics": harmonics_record(torque.harmonics(place).up_to(highest)),
+            }
             for place, throw in enumerate(torque.throws, start=1)
         ],
         "firing_angles_deg": np.rad2deg(engine.firing).tolist(),
         "stars": [_star_record(star) for star in stars],
+        "hinged_rods": any(cylinder.slave_pin is not None for cylinder in engine.cylinders),
         "leading_orders": [star.order for star in leading_stars(stars)],
         "same_stars": [[star.order for star in group] for group in same_stars(stars)],
         "remarks": remarks,
     }
 
 
-def pin_force_record(found: PinForceHarmonics, highest: float) -> Record:
+def pin_force_record(found: PinForceHarmonics) -> Record:
     """Harmonics of one cylinder's tangential and radial force, phases from its firing top."""
     fields = ("tangential", "radial")
     return {
@@ -66,9 +63,9 @@ def pin_force_record(found: PinForceHarmonics, highest: float) -> Record:
         "firing_angle_deg": math.degrees(found.firing_angle),
         **{
             field: {
-                "gas": cut_record(getattr(found, f"{field}_gas"), highest),
-                "inertia": cut_record(getattr(found, f"{field}_inertia"), highest),
-                "gas and inertia": cut_record(getattr(found, field), highest),
+                "gas": harmonics_record(getattr(found, f"{field}_gas")),
+                "inertia": harmonics_record(getattr(found, f"{field}_inertia")),
+                "gas and inertia": harmonics_record(getattr(found, field)),
             }
             for field in fields
         },
@@ -86,12 +83,13 @@ def _star_record(star: Star) -> Record:
 
 
 def print_harmonics(title: str, record: Record, unit: str) -> None:
-    """Print orders, coefficients, amplitudes and phases."""
+    """Print orders, coefficients, amplitudes and phases, given in `unit`."""
     rows = zip(*(record[name] for name in COLUMNS), strict=True)
+    shown = table_unit(record["amplitude"], unit)
     print_table(
         title,
-        ["order", f"A_k [{unit}]", f"B_k [{unit}]", f"M_k [{unit}]", "a_k [deg]"],
-        [[f"{row[0]:g}", *(_hundredths(value) for value in row[1:])] for row in rows],
+        ["order", *(f"{symbol} [{shown.name}]" for symbol in ("A_k", "B_k", "M_k")), "a_k [deg]"],
+        [[f"{row[0]:g}", *map(shown.text, row[1:4]), _hundredths(row[4])] for row in rows],
     )
 
 
@@ -100,8 +98,8 @@ def print_engine(record: Record) -> None:
     uneven = record["nonuniformity"]
     said = "" if uneven is None else f", (largest - least) / mean {number(uneven)}"
     console.output.print(
-        f"{record['engine']} at {record['speed_rpm']:g} 1/min: mean torque {record['mean']:.2f} N m, "
-        f"indicated power {record['power'] / 1000.0:.2f} kW{said}.",
+        f"{record['engine']} at {number(record['speed_rpm'], 5)} 1/min: mean torque "
+        f"{_with_unit(record['mean'], 'N m')}, indicated power {_with_unit(record['power'], 'W')}{said}.",
         soft_wrap=True,
     )
     for remark in record["remarks"]:
@@ -109,11 +107,13 @@ def print_engine(record: Record) -> None:
     print_harmonics("Harmonics of the engine's torque", record["harmonics"], "N m")
     throws = record["throws"]
     orders = record["harmonics"]["orders"]
+    amplitudes = [throw["harmonics"]["amplitude"] for throw in throws]
+    shown = table_unit((value for own in amplitudes for value in own), "N m")
     print_table(
-        "Amplitudes by throw [N m]",
+        f"Amplitudes by throw [{shown.name}]",
         ["order", *(_throw_name(place, throw) for place, throw in enumerate(throws, start=1))],
         [
-            [f"{order:g}", *(f"{throw['harmonics']['amplitude'][row]:.2f}" for throw in throws)]
+            [f"{order:g}", *(shown.text(own[row]) for own in amplitudes)]
             for row, order in enumerate(orders)
         ],
     )
@@ -131,6 +131,12 @@ def print_engine(record: Record) -> None:
             for star in record["stars"]
         ],
     )
+    if record["hinged_rods"]:
+        console.output.print(
+            "Cylinders with hinged rods differ from the others: of an order whose star is balanced, some "
+            "torque can be left, as the harmonics above tell.",
+            soft_wrap=True,
+        )
     named = ", ".join(f"{order:g}" for order in record["leading_orders"])
     kinds = {star["kind"] for star in record["stars"]}
     said = "Major orders" if "major" in kinds else "No order is major; the strongest"
@@ -142,23 +148,36 @@ def print_pin_forces(record: Record) -> None:
     for field, letter in (("tangential", "T"), ("radial", "Z")):
         parts = record[field]
         orders = parts["gas"]["orders"]
-        means = ", ".join(f"{part} {parts[part]['mean']:.2f}" for part in PARTS)
+        shown = table_unit((value for part in PARTS for value in parts[part]["amplitude"]), "N")
+        mean = table_unit((parts[part]["mean"] for part in PARTS), "N")
+        means = ", ".join(f"{part} {mean.text(parts[part]['mean'])}" for part in PARTS)
         print_table(
             f"Cylinder {record['number']}: {field} force {letter} on the crankpin, phases from its "
-            f"firing top at {record['firing_angle_deg']:g} deg; mean [N]: {means}",
-            ["order", *(f"{part} {sign}" for part in PARTS for sign in ("M_k [N]", "a_k [deg]"))],
+            f"firing top at {record['firing_angle_deg']:g} deg; mean [{mean.name}]: {means}",
+            [
+                "order",
+                *(
+                    f"{part} {sign}"
+                    for part in PARTS
+                    for sign in (f"M_k [{shown.name}]", "a_k [deg]")
+                ),
+            ],
             [
                 [
                     f"{order:g}",
                     *(
-                        f"{parts[part][name][row]:.2f}"
+                        write(parts[part][name][row])
                         for part in PARTS
-                        for name in ("amplitude", "phase_deg")
+                        for name, write in (("amplitude", shown.text), ("phase_deg", _hundredths))
                     ),
                 ]
                 for row, order in enumerate(orders)
             ],
         )
+
+
+def _with_unit(value: float, unit: str) -> str:
+    return table_unit([value], unit).with_unit(value)
 
 
 def _hundredths(value: float) -> str:
@@ -192,9 +211,16 @@ def _rows(name: str, unit: str, record: Record) -> list[list[object]]:
     return [mean, *([name, unit, *values] for values in orders)]
 
 
+def _what(record: Record) -> str:
+    if "throws" not in record:
+        return f"{record['table']}, {record['strokes']} strokes per cycle"
+    return f"{record['engine']}, {number(record['speed_rpm'], 10)} 1/min, rods as {record['rod_model']}"
+
+
 def write_table(path: Path, record: Record) -> None:
-    """Write harmonics as CSV; the row of order 0 is the mean."""
+    """Write harmonics as CSV; the first line names what they are of, the row of order 0 is the mean."""
     with path.open("w", encoding="utf-8", newline="") as stream:
+        stream.write(f"# {_what(record)}\n")
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(["of", "unit", "order", "cosine", "sine", "amplitude", "phase_deg"])
         writer.writerows(table_rows(record))

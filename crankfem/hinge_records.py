@@ -69,7 +69,7 @@ def profile_record(profile: HingeProfile) -> Record:
         "lowest_pressure": float(profile.pressure.min()),
         "largest_spring_force": float(profile.spring_force.max()),
         "largest_normal_force": float(profile.normal_force.max()),
-        "largest_pressure_angle_deg": float(np.degrees(np.abs(profile.pressure_angle).max())),
+        "largest_force_angle_deg": float(np.degrees(np.abs(profile.force_angle).max())),
         "checks": [
             {
                 "name": check.name,

@@ -10,7 +10,7 @@ from dynamics.hinge.evening import BestPressure, best_pressure, flywheel_for
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
 from dynamics.hinge.reduced import KINEMATICS, Kinematics
-from dynamics.hinge.running import SteadyTurn, simulate_hinge, steady_turn
+from dynamics.hinge.running import SteadyHingeTurn, simulate_hinge, steady_hinge_turn
 from dynamics.hinge.spring import GasSpring
 from dynamics.turning.speed_over_angle import SpeedOverAngle
 from geometry.errors import InputError
@@ -25,8 +25,6 @@ class OtherSpeed:
     point : HingeMoment
         Of that running point.
     best : BestPressure
-    turn : SteadyTurn
-        With the best pressure.
     flywheel, flywheel_with_hinge : float
         Inertia that reaches the compared fluctuation without the hinge, and with it at its best
         pressure [kg m^2].
@@ -34,7 +32,6 @@ class OtherSpeed:
 
     point: HingeMoment
     best: BestPressure
-    turn: SteadyTurn
     flywheel: float
     flywheel_with_hinge: float
 
@@ -58,7 +55,7 @@ class HingeRun:
         Why the crank does not turn at the mean speed without the hinge, if it does not.
     flywheel : float
         Inertia that reaches the compared fluctuation without the hinge [kg m^2].
-    flywheel_turn : SteadyTurn
+    flywheel_turn : SteadyHingeTurn
     others : tuple of OtherSpeed
     compared : list of (GasSpring, float, HingeProfile or str)
         Other springs: start radius, and guides or why there are none.
@@ -75,7 +72,7 @@ class HingeRun:
     without: SpeedOverAngle
     refused: str | None
     flywheel: float
-    flywheel_turn: SteadyTurn
+    flywheel_turn: SteadyHingeTurn
     others: tuple[OtherSpeed, ...]
     compared: list[tuple[GasSpring, float, HingeProfile | str]]
     deviations: dict[Kinematics, float]
@@ -120,7 +117,7 @@ def run_hinge(
         without=without,
         refused=_refusal(point),
         flywheel=flywheel,
-        flywheel_turn=steady_turn(point, flywheel=flywheel),
+        flywheel_turn=steady_hinge_turn(point, flywheel=flywheel),
         others=tuple(_other(file, profile, other) for other in others),
         compared=file.compared(moment),
         deviations=_deviations(file, point),
@@ -129,7 +126,7 @@ def run_hinge(
 
 def _refusal(point: HingeMoment) -> str | None:
     try:
-        steady_turn(point)
+        steady_hinge_turn(point)
     except InputError as error:
         return str(error)
     return None
@@ -141,7 +138,6 @@ def _other(file: HingeFile, profile: HingeProfile, speed: float) -> OtherSpeed:
     return OtherSpeed(
         point=point,
         best=best,
-        turn=steady_turn(point, profile, pressure=best.pressure),
         flywheel=flywheel_for(point, wanted),
         flywheel_with_hinge=flywheel_for(point, wanted, profile.with_pressure(best.pressure)),
     )

@@ -67,7 +67,7 @@ def _print_profile(record: Record) -> None:
             ["compression z, largest", number(profile["largest_compression"] * 1e3), "mm"],
             ["gas pressure, largest", number(profile["largest_pressure"] / 1e6), "MPa"],
             ["force on a roller, largest", _kilo(profile["largest_normal_force"]), "kN"],
-            ["off the spring's axis", number(profile["largest_pressure_angle_deg"]), "deg"],
+            ["off the spring's axis", number(profile["largest_force_angle_deg"]), "deg"],
         ],
     )
     print_table(
@@ -165,7 +165,7 @@ def _print_compared(compared: list[Record]) -> None:
                     else [
                         f"{entry['smallest_radius'] * 1e3:.4g} to {entry['largest_radius'] * 1e3:.4g}",
                         number(entry["largest_pressure"] / 1e6),
-                        f"{entry['largest_pressure_angle_deg']:.1f}",
+                        f"{entry['largest_force_angle_deg']:.1f}",
                     ]
                 ),
             ]

@@ -12,6 +12,9 @@ from geometry.errors import InputError
 from geometry.quantity import show_quantity
 from geometry.throw import CrankThrow
 
+# Inertia of a rod beside that of two masses at its pins, from light to heavy ends.
+USUAL_INERTIA = (0.7, 1.2)
+
 
 def throws_of(engine: Engine) -> tuple[int, ...]:
     """Return the throw of each cylinder, from 0."""
@@ -89,6 +92,52 @@ def engine_cylinders(
     return tuple(made)
 
 
+def check_sizes(engine: Engine, throw: CrankThrow, rod: Rod, piston: Piston) -> None:
+    """Refuse cranks, rods and pin offsets that do not go together.
+
+    Raises
+    ------
+    InputError
+    """
+    radius = throw.crank_radius
+    if not math.isclose(2.0 * radius, engine.stroke, rel_tol=1e-3):
+        raise InputError(
+            f"throw.crank_radius: given {show_quantity(radius, 'm')}; allowed is half of engine.stroke, "
+            f"{show_quantity(engine.stroke / 2.0, 'm')}."
+        )
+    if rod.length <= 1.5 * radius:
+        raise InputError(
+            f"rod.length: given {show_quantity(rod.length, 'm')}; allowed is more than 1.5 crank radii, "
+            f"{show_quantity(1.5 * radius, 'm')}, or the mechanism cannot turn."
+        )
+    largest = min(radius, rod.length - 1.5 * radius)
+    if abs(piston.pin_offset) > largest:
+        raise InputError(
+            f"piston.pin_offset: given {show_quantity(piston.pin_offset, 'm')}; allowed is "
+            f"{show_quantity(largest, 'm')} or less either way, because the rod must reach the piston."
+        )
+
+
+def inertia_remarks(*rods: Rod | HingedRods | None) -> list[str]:
+    """Say of each rod whose inertia is not given, or unusual, what that means."""
+    remarks = []
+    for rod in rods:
+        if rod is None:
+            continue
+        if rod.inertia is None:
+            remarks.append(
+                f"{rod.section}.inertia is not given: the rod is taken as two masses at its pins"
+            )
+            continue
+        plain = rod.rotating_mass * (rod.mass - rod.rotating_mass) / rod.mass * rod.length**2
+        if not USUAL_INERTIA[0] <= rod.inertia / plain <= USUAL_INERTIA[1]:
+            remarks.append(
+                f"{rod.section}.inertia is {rod.inertia / plain:.2g} times that of two masses at its pins; "
+                f"usual is {USUAL_INERTIA[0]:g} to {USUAL_INERTIA[1]:g}"
+            )
+    return remarks
+
+
 def side_by_side(throw: CrankThrow, throws: Sequence[int], hinged: HingedRods | None) -> bool:
     """Tell whether several rods share a pin."""
     carried = set() if hinged is None else {number - 1 for number in hinged.cylinders}
@@ -104,8 +153,8 @@ def _main_cylinders(engine: Engine, hinged: HingedRods | None) -> dict[int, int]
         for number in getattr(hinged, name):
             if not 1 <= number <= engine.cylinders:
                 raise InputError(
-                    f"hinged_rods.{name}: given {number}; allowed is 1 to {engine.cylinders}, the "
-                    "engine's cylinders."
+                    f"hinged_rods.{name}: given {number}; allowed is 1 to {engine.cylinders}, "
+                    "because the engine has these cylinders."
                 )
     return {
         own - 1: main - 1 for own, main in zip(hinged.cylinders, hinged.main_cylinders, strict=True)
@@ -123,7 +172,7 @@ def _rod(section: Rod | HingedRods) -> ConnectingRod:
     try:
         return ConnectingRod(section.length, section.mass, distance, inertia, offset)
     except InputError as error:
-        raise InputError(f"{section.section}: {error}") from None
+        raise InputError(f"{section.section}.{str(error).removeprefix('rod ')}") from None
 
 
 def _positions(
@@ -149,7 +198,8 @@ def _positions(
         if len(on_pin) > 1 and len(pins) not in (1, len(on_pin)):
             raise InputError(
                 f"engine.throws: given {len(on_pin)} rods for throw {number + 1}, which has {len(pins)} "
-                "pins; allowed is one rod a pin, or all on one pin."
+                "pins; allowed is one rod a pin, or all on one pin, because "
+                "rods sit on pins."
             )
         for rank, place in enumerate(on_pin):
             pin = pins[rank if len(pins) > 1 else 0]
@@ -159,7 +209,8 @@ def _positions(
                     f"engine.crank_angles: given {show_quantity(engine.crank_angles[place], 'rad')} for "
                     f"cylinder {place + 1}, whose pin on throw {number + 1} stands at "
                     f"{show_quantity(engine.crank_angles[place] - turned + throw_angles[number], 'rad')}; "
-                    "allowed is the angle of its pin."
+                    "allowed is the angle of its pin, because the rod is on it (engine.throws says which "
+                    "cylinder is on which throw, [[throw.further_pins]] gives a throw more pins)."
                 )
             share = 0.5 if len(pins) > 1 else (rank + 0.5) / len(on_pin)
             positions[place] = number * throw.length + pin.start + share * (pin.end - pin.start)

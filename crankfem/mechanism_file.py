@@ -17,7 +17,9 @@ from crankfem.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
 from crankfem.gas_pressure import cylinder_pressures
 from crankfem.mechanism_cylinders import (
     angles_of_throws,
+    check_sizes,
     engine_cylinders,
+    inertia_remarks,
     side_by_side,
     throws_of,
 )
@@ -26,10 +28,10 @@ from crankfem.toml_file import InputRecord, read_toml
 from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import GasPressure
-from dynamics.mechanism.rods import RodModelName
 from fem.material import STEEL, Material
 from geometry.balance import unbalance
 from geometry.crankshaft import throw_masses
+from geometry.errors import InputError
 from geometry.mass import MassProperties
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
@@ -47,11 +49,10 @@ class MechanismFile:
     name : str
         Of the engine.
     layout : EngineLayout
-        Cylinders and rods; what turns with the shaft is added by `with_throws`.
+        Cylinders and rods alone, without the throws' unbalance and any inertia of the shaft: these
+        come from the throw's solid, by `with_throws`.
     pressure : tuple of GasPressure
         Cylinder by cylinder; empty if the file has no section [gas].
-    rod_model : str
-        "rigid" if the rods' inertia is given, otherwise "two-mass".
     rated_speed : float
         [rad/s]
     throw, material
@@ -79,7 +80,6 @@ class MechanismFile:
     name: str
     layout: EngineLayout
     pressure: tuple[GasPressure, ...]
-    rod_model: RodModelName
     rated_speed: float
     throw: CrankThrow
     material: Material
@@ -113,9 +113,12 @@ def load_mechanism(path: str | Path) -> MechanismFile:
         With one sentence that names the field, what was given and what is allowed.
     """
     content = read_toml(engine_path(path))
+    if "sliding" in content.sections:
+        raise InputError(f"{content.path.name}: describes an elastic hinge; use it with hinge.")
     content.check_sections(dict.fromkeys(REQUIRED, False) | dict.fromkeys(NEEDED, True))
     engine, throw = content.required("engine", Engine), content.required("throw", CrankThrow)
     rod, piston = content.required("rod", Rod), content.required("piston", Piston)
+    check_sizes(engine, throw, rod, piston)
     sense = engine.turning_sense
     throws = throws_of(engine)
     angles = angles_of_throws(content.model("shaft", ShaftLayout), engine, throws)
@@ -129,8 +132,7 @@ def load_mechanism(path: str | Path) -> MechanismFile:
             "rods side by side share the pin's length equally, the cylinder with the lower number nearer "
             "to the free end"
         )
-    if rod.inertia is None:
-        remarks.append("rod.inertia is not given: the rod is taken as two masses at its pins")
+    remarks += inertia_remarks(rod, hinged)
     gas = content.model("gas", Gas)
     pressure = () if gas is None else cylinder_pressures(gas, layout, content.path)
     flywheel, free_end = content.model("flywheel", Flywheel), content.model("free_end", FreeEnd)
@@ -139,7 +141,6 @@ def load_mechanism(path: str | Path) -> MechanismFile:
         name=engine.name,
         layout=layout,
         pressure=pressure,
-        rod_model="two-mass" if rod.inertia is None else "rigid",
         rated_speed=engine.rated_speed,
         throw=throw,
         material=content.model("material", Material) or STEEL,
@@ -172,12 +173,19 @@ def with_throws(mechanism: MechanismFile, masses: MassProperties | None = None) 
     Each throw stands as two masses in the planes of its ends, which have its static and dynamic
     unbalance. The inertia is that of the throws, flywheel and free end.
 
+    Parameters
+    ----------
+    mechanism : MechanismFile
+    masses : MassProperties, optional
+        Of one throw, where they are known already.
+
     Raises
     ------
     MeshError
         If the throw's solid cannot be built.
     """
-    masses = throw_masses(mechanism.throw, mechanism.material.density)
+    if masses is None:
+        masses = throw_masses(mechanism.throw, mechanism.material.density)
     found, length = unbalance(masses, 0.0), mechanism.throw.length
     # Real and imaginary part lie along +y and against +x, as in the layout's frame.
     sense = mechanism.turning_sense

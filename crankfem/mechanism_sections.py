@@ -6,6 +6,7 @@ from pydantic import Field, model_validator
 
 from geometry.errors import InputError
 from geometry.model import InputModel, quantity_field
+from geometry.quantity import show_quantity
 
 
 class Rod(InputModel):
@@ -42,10 +43,15 @@ class Rod(InputModel):
 
     @model_validator(mode="after")
     def _share_below_whole(self) -> Self:
-        if self.rotating_mass >= self.mass:
+        if self.center_offset != 0.0 and self.inertia is None:
             raise InputError(
-                f"rod.rotating_mass: given {self.rotating_mass:g} kg; allowed is less than the rod's mass "
-                f"of {self.mass:g} kg."
+                f"rod.center_offset: given {show_quantity(self.center_offset, 'm')} without inertia; allowed "
+                "are both, because a rod that stands as two masses at its pins has its center between them."
+            )
+        if not 0.0 < self.rotating_mass < self.mass:
+            raise InputError(
+                f"rod.rotating_mass: given {self.rotating_mass:g} kg; allowed is above 0 and less than the "
+                f"rod's mass of {self.mass:g} kg, because it is a share of it."
             )
         return self
 
@@ -110,12 +116,17 @@ class HingedRods(InputModel):
         if len(self.cylinders) != len(self.main_cylinders):
             raise InputError(
                 f"hinged_rods.main_cylinders: given {len(self.main_cylinders)} for {len(self.cylinders)} "
-                "cylinders; allowed is one for each."
+                "cylinders; allowed is one for each, because each rod hangs on one."
             )
-        if self.rotating_mass >= self.mass:
+        if len(set(self.cylinders)) != len(self.cylinders):
             raise InputError(
-                f"hinged_rods.rotating_mass: given {self.rotating_mass:g} kg; allowed is less than the "
-                f"rod's mass of {self.mass:g} kg."
+                f"hinged_rods.cylinders: given {list(self.cylinders)}; allowed is each number once, because "
+                "a cylinder has one rod."
+            )
+        if not 0.0 < self.rotating_mass < self.mass:
+            raise InputError(
+                f"hinged_rods.rotating_mass: given {self.rotating_mass:g} kg; allowed is above 0 and less "
+                f"than the rod's mass of {self.mass:g} kg, because it is a share of it."
             )
         return self
 
@@ -171,7 +182,22 @@ class Gas(InputModel):
             and self.pressure_table is None
         ):
             raise InputError(
-                "gas: given no pressure; allowed is one of peak_pressure, mean_effective_pressure and "
-                "pressure_table, or the first two together, because they say how hard the gas presses."
+                "gas.peak_pressure: given neither it nor mean_effective_pressure nor pressure_table; allowed "
+                "is one of them, or the first two together, because they say how hard the gas presses."
+            )
+        beside = [
+            name
+            for name in (
+                "peak_pressure",
+                "mean_effective_pressure",
+                "combustion_start",
+                "combustion_duration",
+            )
+            if getattr(self, name) is not None
+        ]
+        if self.pressure_table is not None and beside:
+            raise InputError(
+                f"gas.{beside[0]}: given beside pressure_table; allowed is one of the two, because the "
+                "table says all of the pressure."
             )
         return self

@@ -1,6 +1,7 @@
 """Records and printed tables of a crank mechanism's forces."""
 
 import csv
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,9 @@ import numpy as np
 
 from crankfem import console
 from crankfem.console import number, print_table
-from crankfem.mechanism_run import MechanismRun, bearing_sizes, compare_rod_models
+from crankfem.mechanism_file import MechanismFile
+from crankfem.mechanism_run import MechanismRun
+from crankfem.rod_comparison import compare_rod_models
 from dynamics.checks import FloatArray
 from dynamics.engine.forces import pin_groups
 from dynamics.engine.loads import LoadDiagram
@@ -18,6 +21,7 @@ RPM = 30.0 / np.pi
 # Shares below this are round-off.
 ROUND_OFF = 1e-12
 ASSUMED = "Assumed: "
+MECHANISM_SECTIONS = ("engine", "rod", "piston", "hinged_rods", "gas")
 
 
 def mechanism_record(run: MechanismRun) -> dict[str, Any]:
@@ -63,8 +67,44 @@ def mechanism_record(run: MechanismRun) -> dict[str, Any]:
             }
             for compared in compare_rod_models(run)
         ],
-        "remarks": [*mechanism.remarks, *run.pressure[0].remarks],
+        "assumed": [
+            {"field": record.field, "given": record.given, "reason": record.source}
+            for record in mechanism.records
+            if record.assumed and record.field.partition(".")[0] in MECHANISM_SECTIONS
+        ],
+        "remarks": [*mechanism.remarks, *_gas_remarks(run)],
     }
+
+
+def bearing_sizes(mechanism: MechanismFile) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return diameter and length that one rod has on its pin, and of a main bearing [m]."""
+    throw = mechanism.throw
+    pins = throw.parts.pins
+    main = set(range(1, len(mechanism.throws) + 1)) - {
+        number
+        for number, cylinder in enumerate(mechanism.layout.cylinders, start=1)
+        if cylinder.slave_pin is not None
+    }
+    on_first = sum(mechanism.throws[number - 1] == 0 for number in main)
+    rods_a_pin = max(1, math.ceil(on_first / len(pins)))
+    return (
+        (throw.pin_diameter, throw.pin_length / rods_a_pin),
+        (throw.main_journal_diameter, throw.main_journal_length),
+    )
+
+
+def _gas_remarks(run: MechanismRun) -> list[str]:
+    """Return what is said of the pressures; what holds for some cylinders only, with their numbers."""
+    whose: dict[str, list[str]] = {}
+    for place, pressure in enumerate(run.pressure, start=1):
+        for remark in pressure.remarks:
+            whose.setdefault(remark, []).append(str(place))
+    return [
+        remark
+        if len(places) == len(run.pressure)
+        else f"Cylinders {listed(places)}: {remark[0].lower()}{remark[1:]}"
+        for remark, places in whose.items()
+    ]
 
 
 def _extremes(values: FloatArray, angles: FloatArray) -> dict[str, float]:
@@ -101,7 +141,7 @@ def print_mechanism(record: dict[str, Any]) -> None:
     """Print the record of a mechanism as tables."""
     torque = record["torque"]
     console.output.print(
-        f"{record['engine']} at {number(record['speed_rpm'])} 1/min, rods as {record['rod_model']}: "
+        f"{record['engine']} at {number(record['speed_rpm'], 5)} 1/min, rods as {record['rod_model']}: "
         f"indicated power {number(record['power'] / 1e3)} kW, torque {number(torque['mean'] / 1e3)} kN m "
         f"({number(torque['smallest'] / 1e3)} to {number(torque['largest'] / 1e3)} kN m).",
         soft_wrap=True,
@@ -131,7 +171,7 @@ def print_mechanism(record: dict[str, Any]) -> None:
     )
     columns = ["mean [kN]", "largest [kN]", "at [deg]", "mean [MPa]", "largest [MPa]"]
     print_table(
-        "Crankpin bearings, angle from the firing top",
+        "Crankpin bearings, angle from the firing top of the cylinder whose rod is on the pin",
         ["cylinder", *columns],
         merged_rows(
             [
@@ -158,6 +198,13 @@ def print_mechanism(record: dict[str, Any]) -> None:
         soft_wrap=True,
     )
     _print_remarks(record["remarks"])
+    if record["assumed"]:
+        console.output.print(
+            f"Assumed in the file ({len(record['assumed'])} values): "
+            + ", ".join(entry["field"] for entry in record["assumed"])
+            + ".",
+            soft_wrap=True,
+        )
 
 
 def _load_cells(row: dict[str, Any], angle: float) -> list[str]:
@@ -175,10 +222,11 @@ def merged_rows(rows: list[list[str]]) -> list[list[str]]:
     found: dict[tuple[str, ...], list[str]] = {}
     for first, *rest in rows:
         found.setdefault(tuple(rest), []).append(first)
-    return [[_listed(names), *rest] for rest, names in found.items()]
+    return [[listed(names), *rest] for rest, names in found.items()]
 
 
-def _listed(names: list[str]) -> str:
+def listed(names: list[str]) -> str:
+    """Write a list of names, numbers that follow each other as "1 to 6"."""
     numbers = [int(name) for name in names if name.isdigit()]
     if len(numbers) == len(names) > 2 and numbers == [*range(numbers[0], numbers[0] + len(names))]:
         return f"{names[0]} to {names[-1]}"

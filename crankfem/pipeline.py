@@ -161,9 +161,9 @@ def run_engine(
         if mechanism is not None:
             found["mechanism"], drawn = mechanism_results(mechanism, analysis.masses, pictures)
             found["pictures"] |= drawn
-        told.step("Running the study")
         model = None
         if engine_file.study is not None:
+            told.step("Running the study")
             table = run_plan(engine_file.study, folder / STORE, workers, told.design)
             study = fitted(table)
             model = study.model

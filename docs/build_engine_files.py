@@ -22,6 +22,37 @@ fillet_radius = { value = "12 mm", assumed = "usual for this size" }
 `assumed` marks values that nobody gave; the report lists them. Short names of sources are explained in
 the section `[sources]`: `name = "full citation"`. Unknown sections and fields are refused.
 
+What a file describes follows from its sections:
+
+| sections | it serves |
+|---|---|
+| `[throw]` | `throw`, `stress`, `formulas`, `draw`, `export` |
+| and `[engine]`, `[rod]`, `[piston]`, usually `[gas]` | also `mechanism`, `harmonics` |
+| and `[flywheel]`, `[thrust_bearing]`, cylinders in line | also `run`, `vibration` |
+
+V engines say `bank_angles`, cylinder by cylinder, counted as `crank_angles` are. Here a V6 of 90 deg on three
+throws whose pins are split by 30 deg, so that it fires evenly (`data/engines/buick-3800.toml`):
+
+```toml
+[engine]
+cylinders = 6
+crank_angles = ["0 deg", "30 deg", "240 deg", "270 deg", "120 deg", "150 deg"]
+bank_angles = ["45 deg", "-45 deg", "45 deg", "-45 deg", "45 deg", "-45 deg"]
+throws = [1, 1, 2, 2, 3, 3]          # which throw each cylinder works on
+firing_order = [1, 6, 5, 4, 3, 2]
+# ... bore, stroke, speeds
+
+[[throw.further_pins]]
+angle = "30 deg"
+web_thickness = "0 mm"               # the halves of the pin touch
+
+[shaft]
+throw_angles = ["0 deg", "240 deg", "120 deg"]
+```
+
+Rods hinged to other rods are in the section `[hinged_rods]` (`data/engines/8chn26-26.toml`). Which way the
+shaft turns follows from the firing order.
+
 Files of a study need only `[throw]` and `[study]`. `crankfem new MY.toml --from 6chn25-34` copies a
 complete file to start from; `crankfem fields throw` prints a section of this page. What the dimensions of
 a throw mean is shown in [throws.md](throws.md).

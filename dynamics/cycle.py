@@ -1,10 +1,14 @@
 """The working cycle: its length in crank angle, its order step, and even angles over it."""
 
+from typing import Literal
+
 import numpy as np
 
 from dynamics.checks import FloatArray
 from geometry.errors import InputError
 
+# What keeps angles from standing evenly over one cycle.
+CycleFault = Literal["not increasing", "uneven", "closing sample", "other length"]
 # A sample may lie off its even place by this share of the step: room for angles printed rounded.
 PLACE_TOLERANCE = 0.02
 
@@ -72,3 +76,32 @@ def covers_cycle(angles_deg: FloatArray, cycle_deg: float) -> bool:
     step = mean_step(angles_deg)
     span = float(angles_deg[-1] - angles_deg[0])
     return abs(span + step - cycle_deg) <= 2 * PLACE_TOLERANCE * step
+
+
+def cycle_fault(angles_deg: FloatArray, cycle_deg: float) -> tuple[CycleFault, int] | None:
+    """Return what keeps angles from being even over one cycle, the closing one left out.
+
+    Parameters
+    ----------
+    angles_deg : ndarray of shape (m,)
+        Two angles or more [deg], from anywhere on.
+    cycle_deg : float
+        Length of the cycle [deg].
+
+    Returns
+    -------
+    tuple of str and int, or None
+        The first fault of: "not increasing", "uneven", "closing sample" (even, but the last repeats
+        the first one cycle later), "other length" (even over more or less than one cycle); and the
+        index of the angle at which it shows. None without a fault.
+    """
+    index = first_not_increasing(angles_deg)
+    if index is not None:
+        return "not increasing", index
+    index = first_uneven(angles_deg)
+    if index is not None:
+        return "uneven", index
+    last = angles_deg.size - 1
+    if has_closing_sample(angles_deg, cycle_deg):
+        return "closing sample", last
+    return None if covers_cycle(angles_deg, cycle_deg) else ("other length", last)

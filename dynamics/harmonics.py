@@ -1,25 +1,18 @@
 """Harmonic analysis of a torque or force that repeats every working cycle."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_array, finite_vector, read_only
-from dynamics.cycle import (
-    checked_strokes,
-    covers_cycle,
-    cycle_degrees,
-    first_not_increasing,
-    first_uneven,
-    has_closing_sample,
-    mean_step,
-    order_step,
-)
+from dynamics.checks import FloatArray, finite_array, finite_vector, positive_number, read_only
+from dynamics.cycle import checked_strokes, cycle_degrees, cycle_fault, mean_step, order_step
 from geometry.errors import InputError
 
 # A harmonic below this share of the largest sample is round-off and has no phase.
 ROUND_OFF_SHARE = 1e-13
+# Room for the round-off of an order that was calculated.
+ROOM = 1.0 + 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +25,7 @@ class Harmonics:
     Parameters
     ----------
     orders : ndarray of shape (K,)
-        Orders, ascending; K is half the number of samples, rounded down.
+        Orders, ascending; K is half the number of samples, rounded down, unless `up_to` cut them.
     amplitude : ndarray of shape (K,)
         M_k, in the unit of the samples.
     phase : ndarray of shape (K,)
@@ -66,7 +59,7 @@ class Harmonics:
     @property
     def highest_order(self) -> float:
         """The highest order that the samples resolve, in cycles per crankshaft revolution."""
-        return float(self.orders[-1])
+        return order_step(self.strokes) * (self.samples // 2)
 
     def resolves(self, order: float) -> bool:
         """Tell whether the order is one of `orders`."""
@@ -78,18 +71,60 @@ class Harmonics:
         Raises
         ------
         InputError
-            If the samples do not resolve the order.
+            If the order is not among them.
         """
         if not self.resolves(order):
             step = order_step(self.strokes)
             raise InputError(
-                f"order: given {order:g}; allowed are {step:g} to {self.highest_order:g} in steps "
-                f"of {step:g}, because {self.samples} samples over one cycle resolve no others."
+                f"order: given {order:g}; allowed are {step:g} to {self.orders[-1]:g} in steps of "
+                f"{step:g}, because {self._why_no_others}."
             )
         return int(np.argmin(np.abs(self.orders - order)))
 
+    def up_to(self, highest_order: float) -> "Harmonics":
+        """Return the harmonics without the orders above a highest one.
+
+        Parameters
+        ----------
+        highest_order : float
+            In cycles per crankshaft revolution.
+
+        Returns
+        -------
+        Harmonics
+            The same mean and lower orders; their sum no longer meets the samples.
+
+        Raises
+        ------
+        InputError
+            If the highest order is above or below all of them.
+        """
+        highest = positive_number(
+            "highest_order", highest_order, "", "orders count cycles per turn"
+        )
+        kept = int(np.count_nonzero(self.orders <= highest * ROOM))
+        if kept == 0 or highest > self.orders[-1] * ROOM:
+            raise InputError(
+                f"highest_order: given {highest:g}; allowed are {self.orders[0]:g} to "
+                f"{self.orders[-1]:g}, because {self._why_no_others}."
+            )
+        return replace(
+            self,
+            orders=self.orders[:kept],
+            amplitude=self.amplitude[:kept],
+            phase=self.phase[:kept],
+            cosine=self.cosine[:kept],
+            sine=self.sine[:kept],
+        )
+
+    @property
+    def _why_no_others(self) -> str:
+        if self.orders.size < self.samples // 2:
+            return f"those above {self.orders[-1]:g} were left out"
+        return f"{self.samples} samples over one cycle resolve no others"
+
     def at(self, crank_angle: ArrayLike) -> FloatArray:
-        """Sum the series at crank angles; at the sample points it gives the samples.
+        """Sum the series at crank angles; at the sample points all orders give the samples.
 
         Parameters
         ----------
@@ -224,32 +259,32 @@ def _checked_start(angles_deg: ArrayLike, count: int, strokes: int) -> float:
             f"angles_deg: given {angles.size} angles; allowed are exactly {count}, because there "
             "is one for each sample."
         )
-    index = first_not_increasing(angles)
-    if index is not None:
+    found = cycle_fault(angles, cycle)
+    if found is None:
+        return float(angles[0])
+    fault, index = found
+    if fault == "not increasing":
         raise InputError(
             f"angles_deg[{index}]: given {angles[index]:g} deg after {angles[index - 1]:g} deg; "
             "allowed are strictly increasing angles, because the samples follow the crank."
         )
-    index = first_uneven(angles)
-    if index is not None:
+    if fault == "uneven":
         raise InputError(
             f"angles_deg[{index}]: given {angles[index]:g} deg after {angles[index - 1]:g} deg; "
             f"allowed are even steps (here {np.median(np.diff(angles)):g} deg), because the sums "
             "weigh all samples alike."
         )
-    if has_closing_sample(angles, cycle):
+    if fault == "closing sample":
         raise InputError(
             f"angles_deg: given {angles[0]:g} to {angles[-1]:g} deg, which includes the closing "
             f"sample; leave it out, because it repeats the first sample one cycle of {cycle:g} deg "
             "later."
         )
-    if not covers_cycle(angles, cycle):
-        raise InputError(
-            f"angles_deg: given {count} angles from {angles[0]:g} to {angles[-1]:g} deg, which "
-            f"cover {count * mean_step(angles):g} deg with their step; allowed is one cycle of "
-            f"{cycle:g} deg, because strokes is {strokes}."
-        )
-    return float(angles[0])
+    raise InputError(
+        f"angles_deg: given {count} angles from {angles[0]:g} to {angles[-1]:g} deg, which "
+        f"cover {count * mean_step(angles):g} deg with their step; allowed is one cycle of "
+        f"{cycle:g} deg, because strokes is {strokes}."
+    )
 
 
 def _orders(count: int, strokes: int) -> FloatArray:

@@ -10,6 +10,9 @@ from dynamics.checks import FloatArray
 from dynamics.cycle import first_not_increasing
 from geometry.errors import InputError
 
+# Text of a file that a message quotes.
+LONGEST_QUOTE = 80
+
 
 @dataclass(frozen=True)
 class TableKind:
@@ -152,10 +155,15 @@ def _header(path: Path, number: int, line: str, kind: TableKind) -> tuple[str, s
     names = [name.strip() for name in line.split(",")]
     if len(names) != 2 or names[0] not in kind.angle_names or names[1] not in kind.value_names:
         raise InputError(
-            f'{path}, line {number}: given the header "{line}"; allowed is {kind.headers}, because '
+            f'{path}, line {number}: given the header "{_cut(line)}"; allowed is {kind.headers}, because '
             f"{kind.header_reason}."
         )
     return names[0], names[1]
+
+
+def _cut(text: str) -> str:
+    """Cut text of a file to a length that a message can hold."""
+    return text if len(text) <= LONGEST_QUOTE else f"{text[: LONGEST_QUOTE - 3]}..."
 
 
 def _sample(
@@ -164,7 +172,7 @@ def _sample(
     cells = [cell.strip() for cell in line.split(",")]
     if len(cells) != 2:
         raise InputError(
-            f'{path}, line {number}: given "{line}"; allowed are two numbers with a comma between '
+            f'{path}, line {number}: given "{_cut(line)}"; allowed are two numbers with a comma between '
             f"them and decimal points, because the header is {names[0]},{names[1]}."
         )
     values: list[float] = []
@@ -175,7 +183,7 @@ def _sample(
             value = math.nan
         if not math.isfinite(value):
             raise InputError(
-                f'{path}, line {number}: {name}: given "{cell}"; allowed are finite numbers, '
+                f'{path}, line {number}: {name}: given "{_cut(cell)}"; allowed are finite numbers, '
                 f"because {kind.sample_reason}."
             )
         values.append(value)

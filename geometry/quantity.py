@@ -16,6 +16,8 @@ DISPLAY_UNITS: dict[str, tuple[str, float]] = {
     "m/N": ("1e-9 m/N", 1e-9),
     "rad/(N m)": ("1e-9 rad/(N m)", 1e-9),
 }
+# What stands before a unit that is shown, but is none to be written.
+POWER_OF_TEN = "1e-9 "
 
 # A decimal number, then a unit. pint itself would calculate ("17 0 mm" is a product to it), drop
 # commas ("1,2 mm" would be 12 mm) and take a unit alone for one of it.
@@ -64,7 +66,7 @@ def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> fl
     if unit == "":
         return _pure_number(text, given, limits)
     shown = DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
-    if not shown[:1].isalpha():
+    if shown.startswith(POWER_OF_TEN):
         shown = unit  # "1e-9 m/N" is shown, but no unit to be written
     if isinstance(text, bool) or not isinstance(text, str | int | float):
         raise InputError(f'{given}; write a number with its unit, like "1 {shown}"{limits}.')
@@ -160,6 +162,6 @@ def show_quantity(value: float, unit: str, digits: int = 6) -> str:
     '1.281e-9 m/N'
     """
     shown, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
-    if shown.startswith("1e-9 "):
+    if shown.startswith(POWER_OF_TEN):
         return f"{value / size:.{digits}g}e-9 {unit}"
     return f"{value / size:.{digits}g} {shown}".strip()

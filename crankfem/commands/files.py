@@ -33,9 +33,18 @@ def new(
         return
     console.output.print(
         f"{file} written. Replace its values with yours (those marked assumed first), then: "
-        f"crankfem run {file}",
+        f"crankfem {_next_command(file)} {file}",
         soft_wrap=True,
     )
+
+
+def _next_command(file: Path) -> str:
+    """What serves a file best: run takes whole engines only."""
+    from crankfem.engine_file import ThrowFile
+    from crankfem.mechanism_file import MechanismFile, load_any
+
+    kind = type(load_any(file))
+    return {MechanismFile: "mechanism", ThrowFile: "throw"}.get(kind, "run")
 
 
 def check(engine: EngineArgument, json: JsonOption = False) -> None:

@@ -1,12 +1,13 @@
 """Harmonics of a torque table, or of an engine's torque with its star diagrams."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from crankfem import console
-from crankfem.commands.options import JsonOption
+from crankfem.commands.options import JsonOption, SpeedOption
 from crankfem.console import print_json
 from geometry.errors import InputError
 
@@ -14,6 +15,18 @@ if TYPE_CHECKING:
     from dynamics.harmonics import Harmonics
 
 USUAL_ORDERS, USUAL_ENGINE_ORDERS = 9.0, 12.0
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What the command line asks for."""
+
+    strokes: int | None
+    orders: float | None
+    cylinder: int | None
+    speed: str | None
+    csv: Path | None
+    pictures: str | None
 
 
 def harmonics(
@@ -35,11 +48,12 @@ def harmonics(
         int | None,
         typer.Option(help="Also the harmonics of this cylinder's forces on its crankpin."),
     ] = None,
+    speed: SpeedOption = None,
     csv: Annotated[
         Path | None, typer.Option(metavar="FILE.csv", help="Write the harmonics as a table.")
     ] = None,
     pictures: Annotated[
-        Path | None,
+        str | None,
         typer.Option(metavar="FOLDER", help="Write torque, harmonics and star diagrams as SVG."),
     ] = None,
     json: JsonOption = False,
@@ -48,16 +62,12 @@ def harmonics(
     from crankfem.harmonics_tables import write_table
 
     if orders is not None and not orders > 0.0:
-        raise InputError(f"--orders: given {orders:g}; allowed is an order above 0.")
-    if csv is not None:
-        console.check_folder(csv)
-    if pictures is not None:
-        pictures.mkdir(parents=True, exist_ok=True)
-    of_engine = _names_engine(source)
-    if of_engine:
-        record = _of_engine(source, strokes, orders, cylinder, pictures)
-    else:
-        record = _of_table(source, strokes, orders, cylinder, pictures)
+        raise InputError(
+            f"--orders: given {orders:g}; allowed is an order above 0, because "
+            "orders count cycles per crankshaft revolution."
+        )
+    asked = _Asked(strokes, orders, cylinder, speed, csv, pictures)
+    record = _of_engine(source, asked) if _names_engine(source) else _of_table(source, asked)
     if csv is not None:
         write_table(csv, record)
     if json:
@@ -79,49 +89,47 @@ def _names_engine(source: str) -> bool:
     return not path.is_file() or (path.name in shipped_engines() and path.parent == Path())
 
 
-def _of_table(
-    source: str,
-    strokes: int | None,
-    orders: float | None,
-    cylinder: int | None,
-    pictures: Path | None,
-) -> dict[str, Any]:
+def _of_table(source: str, asked: _Asked) -> dict[str, Any]:
     from crankfem.data_files import data_folder
     from crankfem.pictures.plots import plot_torque
     from crankfem.results import harmonics_record
     from dynamics.torque_table import read_torque_table
 
-    if cylinder is not None:
-        raise InputError(
-            f"--cylinder: given {cylinder} with a torque table; allowed is an engine file, because a "
-            "table knows no cylinders."
-        )
+    for name, value, lacks in (
+        ("cylinder", asked.cylinder, "cylinders"),
+        ("speed", asked.speed, "speed"),
+    ):
+        if value is not None:
+            raise InputError(
+                f"--{name}: given {value} with a torque table; allowed is an engine file, because a "
+                f"table knows no {lacks}."
+            )
     path = Path(source)
     if not path.is_file() and (data_folder() / "tables" / path.name).is_file():
         path = data_folder() / "tables" / path.name
-    table = read_torque_table(path, strokes=4 if strokes is None else strokes)
+    table = read_torque_table(path, strokes=4 if asked.strokes is None else asked.strokes)
     found = table.harmonics()
-    _check_resolved(orders, found)
-    if pictures is not None:
-        plot_torque(pictures / "torque.svg", table.torque, found)
-    return harmonics_record(found)
+    _check_resolved(asked.orders, found)
+    folder = console.check_outputs(asked.csv, asked.pictures, path)
+    if folder is not None:
+        plot_torque(folder / "torque.svg", table.torque, found)
+    return {"table": path.name} | harmonics_record(found)
 
 
-def _of_engine(
-    source: str,
-    strokes: int | None,
-    orders: float | None,
-    cylinder: int | None,
-    pictures: Path | None,
-) -> dict[str, Any]:
+def _of_engine(source: str, asked: _Asked) -> dict[str, Any]:
     from crankfem.harmonics_tables import engine_record, pin_force_record
+    from crankfem.input_files import mechanism_inputs
     from crankfem.mechanism_file import load_mechanism
+    from crankfem.pictures import titles
     from crankfem.pictures.torque_plots import picture_torque
+    from crankfem.speed_argument import parse_speed
     from dynamics.torque.pin_harmonics import pin_force_harmonics
     from dynamics.torque.torque import engine_torque
 
     mechanism = load_mechanism(source)
-    engine, speed = mechanism.layout, mechanism.rated_speed
+    engine, strokes, cylinder = mechanism.layout, asked.strokes, asked.cylinder
+    turning = parse_speed(asked.speed)
+    speed = mechanism.rated_speed if turning is None else turning
     if strokes is not None and strokes != engine.strokes:
         raise InputError(
             f"--strokes: given {strokes}; allowed is {engine.strokes} or nothing, because the engine "
@@ -132,21 +140,29 @@ def _of_engine(
             f"--cylinder: given {cylinder}; allowed is 1 to {len(engine.cylinders)}, because the "
             "engine has that many."
         )
-    pressure, model = mechanism.pressure or None, mechanism.rod_model
-    torque = engine_torque(engine, speed, pressure, model=model, throws=mechanism.throws)
-    _check_resolved(orders, torque.harmonics())
-    highest = USUAL_ENGINE_ORDERS if orders is None else orders
+    folder = console.check_outputs(asked.csv, asked.pictures, *mechanism_inputs(mechanism))
+    pressure = mechanism.pressure or None
+    torque = engine_torque(engine, speed, pressure, throws=mechanism.throws)
+    _check_resolved(asked.orders, torque.harmonics())
+    highest = USUAL_ENGINE_ORDERS if asked.orders is None else asked.orders
     record = engine_record(mechanism, torque, highest)
     if cylinder is not None:
-        forces = pin_force_harmonics(engine, speed, pressure, model=model, highest_order=highest)
-        record["cylinder"] = pin_force_record(forces[cylinder - 1], highest)
-    if pictures is not None:
-        picture_torque(pictures, torque, highest)
+        forces = pin_force_harmonics(engine, speed, pressure, highest_order=highest)
+        record["cylinder"] = pin_force_record(forces[cylinder - 1])
+    if folder is not None:
+        picture_torque(folder, torque, highest, title=titles.at_speed(mechanism.name, speed))
     return record
 
 
 def _check_resolved(orders: float | None, found: "Harmonics") -> None:
-    if orders is not None and orders > found.highest_order * (1.0 + 1e-9):
+    if orders is None:
+        return
+    if orders < found.orders[0]:
+        raise InputError(
+            f"--orders: given {orders:g}; allowed is {found.orders[0]:g} or more, because that is the "
+            "lowest order of the cycle."
+        )
+    if orders > found.highest_order * (1.0 + 1e-9):
         raise InputError(
             f"--orders: given {orders:g}; allowed is {found.highest_order:g} or less, because "
             f"{found.samples} samples over one cycle resolve no higher order."
@@ -155,14 +171,16 @@ def _check_resolved(orders: float | None, found: "Harmonics") -> None:
 
 def _print(record: dict[str, Any], orders: float | None) -> None:
     from crankfem.harmonics_tables import COLUMNS, print_engine, print_harmonics, print_pin_forces
+    from crankfem.table_units import table_unit
 
     if "throws" in record:
         print_engine(record)
         if "cylinder" in record:
             print_pin_forces(record["cylinder"])
         return
+    mean = table_unit([record["mean"]], "N m").with_unit(record["mean"])
     console.output.print(
-        f"Mean {record['mean']:.2f} N m; {record['samples']} samples resolve orders up to "
+        f"Mean {mean}; {record['samples']} samples resolve orders up to "
         f"{record['highest_order']:g}."
     )
     highest = USUAL_ORDERS if orders is None else orders

@@ -33,7 +33,7 @@ def hinge(
         Path | None, typer.Option(metavar="FILE.csv", help="Write all over the turn.")
     ] = None,
     pictures: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Write moments, guides and speeds.")
+        str | None, typer.Option(metavar="FOLDER", help="Write moments, guides and speeds.")
     ] = None,
     json: JsonOption = False,
 ) -> None:
@@ -44,18 +44,18 @@ def hinge(
     from crankfem.hinge_tables import print_hinge
     from geometry.quantity import parse_quantity
 
-    if csv is not None:
-        console.check_folder(csv)
     other = None if speed is None else parse_quantity(speed, "rad/s", "--speed")
-    run = run_hinge(load_hinge(file), _checked_kinematics(kinematics), other)
+    loaded, described = load_hinge(file), _checked_kinematics(kinematics)
+    folder = console.check_outputs(csv, pictures, loaded.path)
+    run = run_hinge(loaded, described, other)
     record = hinge_record(run)
     if csv is not None:
         write_hinge_table(csv, run)
     made: list[Path] = []
-    if pictures is not None:
+    if folder is not None:
         from crankfem.pictures.hinge_plots import plot_hinge
 
-        made = plot_hinge(pictures, run)
+        made = plot_hinge(folder, run)
     if json:
         print_json(record | {"pictures": [str(path) for path in made]})
         return

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from crankfem import console
-from crankfem.commands.options import EngineArgument, JsonOption
+from crankfem.commands.options import EngineArgument, JsonOption, SpeedOption
 from crankfem.console import print_json
 from geometry.errors import InputError
 
@@ -16,17 +16,13 @@ if TYPE_CHECKING:
 
 def mechanism(
     engine: EngineArgument,
-    speed: Annotated[
-        str | None,
-        typer.Option(metavar='"1000 1/min"', help="Speed; the rated speed by default."),
-    ] = None,
+    speed: SpeedOption = None,
     model: Annotated[
-        str | None,
+        str,
         typer.Option(
-            help='Of the rods\' masses: rigid, three-mass, "two-mass with inertia" or two-mass; rigid by '
-            "default where the file gives the rods' inertia."
+            help='Of the rods\' masses: rigid, three-mass, two-mass, or "two-mass with inertia".'
         ),
-    ] = None,
+    ] = "rigid",
     motored: Annotated[
         bool, typer.Option("--motored", help="Turn the engine without combustion.")
     ] = False,
@@ -34,7 +30,7 @@ def mechanism(
         Path | None, typer.Option(metavar="FILE.csv", help="Write all forces over the cycle.")
     ] = None,
     pictures: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Write load diagrams and hodographs.")
+        str | None, typer.Option(metavar="FOLDER", help="Write load diagrams and hodographs.")
     ] = None,
     json: JsonOption = False,
 ) -> None:
@@ -45,21 +41,21 @@ def mechanism(
         print_balance,
         print_hinged_rods,
     )
+    from crankfem.input_files import mechanism_inputs
     from crankfem.mechanism_file import load_mechanism
     from crankfem.mechanism_run import run_mechanism
     from crankfem.mechanism_tables import mechanism_record, print_mechanism, write_forces
     from crankfem.pictures.mechanism_pictures import picture_mechanism
+    from crankfem.speed_argument import parse_speed
 
-    if csv is not None:
-        console.check_folder(csv)
-    run = run_mechanism(
-        load_mechanism(engine), _parsed_speed(speed), _checked_model(model), motored=motored
-    )
+    loaded, turning, rods = load_mechanism(engine), parse_speed(speed), _checked_model(model)
+    folder = console.check_outputs(csv, pictures, *mechanism_inputs(loaded))
+    run = run_mechanism(loaded, turning, rods, motored=motored)
     record = mechanism_record(run)
     balanced, hinged = balance_record(run.balance), hinged_rods_record(run.hinged_rods)
     if csv is not None:
         write_forces(csv, run)
-    made = [] if pictures is None else picture_mechanism(pictures, run)
+    made = [] if folder is None else picture_mechanism(folder, run)
     if json:
         print_json(
             record
@@ -80,23 +76,13 @@ def mechanism(
         console.output.print(f"Pictures: {pictures} ({len(made)} files)", soft_wrap=True)
 
 
-def _parsed_speed(text: str | None) -> float | None:
-    from geometry.quantity import parse_quantity
-
-    if text is None:
-        return None
-    speed = parse_quantity(text, "rad/s", "--speed")
-    if not speed > 0.0:
-        raise InputError(
-            f"--speed: given {text!r}; allowed is a speed above 0, because the engine turns."
-        )
-    return speed
-
-
-def _checked_model(name: str | None) -> "RodModelName | None":
+def _checked_model(name: str) -> "RodModelName":
     from dynamics.mechanism.rods import ROD_MODELS
 
     found = next((model for model in ROD_MODELS if model == name), None)
-    if name is not None and found is None:
-        raise InputError(f"--model: given {name!r}; allowed are {', '.join(ROD_MODELS)}.")
+    if found is None:
+        raise InputError(
+            f"--model: given {name!r}; allowed are {', '.join(ROD_MODELS)}, because "
+            "these are the models of a rod's mass."
+        )
     return found

@@ -14,6 +14,10 @@ ThrowArgument = Annotated[
         help="Engine file, name of a shipped engine, or a STEP file of a throw.",
     ),
 ]
+SpeedOption = Annotated[
+    str | None,
+    typer.Option(metavar='"1000 1/min"', help="Speed of an engine; its rated speed by default."),
+]
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print machine-readable results on standard output.")
 ]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from crankfem.pictures.style import COLORS, GRAY, figure
+from crankfem.pictures.titles import add_title
 from dynamics.balance.balance import Balance
 from dynamics.balance.hinged_rods import hinged_rod_effects
 from dynamics.balance.hodograph import Hodograph
@@ -49,7 +50,7 @@ class HodographPanel:
     empty: str = "balanced"
 
 
-def plot_hodographs(path: Path, panels: Sequence[HodographPanel]) -> None:
+def plot_hodographs(path: Path, panels: Sequence[HodographPanel], title: str = "") -> None:
     """Plot hodographs as SVG, seen from the free end: y up, x to the left, the shaft clockwise.
 
     Parameters
@@ -57,6 +58,8 @@ def plot_hodographs(path: Path, panels: Sequence[HodographPanel]) -> None:
     path : Path
     panels : sequence of HodographPanel
         Side by side, each to its own scale.
+    title : str, optional
+        Above all of them.
 
     Raises
     ------
@@ -74,6 +77,7 @@ def plot_hodographs(path: Path, panels: Sequence[HodographPanel]) -> None:
     with figure(path, len(panels), width=4.6 * len(panels), height=5.6) as made:
         for axes, panel in zip(np.atleast_1d(made), panels, strict=True):
             _draw_panel(axes, panel)
+        add_title(made, title)
 
 
 def _draw_panel(axes: Any, panel: HodographPanel) -> None:
@@ -115,7 +119,7 @@ def _draw_arrow(panel: Any, across: Any, up: Any, color: str) -> None:
         )
 
 
-def plot_balance(path: Path, found: Balance) -> None:
+def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
     """Plot the forces and moments that are left over, a curve for each order that is not balanced.
 
     Parameters
@@ -123,6 +127,8 @@ def plot_balance(path: Path, found: Balance) -> None:
     path : Path
         Of the SVG file.
     found : Balance
+    title : str, optional
+        Above both panels.
     """
     forces = {f"order {row.order}": row.force for row in found.rows if not row.force_balanced}
     moments = {f"order {row.order}": row.moment for row in found.rows if not row.moment_balanced}
@@ -134,6 +140,7 @@ def plot_balance(path: Path, found: Balance) -> None:
             HodographPanel("inertia force", *FORCE_LABELS, forces, found.engine, empty),
             HodographPanel(about, *MOMENT_LABELS, moments, empty=empty),
         ],
+        title,
     )
 
 
@@ -143,6 +150,8 @@ def plot_hinged_rods(
     speed: float,
     orders: Sequence[int] = (1, 2),
     cylinders: Sequence[int] | None = None,
+    *,
+    title: str = "",
 ) -> None:
     """Plot the inertia forces of a V engine with hinged rods against rods side by side.
 
@@ -152,6 +161,8 @@ def plot_hinged_rods(
         Of the SVG file.
     engine, speed, orders, cylinders
         As in `hinged_rod_effects`.
+    title : str, optional
+        Above all panels.
 
     Raises
     ------
@@ -168,7 +179,7 @@ def plot_hinged_rods(
             "hinged rods": effect.hinged,
         }
         panels.append(HodographPanel(f"order {effect.order}", *FORCE_LABELS, curves, engine))
-    plot_hodographs(path, panels)
+    plot_hodographs(path, panels, title)
 
 
 def plot_accelerations(

@@ -8,6 +8,7 @@ import numpy as np
 from crankfem.hinge_run import HingeRun
 from crankfem.pictures.style import BLUE, COLORS, GRAY, GREEN, ORANGE, figure
 from geometry.errors import InputError
+from geometry.quantity import show_quantity
 
 RPM = 30.0 / np.pi
 DASHES = ("-", "--", ":", "-.")
@@ -33,7 +34,10 @@ def plot_hinge(folder: Path, run: HingeRun) -> list[Path]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"pictures: {folder} cannot be made ({error.strerror}).") from None
+        raise InputError(
+            f"pictures: given {str(folder)!r}, which cannot be made ({error.strerror}); allowed is a "
+            "folder that can be written, because the diagrams go there."
+        ) from None
     made = [folder / "hinge_moment.svg", folder / "hinge_speed.svg"]
     plot_moments(made[0], run)
     plot_speeds(made[1], run)
@@ -48,7 +52,7 @@ def plot_moments(path: Path, run: HingeRun) -> None:
     points = [run.moment, *(other.point for other in run.others)]
     with figure(path, columns=2, width=9.6, height=4.4) as (left, right):
         for place, point in enumerate(points):
-            label = f"{point.speed * RPM:.4g} 1/min"
+            label = show_quantity(point.speed, "rad/s", 5)
             degrees = np.degrees(point.angles)
             left.plot(degrees, point.gas / 1e3, color=COLORS[place % len(COLORS)], label=label)
             right.plot(degrees, point.moment / 1e3, color=COLORS[place % len(COLORS)], label=label)
@@ -114,7 +118,9 @@ def plot_speeds(path: Path, run: HingeRun) -> None:
             left.plot(np.degrees(angles), speed * RPM, dash, color=color, label=label)
         left.set_ylim(0.0, 1.3 * float(run.without.speed.max()) * RPM)
         left.set_ylabel("crank speed [1/min]")
-        left.set_title(f"Speed over a turn from {run.point.speed * RPM:.4g} 1/min at the top")
+        left.set_title(
+            f"Speed over a turn from {show_quantity(run.point.speed, 'rad/s', 5)} at the top"
+        )
         for angles, speed, mean, color, dash, label in (
             (wheel.angles, wheel.speed, wheel.mean_speed, GREEN, "--", "flywheel"),
             (hinge.angle, hinge.speed, hinge.mean_speed, BLUE, "-", "hinge"),

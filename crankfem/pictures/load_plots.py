@@ -126,7 +126,8 @@ def plot_developed_loads(
         axes.set_ylabel("force, kN (dashed: mean)")
         if title:
             axes.set_title(title)
-        axes.legend(fontsize=8)
+        # Below the axes: the curve fills them.
+        axes.figure.legend(fontsize=8, loc="outside lower center")
 
 
 def _names(diagrams: Sequence[LoadDiagram], labels: Sequence[str] | None) -> list[str]:

@@ -8,10 +8,9 @@ from crankfem.mechanism_run import MechanismRun
 from crankfem.pictures.balance_plots import plot_balance, plot_hinged_rods
 from crankfem.pictures.load_plots import Frame, plot_developed_loads, plot_polar_loads
 from crankfem.pictures.style import BLUE, GREEN, ORANGE, figure
+from crankfem.pictures.titles import at_speed
 from dynamics.engine.forces import pin_groups
 from dynamics.engine.loads import LoadDiagram
-
-RPM = 30.0 / np.pi
 
 
 def picture_mechanism(folder: Path, run: MechanismRun) -> list[Path]:
@@ -28,7 +27,7 @@ def picture_mechanism(folder: Path, run: MechanismRun) -> list[Path]:
         If the folder cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    at_speed = f"{run.mechanism.name}, {run.speed * RPM:.4g} 1/min"
+    engine = at_speed(run.mechanism.name, run.speed)
     heaviest = max(run.bearings, key=lambda load: load.maximum)
     made = []
     drawn: tuple[tuple[str, LoadDiagram, Frame], ...] = (
@@ -37,17 +36,17 @@ def picture_mechanism(folder: Path, run: MechanismRun) -> list[Path]:
     )
     for name, load, frame in drawn:
         polar, developed = folder / f"{name}_polar.svg", folder / f"{name}_developed.svg"
-        plot_polar_loads(polar, [load], frame=frame, title=f"{load.name}\n{at_speed}")
-        plot_developed_loads(developed, [load], title=f"{load.name}, {at_speed}")
+        plot_polar_loads(polar, [load], frame=frame, title=f"{load.name}\n{engine}")
+        plot_developed_loads(developed, [load], title=f"{load.name}, {engine}")
         made += [polar, developed]
     made.append(folder / "piston_forces.svg")
     plot_piston_forces(made[-1], run)
     made.append(folder / "balance.svg")
-    plot_balance(made[-1], run.balance)
+    plot_balance(made[-1], run.balance, title=engine)
     if run.hinged_rods:
         made.append(folder / "hinged_rods.svg")
         group = next(group for group in pin_groups(run.layout) if len(group) > 1)
-        plot_hinged_rods(made[-1], run.layout, run.speed, cylinders=group)
+        plot_hinged_rods(made[-1], run.layout, run.speed, cylinders=group, title=engine)
     return made
 
 
@@ -81,5 +80,5 @@ def plot_piston_forces(path: Path, run: MechanismRun, cylinder: int = 1) -> None
         axes.set_xticks(np.arange(0.0, np.degrees(run.layout.cycle) + 1.0, 90.0))
         axes.set_xlabel("crank angle from the firing top, deg")
         axes.set_ylabel("force, kN")
-        axes.set_title(f"cylinder {cylinder}, {run.mechanism.name}, {run.speed * RPM:.4g} 1/min")
+        axes.set_title(f"cylinder {cylinder}, {at_speed(run.mechanism.name, run.speed)}")
         axes.legend(fontsize=8)

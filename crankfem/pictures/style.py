@@ -6,6 +6,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from geometry.errors import InputError
+
 # Files that are the same bit for bit for the same picture, with no need of the reader's fonts.
 REPRODUCIBLE: dict[Any, Any] = {"svg.fonttype": "path", "svg.hashsalt": "crankfem"}
 STYLE: dict[Any, Any] = {
@@ -27,7 +29,19 @@ COLORS = (BLUE, ORANGE, GREEN, RED, "#7a5ba6", GRAY)
 
 @contextmanager
 def figure(path: Path, columns: int = 1, width: float = 7.2, height: float = 4.2) -> Iterator[Any]:
-    """Yield the axes of a figure and write it as SVG to `path`."""
+    """Yield the axes of a figure and write it as SVG to `path`.
+
+    Raises
+    ------
+    InputError
+        If the file is not called .svg, or has no folder.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".svg" or not path.parent.is_dir():
+        raise InputError(
+            f"path: given {path}; allowed is a file name that ends in .svg in a folder that is there, "
+            "because diagrams are written as SVG."
+        )
     import matplotlib as mpl
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure

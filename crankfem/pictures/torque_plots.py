@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from crankfem.pictures.style import BLUE, COLORS, GRAY, ORANGE, figure
+from crankfem.pictures.titles import add_title
 from dynamics.harmonics import Harmonics
 from dynamics.torque.star import Star, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
@@ -19,17 +20,19 @@ LABEL_START, SIDEWAYS = 1.2, 0.5
 KIND_COLORS = {"major": ORANGE, "minor": BLUE, "balanced": GRAY}
 
 
-def picture_torque(folder: Path, torque: EngineTorque, highest_order: float) -> list[Path]:
+def picture_torque(
+    folder: Path, torque: EngineTorque, highest_order: float, *, title: str = ""
+) -> list[Path]:
     """Write torque.svg, harmonics.svg and stars.svg into a folder and return their paths."""
     stars = star_diagram(torque.engine, highest_order)
     paths = [folder / name for name in ("torque.svg", "harmonics.svg", "stars.svg")]
-    plot_engine_torque(paths[0], torque)
-    plot_amplitudes(paths[1], torque.harmonics(), stars)
-    plot_stars(paths[2], stars)
+    plot_engine_torque(paths[0], torque, title=title)
+    plot_amplitudes(paths[1], torque.harmonics(), stars, title=title)
+    plot_stars(paths[2], stars, title=title)
     return paths
 
 
-def plot_engine_torque(path: Path, torque: EngineTorque) -> None:
+def plot_engine_torque(path: Path, torque: EngineTorque, *, title: str = "") -> None:
     """Plot the torque of the whole engine and of one throw, apart by cause, over the cycle."""
     angles = np.rad2deg(torque.shaft_angles)
     first = [number - 1 for number in torque.throws[0]]
@@ -51,10 +54,13 @@ def plot_engine_torque(path: Path, torque: EngineTorque) -> None:
             axes.set_xlim(0.0, 180.0 * torque.engine.strokes)
             # Above the curves, which fill the axes.
             axes.legend(fontsize=8, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.0))
+        add_title((left, right), title)
 
 
-def plot_amplitudes(path: Path, found: Harmonics, stars: Sequence[Star]) -> None:
-    """Plot the amplitudes of the engine's torque by order, colored by the kind of the order."""
+def plot_amplitudes(
+    path: Path, found: Harmonics, stars: Sequence[Star], *, title: str = ""
+) -> None:
+    """Plot the amplitudes of the engine's torque by order, colored by the star of the order."""
     with figure(path, width=7.2, height=3.6) as axes:
         for kind, color in KIND_COLORS.items():
             orders = [star.order for star in stars if star.kind == kind]
@@ -64,10 +70,11 @@ def plot_amplitudes(path: Path, found: Harmonics, stars: Sequence[Star]) -> None
         axes.set_xlabel("harmonic order [cycles per revolution]")
         axes.set_ylabel(r"amplitude $M_k$ [kN m]")
         axes.set_title("Harmonics of the engine's torque")
-        axes.legend(fontsize=8, title="order", title_fontsize=8)
+        axes.legend(fontsize=8, title="star of the order", title_fontsize=8)
+        add_title(axes, title)
 
 
-def plot_stars(path: Path, stars: Sequence[Star]) -> None:
+def plot_stars(path: Path, stars: Sequence[Star], *, title: str = "") -> None:
     """Draw the star of each group of orders that look alike, with its resultant."""
     groups = same_stars(stars)
     columns = min(STARS_A_ROW, len(groups))
@@ -81,6 +88,7 @@ def plot_stars(path: Path, stars: Sequence[Star]) -> None:
         half = 0.5 * STAR_STEP
         axes.set_xlim(-half, STAR_STEP * columns - half)
         axes.set_ylim(-1.15 * STAR_STEP * (rows - 1) - half, half + 0.4)
+        add_title(axes, f"Stars of the orders, all cylinders alike\n{title}".strip())
 
 
 def _draw_star(axes: Any, group: tuple[Star, ...], center: tuple[float, float]) -> None:

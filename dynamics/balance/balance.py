@@ -1,18 +1,23 @@
 """What the inertia of the moving parts leaves over: forces and moments on the engine, by order."""
 
 import cmath
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
 
+from dynamics.balance.cylinder_forces import (
+    PlacedForce,
+    cylinder_forces,
+    reciprocating_forces,
+)
 from dynamics.balance.hodograph import Hodograph, hodograph_sum
 from dynamics.balance.moving_masses import MovingMasses, moving_masses
 from dynamics.checks import FloatArray, finite_array, positive_number
-from dynamics.engine.layout import EngineLayout
+from dynamics.engine.layout import EngineLayout, check_places
 from dynamics.engine.motions import cylinder_motion
-from dynamics.engine.orders import checked_orders, turn_spectrum
+from dynamics.engine.orders import checked_orders
 from dynamics.mechanism.motion import ComplexArray
 from geometry.errors import InputError
 
@@ -161,8 +166,8 @@ def balance(
     Raises
     ------
     InputError
-        If the speed is not above zero, an order is not a whole number of 1 or more, or there is no
-        such model.
+        If the speed is not above zero, an order is not a whole number of 1 or more, cylinders of one
+        bank stand in the same place, or there is no such model.
 
     Notes
     -----
@@ -191,6 +196,7 @@ def balance(
     13928
     """
     turning = positive_number("speed", speed, "rad/s", "the shaft turns")
+    check_places(engine)
     wanted = checked_orders(orders)
     if model not in get_args(BalanceModel):
         raise InputError(
@@ -205,7 +211,8 @@ def balance(
     statics = sum(mass.static_moment for mass in engine.rotating)
     force_scale = (moving * engine.crank_radius + statics) * turning**2
     reach = max(engine.crank_radius, *(abs(place - point) for place in places))
-    to_and_fro = _reciprocating(engine, masses, turning, wanted)
+    moving_at_pistons = [one.reciprocating for one in masses]
+    to_and_fro = reciprocating_forces(engine, moving_at_pistons, turning, wanted)
     beside = _lateral(engine, masses, turning, wanted) if model == "rigid" else {}
     with_the_crank = _rotating(engine, masses, turning)
     rows = []
@@ -226,11 +233,7 @@ def balance(
     return Balance(engine, turning, point, model, tuple(rows))
 
 
-# A force and where along the shaft it acts.
-_Placed = tuple[float, Hodograph]
-
-
-def _resultant(order: int, forces: Iterable[_Placed], about: float) -> Resultant:
+def _resultant(order: int, forces: Iterable[PlacedForce], about: float) -> Resultant:
     given = list(forces)
     return Resultant(
         hodograph_sum(order, (force for _, force in given)),
@@ -238,26 +241,9 @@ def _resultant(order: int, forces: Iterable[_Placed], about: float) -> Resultant
     )
 
 
-def _reciprocating(
-    engine: EngineLayout, masses: Sequence[MovingMasses], speed: float, orders: Sequence[int]
-) -> dict[int, list[_Placed]]:
-    numbers = range(1, len(engine.cylinders) + 1)
-
-    def forces(angles: FloatArray) -> ComplexArray:
-        motions = (cylinder_motion(engine, number, angles).piston for number in numbers)
-        return np.array(
-            [
-                -mass.reciprocating * motion.acceleration(speed).real
-                for mass, motion in zip(masses, motions, strict=True)
-            ]
-        )
-
-    return _placed(engine, forces, orders)
-
-
 def _lateral(
     engine: EngineLayout, masses: Sequence[MovingMasses], speed: float, orders: Sequence[int]
-) -> dict[int, list[_Placed]]:
+) -> dict[int, list[PlacedForce]]:
     """Return the forces of the static moments S beside the rods: -S i d^2/dt^2 exp(i t)."""
     if not any(mass.lateral for mass in masses):
         return {}
@@ -276,28 +262,12 @@ def _lateral(
             ]
         )
 
-    return _placed(engine, forces, orders)
+    return cylinder_forces(engine, forces, orders)
 
 
-def _placed(
-    engine: EngineLayout, forces: Callable[[FloatArray], ComplexArray], orders: Sequence[int]
-) -> dict[int, list[_Placed]]:
-    """Return the orders of forces in the cylinders' frames as placed hodographs in the engine's."""
-    spectrum = turn_spectrum(forces, max(orders))
-    found: dict[int, list[_Placed]] = {}
-    for order in orders:
-        ahead, back = spectrum.of(order).tolist(), spectrum.of(-order).tolist()
-        found[order] = [
-            (
-                cylinder.position,
-                Hodograph(order, forward, backward).times(cmath.exp(1j * cylinder.bank_angle)),
-            )
-            for cylinder, forward, backward in zip(engine.cylinders, ahead, back, strict=True)
-        ]
-    return found
-
-
-def _rotating(engine: EngineLayout, masses: Sequence[MovingMasses], speed: float) -> list[_Placed]:
+def _rotating(
+    engine: EngineLayout, masses: Sequence[MovingMasses], speed: float
+) -> list[PlacedForce]:
     at_pins = [
         (cylinder.position, mass.rotating * engine.crank_radius, cylinder.crank_angle)
         for cylinder, mass in zip(engine.cylinders, masses, strict=True)

@@ -1,20 +1,15 @@
 """What hinged rods change in the inertia forces, against rods side by side on the crankpin."""
 
-import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from dynamics.balance.cylinder_forces import reciprocating_forces
 from dynamics.balance.hodograph import Hodograph, hodograph_sum
 from dynamics.balance.moving_masses import moving_masses
-from dynamics.checks import FloatArray, positive_number
+from dynamics.checks import positive_number
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.orders import (
-    checked_cylinder,
-    checked_orders,
-    piston_acceleration,
-    turn_spectrum,
-)
+from dynamics.engine.orders import checked_cylinder, checked_orders
 from geometry.errors import InputError
 
 
@@ -124,7 +119,11 @@ def hinged_rod_effects(
     of_mains = [own[engine.main_of(number) - 1] for number in range(1, count + 1)]
 
     def forces(layout: EngineLayout, masses: Sequence[float]) -> list[Hodograph]:
-        return _reciprocating_forces(layout, masses, numbers, speed, wanted)
+        by_order = reciprocating_forces(layout, masses, speed, wanted)
+        return [
+            hodograph_sum(order, (by_order[order][number - 1][1] for number in numbers))
+            for order in wanted
+        ]
 
     cases = (
         forces(beside, of_mains),
@@ -149,27 +148,3 @@ def _side_by_side(engine: EngineLayout) -> EngineLayout:
         for cylinder, main in zip(engine.cylinders, mains, strict=True)
     ]
     return replace(engine, cylinders=cylinders)
-
-
-def _reciprocating_forces(
-    engine: EngineLayout,
-    masses: Sequence[float],
-    numbers: Sequence[int],
-    speed: float,
-    orders: Sequence[int],
-) -> list[Hodograph]:
-    """Return the sum of mass times acceleration towards the shaft, along the axes, by order."""
-    parts: dict[int, list[Hodograph]] = {order: [] for order in orders}
-    for number in numbers:
-        cylinder = engine.cylinders[number - 1]
-
-        def acceleration(angles: FloatArray, number: int = number) -> FloatArray:
-            top = engine.cylinders[number - 1].top_shaft_angle
-            return piston_acceleration(engine, number, angles - top, speed)
-
-        spectrum = turn_spectrum(acceleration, max(orders))
-        factor = masses[number - 1] * cmath.exp(1j * cylinder.bank_angle)
-        for order in orders:
-            ahead, back = complex(spectrum.of(order)), complex(spectrum.of(-order))
-            parts[order].append(Hodograph(order, ahead, back).times(factor))
-    return [hodograph_sum(order, parts[order]) for order in orders]

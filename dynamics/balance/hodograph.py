@@ -35,6 +35,11 @@ class Hodograph:
     backward : complex
         Q, the part that turns against it.
 
+    Raises
+    ------
+    InputError
+        If the order is not a whole number of 1 or more, or a part is not finite.
+
     Examples
     --------
     >>> line = Hodograph(2, 100.0, 100.0)  # a force up and down
@@ -45,6 +50,16 @@ class Hodograph:
     order: int
     forward: complex
     backward: complex
+
+    def __post_init__(self) -> None:
+        checked_orders([self.order])
+        for name in ("forward", "backward"):
+            part = getattr(self, name)
+            if not cmath.isfinite(part):
+                raise InputError(
+                    f"{name}: given {part}; allowed are finite numbers, because the vector follows from "
+                    "them."
+                )
 
     @property
     def major(self) -> float:

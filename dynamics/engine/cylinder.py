@@ -4,7 +4,9 @@ import math
 from dataclasses import dataclass
 
 from dynamics.checks import finite_array, nonnegative_number, positive_number
+from dynamics.engine.numbering import is_whole
 from dynamics.mechanism.rods import ConnectingRod
+from geometry.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,11 @@ class SlavePin:
     angle: float
 
     def __post_init__(self) -> None:
+        if not is_whole(self.main_cylinder):
+            raise InputError(
+                f"slave pin main_cylinder: given {self.main_cylinder!r}; allowed is a whole number, "
+                "because cylinders are counted from 1."
+            )
         positive_number("slave pin radius", self.radius, "m", "it is a length")
         finite_array("slave pin angle", self.angle)
 

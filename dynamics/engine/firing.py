@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from dynamics.checks import finite_vector
 from dynamics.cycle import cycle_degrees
+from dynamics.engine.numbering import is_whole
 from geometry.errors import InputError
 
 # Crank and cylinder axis count as in line within this angle [rad]; files give degrees.
@@ -17,27 +18,28 @@ def check_firing_order(firing_order: Sequence[int], cylinders: int) -> None:
     Raises
     ------
     InputError
+        Also if a number is not whole by its type.
     """
-    wanted = range(1, cylinders + 1)
     given = list(firing_order)
-    if sorted(given) == list(wanted):
-        return
-    reason = "each cylinder fires once a cycle"
+    fault = _order_fault(given, cylinders)
+    if fault is not None:
+        raise InputError(
+            f"firing_order: given {given}; allowed is each cylinder number from 1 to {cylinders} "
+            f"once, because {fault}."
+        )
+
+
+def _order_fault(given: list[int], cylinders: int) -> str | None:
+    """Return what is wrong with an order, or None."""
     for number in given:
-        if number not in wanted:
-            reason = f"the engine has no cylinder {number}"
-        elif given.count(number) > 1:
-            reason = f"it repeats cylinder {number}"
-        else:
-            continue
-        break
-    else:
-        missing = next(number for number in wanted if number not in given)
-        reason = f"it omits cylinder {missing}"
-    raise InputError(
-        f"firing_order: given {given}; allowed is each cylinder number from 1 to {cylinders} once, "
-        f"because {reason}."
-    )
+        if not is_whole(number):
+            return "cylinders have whole numbers"
+        if not 1 <= number <= cylinders:
+            return f"the engine has no cylinder {number}"
+        if given.count(number) > 1:
+            return f"it repeats cylinder {number}"
+    missing = [number for number in range(1, cylinders + 1) if number not in given]
+    return f"it omits cylinder {missing[0]}" if missing else None
 
 
 def firing_angles_of_order(
@@ -92,6 +94,66 @@ def _after(angle: float, least: float, turn: float) -> float:
     return angle + turn * (math.floor((least - angle) / turn) + 1)
 
 
-def firing_order_of_angles(firing_angles: Sequence[float]) -> tuple[int, ...]:
-    """Return the cylinder numbers in the order in which they fire, lower numbers first at a tie."""
-    return tuple(sorted(range(1, len(firing_angles) + 1), key=lambda n: firing_angles[n - 1]))
+def check_order_of_angles(
+    firing_order: Sequence[int], firing_angles: Sequence[float], strokes: int
+) -> None:
+    """Refuse a firing order that contradicts the firing angles.
+
+    Cylinders that fire together may stand in either order, and the order may begin with any
+    cylinder, because the cycle repeats.
+
+    Parameters
+    ----------
+    firing_order : sequence of n int
+        Each cylinder number from 1 once.
+    firing_angles : sequence of n float
+        Shaft angle at which each cylinder fires, in any cycle [rad].
+    strokes : int
+        Strokes per cycle, 2 or 4.
+
+    Raises
+    ------
+    InputError
+    """
+    cycle = math.radians(cycle_degrees(strokes))
+    angles = [firing_angles[number - 1] for number in firing_order]
+    following = angles[1:] + angles[:1]
+    once_round = sum(_later(*ends, cycle) for ends in zip(angles, following, strict=True))
+    # From each to the next and back to the first takes one cycle; none if all fire together.
+    if once_round > 1.5 * cycle:
+        allowed = list(firing_order_of_angles(firing_angles, strokes, firing_order[0]))
+        raise InputError(
+            f"firing_order: given {list(firing_order)}; allowed is {allowed}, because the firing "
+            f"angles follow each other so in a cycle of {math.degrees(cycle):g} deg."
+        )
+
+
+def firing_order_of_angles(
+    firing_angles: Sequence[float], strokes: int, first: int
+) -> tuple[int, ...]:
+    """Return the cylinder numbers in the order in which they fire.
+
+    Parameters
+    ----------
+    firing_angles : sequence of n float
+        Shaft angle at which each cylinder fires, in any cycle [rad].
+    strokes : int
+        Strokes per cycle, 2 or 4.
+    first : int
+        Number of the cylinder to begin with.
+
+    Returns
+    -------
+    tuple of n int
+        Lower numbers first where several fire at the same angle.
+    """
+    cycle, start = math.radians(cycle_degrees(strokes)), firing_angles[first - 1]
+    later = [round(_later(start, angle, cycle), 9) for angle in firing_angles]
+    others = (number for number in range(1, len(firing_angles) + 1) if number != first)
+    return (first, *sorted(others, key=lambda number: (later[number - 1], number)))
+
+
+def _later(one: float, other: float, cycle: float) -> float:
+    """Return how much later in the cycle the other angle comes, zero but for round-off if together."""
+    apart = (other - one) % cycle
+    return apart - cycle if cycle - apart < IN_LINE else apart

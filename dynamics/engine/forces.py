@@ -24,6 +24,10 @@ class MechanismForces:
     engine : EngineLayout
     shaft_angles : ndarray of shape (m,)
         [rad]
+    speed : ndarray of shape (m,)
+        Of the shaft at these angles [rad/s].
+    crank_acceleration : ndarray of shape (m,)
+        [rad/s^2]
     model : str
         Of the rods' masses.
     gas : ndarray of shape (n, m)
@@ -44,6 +48,8 @@ class MechanismForces:
 
     engine: EngineLayout
     shaft_angles: FloatArray
+    speed: FloatArray
+    crank_acceleration: FloatArray
     model: RodModelName
     gas: FloatArray
     side: FloatArray
@@ -109,7 +115,8 @@ def mechanism_forces(
     Raises
     ------
     InputError
-        If an array is not finite or does not fit, or there is no such model.
+        If an array is not finite or does not fit (speed and acceleration included), or there is no
+        such model.
 
     Notes
     -----
@@ -122,15 +129,17 @@ def mechanism_forces(
     """
     angles = finite_vector("shaft_angles", shaft_angles)
     shape = (len(engine.cylinders), angles.size)
+    turning = over_angles("speed", speed, angles)
+    gaining = over_angles("crank_acceleration", crank_acceleration, angles)
     pressing, rubbing = _forces("gas", gas, shape), _forces("friction", friction, shape)
     side = np.zeros(shape)
     piston_pin, foot, crankpin = (np.zeros(shape, dtype=np.complex128) for _ in range(3))
     motions = [cylinder_motion(engine, number + 1, angles) for number in range(shape[0])]
     for place, cylinder in enumerate(engine.cylinders):
         rod, motion = cylinder.rod.model(model), motions[place]
-        acceleration = motion.piston.acceleration(speed, crank_acceleration).real
+        acceleration = motion.piston.acceleration(turning, gaining).real
         along = -(pressing[place] - rubbing[place]) - cylinder.piston_mass * acceleration
-        inertia = _inertia_forces(rod, motion, speed, crank_acceleration)
+        inertia = _inertia_forces(rod, motion, turning, gaining)
         at_piston = _piston_pin_force(rod, motion, along, inertia)
         side[place] += at_piston.imag
         piston_pin[place] -= at_piston
@@ -147,7 +156,34 @@ def mechanism_forces(
         piston_pin[main] -= 1j * from_wall
         foot[main] += load + 1j * from_wall
         crankpin[place] = (load + 1j * from_wall) * np.exp(1j * carrier.bank_angle)
-    return MechanismForces(engine, angles, model, pressing, side, piston_pin, foot, crankpin)
+    return MechanismForces(
+        engine, angles, turning, gaining, model, pressing, side, piston_pin, foot, crankpin
+    )
+
+
+def over_angles(field: str, values: ArrayLike, angles: FloatArray) -> FloatArray:
+    """Return a quantity of the shaft at each of its angles, from one number or one for each.
+
+    Parameters
+    ----------
+    field : str
+        What to call it in messages.
+    values : number or array_like of shape (m,)
+    angles : ndarray of shape (m,)
+        Shaft angles [rad].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite, or there is neither one nor one for each angle.
+    """
+    given = finite_array(field, values)
+    if given.shape not in ((), angles.shape):
+        raise InputError(
+            f"{field}: given an array of shape {given.shape}; allowed is a number or an array of shape "
+            f"{angles.shape}, because there is one value for each shaft angle."
+        )
+    return np.asarray(np.broadcast_to(given, angles.shape))
 
 
 def _forces(field: str, values: ArrayLike, shape: tuple[int, int]) -> FloatArray:
@@ -164,8 +200,8 @@ def _forces(field: str, values: ArrayLike, shape: tuple[int, int]) -> FloatArray
 def _inertia_forces(
     rod: RodModel,
     motion: CylinderMotion,
-    speed: float | FloatArray,
-    crank_acceleration: float | FloatArray,
+    speed: FloatArray,
+    crank_acceleration: FloatArray,
 ) -> tuple[ComplexArray, FloatArray]:
     """Return M a_D, and the moment that the rod's motion takes about its foot."""
     force = rod.mass * motion.rod_point(rod.center).acceleration(speed, crank_acceleration)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from dynamics.checks import FloatArray, finite_vector, nonnegative_number
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.orders import checked_cylinder
 from dynamics.gas.pressure import ATMOSPHERE
 from geometry.errors import InputError
 
@@ -61,7 +62,7 @@ def gas_forces(
     if len(pressures) != count:
         raise InputError(
             f"pressure: given {len(pressures)} for {count} cylinders; allowed is one for all, or one "
-            "for each cylinder."
+            "for each cylinder, because each piston has its own force."
         )
     forces = []
     for cylinder, firing, own in zip(engine.cylinders, engine.firing, pressures, strict=True):
@@ -94,14 +95,10 @@ def piston_position(engine: EngineLayout, number: int) -> Callable[[FloatArray],
     InputError
         If the engine has no such cylinder.
     """
-    if not 1 <= number <= len(engine.cylinders):
-        raise InputError(
-            f"cylinder: given {number}; allowed is 1 to {len(engine.cylinders)}, because the engine has "
-            "these."
-        )
-    firing = engine.firing[number - 1]
+    own = checked_cylinder(engine, number)
+    firing = engine.firing[own - 1]
 
     def position(angle: FloatArray) -> FloatArray:
-        return cylinder_motion(engine, number, firing + angle).piston.place.real
+        return cylinder_motion(engine, own, firing + angle).piston.place.real
 
     return position

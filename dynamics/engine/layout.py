@@ -4,12 +4,15 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from dynamics.checks import finite_array, nonnegative_number, positive_number
-from dynamics.cycle import checked_strokes, cycle_degrees
+from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass
-from dynamics.engine.firing import IN_LINE, check_firing_order, firing_angles_of_order
+from dynamics.engine.firing import (
+    IN_LINE,
+    check_firing_order,
+    check_order_of_angles,
+    firing_angles_of_order,
+)
 from dynamics.engine.motions import hinged_foot
 from dynamics.mechanism.motion import rod_turn
 from dynamics.mechanism.slider_crank import check_reach
@@ -17,6 +20,8 @@ from geometry.errors import InputError
 
 # Crank angles at which a hinged rod is tried over a turn.
 TRIED_ANGLES = 720
+# Rods that share a crankpin stand in one place along the shaft, but for round-off [m].
+SAME_PLACE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -25,7 +30,8 @@ class EngineLayout:
 
     The shaft turns about +z, which runs from the free end to the flywheel; y points up, and
     x = y cross z. In line, all bank angles are equal; in a V engine two cylinders share a throw,
-    with rods side by side or one hinged to the other.
+    with rods side by side or one hinged to the other. Sequences are kept as tuples, so that a layout
+    stays as it was checked.
 
     Parameters
     ----------
@@ -39,7 +45,7 @@ class EngineLayout:
         Strokes per cycle, 2 or 4.
     firing_angles : sequence of n float, optional
         Shaft angle at which each cylinder fires [rad], where the order does not tell: cylinders
-        that fire together, or a top left out on purpose.
+        that fire together, or a top left out on purpose. In any cycle, in the firing order.
     rotating : sequence of RotatingMass, optional
         Counterweights and throws.
     shaft_inertia : float, optional
@@ -48,8 +54,9 @@ class EngineLayout:
     Raises
     ------
     InputError
-        If the firing order repeats or omits a cylinder or does not fit the cranks, a crank does not
-        turn round, or a rod is hinged to a rod that is not on its crankpin.
+        If the firing order repeats or omits a cylinder or does not fit cranks or firing angles, a
+        crank does not turn round, or a rod is hinged to a rod that is not on its crankpin or stands
+        elsewhere along the shaft.
     """
 
     crank_radius: float
@@ -64,14 +71,21 @@ class EngineLayout:
         positive_number("crank_radius", self.crank_radius, "m", "it is a length")
         nonnegative_number("shaft_inertia", self.shaft_inertia, "kg m^2", "it is an inertia")
         checked_strokes(self.strokes)
+        for name in ("cylinders", "rotating"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
         if not self.cylinders:
             raise InputError(
                 "cylinders: given none; allowed are one or more, because an engine has cylinders."
             )
         for number, cylinder in enumerate(self.cylinders, start=1):
             self._check_rod(number, cylinder)
-        check_firing_order(self.firing_order, len(self.cylinders))
-        self._check_firing_angles()
+        order = tuple(self.firing_order)
+        check_firing_order(order, len(self.cylinders))
+        object.__setattr__(self, "firing_order", tuple(int(number) for number in order))
+        if self.firing_angles is None:
+            _ = self.firing  # refuses an order that does not fit the cranks
+        else:
+            object.__setattr__(self, "firing_angles", self._checked_angles(self.firing_angles))
 
     @property
     def firing(self) -> tuple[float, ...]:
@@ -119,30 +133,33 @@ class EngineLayout:
                 f"{name}crank_angle: given {math.degrees(cylinder.crank_angle):g} deg; allowed is that of "
                 f"cylinder {main}, {math.degrees(carrier.crank_angle):g} deg, because they share a crankpin."
             )
+        if abs(carrier.position - cylinder.position) > SAME_PLACE:
+            raise InputError(
+                f"{name}position: given {cylinder.position:g} m; allowed is that of cylinder {main}, "
+                f"{carrier.position:g} m, because its rod hangs on that one's."
+            )
         if not cylinder.slave_pin.radius < carrier.rod.length:
             raise InputError(
                 f"{name}slave pin radius: given {cylinder.slave_pin.radius:g} m; allowed is less than the "
                 f"main rod's length of {carrier.rod.length:g} m, because the pin sits on that rod."
             )
-        angles = np.linspace(0.0, 2.0 * math.pi, TRIED_ANGLES, endpoint=False)
+        angles = even_angles(2.0 * math.pi, TRIED_ANGLES)
         foot = hinged_foot(self.crank_radius, carrier, cylinder, angles)
         try:
             rod_turn(foot, cylinder.rod.length, cylinder.pin_offset)
         except InputError as error:
             raise InputError(f"{name}{error}") from None
 
-    def _check_firing_angles(self) -> None:
-        if self.firing_angles is None:
-            _ = self.firing
-            return
-        given = finite_array("firing_angles", list(self.firing_angles))
+    def _checked_angles(self, firing_angles: Sequence[float]) -> tuple[float, ...]:
+        given = finite_array("firing_angles", list(firing_angles))
         if given.shape != (len(self.cylinders),):
             raise InputError(
                 f"firing_angles: given {given.size} angles; allowed is one for each of the "
-                f"{len(self.cylinders)} cylinders."
+                f"{len(self.cylinders)} cylinders, because each fires at its own."
             )
+        angles = tuple(given.tolist())
         for number, (angle, cylinder) in enumerate(
-            zip(given.tolist(), self.cylinders, strict=True), start=1
+            zip(angles, self.cylinders, strict=True), start=1
         ):
             off = math.remainder(angle - cylinder.top_shaft_angle, 2.0 * math.pi)
             if abs(off) > IN_LINE:
@@ -151,3 +168,26 @@ class EngineLayout:
                     f"{math.degrees(cylinder.top_shaft_angle):g} deg plus whole turns, because it fires "
                     "where its crank lies along its axis."
                 )
+        check_order_of_angles(self.firing_order, angles, self.strokes)
+        return angles
+
+
+def check_places(engine: EngineLayout) -> None:
+    """Refuse cylinders of one bank in the same place, where moments and bearing loads are asked for.
+
+    Raises
+    ------
+    InputError
+        With the numbers of two of them.
+    """
+    standing: list[tuple[int, EngineCylinder]] = []
+    for number, cylinder in enumerate(engine.cylinders, start=1):
+        for other, earlier in standing:
+            apart = math.remainder(cylinder.bank_angle - earlier.bank_angle, 2.0 * math.pi)
+            if abs(apart) <= IN_LINE and abs(cylinder.position - earlier.position) <= SAME_PLACE:
+                raise InputError(
+                    f"cylinder {number}: position: given {cylinder.position:g} m, where cylinder {other} of "
+                    "the same bank stands; allowed are places apart along the shaft, because moments and "
+                    "bearing loads follow from them."
+                )
+        standing.append((number, cylinder))

@@ -5,15 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_array, finite_vector, positive_number
-from dynamics.cycle import (
-    covers_cycle,
-    cycle_degrees,
-    first_not_increasing,
-    first_uneven,
-    has_closing_sample,
-)
+from dynamics.checks import FloatArray, finite_vector, positive_number
+from dynamics.cycle import cycle_degrees, cycle_fault
 from dynamics.engine.forces import MechanismForces, pin_groups, summed
+from dynamics.engine.layout import check_places
 from dynamics.mechanism.motion import ComplexArray
 from geometry.errors import InputError
 
@@ -139,11 +134,7 @@ def crankpin_loads(forces: MechanismForces) -> tuple[LoadDiagram, ...]:
 
 
 def main_bearing_loads(
-    forces: MechanismForces,
-    bearing_positions: ArrayLike,
-    speed: float | FloatArray,
-    *,
-    crank_acceleration: float | FloatArray = 0.0,
+    forces: MechanismForces, bearing_positions: ArrayLike
 ) -> tuple[LoadDiagram, ...]:
     """Return the load of each main bearing, as if the shaft were hinged at every bearing.
 
@@ -158,10 +149,6 @@ def main_bearing_loads(
         At even angles over one working cycle; a closing sample is left out.
     bearing_positions : array_like of shape (k,)
         Of the bearings' middles along the shaft, ascending [m].
-    speed : float or ndarray of shape (m,)
-        Of the shaft, that of `forces` [rad/s].
-    crank_acceleration : float or ndarray of shape (m,), optional
-        That of `forces` [rad/s^2].
 
     Returns
     -------
@@ -173,11 +160,12 @@ def main_bearing_loads(
     ------
     InputError
         If the angles are not even over one cycle, there are fewer than two bearings, their positions
-        do not ascend, or a load does not lie between them.
+        do not ascend, a load does not lie between them, or cylinders stand in the same place.
     """
     used = _one_cycle(forces)
     bearings = _bearing_positions(bearing_positions)
     engine, angles = forces.engine, forces.shaft_angles
+    check_places(engine)
     places, loads = [], []
     for group in pin_groups(engine):
         place = engine.cylinders[group[0] - 1].position
@@ -185,9 +173,7 @@ def main_bearing_loads(
         places.append(place)
         loads.append(summed(forces, group))
     # A mass at r turns with it: its force on the shaft is -m r'' = m r (w^2 - i w').
-    swing = np.broadcast_to(finite_array("speed", speed), angles.shape) ** 2 - 1j * (
-        finite_array("crank_acceleration", crank_acceleration)
-    )
+    swing = forces.speed**2 - 1j * forces.crank_acceleration
     for number, mass in enumerate(engine.rotating, start=1):
         _check_between(f"rotating mass {number}: position", mass.position, bearings)
         places.append(mass.position)
@@ -207,18 +193,22 @@ def _one_cycle(forces: MechanismForces) -> int:
     degrees = np.degrees(forces.shaft_angles)
     cycle = cycle_degrees(forces.engine.strokes)
     if degrees.size < FEWEST_ANGLES:
-        given = f"{degrees.size} angles"
-    elif (falling := first_not_increasing(degrees)) is not None:
-        given = f"{degrees[falling]:g} deg after {degrees[falling - 1]:g} deg"
-    elif (uneven := first_uneven(degrees)) is not None:
-        given = f"uneven steps at {degrees[uneven]:g} deg"
-    elif has_closing_sample(degrees, cycle):
-        return degrees.size - 1
-    elif covers_cycle(degrees, cycle):
+        raise _not_one_cycle(f"{degrees.size} angles", cycle)
+    found = cycle_fault(degrees, cycle)
+    if found is None:
         return degrees.size
-    else:
-        given = f"{degrees[0]:g} to {degrees[-1]:g} deg"
-    raise InputError(
+    fault, index = found
+    if fault == "closing sample":
+        return degrees.size - 1
+    if fault == "not increasing":
+        raise _not_one_cycle(f"{degrees[index]:g} deg after {degrees[index - 1]:g} deg", cycle)
+    if fault == "uneven":
+        raise _not_one_cycle(f"uneven steps at {degrees[index]:g} deg", cycle)
+    raise _not_one_cycle(f"{degrees[0]:g} to {degrees[-1]:g} deg", cycle)
+
+
+def _not_one_cycle(given: str, cycle: float) -> InputError:
+    return InputError(
         f"shaft_angles: given {given}; allowed are even steps over one cycle of {cycle:g} deg, because "
         "a load's mean is taken over the cycle."
     )

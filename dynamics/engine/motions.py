@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dynamics.checks import FloatArray
+from dynamics.cycle import even_angles
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.mechanism.motion import (
     PointMotion,
@@ -107,7 +108,7 @@ def cylinder_motion(
 
 def piston_ends(engine: "EngineLayout", number: int) -> tuple[float, float]:
     """Return the lowest and highest s of a piston pin over a turn [m]."""
-    angles = np.linspace(0.0, 2.0 * math.pi, SEARCH_ANGLES, endpoint=False)
+    angles = even_angles(2.0 * math.pi, SEARCH_ANGLES)
     places = cylinder_motion(engine, number, angles).piston.place.real
     ends = angles[[int(np.argmin(places)), int(np.argmax(places))]]
     for _ in range(NEWTON_STEPS):
@@ -115,12 +116,6 @@ def piston_ends(engine: "EngineLayout", number: int) -> tuple[float, float]:
         ends = ends - motion.first.real / motion.second.real
     lowest, highest = cylinder_motion(engine, number, ends).piston.place.real.tolist()
     return lowest, highest
-
-
-def piston_travel(engine: "EngineLayout", number: int, shaft_angles: FloatArray) -> FloatArray:
-    """Return how far a piston is from its highest place [m], shape (m,)."""
-    top = piston_ends(engine, number)[1]
-    return top - cylinder_motion(engine, number, shaft_angles).piston.place.real
 
 
 def reduced_inertia(

@@ -7,8 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dynamics.checks import FloatArray, finite_vector, positive_number
+from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.numbering import is_whole
 from dynamics.harmonics import Harmonics, harmonics
 from dynamics.mechanism.motion import ComplexArray
 from geometry.errors import InputError
@@ -16,6 +18,7 @@ from geometry.errors import InputError
 # Samples over a turn are doubled until the upper orders are round-off: below this share of the
 # largest value. A crank of 0.999 rod lengths still needs less than the most.
 ROUND_OFF = 1e-14
+TURN = 2.0 * np.pi
 FEWEST, MOST = 64, 32768
 
 
@@ -68,7 +71,7 @@ def turn_spectrum(
     while count * 3 // 8 <= highest:
         count *= 2
     while count <= MOST:
-        values = np.asarray(function(even_angles(count)))
+        values = np.asarray(function(even_angles(TURN, count)))
         coefficients = np.fft.fft(values) / count
         upper = coefficients[..., 3 * count // 8 : count - 3 * count // 8 + 1]
         if np.all(np.abs(upper) <= ROUND_OFF * np.max(np.abs(values), initial=0.0)):
@@ -80,11 +83,6 @@ def turn_spectrum(
     )
 
 
-def even_angles(count: int) -> FloatArray:
-    """Return so many angles [rad], evenly over a turn from zero, the closing one left out."""
-    return np.asarray(2.0 * np.pi / count * np.arange(count))
-
-
 def checked_orders(orders: Sequence[int]) -> tuple[int, ...]:
     """Return orders as integers.
 
@@ -94,7 +92,7 @@ def checked_orders(orders: Sequence[int]) -> tuple[int, ...]:
         If there is none, or one is not a whole number of 1 or more, or stands twice.
     """
     given = list(orders)
-    whole = [order for order in given if isinstance(order, int | np.integer) and order >= 1]
+    whole = [order for order in given if is_whole(order) and order >= 1]
     if not given or len(whole) != len(given) or len(set(given)) != len(given):
         raise InputError(
             f"orders: given {given}; allowed are different whole numbers of 1 or more, because "
@@ -112,7 +110,7 @@ def checked_cylinder(engine: EngineLayout, number: int) -> int:
         If the engine has no such cylinder.
     """
     count = len(engine.cylinders)
-    if not isinstance(number, int | np.integer) or not 1 <= number <= count:
+    if not is_whole(number) or not 1 <= number <= count:
         raise InputError(
             f"cylinder: given {number!r}; allowed are the whole numbers 1 to {count}, because the "
             f"engine has {count} cylinders."
@@ -198,5 +196,5 @@ def acceleration_orders(
     spectrum = turn_spectrum(
         lambda angles: piston_acceleration(engine, number, angles, speed), highest
     )
-    angles = even_angles(spectrum.samples)
+    angles = even_angles(TURN, spectrum.samples)
     return harmonics(piston_acceleration(engine, number, angles, speed), strokes=2)

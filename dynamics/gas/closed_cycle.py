@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_array, finite_vector
+from dynamics.checks import FloatArray, finite_vector
 from dynamics.gas.cycle_values import GasCycle
 from dynamics.gas.cylinder_volume import CylinderVolume
 
@@ -16,37 +16,6 @@ from dynamics.gas.cylinder_volume import CylinderVolume
 ROOT_POWER = 4
 PARTS = 96
 GAUSS_POINTS = 6
-
-
-def wiebe_fraction(cycle: GasCycle, angle: ArrayLike) -> FloatArray:
-    """Return the burnt share of the heat at crank angles.
-
-    Parameters
-    ----------
-    cycle : GasCycle
-        Start s, duration d, shape m and completeness c of the combustion.
-    angle : array_like of any shape
-        Crank angles within the closed part [rad].
-
-    Returns
-    -------
-    ndarray of the same shape
-        From 0 at the start to 1 at the end.
-
-    Raises
-    ------
-    InputError
-        If an angle is not a finite number.
-
-    Notes
-    -----
-    x = (1 - exp(-a t^(m + 1))) / c with t = (angle - s) / d and a = -ln(1 - c): the law of I. I.
-    Wiebe (Brennverlauf und Kreisprozess von Verbrennungsmotoren, 1970), which reaches c at the end
-    of the duration, scaled so that it reaches 1.
-    """
-    share = (finite_array("angle", angle) - cycle.combustion_start) / cycle.combustion_duration
-    burnt = -np.expm1(-_factor(cycle) * np.clip(share, 0.0, 1.0) ** (cycle.wiebe_shape + 1.0))
-    return np.asarray(burnt / cycle.wiebe_completeness, dtype=np.float64)
 
 
 def motored_pressure(cycle: GasCycle, volume: CylinderVolume, angle: ArrayLike) -> FloatArray:
@@ -95,6 +64,10 @@ def rise_per_heat(cycle: GasCycle, volume: CylinderVolume, angle: ArrayLike) -> 
 
     Notes
     -----
+    x = (1 - exp(-a t^(m + 1))) / c with t = (angle - s) / d from 0 to 1 and a = -ln(1 - c): the law of
+    I. I. Wiebe (Brennverlauf und Kreisprozess von Verbrennungsmotoren, 1970), which reaches the
+    completeness c at the end of the duration d, scaled so that it reaches 1.
+
     The first law for a gas with constant heat capacities, dQ = d(p V) / (g - 1) + p dV, is
     d(p V^g) = (g - 1) V^(g - 1) dQ, so that the pressure is that without combustion plus the heat
     times this rise. The integral is taken by Gauss's rule in parts.
@@ -134,26 +107,6 @@ def closed_pressure(
     """
     rise = rise_per_heat(cycle, volume, angle)
     return motored_pressure(cycle, volume, angle) + heat * rise
-
-
-def closed_work(cycle: GasCycle, volume: CylinderVolume, heat: float) -> float:
-    """Return the work of the gas from intake closing to exhaust opening.
-
-    Parameters
-    ----------
-    cycle, volume, heat
-        As for `closed_pressure`.
-
-    Returns
-    -------
-    float
-        Work [J]: the heat less the rise of the internal energy p V / (g - 1), without quadrature of
-        the work.
-    """
-    ends = np.array([cycle.intake_closes, cycle.exhaust_opens])
-    products = closed_pressure(cycle, volume, heat, ends) * volume.at(ends)
-    gained = float(products[1] - products[0]) / (cycle.heat_capacity_ratio - 1.0)
-    return heat - gained
 
 
 def _factor(cycle: GasCycle) -> float:

@@ -7,11 +7,12 @@ from typing import Literal
 import numpy as np
 
 from dynamics.checks import FloatArray, nonnegative_number
+from dynamics.cycle import even_angles
 from dynamics.gas.closed_cycle import motored_pressure
-from dynamics.gas.cycle_samples import CycleSamples, cycle_samples, even_angles
 from dynamics.gas.cycle_values import DEGREE, GasCycle, assumption_remarks
 from dynamics.gas.cylinder_volume import CylinderVolume, Position, cylinder_volume
 from dynamics.gas.pressure import HIGHEST_PEAK, GasPressure, gas_pressure
+from dynamics.gas.sampled_cycle import CycleSamples, cycle_samples
 from geometry.errors import InputError
 
 SAMPLES_PER_TURN = 1440
@@ -130,7 +131,7 @@ def gas_cycle(
     14.0
     """
     volume = cylinder_volume(position, area, cycle.compression_ratio)
-    angles = even_angles(cycle.strokes, _checked_count(cycle, samples))
+    angles = even_angles(cycle.cycle, _checked_count(cycle, samples))
     _check_heat_alone(heat, peak_pressure, mean_effective_pressure)
     remarks: list[str] = []
     if peak_pressure is not None and mean_effective_pressure is not None:

@@ -41,32 +41,16 @@ def indicated_work(pressure: ArrayLike, volume_slope: ArrayLike, strokes: int = 
     >>> round(work / math.pi, 9)
     600.0
     """
-    return _cycle_integral("pressure", pressure, "volume_slope", volume_slope, strokes)
-
-
-def torque_work(torque: ArrayLike, strokes: int = 4) -> float:
-    """Return the work of a torque over one cycle.
-
-    Parameters
-    ----------
-    torque : array_like of shape (m,)
-        Torque in the sense of rotation at even crank angles over the whole cycle [N m], the
-        closing sample left out.
-    strokes : int, optional
-        Strokes per cycle, 2 or 4.
-
-    Returns
-    -------
-    float
-        Integral of the torque over the crank angle [J].
-
-    Raises
-    ------
-    InputError
-        If there is no torque or one is not finite.
-    """
-    values = finite_vector("torque", torque)
-    return _cycle_integral("torque", values, "angle", np.ones(values.size), strokes)
+    pressing, slope = (
+        finite_vector("pressure", pressure),
+        finite_vector("volume_slope", volume_slope),
+    )
+    if pressing.size != slope.size or pressing.size == 0:
+        raise InputError(
+            f"volume_slope: given {slope.size} values for {pressing.size} of pressure; allowed is one "
+            "for each and at least one, because they are multiplied at each angle."
+        )
+    return math.pi * checked_strokes(strokes) * float(pressing @ slope) / pressing.size
 
 
 def indicated_mean_effective_pressure(work: float, swept: float) -> float:
@@ -92,43 +76,6 @@ def indicated_mean_effective_pressure(work: float, swept: float) -> float:
     return work / positive_number("swept", swept, "m^3", "the work is taken per swept volume")
 
 
-def work_mismatch(
-    pressure: ArrayLike, volume_slope: ArrayLike, torque: ArrayLike, strokes: int = 4
-) -> float:
-    """Return how far the work of the gas torque misses the indicated work.
-
-    Parameters
-    ----------
-    pressure, volume_slope : array_like of shape (m,)
-        As for `indicated_work`.
-    torque : array_like of shape (m,)
-        Torque of the gas force at the same crank angles [N m].
-    strokes : int, optional
-        Strokes per cycle, 2 or 4.
-
-    Returns
-    -------
-    float
-        Difference of the works, as a share of the work that goes to and fro, the integral of
-        |p dV|; round-off for a torque that follows from the same pressure by equilibrium.
-
-    Raises
-    ------
-    InputError
-        If lengths differ or a number is not finite.
-    """
-    values = finite_vector("torque", torque)
-    work = indicated_work(pressure, volume_slope, strokes)
-    turned = np.abs(finite_vector("pressure", pressure))
-    scale = indicated_work(turned, np.abs(finite_vector("volume_slope", volume_slope)), strokes)
-    if values.size != turned.size:
-        raise InputError(
-            f"torque: given {values.size} values for {turned.size} pressures; allowed is one for "
-            "each, because they are compared over the same cycle."
-        )
-    return abs(torque_work(values, strokes) - work) / scale if scale > 0.0 else 0.0
-
-
 def periodic_slope(values: FloatArray, period: float) -> FloatArray:
     """Return the derivative of a smooth periodic function from even samples over its period.
 
@@ -152,15 +99,3 @@ def periodic_slope(values: FloatArray, period: float) -> FloatArray:
     # is imaginary and left out by the inverse transform.
     slope = np.fft.irfft(2j * math.pi / period * orders * transform, n=values.size)
     return np.asarray(slope, dtype=np.float64)
-
-
-def _cycle_integral(
-    first_name: str, first: ArrayLike, second_name: str, second: ArrayLike, strokes: int
-) -> float:
-    one, other = finite_vector(first_name, first), finite_vector(second_name, second)
-    if one.size != other.size or one.size == 0:
-        raise InputError(
-            f"{second_name}: given {other.size} values for {one.size} of {first_name}; allowed is "
-            "one for each and at least one, because they are multiplied at each angle."
-        )
-    return math.pi * checked_strokes(strokes) * float(one @ other) / one.size

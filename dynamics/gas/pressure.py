@@ -9,13 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.checks import FloatArray, finite_array, finite_vector, positive_vector, read_only
-from dynamics.cycle import (
-    checked_strokes,
-    covers_cycle,
-    cycle_degrees,
-    first_not_increasing,
-    first_uneven,
-)
+from dynamics.cycle import checked_strokes, cycle_degrees, cycle_fault, first_not_increasing
 from geometry.errors import InputError
 
 if TYPE_CHECKING:
@@ -170,7 +164,7 @@ def gas_pressure(
             "for each pressure, because together they are the samples."
         )
     _check_cover(given, cycle)
-    even = first_uneven(given) is None and covers_cycle(given, cycle)
+    even = cycle_fault(given, cycle) is None
     places, values, remark = (
         _placed(given, values, cycle) if even else _resampled(given, values, cycle)
     )

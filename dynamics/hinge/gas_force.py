@@ -1,10 +1,7 @@
 """The gas force on the piston of a crosshead engine, from a pressure or from the cycle model."""
 
-import numpy as np
-
 from dynamics.checks import FloatArray
-from dynamics.engine.gas_forces import Pressure, gas_forces
-from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.gas_forces import Pressure, gas_forces, piston_position
 from dynamics.gas.cycle_values import usual_gas_cycle
 from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle
 from dynamics.gas.pressure import ATMOSPHERE
@@ -66,17 +63,12 @@ def two_stroke_cycle(
     InputError
         As `gas_cycle`.
     """
-    layout = engine.layout
-
-    def position(angles: FloatArray) -> FloatArray:
-        return cylinder_motion(layout, 1, np.atleast_1d(angles)).piston.place.real
-
     cycle = usual_gas_cycle(
         compression_ratio, strokes=2, intake_pressure=intake_pressure, **parameters
     )
     return gas_cycle(
         cycle,
-        position,
+        piston_position(engine.layout, 1),
         engine.area,
         peak_pressure=peak_pressure,
         mean_effective_pressure=mean_effective_pressure,

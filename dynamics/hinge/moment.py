@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.checks import FloatArray, finite_vector, positive_number, read_only
+from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import CrossheadEngine
-from dynamics.hinge.periodic import antiderivative, even_angles, periodic_spline, turn_integral
+from dynamics.hinge.periodic import TURN, antiderivative, periodic_spline, turn_integral
 from dynamics.hinge.reduced import Kinematics, ReducedCrank, reduced_crank
+from dynamics.turning.given_functions import whole_number
 from geometry.errors import InputError
 
 # Force on the piston towards the shaft [N] at crank angles [rad] of shape (m,).
@@ -62,11 +64,6 @@ class HingeMoment:
         """Moment of the gas force [N m], shape (m,)."""
         return self.gas * self.reduced.travel_rate
 
-    @property
-    def inertia_moment(self) -> FloatArray:
-        """What the changing inertia asks for at constant speed, w^2/2 dI/dphi [N m], shape (m,)."""
-        return 0.5 * self.speed**2 * self.reduced.inertia_rate
-
     @cached_property
     def stored_energy(self) -> FloatArray:
         """What the hinge must have stored since the top, minus the integral of M_h [J], (m,)."""
@@ -77,13 +74,8 @@ class HingeMoment:
         """Integral of M_h over a turn, by that of its absolute value."""
         return turn_integral(self.moment) / max(turn_integral(np.abs(self.moment)), 1e-300)
 
-    @property
-    def driving_moment(self) -> FloatArray:
-        """Gas, weights and load without the hinge [N m], shape (m,)."""
-        return self.gas_moment + self.reduced.weight_moment - self.load
-
     def at_angles(self, angles: FloatArray) -> tuple[ReducedCrank, FloatArray]:
-        """Return the reduced crank and the driving moment [N m] at any angles [rad], shape (k,)."""
+        """Return the reduced crank, and the moment without the hinge [N m], at angles [rad], (k,)."""
         reduced = reduced_crank(self.engine, angles, self.kinematics)
         gas = self.gas_force(angles) * reduced.travel_rate
         return reduced, gas + reduced.weight_moment - self.load
@@ -140,12 +132,10 @@ def hinge_moment(
     (50000.0, True)
     """
     positive_number("speed", speed, "rad/s", "the crank turns forward")
-    if samples < FEWEST_SAMPLES:
-        raise InputError(
-            f"samples: given {samples}; allowed are {FEWEST_SAMPLES} or more over a turn, because fewer "
-            "do not show the rise of the pressure."
-        )
-    angles = even_angles(samples)
+    count = whole_number(
+        "samples", samples, FEWEST_SAMPLES, "fewer over a turn do not show the rise of the pressure"
+    )
+    angles = even_angles(TURN, count)
     force = as_function(gas_force)
     gas = finite_vector("gas_force", force(angles))
     if gas.shape != angles.shape:

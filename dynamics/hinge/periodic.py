@@ -6,16 +6,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dynamics.checks import FloatArray
+from dynamics.cycle import even_angles
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
 TURN = 2.0 * math.pi
-
-
-def even_angles(count: int) -> FloatArray:
-    """Return even angles over a turn [rad], the closing one left out, shape (count,)."""
-    return np.asarray(TURN / count * np.arange(count), dtype=np.float64)
 
 
 def turn_integral(samples: FloatArray) -> float:
@@ -42,5 +38,5 @@ def periodic_spline(samples: FloatArray) -> "CubicSpline":
     """Return the cubic spline that repeats every turn through samples at even angles."""
     from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
 
-    angles = np.append(even_angles(samples.size), TURN)
+    angles = np.append(even_angles(TURN, samples.size), TURN)
     return CubicSpline(angles, np.append(samples, samples[0]), bc_type="periodic")

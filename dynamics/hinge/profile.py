@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dynamics.checks import FloatArray, nonnegative_number, positive_number, read_only
+from dynamics.cycle import even_angles
 from dynamics.hinge.moment import HingeMoment
-from dynamics.hinge.periodic import even_angles, periodic_spline
+from dynamics.hinge.periodic import TURN, periodic_spline
 from dynamics.hinge.polar import check_roller, outer_parallel, polar_curvature, smallest_hollow
-from dynamics.hinge.spring import GasSpring
+from dynamics.hinge.spring import LEAST_COLUMN, GasSpring
 from dynamics.mechanism.motion import ComplexArray
 from geometry.errors import InputError
 
@@ -100,19 +101,14 @@ class HingeProfile:
         return self.spring.force(self.compression)
 
     @property
-    def pressure_angle(self) -> FloatArray:
+    def force_angle(self) -> FloatArray:
         """Angle between the force of the guide on a roller and the spring's axis [rad]."""
         return np.arctan2(self.slope, self.radius)
 
     @property
     def normal_force(self) -> FloatArray:
         """Force of the guide on each roller, along the guide's normal, without friction [N]."""
-        return self.spring_force / np.cos(self.pressure_angle)
-
-    @property
-    def side_force(self) -> FloatArray:
-        """Force of the guide on each roller across the spring's axis [N]."""
-        return self.spring_force * np.tan(self.pressure_angle)
+        return self.spring_force / np.cos(self.force_angle)
 
     @cached_property
     def curvature(self) -> FloatArray:
@@ -158,8 +154,13 @@ class HingeProfile:
 
     @property
     def checks(self) -> tuple[ProfileCheck, ...]:
-        """Conditions of a guide that can be made, each met or not."""
+        """Conditions of a guide that can be made, each met or not.
+
+        `hinge_profile` makes no guides that leave less than the least gas column; it is told here
+        how much they leave, and other guides may leave less.
+        """
         least, column = float(self.radius.min()), self.spring.height - float(self.compression.max())
+        least_column = LEAST_COLUMN * self.spring.height
         hollow, lowest = smallest_hollow(self.curvature), float(self.pressure.min())
         return (
             ProfileCheck(
@@ -172,11 +173,11 @@ class HingeProfile:
             ),
             ProfileCheck(
                 "shortest gas column",
-                column > 0.0,
+                column > least_column,
                 column,
-                0.0,
+                least_column,
                 "m",
-                "above zero: z stays below H",
+                f"above {100.0 * LEAST_COLUMN:g} % of the height, or nothing keeps the pistons apart",
             ),
             ProfileCheck(
                 "lowest spring pressure",
@@ -206,7 +207,7 @@ class HingeProfile:
                 f"The spring gets {longest * 1e3:.3g} mm longer than at the top dead center: its "
                 "cylinder needs room for that."
             )
-        steepest = float(np.max(np.abs(self.pressure_angle)))
+        steepest = float(np.max(np.abs(self.force_angle)))
         if steepest > STEEP:
             found.append(
                 f"The guides are steep: the force of the rollers stands up to {np.degrees(steepest):.0f} "
@@ -268,7 +269,7 @@ def hinge_profile(
         spring=spring,
         start_radius=float(start_radius),
         roller_radius=float(roller_radius),
-        angles=read_only(even_angles(moment.angles.size)),
+        angles=read_only(even_angles(TURN, moment.angles.size)),
         radius=read_only(start_radius - 0.5 * compression),
         speed=moment.speed,
     )

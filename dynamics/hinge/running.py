@@ -6,23 +6,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from dynamics.checks import FloatArray, nonnegative_number, positive_number, read_only
+from dynamics.cycle import even_angles
 from dynamics.hinge.moment import HingeMoment
-from dynamics.hinge.periodic import TURN, even_angles, periodic_spline
+from dynamics.hinge.periodic import TURN, periodic_spline
 from dynamics.hinge.profile import HingeProfile
 from dynamics.hinge.reduced import ReducedCrank
 from dynamics.turning.speed_over_angle import SpeedOverAngle, speed_over_angle
+from dynamics.turning.steady_energy import energy_for_mean_speed, mean_speed, slowest_mean_speed
 from geometry.errors import InputError
 from geometry.quantity import show_quantity
 
 # Angles over a turn of the energy equation, twice those of a hinge moment by default.
 STEPS = 2880
-# A crank that has less than this share of the turn's swing of energy left at its slowest is taken
-# as not coming round.
-LEAST_ENERGY = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class SteadyTurn:
+class SteadyHingeTurn:
     """One turn of a crank that repeats.
 
     Parameters
@@ -61,7 +60,7 @@ class TurnEnergy:
     left_over: float
 
 
-def steady_turn(
+def steady_hinge_turn(
     point: HingeMoment,
     hinge: HingeProfile | None = None,
     *,
@@ -69,7 +68,7 @@ def steady_turn(
     flywheel: float = 0.0,
     speed: float | None = None,
     top_speed: float | None = None,
-) -> SteadyTurn:
+) -> SteadyHingeTurn:
     """Find a turn that repeats, the load being constant.
 
     Parameters
@@ -89,7 +88,7 @@ def steady_turn(
 
     Returns
     -------
-    SteadyTurn
+    SteadyHingeTurn
 
     Raises
     ------
@@ -133,7 +132,7 @@ def simulate_hinge(
     Parameters
     ----------
     point, hinge, pressure, flywheel
-        As for `steady_turn`.
+        As for `steady_hinge_turn`.
     start_speed : float, optional
         At the top [rad/s]; unless given, that of the turn that repeats at the speed of `point`.
     turns : float, optional
@@ -148,7 +147,7 @@ def simulate_hinge(
     Raises
     ------
     InputError
-        As `steady_turn`.
+        As `steady_hinge_turn`.
 
     Notes
     -----
@@ -156,16 +155,15 @@ def simulate_hinge(
     guides and spring, 2 F_pn d rho/d phi.
     """
     if start_speed is None:
-        turn = steady_turn(point, hinge, pressure=pressure, flywheel=flywheel)
+        turn = steady_hinge_turn(point, hinge, pressure=pressure, flywheel=flywheel)
         start_speed = float(turn.speed[0])
     _, reduced, moments = moments_on_crank(point, hinge, pressure)
     inertia, moment = periodic_spline(reduced.inertia + flywheel), periodic_spline(moments)
-    inertia_rate = inertia.derivative()
 
-    def inertia_at(angle: float) -> tuple[float, float]:
-        return float(inertia(angle)), float(inertia_rate(angle))
+    def inertia_at(angle: float) -> float:
+        return float(inertia(angle))
 
-    def moment_at(angle: float, _: float) -> float:
+    def moment_at(_: float, angle: float) -> float:
         return float(moment(angle))
 
     return speed_over_angle(inertia_at, moment_at, 0.0, start_speed, turns, samples)
@@ -175,7 +173,7 @@ def moments_on_crank(
     point: HingeMoment, hinge: HingeProfile | None, pressure: float | None
 ) -> tuple[FloatArray, ReducedCrank, FloatArray]:
     """Return even angles, the reduced crank and the sum of all moments on it at them."""
-    angles = even_angles(STEPS)
+    angles = even_angles(TURN, STEPS)
     reduced, moment = point.at_angles(angles)
     if hinge is not None:
         moment = moment + hinge.moment_at(angles, pressure)
@@ -196,34 +194,26 @@ def integrated(angles: FloatArray, inertia: FloatArray, moment: FloatArray) -> T
     return TurnEnergy(angles, inertia, gained[:-1], float(gained[-1]))
 
 
-def steady_at(energy: TurnEnergy, flywheel: float, speed: float) -> SteadyTurn:
-    """Solve for the energy at the top at which the mean speed is the wanted one."""
-    from scipy.optimize import brentq
+def steady_at(energy: TurnEnergy, flywheel: float, speed: float) -> SteadyHingeTurn:
+    """Solve for the energy at the top at which the mean speed is the wanted one.
 
+    What `steady_turning` begins with is all that is needed here: no moment depends on the speed, so
+    that the energy need not be integrated anew for each trial.
+    """
     inertia = energy.inertia + flywheel
-    least = -float(energy.gained.min())
-    swing = float(np.ptp(energy.gained))
-
-    def mean(above: float) -> float:
-        return _mean(np.sqrt(2.0 * (energy.gained + least + above) / inertia))
-
-    # The least speed of a turn is below its mean, the greatest above: both ends hold the solution.
-    highest = 0.5 * speed**2 * float(inertia.max()) + swing
-    lowest = max(LEAST_ENERGY * swing, 1e-12 * highest)
-    if mean(lowest) > speed:
+    at_top = energy_for_mean_speed(energy.gained, inertia, speed)
+    if at_top is None:
+        slowest = slowest_mean_speed(energy.gained, inertia)
         raise InputError(
             f"speed: given a mean of {show_quantity(speed, 'rad/s', 4)}; allowed is "
-            f"{show_quantity(mean(lowest), 'rad/s', 4)} or more with a flywheel of {flywheel:.4g} kg m^2, "
+            f"{show_quantity(slowest, 'rad/s', 4)} or more with a flywheel of {flywheel:.4g} kg m^2, "
             "because a slower crank does not come round: over a turn its energy swings by "
-            f"{swing / 1e3:.4g} kJ."
+            f"{np.ptp(energy.gained) / 1e3:.4g} kJ."
         )
-    above = float(
-        brentq(lambda value: mean(value) - speed, lowest, highest, rtol=1e-14, xtol=1e-12)
-    )
-    return _turn(energy, inertia, least + above, flywheel)
+    return _turn(energy, inertia, at_top, flywheel)
 
 
-def _from_top(energy: TurnEnergy, flywheel: float, top_speed: float) -> SteadyTurn:
+def _from_top(energy: TurnEnergy, flywheel: float, top_speed: float) -> SteadyHingeTurn:
     """Return the turn with a speed at the top."""
     inertia = energy.inertia + flywheel
     at_top = 0.5 * float(inertia[0]) * top_speed**2
@@ -237,17 +227,15 @@ def _from_top(energy: TurnEnergy, flywheel: float, top_speed: float) -> SteadyTu
     return _turn(energy, inertia, at_top, flywheel)
 
 
-def _turn(energy: TurnEnergy, inertia: FloatArray, at_top: float, flywheel: float) -> SteadyTurn:
-    speed = np.sqrt(2.0 * (energy.gained + at_top) / inertia)
-    return SteadyTurn(
+def _turn(
+    energy: TurnEnergy, inertia: FloatArray, at_top: float, flywheel: float
+) -> SteadyHingeTurn:
+    kinetic = energy.gained + at_top
+    speed = np.sqrt(2.0 * kinetic / inertia)
+    return SteadyHingeTurn(
         angles=read_only(energy.angles),
         speed=read_only(speed),
-        mean_speed=_mean(speed),
+        mean_speed=mean_speed(kinetic, inertia),
         gain=energy.left_over,
         flywheel=flywheel,
     )
-
-
-def _mean(speed: FloatArray) -> float:
-    """Return the mean over time of a speed given at even angles."""
-    return 1.0 / float(np.mean(1.0 / speed))

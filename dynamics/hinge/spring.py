@@ -74,17 +74,35 @@ class GasSpring:
         return self.pressure + self.ambient
 
     def gas_pressure(self, compression: ArrayLike) -> FloatArray:
-        """Return the pressure above ambient [Pa] when the column is shorter by z [m]."""
-        share = 1.0 - np.asarray(compression, dtype=np.float64) / self.height
+        """Return the pressure above ambient [Pa] when the column is shorter by z [m].
+
+        Raises
+        ------
+        InputError
+            If z is not a finite number below the height.
+        """
+        share = 1.0 - self._within(compression) / self.height
         return np.asarray(self.absolute * share**-self.exponent - self.ambient)
 
     def force(self, compression: ArrayLike) -> FloatArray:
-        """Return the force on each piston, outwards [N], when the column is shorter by z [m]."""
+        """Return the force on each piston, outwards [N], when the column is shorter by z [m].
+
+        Raises
+        ------
+        InputError
+            If z is not a finite number below the height.
+        """
         return self.piston_area * self.gas_pressure(compression)
 
     def work(self, compression: ArrayLike) -> FloatArray:
-        """Return the work that shortens the column by z [m], the integral of the force [J]."""
-        shorter = np.asarray(compression, dtype=np.float64)
+        """Return the work that shortens the column by z [m], the integral of the force [J].
+
+        Raises
+        ------
+        InputError
+            If z is not a finite number below the height.
+        """
+        shorter = self._within(compression)
         logarithm = -np.log1p(-shorter / self.height)
         less = self.exponent - 1.0
         scale = self.piston_area * self.absolute * self.height
@@ -116,19 +134,23 @@ class GasSpring:
         """
         wanted = finite_array("work", work)
         self._check_energy(wanted)
+        self._check_column(wanted)
         found = self._closed_form(wanted + self.piston_area * self.ambient * self.height)
         if self.ambient > 0.0:
             for _ in range(NEWTON_STEPS):
                 found = found - (self.work(found) - wanted) / self.force(found)
-        left = float(np.min(1.0 - found / self.height, initial=1.0))
-        if left < LEAST_COLUMN:
-            raise InputError(
-                f"pressure: given {self.pressure / 1e6:g} MPa in a spring {self.height:g} m high, of which "
-                f"{left * self.height:.3g} m would be left under the work of {np.max(wanted) / 1e3:.4g} "
-                f"kJ; allowed is a pressure that leaves {LEAST_COLUMN * self.height:.3g} m or more, "
-                "because the compression z must stay below the height H."
-            )
         return np.asarray(found)
+
+    def _within(self, compression: ArrayLike) -> FloatArray:
+        """Return compressions that leave something of the column."""
+        shorter = finite_array("compression", compression)
+        largest = float(np.max(shorter, initial=0.0))
+        if largest >= self.height:
+            raise InputError(
+                f"compression: given {largest:g} m of a gas column {self.height:g} m high; allowed is less "
+                "than its height, because the gas takes up room."
+            )
+        return shorter
 
     def _closed_form(self, work: FloatArray) -> FloatArray:
         """Return z for the work of the gas alone."""
@@ -136,6 +158,18 @@ class GasSpring:
         share = work / (self.piston_area * self.absolute * self.height)
         logarithm = np.log1p(less * share) / less if less > 0.0 else share
         return np.asarray(-self.height * np.expm1(-logarithm))
+
+    def _check_column(self, work: FloatArray) -> None:
+        """Refuse works that leave almost nothing of the column."""
+        largest = float(np.max(work, initial=0.0))
+        most = float(self.work((1.0 - LEAST_COLUMN) * self.height))
+        if largest > most:
+            raise InputError(
+                f"pressure: given {self.pressure / 1e6:g} MPa in a spring {self.height:g} m high that must "
+                f"take {largest / 1e3:.4g} kJ; allowed is a pressure at which the gas takes more, here at "
+                f"most {most / 1e3:.4g} kJ until {LEAST_COLUMN * self.height:.3g} m of the column are left, "
+                "because the compression z must stay below the height H."
+            )
 
     def _check_energy(self, work: FloatArray) -> None:
         """Refuse works below what the gas gives until it presses outwards no more."""

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.checks import FloatArray, finite_array
+from dynamics.cycle import even_angles
 from dynamics.engine.gas_forces import Pressure, gas_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.harmonics import Harmonics, harmonics
@@ -34,7 +35,7 @@ def samples_and_gas(
             f"samples: given {samples!r}; allowed is a whole number of 3 or more, because fewer show "
             "no harmonic."
         )
-    angles = np.asarray(engine.cycle / samples * np.arange(samples), dtype=np.float64)
+    angles = even_angles(engine.cycle, samples)
     shape = (len(engine.cylinders), samples)
     if pressure is None:
         return angles, np.zeros(shape)

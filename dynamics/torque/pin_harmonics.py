@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, nonnegative_number, positive_number
-from dynamics.cycle import cycle_degrees, order_step
+from dynamics.checks import FloatArray, nonnegative_number
 from dynamics.engine.forces import MechanismForces, mechanism_forces
 from dynamics.engine.gas_forces import Pressure
 from dynamics.engine.layout import EngineLayout
@@ -14,7 +13,6 @@ from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics
 from dynamics.mechanism.rods import RodModelName
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
-from geometry.errors import InputError
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +62,7 @@ def pin_force_harmonics(
     engine, speed, pressure, samples, model, crankcase_pressure
         As for `engine_torque`.
     highest_order : float, optional
-        That will be asked for: checked against the samples.
+        The harmonics end with it; the samples must resolve it.
 
     Returns
     -------
@@ -76,14 +74,13 @@ def pin_force_harmonics(
         As `engine_torque`, and if the samples do not resolve the highest order.
     """
     running = nonnegative_number("speed", speed, "rad/s", "the shaft turns forward")
-    _check_order(engine, highest_order, samples)
     angles, gas = samples_and_gas(engine, pressure, samples, crankcase_pressure)
     from_gas = mechanism_forces(engine, angles, 0.0, gas, model=model)
     from_masses = mechanism_forces(engine, angles, running, 0.0, model=model)
     found = []
     for place, firing in enumerate(engine.firing):
         split = [
-            from_firing_top(engine, place, angles, values)
+            from_firing_top(engine, place, angles, values).up_to(highest_order)
             for values in _parts(from_gas, from_masses, place)
         ]
         found.append(PinForceHarmonics(place + 1, firing, *split))
@@ -96,13 +93,3 @@ def _parts(gas: MechanismForces, masses: MechanismForces, place: int) -> list[Fl
     for of_gas, of_masses in ((gas.tangential, masses.tangential), (gas.radial, masses.radial)):
         parts += [of_gas[place], of_masses[place], of_gas[place] + of_masses[place]]
     return parts
-
-
-def _check_order(engine: EngineLayout, highest_order: float, samples: int) -> None:
-    highest = positive_number("highest_order", highest_order, "", "orders count cycles per turn")
-    resolved = order_step(engine.strokes) * (samples // 2)
-    if highest > resolved:
-        raise InputError(
-            f"highest_order: given {highest:g}; allowed is {resolved:g} or less, because {samples} "
-            f"samples over a cycle of {cycle_degrees(engine.strokes):g} deg resolve no higher one."
-        )

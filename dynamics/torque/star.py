@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from dynamics.checks import FloatArray, finite_array, finite_vector, positive_vector, read_only
 from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
+from dynamics.cycle import checked_strokes, order_step
 from dynamics.engine.layout import EngineLayout
 from geometry.errors import InputError
 
@@ -94,7 +95,7 @@ def star_diagram(
     orders : array_like of shape (K,) or number, optional
         Orders, or the highest of all orders of the cycle.
     strokes : int, optional
-        Per cycle; for firing angles with a highest order alone (4 if not given).
+        Per cycle, 2 or 4: the engine's own; for firing angles with a highest order 4 if not given.
     amplitudes : array_like of shape (n,) or (K, n), optional
         Of the cylinders' harmonics, where they differ; 1 by default.
     phases : array_like of shape (n,) or (K, n), optional
@@ -109,7 +110,8 @@ def star_diagram(
     Raises
     ------
     InputError
-        If an array does not fit, or an order is not above zero.
+        If an array does not fit, the strokes are not 2 or 4 or not the engine's, or an order is not
+        above zero or, where the strokes are known, not one of the cycle's.
 
     Examples
     --------
@@ -117,16 +119,8 @@ def star_diagram(
     >>> [(star.order, star.kind) for star in stars if star.kind != "balanced"]
     [(2.0, 'major'), (4.0, 'major')]
     """
-    if isinstance(engine, EngineLayout):
-        firing, cycle_strokes = np.array(engine.firing), engine.strokes
-    else:
-        firing, cycle_strokes = finite_vector("firing angles", engine), strokes or 4
-    if firing.size == 0:
-        raise InputError("firing angles: given none; allowed is one for each cylinder.")
-    if np.ndim(orders) == 0:
-        asked = engine_orders(cycle_strokes, float(finite_array("orders", orders)))
-    else:
-        asked = positive_vector("orders", orders, "", "they count cycles per revolution")
+    firing, known = _firing_and_strokes(engine, strokes)
+    asked = _asked_orders(orders, known)
     shape = (asked.size, firing.size)
     lengths = _fitted("amplitudes", 1.0 if amplitudes is None else amplitudes, shape)
     lengths = lengths * _fitted("mode_shape", 1.0 if mode_shape is None else mode_shape, shape)
@@ -142,6 +136,45 @@ def star_diagram(
     )
 
 
+def _firing_and_strokes(
+    engine: EngineLayout | ArrayLike, strokes: int | None
+) -> tuple[FloatArray, int | None]:
+    """Return the firing angles [rad], and the strokes where they are known."""
+    told = None if strokes is None else checked_strokes(strokes)
+    if isinstance(engine, EngineLayout):
+        if told not in (None, engine.strokes):
+            raise InputError(
+                f"strokes: given {told}; allowed is {engine.strokes} or nothing, because that is the "
+                "engine's."
+            )
+        return np.array(engine.firing), engine.strokes
+    firing = finite_vector("firing angles", engine)
+    if firing.size == 0:
+        raise InputError(
+            "firing angles: given none; allowed is one for each cylinder, because the star has a "
+            "vector of each."
+        )
+    return firing, told
+
+
+def _asked_orders(orders: ArrayLike | float, strokes: int | None) -> FloatArray:
+    """Return the orders themselves, or all up to a highest one."""
+    if np.ndim(orders) == 0:
+        highest = float(finite_array("orders", orders))
+        return np.asarray(engine_orders(4 if strokes is None else strokes, highest))
+    asked = positive_vector("orders", orders, "", "they count cycles per revolution")
+    if strokes is not None:
+        step = order_step(strokes)
+        between = np.flatnonzero(np.abs(asked / step - np.round(asked / step)) > 1e-9)
+        if between.size:
+            first = int(between[0])
+            raise InputError(
+                f"orders[{first}]: given {asked[first]:g}; allowed are multiples of {step:g}, because "
+                f"a cycle of {strokes} strokes has no others."
+            )
+    return asked
+
+
 def leading_stars(stars: Sequence[Star]) -> tuple[Star, ...]:
     """Return the major orders, or where none is, as with uneven firing, the strongest ones.
 
@@ -155,7 +188,9 @@ def leading_stars(stars: Sequence[Star]) -> tuple[Star, ...]:
     majors = tuple(star for star in stars if star.kind == "major")
     strongest = max(star.share for star in stars)
     return majors or tuple(
-        star for star in stars if star.share >= strongest - FULL_SUM_TOLERANCE and strongest > 0.0
+        star
+        for star in stars
+        if star.share >= strongest - FULL_SUM_TOLERANCE and strongest > FULL_SUM_TOLERANCE
     )
 
 
@@ -202,5 +237,6 @@ def _fitted(field: str, given: ArrayLike | float, shape: tuple[int, int]) -> Flo
     except ValueError:
         raise InputError(
             f"{field}: given an array of shape {values.shape}; allowed is one for each of "
-            f"{shape[1]} cylinders, or for each of {shape[0]} orders and each cylinder."
+            f"{shape[1]} cylinders, or for each of {shape[0]} orders and each cylinder, because each "
+            "vector takes its own."
         ) from None

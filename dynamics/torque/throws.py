@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from dynamics.engine.firing import IN_LINE
 from dynamics.engine.layout import EngineLayout
+from dynamics.engine.numbering import is_whole
 from geometry.errors import InputError
 
 # Rods on one throw stand closer than this share of the bore: cylinders of a bank cannot.
@@ -53,13 +54,18 @@ def checked_throws(engine: EngineLayout, throws: Sequence[int]) -> tuple[tuple[i
     Raises
     ------
     InputError
-        If there is not one for each cylinder, or a throw has none.
+        If there is not one for each cylinder, one is no whole number, or a throw has none.
     """
     given = list(throws)
     if len(given) != len(engine.cylinders):
         raise InputError(
             f"throws: given {len(given)}; allowed are {len(engine.cylinders)}, because each cylinder "
             "works on one."
+        )
+    if not all(is_whole(throw) for throw in given):
+        raise InputError(
+            f"throws: given {given}; allowed are whole numbers from 0 on, because throws are counted "
+            "from the free end."
         )
     if sorted(set(given)) != list(range(max(given) + 1)):
         raise InputError(

@@ -11,7 +11,9 @@ from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import Pressure
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.numbering import is_whole
 from dynamics.engine.orders import checked_cylinder
+from dynamics.gas.indicated import indicated_work
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics, harmonics
 from dynamics.mechanism.rods import RodModelName
@@ -112,10 +114,10 @@ class EngineTorque:
         """
         if throw is None:
             return harmonics(self.total, self.engine.strokes)
-        if not 1 <= throw <= len(self.throws):
+        if not is_whole(throw) or not 1 <= throw <= len(self.throws):
             raise InputError(
-                f"throw: given {throw}; allowed is 1 to {len(self.throws)}, because the shaft has that "
-                "many."
+                f"throw: given {throw!r}; allowed is 1 to {len(self.throws)}, because the shaft has that "
+                "many throws."
             )
         return harmonics(self.per_throw[throw - 1], self.engine.strokes)
 
@@ -197,14 +199,10 @@ def engine_torque(
 
 
 def _indicated_work(engine: EngineLayout, angles: FloatArray, gas: FloatArray) -> FloatArray:
-    """Return the integral of F ds over the cycle of each cylinder, from the pistons' motion alone.
-
-    The trapezoidal rule over a period: exact to round-off for what the samples resolve.
-    """
-    slopes = np.array(
-        [
-            cylinder_motion(engine, number, angles).piston.first.real
-            for number in range(1, len(engine.cylinders) + 1)
-        ]
-    )
-    return np.asarray(-(gas * slopes).sum(axis=1) * engine.cycle / angles.size)
+    """Return the integral of F ds over the cycle of each cylinder, from the pistons' motion alone."""
+    works = []
+    for number, force in enumerate(gas, start=1):
+        # A force towards the shaft on the piston's way there is a pressure on a growing volume.
+        inwards = -cylinder_motion(engine, number, angles).piston.first.real
+        works.append(indicated_work(force, inwards, engine.strokes))
+    return np.array(works)

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from dynamics.checks import FloatArray
+from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion, reduced_inertia
-from dynamics.engine.orders import even_angles, turn_spectrum
+from dynamics.engine.orders import turn_spectrum
 from dynamics.mechanism.motion import ComplexArray
 from dynamics.mechanism.rods import RodModel
 
@@ -54,7 +55,9 @@ def turn_curves(function: Callable[[FloatArray], FloatArray]) -> TurnCurves:
     InputError
         If a curve's harmonics do not fade out.
     """
-    largest = np.max(np.abs(function(even_angles(SIZE_SAMPLES))), axis=1, keepdims=True)
+    largest = np.max(
+        np.abs(function(even_angles(2.0 * np.pi, SIZE_SAMPLES))), axis=1, keepdims=True
+    )
     # Each curve by its own size: inertias and lengths are not to be compared.
     scale = np.where(largest > 0.0, largest, 1.0)
     found = scale * turn_spectrum(lambda angles: function(angles) / scale, 1).coefficients

@@ -18,6 +18,7 @@ from dynamics.checks import (
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rods import RodModelName
+from dynamics.turning.given_functions import whole_number
 from dynamics.turning.piston_gas import Gas
 from dynamics.turning.shaft_moments import Resistance, ShaftMoments, shaft_moments
 from geometry.errors import InputError
@@ -148,7 +149,8 @@ def turn_freely(
     Raises
     ------
     InputError
-        If a number is out of its range, times do not ascend, or pressures do not fit the engine.
+        If a number is out of its range, times do not ascend, pressures do not fit the engine, gas,
+        load or friction give no finite moment, or the inertia vanishes at a dead center.
 
     Notes
     -----
@@ -216,7 +218,7 @@ def _integrated(
 
 def _scales(moments: ShaftMoments, start: tuple[float, float]) -> FloatArray:
     speed = max(start[1], 1.0)
-    energy = 0.5 * moments.inertia(start[0])[0] * speed**2
+    energy = 0.5 * moments.inertia(start[0]) * speed**2
     return np.array([1.0, speed, *[energy] * len(SHARES)])
 
 
@@ -267,7 +269,11 @@ def _stroke(
         atol=TOLERANCE * scales,
     )
     if found.status < 0:
-        raise InputError(f"engine: the angle cannot be followed, because {found.message}")
+        reached, reason = float(found.t[-1]), str(found.message).rstrip(".")
+        raise InputError(
+            f"duration: given {span[1]:g} s; allowed is {reached:.6g} s or less, because the angle "
+            f"cannot be followed any longer ({reason})."
+        )
     return found
 
 
@@ -307,11 +313,7 @@ def _stop_remark(time: float, angle: float) -> str:
 
 def _told_times(times: ArrayLike | None, samples: int, end: float) -> FloatArray:
     if times is None:
-        if samples < 2:
-            raise InputError(
-                f"samples: given {samples}; allowed are 2 or more, because start and end are told."
-            )
-        return np.linspace(0.0, end, samples)
+        return np.linspace(0.0, end, whole_number("samples", samples, 2, "start and end are told"))
     given = finite_vector("times", times)
     if given.size == 0 or given[0] < 0.0 or given[-1] > end or np.any(np.diff(given) <= 0.0):
         raise InputError(

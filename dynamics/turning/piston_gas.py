@@ -91,7 +91,8 @@ def _from_places(
             [
                 force(place + 1, positions[place], 1 if way > 0.0 else -1, since_firing[place])
                 for place, way in enumerate(directions.tolist())
-            ]
+            ],
+            dtype=np.float64,
         )
 
     return forces

@@ -12,6 +12,7 @@ from dynamics.engine.forces import rod_models
 from dynamics.engine.layout import EngineLayout
 from dynamics.mechanism.rods import RodModelName
 from dynamics.turning.curves import TurnCurves, engine_curves
+from dynamics.turning.given_functions import checked_inertia, checked_moment
 from dynamics.turning.piston_gas import Gas, PistonGas, piston_gas
 
 # Moment that brakes [N m], of speed [rad/s] and shaft angle [rad].
@@ -21,6 +22,8 @@ Resistance = Callable[[float, float], float]
 SEARCH_ANGLES = 720
 # Ends of stroke closer than this are one [rad].
 SAME_ANGLE = 1e-9
+# An inertia below this share of its mean is none: what is left at a dead center of massless parts.
+LEAST_INERTIA = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,22 +61,40 @@ class ShaftMoments:
         directions : ndarray of shape (n,), optional
             Of the pistons, positive away from the shaft, where they are known better than by the
             angle: at the end of a stroke.
+
+        Raises
+        ------
+        InputError
+            If gas, load or friction give no finite moment, or the inertia vanishes.
         """
         values, slopes = self.curves.at(angle)
         ways = slopes[:-2] if directions is None else directions
-        forces = self.gas.forces(angle, values[:-2], ways)
+        forces = self.gas.forces(angle, values[:-2], ways).tolist()
+        # Number by number: arrays would warn of what is not finite before it can be told clearly.
+        gas = sum(force * slope for force, slope in zip(forces, slopes[:-2].tolist(), strict=True))
+        # An integration tries a speed below zero where the shaft stops; resistances may have no
+        # value there, and what they were does not matter.
+        forward = max(speed, 0.0)
         moments = (
-            -float(forces @ slopes[:-2]),
-            -float(self.load(speed, angle)),
-            -float(self.friction(speed, angle)),
+            -checked_moment("gas", gas, speed, angle),
+            -checked_moment("load", self.load(forward, angle), speed, angle),
+            -checked_moment("friction", self.friction(forward, angle), speed, angle),
             -self.gravity * float(slopes[-1]),
         )
-        return moments, float(values[-2]), float(slopes[-2])
+        return moments, self._checked_inertia(values, angle), float(slopes[-2])
 
-    def inertia(self, angle: float) -> tuple[float, float]:
-        """Return the reduced inertia [kg m^2] and its derivative by the angle."""
-        values, slopes = self.curves.at(angle)
-        return float(values[-2]), float(slopes[-2])
+    def inertia(self, angle: float) -> float:
+        """Return the reduced inertia [kg m^2].
+
+        Raises
+        ------
+        InputError
+            If it vanishes.
+        """
+        return self._checked_inertia(self.curves.at(angle)[0], angle)
+
+    def _checked_inertia(self, values: FloatArray, angle: float) -> float:
+        return checked_inertia(values[-2], angle, LEAST_INERTIA * float(self.curves.mean[-2]))
 
     def directions(self, angle: float) -> FloatArray:
         """Return the pistons' directions (n,) at an angle, positive away from the shaft."""

@@ -7,7 +7,7 @@ from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rods import RodModelName
 from dynamics.turning.piston_gas import Gas
 from dynamics.turning.shaft_moments import Resistance, shaft_moments
-from dynamics.turning.speed_over_angle import SteadyTurning, steady_turning
+from dynamics.turning.steady_turning import SteadyTurning, steady_turning
 
 
 def turn_steadily(
@@ -46,7 +46,7 @@ def turn_steadily(
     moments = shaft_moments(engine, gas, 0.0, friction, gravity, model, crankcase_pressure)
     return steady_turning(
         moments.inertia,
-        lambda angle, speed: math.fsum(moments.at(angle, speed)[0]),
+        lambda speed, angle: math.fsum(moments.at(angle, speed)[0]),
         mean_speed,
         engine.cycle / (2.0 * math.pi),
         samples=samples,

@@ -76,7 +76,8 @@ def test_tables(capsys, monkeypatch):
 @pytest.mark.slow
 def test_pictures(tmp_path):
     engine = vee()
-    plot_balance(tmp_path / "forces.svg", balance(engine, SPEED))
+    plot_balance(tmp_path / "forces.svg", balance(engine, SPEED), title="V4 at 1000 1/min")
+    assert "V4 at 1000 1/min" in (tmp_path / "forces.svg").read_text(encoding="utf-8")
     balanced = replace(engine, rotating=balancing_masses(engine))
     plot_balance(tmp_path / "second.svg", balance(balanced, SPEED, (2,)))
     plot_hinged_rods(tmp_path / "hinged.svg", engine, SPEED, cylinders=[1, 2])

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import crankfem as cf
+from crankfem.table_units import table_unit
 
 TABLE = "yamz5340_torque_one_throw.csv"
 
@@ -24,9 +25,7 @@ def test_engine_record(call):
     assert amplitude[0.5] < 1e-9 * amplitude[3.0]
     # The same by the public names.
     engine = cf.load_mechanism("6chn25-34")
-    torque = cf.engine_torque(
-        engine.layout, engine.rated_speed, engine.pressure, model=engine.rod_model
-    )
+    torque = cf.engine_torque(engine.layout, engine.rated_speed, engine.pressure)
     assert record["mean"] == pytest.approx(torque.mean, rel=1e-12)
 
 
@@ -39,6 +38,48 @@ def test_engine_as_tables(call):
         r"Cylinder 5: tangential force T on the crankpin, phases from\s+its", answer.out
     )
     assert "-0.00" not in answer.out
+    assert "Cylinders with hinged rods differ" in answer.out
+
+
+def test_large_torques_are_told_in_one_unit_a_table(call):
+    answer = call("harmonics", "6s50mc-c", "--orders", "4")
+    assert answer.code == 0
+    assert "mean torque 750.00 kN m, indicated power 9974.6 kW" in answer.out
+    assert "Amplitudes by throw [kN m]" in answer.out
+    # No cell is broken to a second line: each row begins with its order.
+    throws = answer.out.split("Amplitudes by throw")[1].split("Stars")[0]
+    rows = [line.split("│")[1].strip() for line in throws.splitlines() if line.startswith("│")]
+    assert rows == ["1", "2", "3", "4"]
+    assert "hinged rods" not in answer.out
+
+
+@pytest.mark.parametrize(
+    ("values", "name", "text"),
+    [
+        ((9999.9, -0.04), "N m", "9999.9"),
+        ((10000.0,), "kN m", "10.000"),
+        ((-279.68,), "N m", "-279.68"),
+        ((1e-13,), "N m", "0.0000"),
+        ((-1e-13, 100.0), "N m", "0.00"),
+        ((2.5e8,), "kN m", "250000"),
+        ((0.0,), "N m", "0.0000"),
+    ],
+)
+def test_unit_and_digits_of_a_table(values, name, text):
+    unit = table_unit(values, "N m")
+    assert unit.with_unit(values[0]) == f"{text} {name}"
+    assert table_unit([], "N").name == "N"
+
+
+def test_speed(call):
+    rated = call("harmonics", "6chn25-34", "--json").json()
+    slow = call("harmonics", "6chn25-34", "--json", "--speed", "100 1/min").json()
+    assert slow["speed_rpm"] == pytest.approx(100.0)
+    # The work of the gas is the same, the masses' part of a harmonic is not.
+    assert slow["mean"] == pytest.approx(rated["mean"], rel=1e-9)
+    assert slow["harmonics"]["amplitude"][5] != pytest.approx(
+        rated["harmonics"]["amplitude"][5], rel=1e-3
+    )
 
 
 def test_harmonics_of_a_cylinders_forces(call):
@@ -60,7 +101,11 @@ def test_tables_and_pictures_are_written(call, tmp_path):
     assert answer.code == 0
     names = {path.name for path in (tmp_path / "plots").iterdir()}
     assert names == {"torque.svg", "harmonics.svg", "stars.svg"}
+    for name in names:
+        # Text is drawn; what it says stands beside it as a comment.
+        assert "6ChN 25/34, 500 1/min" in (tmp_path / "plots" / name).read_text(encoding="utf-8")
     with (tmp_path / "h.csv").open(encoding="utf-8") as stream:
+        assert stream.readline() == "# 6ChN 25/34, 500 1/min, rods as rigid\n"
         rows = list(csv.DictReader(stream))
     kinds = {row["of"] for row in rows}
     assert {"engine torque", "torque of throw 6"} <= kinds
@@ -76,7 +121,10 @@ def test_table_writes_too(call, tmp_path):
     answer = call("harmonics", TABLE, "--csv", "h.csv", "--pictures", "plots")
     assert answer.code == 0
     assert "Table: h.csv" in answer.out
-    assert len((tmp_path / "h.csv").read_text(encoding="utf-8").splitlines()) == 20
+    lines = (tmp_path / "h.csv").read_text(encoding="utf-8").splitlines()
+    assert lines[0] == f"# {TABLE}, 4 strokes per cycle"
+    # A header, the mean and 18 orders.
+    assert len(lines) == 1 + 20
     assert (tmp_path / "plots" / "torque.svg").is_file()
 
 
@@ -87,8 +135,15 @@ def test_table_writes_too(call, tmp_path):
             (TABLE, "--orders", "9.5"),
             "--orders: given 9.5; allowed is 9 or less, because 36 samples",
         ),
-        ((TABLE, "--orders", "0"), "--orders: given 0; allowed is an order above 0"),
+        ((TABLE, "--orders", "0"), "--orders: given 0; allowed is an order above 0, because"),
+        (
+            (TABLE, "--orders", "0.4"),
+            "--orders: given 0.4; allowed is 0.5 or more, because that is",
+        ),
+        (("6chn25-34", "--orders", "0.4"), "--orders: given 0.4; allowed is 0.5 or more"),
         ((TABLE, "--cylinder", "1"), "--cylinder: given 1 with a torque table"),
+        ((TABLE, "--speed", "100 1/min"), "--speed: given 100 1/min with a torque table"),
+        (("6chn25-34", "--speed", "100"), 'write it with its unit, like "100 1/min"'),
         (("6chn25-34", "--orders", "361"), "--orders: given 361; allowed is 360 or less"),
         (("6chn25-34", "--cylinder", "7"), "--cylinder: given 7; allowed is 1 to 6"),
         (("6chn25-34", "--strokes", "2"), "--strokes: given 2; allowed is 4 or nothing"),
@@ -102,3 +157,13 @@ def test_refusals_are_one_sentence(call, arguments, fragment):
     assert (answer.code, answer.out) == (2, "")
     assert fragment in answer.err
     assert answer.err.count("\n") == 1
+
+
+def test_a_header_of_many_columns_is_not_told_in_full(call, tmp_path):
+    header = ",".join(f"column_{number}" for number in range(500))
+    (tmp_path / "wide.csv").write_text(f"{header}\n", encoding="utf-8")
+    answer = call("harmonics", "wide.csv")
+    assert answer.code == 2
+    assert 'given the header "column_0,column_1,' in answer.err
+    assert '...";' in answer.err
+    assert len(answer.err) < 400

@@ -7,6 +7,7 @@ import pytest
 
 from crankfem.data_files import hinge_path
 from crankfem.hinge_file import load_hinge
+from crankfem.hinge_run import run_hinge
 from dynamics.hinge.spring import GasSpring
 from geometry.errors import InputError
 
@@ -106,6 +107,23 @@ def test_results_as_json_table_and_pictures(call, tmp_path):
     force = np.array([float(row["spring_force_N"]) for row in rows])
     # 2 F_pn rho' is the moment but for the spline of the guides.
     np.testing.assert_allclose(2.0 * force * slope, moment, atol=1e-4 * np.abs(moment).max())
+
+
+@pytest.mark.slow
+def test_guides_by_the_series_turn_in_the_exact_mechanism():
+    """The crank let turn is exact whatever the guides were made by: 0.038, as documented."""
+    run = run_hinge(load_hinge(SHIPPED), "series", 142.0 * np.pi / 30.0)
+    assert (run.moment.kinematics, run.point.kinematics) == ("series", "exact")
+    assert run.with_hinge.fluctuation == pytest.approx(0.038, abs=0.0005)
+
+
+@pytest.mark.slow
+def test_flywheels_at_another_speed():
+    """With the best pressure, not that of the design; both documented to the last digit given."""
+    run = run_hinge(load_hinge(SHIPPED), speed=142.0 * np.pi / 30.0)
+    (other,) = run.others
+    assert other.flywheel_with_hinge == pytest.approx(2277.0, abs=0.5)
+    assert other.flywheel == pytest.approx(33514.0, abs=0.5)
 
 
 @pytest.mark.slow

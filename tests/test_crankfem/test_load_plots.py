@@ -49,7 +49,10 @@ def test_pictures_are_the_same_each_time_and_differ_by_frame(diagram, tmp_path):
     assert made[0] == made[1]
     assert made[0] != made[2]
     plot_developed_loads(tmp_path / "d.svg", [diagram], title="x")
-    assert (tmp_path / "d.svg").read_text(encoding="utf-8").startswith("<?xml")
+    developed = (tmp_path / "d.svg").read_text(encoding="utf-8")
+    assert developed.startswith("<?xml")
+    # The legend belongs to the figure, below the axes.
+    assert developed.index('id="legend_1"') > developed.index('id="axes_1"')
 
 
 @pytest.mark.parametrize(

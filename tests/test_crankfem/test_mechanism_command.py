@@ -5,8 +5,9 @@ import csv
 import pytest
 
 from crankfem.mechanism_file import load_mechanism
-from crankfem.mechanism_run import compare_rod_models, run_mechanism
+from crankfem.mechanism_run import run_mechanism
 from crankfem.mechanism_tables import mechanism_record, merged_rows
+from crankfem.rod_comparison import compare_rod_models
 
 
 @pytest.fixture(scope="module")
@@ -23,6 +24,9 @@ def test_the_record_is_consistent(v8):
     assert record["cylinders"][0]["mean_effective_pressure"] == pytest.approx(1.1e6, rel=1e-6)
     assert len(record["crankpins"]) == 8
     assert len(record["main_bearings"]) == 5
+    assumed = {entry["field"] for entry in record["assumed"]}
+    assert {"rod.mass", "gas.mean_effective_pressure"} <= assumed
+    assert "throw.web_width" not in assumed
     assert record["torque"]["smallest"] < record["torque"]["mean"] < record["torque"]["largest"]
 
 
@@ -39,6 +43,18 @@ def test_the_mean_load_balances_over_the_bearings(v8):
 def test_models_differ_as_their_masses_do(v8):
     compared = {row.model: row for row in compare_rod_models(v8)}
     assert 0.02 < compared["three-mass"].crankpin < compared["two-mass"].crankpin < 0.05
+
+
+def test_the_balance_is_that_of_the_exact_bodies_about_the_middle(v8):
+    positions = v8.mechanism.bearing_positions
+    assert v8.balance.about == pytest.approx(0.5 * positions[-1])
+    assert v8.balance.model == "rigid"
+    classical = run_mechanism(v8.mechanism, model="two-mass")
+    assert classical.balance.model == "two-mass"
+    # The rods' centers lie 9 mm beside their axes.
+    assert classical.balance.of(1).moment.major != pytest.approx(
+        v8.balance.of(1).moment.major, rel=1e-5
+    )
 
 
 def test_motored_engine_gives_no_power():
@@ -70,13 +86,17 @@ def test_json(call):
     assert content["speed_rpm"] == pytest.approx(300.0)
     assert content["balance"]["orders"][0]["force_balanced"] is True
     assert content["pictures"] == []
+    # Not in the file: the default is told.
+    assert "gas.compression_ratio" in {entry["field"] for entry in content["assumed"]}
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (("--speed", "1000"), "--speed: given '1000', a bare number"),
-        (("--speed", "0 1/min"), "allowed is a speed above 0"),
+        (("--speed", "0 1/min"), "--speed: given '0 1/min'; allowed is 0.5 to 3000 rad/s"),
+        (("--speed", "4.77 1/min"), "allowed is 0.5 to 3000 rad/s (4.7746 1/min to 28648 1/min)"),
+        (("--speed", "30000 1/min"), "allowed is 0.5 to 3000 rad/s"),
         (("--speed", "3 m"), "is no speed of rotation"),
         (("--model", "stiff"), "--model: given 'stiff'; allowed are rigid, three-mass"),
         (("--csv", "/no/such/folder/x.csv"), "there is no folder /no/such/folder"),
@@ -93,6 +113,17 @@ def test_refused_files(call):
     answer = call("mechanism", "8chn14-14")
     assert answer.code == 2
     assert "the section [engine] is missing" in answer.err
+
+
+@pytest.mark.slow
+def test_fast_engines_are_told_without_powers_of_ten(call, tmp_path):
+    answer = call("mechanism", "8chn26-26", "--speed", "20000 1/min", "--pictures", "p")
+    assert answer.code == 0
+    assert "at 20000 1/min, rods" in answer.out
+    for name in ("crankpin_polar", "piston_forces", "balance", "hinged_rods"):
+        picture = (tmp_path / "p" / f"{name}.svg").read_text(encoding="utf-8")
+        # Text is drawn; what it says stands beside it as a comment.
+        assert "8ChN 26/26 (7-6D49), 20000 1/min" in picture
 
 
 def test_rows_alike_become_one():

@@ -15,6 +15,7 @@ from dynamics.balance.hinged_rods import hinged_rod_effects, hodograph_change
 from dynamics.balance.hodograph import Hodograph
 from dynamics.balance.moving_masses import balancing_masses, moving_masses
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
+from dynamics.engine.firing import firing_order_of_angles
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
@@ -54,7 +55,7 @@ def in_line(cranks, rod=STRAIGHT, pitch=0.25):
         for place, crank in enumerate(cranks)
     ]
     firing = [-crank for crank in cranks]
-    order = list(range(1, len(cranks) + 1))
+    order = firing_order_of_angles(firing, 2, 1)
     return EngineLayout(0.1, cylinders, order, 2, firing_angles=firing)
 
 
@@ -143,6 +144,18 @@ def test_masses_are_shared_out_without_loss():
     assert hinged.rotating == 0.0
     at_pin = 12.0 * (1 - 0.11 / 0.30)
     assert main.lateral == pytest.approx(30.0 * 0.012 + at_pin * 0.1 * math.sin(0.75))
+
+
+def test_scales_of_what_counts_as_round_off():
+    """All moving masses times R w^2, and that times the farthest cylinder's distance, or R."""
+    engine = in_line([0.0, 2.0, 4.0])
+    scale = 3 * 50.0 * 0.1 * SPEED**2
+    for about, reach in ((None, 0.25), (0.1, 0.4), (-1.0, 1.5)):
+        row = balance(engine, SPEED, about=about).rows[0]
+        assert row.force_scale == pytest.approx(scale, rel=1e-14)
+        assert row.moment_scale == pytest.approx(scale * reach, rel=1e-14)
+    alone = balance(in_line([0.0]), SPEED).rows[0]
+    assert alone.moment_scale == pytest.approx(alone.force_scale * 0.1, rel=1e-14)
 
 
 def test_moments_about_another_point():
@@ -261,3 +274,10 @@ def test_change_of_a_hodograph():
 def test_what_is_refused(act, message):
     with pytest.raises(InputError, match=message):
         act(in_line([0.0, 2.0, 4.0]))
+
+
+def test_cylinders_of_a_bank_in_one_place_have_no_balance():
+    rod = ConnectingRod(0.2, 1.0, 0.07, 0.006)
+    cylinders = [EngineCylinder(0.1, 1.0, rod, crank_angle=angle) for angle in (0.0, math.pi)]
+    with pytest.raises(InputError, match="cylinder 2: position: given 0 m, where cylinder 1"):
+        balance(EngineLayout(0.05, cylinders, [1, 2]), 100.0)

@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
-from dynamics.engine.firing import firing_angles_of_order, firing_order_of_angles
+from dynamics.engine.firing import IN_LINE, firing_angles_of_order, firing_order_of_angles
+from dynamics.engine.gas_forces import piston_position
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import cylinder_motion, piston_ends, piston_travel
+from dynamics.engine.motions import cylinder_motion, piston_ends
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.mechanism.slider_crank import SliderCrank
 from geometry.errors import InputError
@@ -49,7 +50,7 @@ def test_firing_angles_in_line(cranks, order, strokes, wanted):
     engine = EngineLayout(0.07, in_line(*cranks), order, strokes)
     assert degrees(engine.firing) == pytest.approx(wanted, abs=1e-9)
     assert math.degrees(engine.cycle) == pytest.approx(180.0 * strokes)
-    assert firing_order_of_angles(engine.firing) == order
+    assert firing_order_of_angles(engine.firing, strokes, order[0]) == order
 
 
 def test_firing_angles_of_a_vee_engine():
@@ -72,7 +73,7 @@ def test_firing_angles_of_even_cranks_follow_the_order(order, start):
     for place, number in enumerate(order):
         tops[number - 1] = math.fmod(start + math.radians(144.0 * place), 2.0 * math.pi)
     angles = firing_angles_of_order(order, tops, 4)
-    assert firing_order_of_angles(angles) == tuple(order)
+    assert firing_order_of_angles(angles, 4, order[0]) == tuple(order)
     for place, number in enumerate(order):
         later = angles[number - 1] - angles[order[0] - 1]
         assert math.degrees(later) == pytest.approx(144.0 * place, abs=1e-3)
@@ -87,6 +88,92 @@ def test_firing_angles_may_be_given():
     assert engine.main_of(2) == 2
 
 
+@pytest.mark.parametrize("apart", [1e-9, -1e-9])
+def test_tops_that_differ_by_round_off_are_a_turn_apart(apart):
+    """Two cranks in one direction in a four-stroke engine: the second fires 360 deg later."""
+    angles = firing_angles_of_order([1, 2], [0.0, apart], 4)
+    assert angles == pytest.approx((0.0, 2.0 * math.pi + apart), abs=1e-12)
+
+
+FIRED_1342 = np.radians([0.0, 540.0, 180.0, 360.0])
+
+
+@pytest.mark.parametrize("order", [(1, 3, 4, 2), (4, 2, 1, 3)])
+@pytest.mark.parametrize("later", [0.0, 100.0 * math.pi])
+def test_firing_angles_agree_with_the_order_in_any_cycle(order, later):
+    """100 pi are 25 cycles; the order of a cycle may begin with any cylinder."""
+    angles = FIRED_1342 + np.array([later, 0.0, 0.0, -later])
+    engine = EngineLayout(0.07, in_line(0, 180, 180, 0), order, firing_angles=angles)
+    assert engine.firing_order == order
+    assert engine.firing == tuple(angles)
+
+
+@pytest.mark.parametrize("order", [(1, 2, 3, 4), (1, 2, 4, 3), (1, 4, 3, 2)])
+@pytest.mark.parametrize("later", [0.0, 100.0 * math.pi])
+def test_an_order_against_the_firing_angles_is_refused(order, later):
+    angles = FIRED_1342 + np.array([later, 0.0, 0.0, 0.0])
+    words = rf"given \[{order[0]}, .*; allowed is \[1, 3, 4, 2\], because the firing angles"
+    with pytest.raises(InputError, match=words):
+        EngineLayout(0.07, in_line(0, 180, 180, 0), order, firing_angles=angles)
+
+
+@pytest.mark.parametrize(
+    "order", [(1, 2, 3, 4), (2, 1, 4, 3), (2, 1, 3, 4), (3, 4, 1, 2), (2, 3, 4, 1)]
+)
+def test_cylinders_that_fire_together_stand_in_any_order(order):
+    """1 and 2 at the top, 3 and 4 half a turn later, each pair equal but for round-off."""
+    angles = np.radians([0.0, 720.0 - 1e-9, 180.0, 180.0 + 1e-9])
+    engine = EngineLayout(0.07, in_line(0, 0, 180, 180), order, firing_angles=angles)
+    assert engine.firing_order == order
+    with pytest.raises(InputError, match=r"firing_order: given \[1, 3, 2, 4\]"):
+        EngineLayout(0.07, in_line(0, 0, 180, 180), [1, 3, 2, 4], firing_angles=angles)
+
+
+def test_all_may_fire_together():
+    engine = EngineLayout(0.07, in_line(0, 0, 0), [3, 1, 2], firing_angles=[0.0, 0.0, 0.0])
+    assert engine.firing_order == (3, 1, 2)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda off: EngineLayout(0.07, in_line(0), [1], firing_angles=[off]),
+        lambda off: EngineLayout(0.07, [cylinder(), hinged_to(1, crank=math.degrees(off))], [1, 2]),
+    ],
+)
+def test_angles_count_as_in_line_within_round_off_of_degrees(make):
+    make(0.9 * IN_LINE)
+    with pytest.raises(InputError):
+        make(1e-5)
+    assert IN_LINE == 1e-6
+
+
+def test_a_layout_keeps_what_was_checked():
+    """Lists given are copied into tuples: what is appended later stays out, and it can be hashed."""
+    cylinders, order, rotating = in_line(0, 180), [1, 2], [RotatingMass(0.1, 0.0)]
+    angles = [0.0, math.pi]
+    engine = EngineLayout(
+        0.07, cylinders, order, firing_angles=angles, rotating=rotating, shaft_inertia=1.0
+    )
+    same = EngineLayout(0.07, tuple(cylinders), (1, 2), 4, tuple(angles), tuple(rotating), 1.0)
+    for values in (cylinders, order, rotating, angles):
+        values.append(values[0])
+    assert engine == same
+    assert hash(engine) == hash(same)
+    assert len(engine.cylinders) == len(engine.firing) == 2
+    assert len(engine.rotating) == 1
+    by_numpy = EngineLayout(0.07, in_line(0, 180), np.array([1, 2]))
+    assert [type(number) for number in by_numpy.firing_order] == [int, int]
+
+
+def test_a_pistons_place_is_asked_by_a_whole_number():
+    engine = EngineLayout(0.07, in_line(0, 180), [1, 2])
+    assert piston_position(engine, np.int64(2))(np.zeros(1)) == pytest.approx(0.335)
+    for number in (1.5, 0, 3, True):
+        with pytest.raises(InputError, match=f"cylinder: given {number}; .*whole numbers 1 to 2"):
+            piston_position(engine, number)
+
+
 def test_one_cylinder_of_an_engine_moves_as_a_slider_crank():
     engine = EngineLayout(0.07, [cylinder(30.0, -45.0, pin_offset=0.01)], [1])
     drive = SliderCrank(0.07, 0.265, 0.01)
@@ -99,7 +186,7 @@ def test_one_cylinder_of_an_engine_moves_as_a_slider_crank():
     assert highest == pytest.approx(drive.top, abs=1e-14)
     assert highest - lowest == pytest.approx(drive.stroke, abs=1e-14)
     travel = drive.travel(angles + math.radians(75.0)).place.real
-    np.testing.assert_allclose(piston_travel(engine, 1, angles), travel, rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(highest - motion.piston.place.real, travel, rtol=0.0, atol=1e-14)
 
 
 def test_the_slave_pin_turns_with_the_main_rod():
@@ -127,6 +214,9 @@ def hinged_to(main, crank=0.0, **pin):
         (in_line(0, 0), [1, 3], {}, "because the engine has no cylinder 3"),
         (in_line(0, 0), [0, 1], {}, "because the engine has no cylinder 0"),
         (in_line(0, 0), [1, 2, 1], {}, "because it repeats cylinder 1"),
+        (in_line(0, 0), [True, 2], {}, r"given \[True, 2\]; .*cylinders have whole numbers"),
+        (in_line(0, 0), [1, 2.0], {}, "because cylinders have whole numbers"),
+        (in_line(0, 0), ["1", 2], {}, "because cylinders have whole numbers"),
         (in_line(0, 180, 180, 0), [1, 4, 3, 2], {}, r"order whose .* within one cycle of 720 deg"),
         (in_line(0, 0), [1, 2], {"strokes": 2}, "within one cycle of 360 deg"),
         (in_line(0), [1], {"strokes": 3}, "strokes: given 3; allowed are 2 and 4"),
@@ -166,6 +256,12 @@ def hinged_to(main, crank=0.0, **pin):
             "cylinder 2: crank_angle: given 90 deg; allowed is that of cylinder 1, 0 deg",
         ),
         (
+            [cylinder(position=0.1), hinged_to(1)],
+            [1, 2],
+            {},
+            "cylinder 2: position: given 0 m; allowed is that of cylinder 1, 0.1 m, because its rod",
+        ),
+        (
             [cylinder(), hinged_to(1, radius=0.265)],
             [1, 2],
             {},
@@ -181,7 +277,7 @@ def hinged_to(main, crank=0.0, **pin):
             in_line(0, 0),
             [1, 2],
             {"firing_angles": [0.0]},
-            "firing_angles: given 1 angles; .*the 2 cyl",
+            "firing_angles: given 1 angles; .*the 2 cylinders, because",
         ),
         (
             in_line(0, 180),
@@ -203,6 +299,12 @@ def test_bad_layouts_are_refused_with_the_reason(parts, order, more, words):
         (lambda: cylinder(bore=0.0), "bore: given 0 m"),
         (lambda: cylinder(position=math.nan), "position: given nan"),
         (lambda: cylinder(crank=math.inf), "crank_angle: given inf"),
+        (
+            lambda: SlavePin(1.0, 0.06, 0.7),
+            "slave pin main_cylinder: given 1.0; allowed is a whole",
+        ),
+        (lambda: SlavePin(True, 0.06, 0.7), "slave pin main_cylinder: given True"),
+        (lambda: SlavePin("1", 0.06, 0.7), "slave pin main_cylinder: given '1'"),
         (lambda: SlavePin(1, 0.0, 0.7), "slave pin radius: given 0 m"),
         (lambda: SlavePin(1, 0.06, math.nan), "slave pin angle: given nan"),
         (lambda: RotatingMass(-0.1, 0.0), "static_moment: given -0.1 kg m; .*mass times radius"),

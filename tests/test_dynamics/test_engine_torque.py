@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -65,6 +66,13 @@ def test_mean_torque_does_the_indicated_work(engine):
     assert np.all(np.abs(work) > 10.0)
     assert found.mean * engine.cycle == pytest.approx(work.sum(), rel=1e-12)
     assert abs(found.energy_error) < 1e-13
+    # A torque a thousandth too large shows by its share of the work exchanged.
+    step = engine.cycle / found.shaft_angles.size
+    share = 1e-3 * work.sum() / (np.abs(found.gas).sum() * step)
+    wrong = replace(found, gas=1.001 * found.gas)
+    assert wrong.energy_error == pytest.approx(share / 1.001, rel=1e-9)
+    # Without gas nothing is exchanged, and what is left in N m is round-off of some 1e3 N m.
+    assert engine_torque(engine, SPEED).energy_error == pytest.approx(0.0, abs=1e-9)
     assert found.power == pytest.approx(work.sum() * SPEED / engine.cycle, rel=1e-12)
     assert found.inertia.mean(axis=1) == pytest.approx(np.zeros(len(work)), abs=1e-9)
 
@@ -97,6 +105,9 @@ def test_torque_is_that_of_all_forces_at_once():
     assert found.per_throw == pytest.approx(
         np.array([whole.torque[:2].sum(axis=0), whole.torque[2:].sum(axis=0)]), abs=1e-12 * largest
     )
+    # The first journal has only the throw at the free end before it.
+    assert np.array_equal(found.passed_on[0], found.per_throw[0])
+    assert np.max(np.abs(found.per_throw[0] - found.per_throw[1])) > 0.1 * largest
     assert found.passed_on[-1] == pytest.approx(found.total, abs=1e-12 * largest)
     same = engine_torque(engine, SPEED, gas, samples=96, model="three-mass")
     assert np.array_equal(same.total, found.total)
@@ -129,8 +140,9 @@ def test_harmonics_of_throws_add_up_to_the_engines():
     added = sum(throw.cosine + 1j * throw.sine for throw in throws)
     whole = found.harmonics()
     assert added == pytest.approx(whole.cosine + 1j * whole.sine, abs=1e-9)
-    with pytest.raises(InputError, match="throw: given 3; allowed is 1 to 2"):
-        found.harmonics(3)
+    for throw in (3, 0, 1.5, True):
+        with pytest.raises(InputError, match=f"throw: given {throw}; allowed is 1 to 2"):
+            found.harmonics(throw)
     with pytest.raises(InputError, match="cylinder: given 5"):
         found.cylinder_harmonics(5)
 
@@ -138,7 +150,8 @@ def test_harmonics_of_throws_add_up_to_the_engines():
 @ENGINES
 def test_pin_force_harmonics_restore_the_forces_from_the_firing_top(engine):
     pressure = SmoothPressure(engine.strokes)
-    parts = pin_force_harmonics(engine, SPEED, pressure, samples=360)
+    every = {2: 180.0, 4: 90.0}[engine.strokes]
+    parts = pin_force_harmonics(engine, SPEED, pressure, samples=360, highest_order=every)
     angles = np.linspace(0.3, 5.0, 7)
     gas = mechanism_forces(engine, angles, 0.0, gas_forces(engine, angles, pressure))
     masses = mechanism_forces(engine, angles, SPEED)
@@ -167,7 +180,7 @@ def test_torque_harmonics_are_crank_radius_times_tangential_force():
     engine = hinged_vee()
     torque = engine_torque(engine, SPEED, SmoothPressure(4), samples=240)
     force = pin_force_harmonics(engine, SPEED, SmoothPressure(4), samples=240)[1]
-    found = torque.cylinder_harmonics(2)
+    found = torque.cylinder_harmonics(2).up_to(24.0)
     assert found.amplitude == pytest.approx(0.07 * force.tangential.amplitude, abs=1e-9)
 
 
@@ -177,6 +190,9 @@ def test_throws_may_be_told():
     assert engine_torque(engine, SPEED, samples=12, throws=[1, 0, 0]).throws == ((2, 3), (1,))
     with pytest.raises(InputError, match="throws: given 2; allowed are 3"):
         engine_torque(engine, SPEED, samples=12, throws=[0, 1])
+    for wrong in ([0.0, 1, 2], [False, 1, 2], ["0", 1, 2]):
+        with pytest.raises(InputError, match=r"throws: given .*; allowed are whole numbers from 0"):
+            engine_torque(engine, SPEED, samples=12, throws=wrong)
     with pytest.raises(InputError, match=r"throws: .*without a gap"):
         engine_torque(engine, SPEED, samples=12, throws=[0, 2, 2])
 
@@ -190,7 +206,8 @@ def test_rods_side_by_side_share_a_throw_but_not_with_the_next():
         for place, crank in enumerate(throws)
     ]
     tops = [cylinder.top_shaft_angle for cylinder in cylinders]
-    engine = EngineLayout(0.05, cylinders, list(range(1, 13)), firing_angles=tops)
+    order = [int(place) + 1 for place in np.argsort(np.mod(np.round(tops, 9), 4.0 * math.pi))]
+    engine = EngineLayout(0.05, cylinders, order, firing_angles=tops)
     found = engine_torque(engine, SPEED, samples=12)
     assert found.throws == ((1, 7), (2, 8), (3, 9), (4, 10), (5, 11), (6, 12))
 
@@ -202,6 +219,10 @@ def test_rods_side_by_side_share_a_throw_but_not_with_the_next():
         ({"samples": 10.5}, "samples: given 10.5"),
         ({"pressure": np.zeros((3, 5))}, r"pressure: given forces of shape \(3, 5\)"),
         ({"speed": -1.0}, "speed: given -1"),
+        (
+            {"pressure": [SmoothPressure(2)] * 2},
+            "pressure: given 2 for 3 cylinders; .*because each piston",
+        ),
         ({"pressure": SmoothPressure(4)}, "pressure: given a cycle of 4 strokes"),
     ],
 )
@@ -212,11 +233,25 @@ def test_refusals(change, message):
 
 def test_orders_beyond_the_samples_are_refused():
     engine = in_line_two_stroke()
-    with pytest.raises(InputError, match="highest_order: given 13; allowed is 12 or less"):
+    with pytest.raises(
+        InputError, match="highest_order: given 13; allowed are 1 to 12, because 24"
+    ):
         pin_force_harmonics(engine, SPEED, samples=24, highest_order=13)
+    with pytest.raises(InputError, match="highest_order: given 24; allowed are 1 to 12"):
+        pin_force_harmonics(engine, SPEED, samples=24)
     found = engine_torque(engine, SPEED, samples=24).harmonics()
     with pytest.raises(InputError, match="order: given 13"):
         found.index_of(13)
+
+
+def test_pin_force_harmonics_end_with_the_highest_order():
+    engine = in_line_two_stroke()
+    whole = pin_force_harmonics(engine, SPEED, SmoothPressure(2), samples=96, highest_order=48)[1]
+    cut = pin_force_harmonics(engine, SPEED, SmoothPressure(2), samples=96, highest_order=3.5)[1]
+    for name in ("tangential_gas", "tangential_inertia", "tangential", "radial"):
+        assert getattr(cut, name).orders.tolist() == [1.0, 2.0, 3.0]
+        assert np.array_equal(getattr(cut, name).cosine, getattr(whole, name).cosine[:3])
+    assert whole.radial_gas.orders.size == 48
 
 
 def test_samples_resolve_the_default_orders():

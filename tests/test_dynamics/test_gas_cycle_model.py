@@ -9,10 +9,8 @@ from scipy.integrate import solve_ivp
 
 from dynamics.gas.closed_cycle import (
     closed_pressure,
-    closed_work,
     motored_pressure,
     rise_per_heat,
-    wiebe_fraction,
 )
 from dynamics.gas.cycle_values import USUAL_VALUES, assumption_remarks, usual_gas_cycle
 from dynamics.gas.cylinder_volume import cylinder_volume
@@ -94,6 +92,17 @@ def test_unusable_pistons_are_refused(law, area, ratio, message):
 # The closed part
 
 
+def burnt_share(cycle, angles):
+    """The model's integral of V^(g - 1) dx with V^(g - 1) constant: the burnt share.
+
+    A ratio of heat capacities of 1 + e leaves V^e, which is 1 but for 3 e: 4e-11 here; e is a power
+    of two to be exact.
+    """
+    cycle = replace(cycle, heat_capacity_ratio=1.0 + 2.0**-36)
+    law = cylinder_volume(position, AREA, 15.0)
+    return rise_per_heat(cycle, law, angles) * law.at(angles) * 2.0**36
+
+
 @given(st.floats(0.0, 5.0), st.floats(0.6, 0.9999), st.floats(-40.0, 10.0), st.floats(5.0, 110.0))
 def test_burnt_share_rises_from_nothing_to_all(shape, completeness, start, duration):
     cycle = replace(
@@ -104,27 +113,22 @@ def test_burnt_share_rises_from_nothing_to_all(shape, completeness, start, durat
         combustion_duration=duration * DEGREE,
     )
     end = cycle.combustion_start + cycle.combustion_duration
-    angles = np.linspace(cycle.combustion_start, end, 200)
-    share = wiebe_fraction(cycle, angles)
+    share = burnt_share(cycle, np.linspace(cycle.combustion_start, end, 200))
     assert share[0] == 0.0
-    assert share[-1] == pytest.approx(1.0, abs=1e-14)
-    assert np.all(np.diff(share) >= 0.0)
-    assert wiebe_fraction(cycle, [-2.0, end + 0.1]).tolist() == pytest.approx([0.0, 1.0])
+    assert share[-1] == pytest.approx(1.0, abs=1e-10)
+    # Where all is burnt but 1e-11 the small part of V^e that is not constant shows.
+    assert np.all(np.diff(share) >= -1e-11)
+    assert burnt_share(cycle, [-2.0, end + 0.1]).tolist() == pytest.approx([0.0, 1.0], abs=1e-10)
 
 
 @pytest.mark.parametrize("shape", [0.0, 0.3, 0.5, 1.0, 2.3])
-def test_heat_release_integrates_to_the_heat(shape):
-    """With V^(g - 1) constant the integral is the burnt share; a ratio near 1 makes it so.
-
-    A ratio of 1 + e leaves V^e, which is 1 but for 3 e; e is a power of two to be exact.
-    """
-    cycle = replace(FOUR, wiebe_shape=shape, heat_capacity_ratio=1.0 + 2.0**-36)
-    law = cylinder_volume(position, AREA, 15.0)
+def test_heat_release_follows_the_wiebe_law(shape):
+    """x = (1 - exp(-a t^(m + 1))) / c with a = -ln(1 - c), written out."""
+    cycle = replace(FOUR, wiebe_shape=shape)
     angles = np.radians([-10.0, -5.0, 0.0, 20.0, 54.0, 90.0])
-    integral = (
-        rise_per_heat(cycle, law, angles) * law.at(angles) / (cycle.heat_capacity_ratio - 1.0)
-    )
-    assert integral == pytest.approx(wiebe_fraction(cycle, angles), abs=1e-10)
+    share = np.clip((angles + 6.0 * DEGREE) / (60.0 * DEGREE), 0.0, 1.0)
+    law = (1.0 - np.exp(np.log(1.0 - 0.999) * share ** (shape + 1.0))) / 0.999
+    assert burnt_share(cycle, angles) == pytest.approx(law, abs=1e-10)
 
 
 def balance(cycle, law, slope, heat):
@@ -167,7 +171,6 @@ def test_heat_is_work_and_internal_energy(heat, gamma, ratio, shape, start, dura
     gained, work = balance(cycle, law, lambda angle: position_slope(angle, offset), heat)
     # The quadrature of the work reaches 1e-10 of the energies; a motored cycle moves some 1 kJ.
     assert gained + work == pytest.approx(heat, abs=1e-10 * (heat + 1e3))
-    assert closed_work(cycle, law, heat) == pytest.approx(work, abs=1e-10 * (heat + 1e3))
 
 
 @pytest.mark.parametrize("shape", [0.5, 1.0, 2.0])
@@ -218,10 +221,16 @@ def test_motored_cycle_does_only_the_work_of_gas_exchange(cycle, mechanism):
     ends = np.array([cycle.intake_closes, cycle.exhaust_opens])
     energy = motored_pressure(cycle, found.volume, ends) * found.volume.at(ends)
     expected = -float(np.diff(energy)[0]) / (cycle.heat_capacity_ratio - 1.0)
-    assert closed_work(cycle, found.volume, 0.0) == pytest.approx(expected, abs=1e-9)
+    angles = np.linspace(cycle.intake_closes, cycle.exhaust_opens, 20001)
+    pressure, place = motored_pressure(cycle, found.volume, angles), found.volume.at(angles)
+    work = float(np.sum(0.5 * (pressure[1:] + pressure[:-1]) * np.diff(place)))
+    # A polygon of steps of 2e-4 rad; a thousand joules go to and fro.
+    assert work == pytest.approx(expected, abs=1e-4)
     back = replace(cycle, intake_closes=-cycle.exhaust_opens)
     if mechanism is position:
-        assert closed_work(back, found.volume, 0.0) == pytest.approx(0.0, abs=1e-9)
+        ends = np.array([back.intake_closes, back.exhaust_opens])
+        level = motored_pressure(back, found.volume, ends)
+        assert level[1] == pytest.approx(level[0], rel=1e-12)
     assert found.work_ratio is None
     assert abs(found.mean_effective_pressure) < cycle.intake_pressure
     # The piston may be highest between two samples of 0.25 deg.

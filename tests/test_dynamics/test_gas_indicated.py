@@ -7,8 +7,6 @@ from dynamics.gas.indicated import (
     indicated_mean_effective_pressure,
     indicated_work,
     periodic_slope,
-    torque_work,
-    work_mismatch,
 )
 from geometry.errors import InputError
 
@@ -56,11 +54,11 @@ def test_gas_torque_does_the_indicated_work(values, under):
     force = AREA * (np.array(values) - under)
     torque = force * R * np.sin(angle + beta) / np.cos(beta)
     slope = -AREA * position_slope(angle)
-    assert work_mismatch(values, slope, torque) < 1e-13
-    share = work_mismatch(values, slope, 1.001 * torque)
-    moved = abs(torque_work(torque))
-    scale = indicated_work(values, np.abs(slope))
-    assert share == pytest.approx(1e-3 * moved / scale, abs=1e-13)
+    # Round-off of the work that goes to and fro.
+    exchanged = indicated_work(np.array(values) + under, np.abs(slope))
+    assert 4.0 * np.pi * np.mean(torque) == pytest.approx(
+        indicated_work(values, slope), abs=1e-13 * exchanged
+    )
 
 
 @pytest.mark.parametrize("count", [720, 1441])
@@ -81,10 +79,6 @@ def test_mean_effective_pressure_is_work_over_swept_volume():
         indicated_mean_effective_pressure(3000.0, 0.0)
 
 
-def test_nothing_moves_nothing_mismatches():
-    assert work_mismatch([1e5] * 4, [0.0] * 4, [0.0] * 4) == 0.0
-
-
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -92,8 +86,6 @@ def test_nothing_moves_nothing_mismatches():
         (lambda: indicated_work([], []), "volume_slope: given 0 values for 0"),
         (lambda: indicated_work([1.0, np.inf], [1.0, 1.0]), r"pressure\[1\]: given inf"),
         (lambda: indicated_work([1.0], [1.0], 3), "strokes: given 3"),
-        (lambda: torque_work([np.nan]), r"torque\[0\]: given nan"),
-        (lambda: work_mismatch([1.0], [1.0], [1.0, 2.0]), "torque: given 2 values for 1"),
     ],
 )
 def test_unusable_arrays_are_refused(call, message):

@@ -126,6 +126,36 @@ def test_resolved_orders():
         found.index_of(14.0)
 
 
+def test_orders_above_a_highest_one_may_be_cut():
+    angles = sample_angles(36, 4)
+    kept = 2.0 + np.sin(1.5 * angles + 0.3)
+    whole = harmonics(kept + np.cos(4.0 * angles))
+    cut = whole.up_to(2.0)
+    assert cut.orders.tolist() == [0.5, 1.0, 1.5, 2.0]
+    for name in ("amplitude", "phase", "cosine", "sine"):
+        assert getattr(cut, name).tolist() == getattr(whole, name)[:4].tolist()
+    assert (cut.mean, cut.samples, cut.highest_order) == (whole.mean, 36, 9.0)
+    assert cut.at(angles) == pytest.approx(kept, abs=1e-13)
+    assert cut.up_to(1.0).orders.tolist() == [0.5, 1.0]
+    assert whole.up_to(9.0).orders.size == 18
+    with pytest.raises(InputError, match=r"allowed are 0\.5 to 2 .* those above 2 were left out"):
+        cut.index_of(2.5)
+
+
+@pytest.mark.parametrize(
+    ("highest", "message"),
+    [
+        (9.5, "highest_order: given 9.5; allowed are 0.5 to 9, because 36 samples"),
+        (0.4, "highest_order: given 0.4; allowed are 0.5 to 9"),
+        (0.0, "highest_order: given 0"),
+        (float("nan"), "highest_order: given nan"),
+    ],
+)
+def test_no_other_orders_are_a_highest_one(highest, message):
+    with pytest.raises(InputError, match=message):
+        harmonics(np.arange(36.0)).up_to(highest)
+
+
 def test_result_cannot_be_written_to():
     found = harmonics([1.0, 2.0, 4.0])
     with pytest.raises(ValueError, match="read-only"):

@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dynamics.cycle import even_angles
 from dynamics.engine.forces import mechanism_forces
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.gas_force import piston_gas_force, two_stroke_cycle
 from dynamics.hinge.moment import hinge_moment
-from dynamics.hinge.periodic import even_angles
 from dynamics.hinge.reduced import KINEMATICS, reduced_crank
 from dynamics.mechanism.rods import ConnectingRod
 from geometry.errors import InputError
@@ -94,7 +94,7 @@ def test_without_mass_the_hinge_takes_the_gas_moment():
 def test_without_gas_the_hinge_takes_inertia_and_weight(kinematics):
     found = hinge_moment(ENGINE, lambda a: np.zeros_like(a), 9.3, kinematics=kinematics)
     assert found.load == 0.0
-    expected = found.inertia_moment - found.reduced.weight_moment
+    expected = 0.5 * 9.3**2 * found.reduced.inertia_rate - found.reduced.weight_moment
     np.testing.assert_allclose(found.moment, expected, atol=1e-12 * np.abs(expected).max())
     assert abs(found.closing_error) < 1e-12
 
@@ -176,7 +176,7 @@ def test_load_is_the_indicated_work():
 
 def test_samples_of_the_force_serve_as_a_function_does():
     by_function = hinge_moment(ENGINE, smooth_force, 9.3)
-    by_samples = hinge_moment(ENGINE, smooth_force(even_angles(720)), 9.3)
+    by_samples = hinge_moment(ENGINE, smooth_force(even_angles(2.0 * np.pi, 720)), 9.3)
     # Cubic splines over 0.5 deg: (0.5 deg)^4 / 384 of the fourth derivative, some 30 times the value.
     largest = np.abs(by_function.moment).max()
     np.testing.assert_allclose(by_samples.moment, by_function.moment, atol=1e-9 * largest)
@@ -204,6 +204,7 @@ def test_engines_refused(change, match):
     [
         ({"speed": 0.0}, "speed: given 0 rad/s"),
         ({"samples": 10}, "samples: given 10"),
+        ({"samples": 100.5}, "samples: given 100.5; allowed are whole numbers of 72 or more"),
         ({"kinematics": "exakt"}, "kinematics: given 'exakt'"),
         ({"gas_force": np.ones(5)}, "gas_force: given 5 values"),
         ({"gas_force": lambda a: a + np.nan}, "gas_force"),

@@ -77,6 +77,35 @@ def test_springs_refused(change, match):
 
 
 @pytest.mark.parametrize("ambient", [0.0, 101325.0])
+@pytest.mark.parametrize("name", ["force", "gas_pressure", "work"])
+@pytest.mark.parametrize(
+    ("compression", "message"),
+    [
+        (1.0, "compression: given 1 m of a gas column 1 m high; allowed is less than its height"),
+        ([0.1, 1.5], "compression: given 1.5 m of a gas column 1 m high"),
+        ([0.1, np.nan], r"compression\[1\]: given nan"),
+        (-np.inf, "compression: given -inf"),
+    ],
+)
+def test_compression_beyond_the_column_is_refused(ambient, name, compression, message):
+    with pytest.raises(InputError, match=message):
+        getattr(replace(SPRING, ambient=ambient), name)(compression)
+
+
+def test_largest_work_leaves_the_least_column():
+    """100 to the power of n - 1, by hand: (100^0.25 - 1) / 0.25 of A p_0 H."""
+    most = 0.031 * 5e6 * (100.0**0.25 - 1.0) / 0.25
+    assert float(SPRING.compression(most * (1.0 - 1e-9))) == pytest.approx(0.99, abs=1e-9)
+    for work in (most * (1.0 + 1e-9), 1e300):
+        with pytest.raises(
+            InputError, match=r"at most 1341 kJ until 0\.01 m of the column are left"
+        ):
+            SPRING.compression(work)
+    with pytest.raises(InputError, match="the compression z must stay below the height H"):
+        replace(SPRING, ambient=101325.0).compression(1e300)
+
+
+@pytest.mark.parametrize("ambient", [0.0, 101325.0])
 def test_energy_beyond_the_gas_is_refused(ambient):
     weak = replace(SPRING, pressure=1e5, ambient=ambient)
     with pytest.raises(InputError, match=r"spring that must give 100 kJ; allowed .* here at most"):
@@ -139,11 +168,10 @@ def test_with_atmosphere_the_scaling_is_not_exact(moment):
 
 
 def test_rollers_balance_spring_and_moment(profile):
-    along = profile.normal_force * np.cos(profile.pressure_angle)
+    along = profile.normal_force * np.cos(profile.force_angle)
     np.testing.assert_allclose(along, profile.spring_force, rtol=1e-13)
-    np.testing.assert_allclose(
-        2.0 * profile.side_force * profile.radius, profile.moment, atol=1e-9 * 8e4
-    )
+    aside = profile.normal_force * np.sin(profile.force_angle)
+    np.testing.assert_allclose(2.0 * aside * profile.radius, profile.moment, atol=1e-9 * 8e4)
 
 
 def test_curvature_of_known_curves():
@@ -209,6 +237,17 @@ def test_checks_of_guides(moment, profile):
     assert met["lowest spring pressure"]
     assert met["shortest gas column"]
     assert not met["smallest radius"]
+    # Guides that someone else has made: z of 0.985 m of 1 m leaves 15 mm, 0.995 m leaves 5 mm.
+    radius = profile.radius.copy()
+    for compression, enough in ((0.985, True), (0.995, False)):
+        radius[0] = 0.8 - 0.5 * compression
+        (check,) = (
+            one
+            for one in replace(profile, radius=radius.copy()).checks
+            if one.name == "shortest gas column"
+        )
+        assert (check.met, check.limit) == (enough, 0.01)
+        assert check.value == pytest.approx(1.0 - compression, rel=1e-12)
     remarks = " ".join(small.remarks)
     assert "stands up to" in remarks
     assert "guide of its own" in remarks

@@ -10,7 +10,7 @@ from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.evening import best_pressure, flywheel_for
 from dynamics.hinge.moment import hinge_moment
 from dynamics.hinge.profile import hinge_profile
-from dynamics.hinge.running import simulate_hinge, steady_turn
+from dynamics.hinge.running import simulate_hinge, steady_hinge_turn
 from dynamics.hinge.spring import GasSpring
 from dynamics.mechanism.rods import ConnectingRod
 from geometry.errors import InputError
@@ -52,8 +52,8 @@ def test_from_another_speed_the_hinge_does_not(point, profile):
     assert slow.fluctuation > 0.1
 
 
-def test_steady_turn_is_what_integration_gives(point):
-    turn = steady_turn(point, flywheel=3000.0)
+def test_steady_hinge_turn_is_what_integration_gives(point):
+    turn = steady_hinge_turn(point, flywheel=3000.0)
     run = simulate_hinge(point, flywheel=3000.0, samples=720)
     # Both use splines through the same 2880 values; the fluctuation is that of four times as many
     # values in one of them, between which a smooth extremum is missed by 1e-5 of the swing.
@@ -71,7 +71,7 @@ def test_equation_of_motion_in_time(point):
         inertia, rate = float(reduced.inertia[0]), float(reduced.inertia_rate[0])
         return state[1], (float(moment[0]) - 0.5 * rate * state[1] ** 2) / inertia
 
-    turn = steady_turn(point, top_speed=SPEED)
+    turn = steady_hinge_turn(point, top_speed=SPEED)
     duration = 0.6 * 2.0 * np.pi / turn.mean_speed
     found = solve_ivp(slope, (0.0, duration), (0.0, SPEED), rtol=1e-9, atol=1e-9)
     angle, speed = found.y[:, -1]
@@ -83,7 +83,7 @@ def test_equation_of_motion_in_time(point):
 
 def test_flywheel_reaches_what_it_is_for(point):
     inertia = flywheel_for(point, 0.01)
-    assert steady_turn(point, flywheel=inertia).fluctuation == pytest.approx(0.01, rel=1e-9)
+    assert steady_hinge_turn(point, flywheel=inertia).fluctuation == pytest.approx(0.01, rel=1e-9)
     # Classical: at an almost constant speed it stores what the hinge would store. The engine's own
     # inertia is 0.1 % of it, and squares of the fluctuation are left out: another 1 %.
     stored = float(np.ptp(point.stored_energy))
@@ -122,13 +122,13 @@ def test_best_pressure_at_the_design_is_the_designs(point, profile):
 
 def test_refusals(point, profile):
     with pytest.raises(InputError, match=r"speed: given a mean of 89 1/min; allowed is .* 1/min"):
-        steady_turn(point)
+        steady_hinge_turn(point)
     with pytest.raises(InputError, match="top_speed: given 9 rad/s beside a mean speed of 9 rad/s"):
-        steady_turn(point, speed=9.0, top_speed=9.0)
+        steady_hinge_turn(point, speed=9.0, top_speed=9.0)
     with pytest.raises(InputError, match=r"top_speed: given 0.01 rad/s; allowed is more than"):
-        steady_turn(point, top_speed=0.01)
+        steady_hinge_turn(point, top_speed=0.01)
     with pytest.raises(InputError, match="flywheel: given -1 kg"):
-        steady_turn(point, flywheel=-1.0)
+        steady_hinge_turn(point, flywheel=-1.0)
     with pytest.raises(InputError, match="bounds: given 2 to 1"):
         best_pressure(point, profile, bounds=(2.0, 1.0))
     with pytest.raises(InputError, match="between which the crank comes round"):

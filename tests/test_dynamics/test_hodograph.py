@@ -73,6 +73,21 @@ def test_shapes_without_two_axes():
     assert (point.angle, point.largest_at, point.sense, point.major) == (None, None, 0, 0.0)
 
 
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ((0, 1.0, 1.0), "orders: given \\[0\\]; allowed are different whole numbers of 1 or more"),
+        ((1.5, 1.0, 1.0), "orders: given \\[1.5\\]"),
+        ((-1, 1.0, 1.0), "orders: given \\[-1\\]"),
+        ((1, math.nan, 1.0), "forward: given nan; allowed are finite numbers"),
+        ((1, 1.0, complex(0.0, math.inf)), "backward: given infj"),
+    ],
+)
+def test_hodographs_refused(given, message):
+    with pytest.raises(InputError, match=message):
+        Hodograph(*given)
+
+
 def test_sum_and_turning():
     one, other = Hodograph(2, 1 + 2j, 3.0), Hodograph(2, 1j, 4j)
     angles = np.array([0.0, 0.4, 2.0])

@@ -84,7 +84,7 @@ def test_maximum_and_its_angle():
 
 def test_the_closing_sample_counts_once():
     engine = twin()
-    for loads in (crankpin_loads, lambda forces: main_bearing_loads(forces, BEARINGS, SPEED)):
+    for loads in (crankpin_loads, lambda forces: main_bearing_loads(forces, BEARINGS)):
         once, twice = loads(forces_of(engine)), loads(forces_of(engine, CLOSED))
         for ours, theirs in zip(once, twice, strict=True):
             assert theirs.angles.size == ours.angles.size == theirs.force.size == 72
@@ -95,7 +95,7 @@ def test_each_load_is_shared_by_the_lever():
     """Cylinder 1 at 0.06 of 0.16, cylinder 2 in the middle of the second bay."""
     forces = forces_of(twin())
     first, second = forces.crankpin
-    loads = main_bearing_loads(forces, BEARINGS, SPEED)
+    loads = main_bearing_loads(forces, BEARINGS)
     wanted = [0.625 * first, 0.375 * first + 0.5 * second, 0.5 * second]
     for load, force in zip(loads, wanted, strict=True):
         np.testing.assert_allclose(load.force, force, rtol=1e-12)
@@ -109,7 +109,7 @@ def test_bearings_carry_forces_and_moments_of_all_loads_turning_masses_included(
     gain = 4000.0
     engine = twin(*masses)
     forces = forces_of(engine, crank_acceleration=gain)
-    loads = main_bearing_loads(forces, BEARINGS, SPEED, crank_acceleration=gain)
+    loads = main_bearing_loads(forces, BEARINGS)
     total, moment = forces.crankpin.sum(axis=0), forces.crankpin.T @ [0.06, 0.24]
     for mass in masses:
         # Twice differentiated in time: r'' = (i w' - w^2) r.
@@ -119,29 +119,53 @@ def test_bearings_carry_forces_and_moments_of_all_loads_turning_masses_included(
     size = np.max(np.abs(total))
     np.testing.assert_allclose(found.sum(axis=0), total, rtol=0.0, atol=1e-12 * size)
     np.testing.assert_allclose(found.T @ BEARINGS, moment, rtol=0.0, atol=1e-12 * size)
-    bare = main_bearing_loads(forces_of(twin(), crank_acceleration=gain), BEARINGS, SPEED)
+    bare = main_bearing_loads(forces_of(twin(), crank_acceleration=gain), BEARINGS)
     np.testing.assert_allclose(found[0] - bare[0].force, 0.375 * 0.3 * np.exp(1j * (2.0 + ANGLES)) * (
         SPEED**2 - 1j * gain
     ), rtol=1e-9)  # fmt: skip
 
 
 def test_a_hinged_rod_loads_the_shaft_where_the_main_rod_does():
-    hinged = cylinder(bank=60.0, position=0.2, slave_pin=SlavePin(1, 0.06, math.radians(60.0)))
+    hinged = cylinder(bank=60.0, position=0.04, slave_pin=SlavePin(1, 0.06, math.radians(60.0)))
     engine = EngineLayout(0.07, [cylinder(position=0.04), hinged], [1, 2])
     forces = forces_of(engine)
-    loads = main_bearing_loads(forces, [0.0, 0.16], SPEED)
+    loads = main_bearing_loads(forces, [0.0, 0.16])
     np.testing.assert_allclose(loads[0].force, 0.75 * forces.crankpin.sum(axis=0), rtol=1e-12)
 
 
 def test_a_speed_for_each_angle():
     speeds = np.linspace(200.0, 240.0, ANGLES.size)
-    engine = twin(RotatingMass(0.3, 2.0, 0.0))
-    forces = forces_of(engine)
-    loads = main_bearing_loads(forces, BEARINGS, speeds)
-    at_mean = main_bearing_loads(forces, BEARINGS, 0.0)
-    np.testing.assert_allclose(
-        np.abs(loads[0].force - at_mean[0].force), 0.3 * speeds**2, rtol=1e-9
+    with_mass, without = (
+        main_bearing_loads(mechanism_forces(engine, ANGLES, speeds), BEARINGS)
+        for engine in (twin(RotatingMass(0.3, 2.0, 0.0)), twin())
     )
+    np.testing.assert_allclose(
+        np.abs(with_mass[0].force - without[0].force), 0.3 * speeds**2, rtol=1e-9
+    )
+
+
+def test_cylinders_in_the_same_place_have_no_bearing_loads():
+    engine = EngineLayout(
+        0.07, [cylinder(position=0.1), cylinder(crank=180.0, position=0.1)], [1, 2]
+    )
+    with pytest.raises(InputError, match=r"cylinder 2: position: given 0\.1 m, where cylinder 1"):
+        main_bearing_loads(forces_of(engine), BEARINGS)
+
+
+@pytest.mark.parametrize(
+    ("motion", "words"),
+    [
+        ({"speed": np.ones(3)}, r"speed: given an array of shape \(3,\); .*\(72,\), because"),
+        ({"speed": math.nan}, "speed: given nan"),
+        ({"crank_acceleration": math.inf}, "crank_acceleration: given inf"),
+        ({"crank_acceleration": np.ones((2, 72))}, r"crank_acceleration: .*shape \(2, 72\)"),
+    ],
+)
+def test_a_motion_that_does_not_fit_is_refused(motion, words):
+    engine = twin(RotatingMass(0.3, 2.0, 0.0))
+    given = {"speed": SPEED} | motion
+    with pytest.raises(InputError, match=words):
+        mechanism_forces(engine, ANGLES, **given)
 
 
 @pytest.mark.parametrize(
@@ -156,7 +180,7 @@ def test_a_speed_for_each_angle():
 )
 def test_angles_that_are_not_one_cycle_are_refused(angles, words):
     forces = forces_of(twin(), angles)
-    for loads in (crankpin_loads, lambda forces: main_bearing_loads(forces, BEARINGS, SPEED)):
+    for loads in (crankpin_loads, lambda forces: main_bearing_loads(forces, BEARINGS)):
         with pytest.raises(InputError, match=f"shaft_angles: {words}"):
             loads(forces)
 
@@ -178,7 +202,7 @@ def test_angles_that_are_not_one_cycle_are_refused(angles, words):
 )
 def test_bearings_that_do_not_hold_the_shaft_are_refused(bearings, rotating, words):
     with pytest.raises(InputError, match=words):
-        main_bearing_loads(forces_of(twin(*rotating)), bearings, SPEED)
+        main_bearing_loads(forces_of(twin(*rotating)), bearings)
 
 
 def test_bearings_without_size_are_refused():

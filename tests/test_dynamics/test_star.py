@@ -127,9 +127,13 @@ def test_balanced_orders_have_no_direction():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (([], 4.0), "firing angles: given none"),
+        (([], 4.0), "firing angles: given none; .*because"),
         ((FOUR, [0.0]), r"orders\[0\]: given 0"),
         ((FOUR, 0.1), "highest: given 0.1"),
+        (
+            (hinged_vee(), [1.0, 0.7]),
+            r"orders\[1\]: given 0.7; allowed are multiples of 0.5, because",
+        ),
     ],
 )
 def test_refusals(arguments, message):
@@ -137,8 +141,35 @@ def test_refusals(arguments, message):
         star_diagram(*arguments)
 
 
+@pytest.mark.parametrize(
+    ("engine", "orders", "strokes", "message"),
+    [
+        (FOUR, 4.0, 0, "strokes: given 0; allowed are 2 and 4"),
+        (FOUR, [1.0], 3, "strokes: given 3; allowed are 2 and 4"),
+        (FOUR, [0.5], 2, r"orders\[0\]: given 0.5; allowed are multiples of 1, because"),
+        (hinged_vee(), 4.0, 0, "strokes: given 0; allowed are 2 and 4"),
+        (hinged_vee(), 4.0, 2, "strokes: given 2; allowed is 4 or nothing, because"),
+    ],
+)
+def test_strokes_that_do_not_fit_are_refused(engine, orders, strokes, message):
+    with pytest.raises(InputError, match=message):
+        star_diagram(engine, orders, strokes=strokes)
+
+
+def test_strokes_may_be_said():
+    assert [star.order for star in star_diagram(hinged_vee(), 1.0, strokes=4)] == [0.5, 1.0]
+    assert [star.order for star in star_diagram(FOUR, 2.0, strokes=2)] == [1.0, 2.0]
+    assert [star.order for star in star_diagram(FOUR, [1.5], strokes=4)] == [1.5]
+
+
 def test_arrays_that_do_not_fit_are_refused():
-    with pytest.raises(InputError, match="mode_shape: given an array of shape"):
+    with pytest.raises(InputError, match=r"mode_shape: given an array of shape .*because"):
         star_diagram(FOUR, 4.0, mode_shape=[1.0, 2.0])
     with pytest.raises(InputError, match="stars: given none"):
         leading_stars([])
+
+
+def test_no_order_leads_where_all_are_balanced():
+    stars = star_diagram(np.radians(np.arange(6) * 60.0), 4.0, strokes=2)
+    assert {star.kind for star in stars} == {"balanced"}
+    assert leading_stars(stars) == ()

@@ -1,7 +1,9 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import ellipk
 
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
 from dynamics.engine.forces import mechanism_forces
@@ -12,8 +14,9 @@ from dynamics.mechanism.rods import ConnectingRod
 from dynamics.torque.torque import engine_torque
 from dynamics.turning.curves import turn_curves
 from dynamics.turning.free_turning import turn_freely
-from dynamics.turning.speed_over_angle import speed_over_angle, steady_turning
+from dynamics.turning.speed_over_angle import speed_over_angle
 from dynamics.turning.steady_engine import turn_steadily
+from dynamics.turning.steady_turning import steady_turning
 from geometry.errors import InputError
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
@@ -25,6 +28,13 @@ class SmoothPressure:
 
     def at(self, angle):
         return 1e5 * (12.0 + 9.0 * np.cos(0.5 * angle - 0.4) + 6.0 * np.cos(angle - 0.7))
+
+
+class BrokenPressure:
+    strokes = 4
+
+    def at(self, angle):
+        return np.where(np.asarray(angle) > 0.2, np.nan, 1e5)
 
 
 def constant(value):
@@ -42,7 +52,7 @@ def hinged_pair(inertia=0.4):
 
 def test_free_shaft_keeps_its_energy():
     """I = 2 + cos: w = w_0 sqrt(3 / (2 + cos)), the closed form, to round-off."""
-    found = speed_over_angle(lambda a: (2.0 + math.cos(a), 0.0), constant(0.0), 0.0, 10.0, 2.0)
+    found = speed_over_angle(lambda a: 2.0 + math.cos(a), constant(0.0), 0.0, 10.0, 2.0)
     wanted = 10.0 * np.sqrt(3.0 / (2.0 + np.cos(found.angle)))
     assert found.speed == pytest.approx(wanted, rel=1e-14)
     assert found.angle.size == 1441
@@ -52,7 +62,7 @@ def test_free_shaft_keeps_its_energy():
 
 def test_speed_dependent_moment_against_the_closed_form():
     """I w' = -c w in time is I dw/dphi = -c: w falls linearly, t = -(I / c) ln(w / w_0)."""
-    found = speed_over_angle(constant((2.0, 0.0)), lambda _, w: -0.3 * w, 1.0, 50.0, 3.0)
+    found = speed_over_angle(constant(2.0), lambda w, _: -0.3 * w, 1.0, 50.0, 3.0)
     wanted = 50.0 - 0.15 * (found.angle - 1.0)
     assert found.speed == pytest.approx(wanted, rel=1e-13)
     assert found.time == pytest.approx(-(2.0 / 0.3) * np.log(wanted / 50.0), abs=1e-14)
@@ -60,16 +70,17 @@ def test_speed_dependent_moment_against_the_closed_form():
 
 def test_shaft_stops_where_its_energy_is_spent():
     # 2 * 10^2 / 2 J over 20 N m: 5 rad.
-    found = speed_over_angle(constant((2.0, 0.0)), constant(-20.0), 0.0, 10.0, 2.0)
-    assert found.stopped_at == pytest.approx(5.0, abs=math.radians(1.0))
+    found = speed_over_angle(constant(2.0), constant(-20.0), 0.0, 10.0, 2.0)
+    # In the shortest steps, of 1/512 deg.
+    assert found.stopped_at == pytest.approx(5.0, abs=math.radians(1.0 / 512.0))
     assert found.angle[-1] <= found.stopped_at
 
 
 def test_steady_turning_meets_speed_and_repeats():
-    def moment(angle, speed):
+    def moment(speed, angle):
         return 50.0 + 200.0 * math.sin(2.0 * angle) - 0.01 * speed**2
 
-    found = steady_turning(constant((1.0, 0.0)), moment, 60.0, 1.0, samples=120)
+    found = steady_turning(constant(1.0), moment, 60.0, 1.0, samples=120)
     turning = found.turning
     assert turning.mean_speed == pytest.approx(60.0, rel=1e-9)
     assert turning.speed[-1] == pytest.approx(turning.speed[0], rel=1e-9)
@@ -79,9 +90,92 @@ def test_steady_turning_meets_speed_and_repeats():
     assert turning.fluctuation == pytest.approx(200.0 / 60.0**2, rel=5e-3)
 
 
-def test_steady_turning_refuses_a_speed_too_low():
-    with pytest.raises(InputError, match="mean_speed: given 5 rad/s; allowed is more"):
-        steady_turning(constant((1.0, 0.0)), lambda a, _: 200.0 * math.sin(a), 5.0, 1.0)
+# At 5 rad/s it would turn with less than a millionth of the swing of energy left.
+@pytest.mark.parametrize("speed", [1.0, pytest.param(5.0, marks=pytest.mark.slow)])
+def test_steady_turning_refuses_a_speed_too_low(speed):
+    with pytest.raises(InputError, match=f"mean_speed: given {speed:g} rad/s; allowed is more"):
+        steady_turning(constant(1.0), swinging, speed, 1.0)
+
+
+def swinging(_speed, angle):
+    """Take and give 400 J a turn: w^2 = w_0^2 + 400 (1 - cos) with I = 1."""
+    return 200.0 * math.sin(angle)
+
+
+@pytest.mark.parametrize("start", [0.5, 3.0])
+def test_steady_turning_close_to_a_stop(start):
+    """Far below sqrt(400) rad/s, the speed whose energy is the mean of what the moment adds.
+
+    The time of a turn is a complete elliptic integral: 4 K(-400 / w_0^2 * 2) / w_0, from
+    1 - cos = 2 sin^2 of the half angle.
+    """
+    mean = 2.0 * math.pi * start / (4.0 * ellipk(-800.0 / start**2))
+    assert mean < 14.0
+    found = steady_turning(constant(1.0), swinging, mean, 1.0, samples=90)
+    assert found.load == pytest.approx(0.0, abs=1e-6)
+    # Steps of 1 deg, in which the slowest speed doubles within ten or fewer.
+    assert found.turning.speed[0] == pytest.approx(start, rel=1e-4)
+
+
+def test_steady_turning_with_a_governor():
+    """The trials of the search come to a standstill; the solution does not."""
+
+    def moment(speed, angle):
+        return 200.0 * math.sin(angle) - 30.0 * (speed - 15.0)
+
+    turning = steady_turning(constant(1.0), moment, 15.0, 1.0, samples=90).turning
+    assert turning.mean_speed == pytest.approx(15.0, rel=1e-9)
+    assert turning.speed[-1] == pytest.approx(turning.speed[0], rel=1e-9)
+
+
+def test_moment_steep_in_the_speed():
+    """I w dw/dphi = -500 (w - 1), I = 1: w - 10 + ln((w - 1) / 9) = -500 phi, not a stop."""
+    found = speed_over_angle(constant(1.0), lambda w, _: -500.0 * (w - 1.0), 0.0, 10.0, 1.0)
+    assert found.stopped_at is None
+    speed = found.speed[:4]
+    # Most of the way from 10 to 1 rad/s is made within one degree, in a few steps: 1e-7 rad of
+    # some 1e-2; 50 in place of 500 leaves 1e-9.
+    wanted = -(speed - 10.0 + np.log((speed - 1.0) / 9.0)) / 500.0
+    assert found.angle[:4] == pytest.approx(wanted, abs=1e-7)
+    assert found.speed[-1] == pytest.approx(1.0, rel=1e-9)
+    with pytest.raises(InputError, match=r"moment: given one with which the speed does not settle"):
+        speed_over_angle(constant(1.0), lambda w, _: -1e6 * (w - 1.0), 0.0, 10.0, 1.0)
+
+
+def test_moment_that_brakes_steeply_stops_the_shaft():
+    """w falls by 4 / 2 for each rad: at rest after 5 rad, where the energy falls without end."""
+    found = speed_over_angle(constant(2.0), lambda w, _: -4.0 * w, 0.0, 10.0, 2.0)
+    # Counted as stopped at 1e-9 of the energy: 3e-5 of the speed.
+    assert found.stopped_at == pytest.approx(5.0, abs=5.0 * 3.2e-5 + math.radians(1.0 / 256.0))
+
+
+@pytest.mark.parametrize(
+    ("act", "message"),
+    [
+        (lambda f: f(constant(-1.0), constant(0.0)), "inertia: given -1.0 kg m.2 at .* 0 deg"),
+        (lambda f: f(constant(0.0), constant(0.0)), "inertia: given 0.0 kg"),
+        (lambda f: f(math.cos, constant(0.0)), "inertia: given -0.* at a shaft angle of 9[01]"),
+        (lambda f: f(constant(math.inf), constant(0.0)), "inertia: given inf"),
+        (lambda f: f(constant(None), constant(0.0)), "inertia: given None"),
+        (lambda f: f(constant(1.0), constant(math.nan)), "moment: given a moment of nan"),
+        (lambda f: f(constant(1.0), constant(None)), "moment: given a moment of None"),
+        (lambda f: f(constant(1.0), lambda _, a: -math.inf if a > 3 else 0.0), "moment of -inf"),
+    ],
+)
+@pytest.mark.parametrize("turn", [speed_over_angle, steady_turning])
+def test_functions_that_give_no_number(turn, act, message):
+    arguments = (0.0, 10.0, 1.0) if turn is speed_over_angle else (10.0, 1.0)
+    with pytest.raises(InputError, match=message):
+        act(lambda inertia, moment: turn(inertia, moment, *arguments))
+
+
+@pytest.mark.parametrize("samples", [10.5, 0, True])
+def test_results_per_turn_are_whole_numbers(samples):
+    message = f"samples: given {samples}; allowed are whole numbers of 1 or more, because"
+    with pytest.raises(InputError, match=message):
+        speed_over_angle(constant(1.0), constant(0.0), 0.0, 10.0, 1.0, samples)
+    with pytest.raises(InputError, match=message):
+        steady_turning(constant(1.0), constant(0.0), 10.0, 1.0, samples=samples)
 
 
 def test_curves_give_values_and_derivatives():
@@ -129,6 +223,33 @@ def test_energy_balances():
     # Speed and acceleration are derivatives of the angle: differences over 5 ms, to their order.
     assert np.gradient(found.angle, found.time)[1:-1] == pytest.approx(found.speed[1:-1], rel=0.02)
     assert not found.stopped
+
+
+def test_load_that_has_no_value_below_standstill():
+    """Past the stop the integration tries speeds below zero; the load is not asked for them."""
+    found = turn_freely(hinged_pair(), 0.3, 40.0, 20.0, load=lambda w, _: 20.0 + 5.0 * math.sqrt(w))
+    assert found.stopped
+    assert found.energy_error < 1e-9
+
+
+# From elsewhere the crank comes to the top ever faster, in ever shorter steps.
+@pytest.mark.parametrize("start", [0.0, pytest.param(1.0, marks=pytest.mark.slow)])
+def test_massless_parts_have_no_inertia_at_the_top(start):
+    """A crank without inertia, all of the rod's mass at its piston: I = 0 at both dead centers."""
+    rod = ConnectingRod(0.25, 2.0, 0.25 * (1.0 - 1e-12), 0.02)
+    bare = EngineLayout(0.07, [EngineCylinder(0.12, 3.0, rod)], [1])
+    with pytest.raises(InputError, match=r"inertia: given .* clearly above zero"):
+        turn_freely(bare, start, 10.0, 1.0, model="two-mass")
+
+
+def test_moment_of_gravity_on_a_counterweight():
+    """A mass m r at an angle from the vertical is m r cos(angle) high: its moment m g r sin."""
+    engine, bare = hinged_pair(), replace(hinged_pair(), rotating=())
+    at_rest = {"start_angle": 0.7, "start_speed": 1.0, "duration": 1e-3, "gravity": 9.81}
+    moments = [
+        float(turn_freely(each, **at_rest, samples=2).gravity.moment[0]) for each in (engine, bare)
+    ]
+    assert moments[0] - moments[1] == pytest.approx(9.81 * 0.3 * math.sin(0.7 + 2.0), rel=1e-12)
 
 
 def test_work_of_gravity_is_that_of_the_heights():
@@ -225,6 +346,16 @@ def test_steady_engine_has_the_speed_of_its_energy():
         ({"times": [0.2, 0.1]}, "times: given 2 of them; allowed are times that ascend"),
         ({"times": [0.0, 2.0]}, "times: given 2 of them"),
         ({"samples": 1}, "samples: given 1"),
+        ({"samples": 10.5}, "samples: given 10.5; allowed are whole numbers of 2 or more"),
+        (
+            {"load": lambda w, _: math.nan if w < 9.99 else 1.0},
+            "load: given a moment of nan N m at",
+        ),
+        ({"load": constant(None)}, "load: given a moment of None"),
+        ({"friction": constant(math.inf)}, "friction: given a moment of inf N m at 10 rad/s"),
+        ({"gas": constant(math.nan)}, "gas: given a moment of nan"),
+        ({"gas": constant(math.inf)}, "gas: given a moment of"),
+        ({"gas": BrokenPressure()}, "gas: given a moment of nan"),
         ({"load": float("nan")}, "load: given nan"),
         ({"gas": [SmoothPressure()]}, "pressure: given 1 for 2 cylinders"),
     ],

@@ -26,7 +26,7 @@ import pytest
 from crankfem.hinge_file import load_hinge
 from dynamics.hinge.evening import best_pressure, flywheel_for
 from dynamics.hinge.moment import hinge_moment
-from dynamics.hinge.running import simulate_hinge, steady_turn
+from dynamics.hinge.running import simulate_hinge, steady_hinge_turn
 
 
 @pytest.fixture(scope="module")
@@ -61,17 +61,21 @@ def test_the_hinge_at_its_design_speed(point, profile):
     assert with_hinge.fluctuation < 1e-3 * without.fluctuation
     # Splines between 1440 radii, and a pressure curve whose second derivative jumps.
     assert with_hinge.fluctuation < 1e-5
+    # The same from the energy alone, which decides: 1.42e-6.
+    found = steady_hinge_turn(point, profile)
+    assert found.fluctuation == pytest.approx(1.42e-6, abs=0.005e-6)
+    assert found.mean_speed == pytest.approx(point.speed, rel=1e-12)
 
 
 def test_the_series_costs_what_it_leaves_out(file, point, profile):
     """Guides made by the series, in the exact mechanism; the printed sign of the rod costs more."""
     left = {
-        name: steady_turn(point, file.profile(file.moment(kinematics=name))).fluctuation
+        name: steady_hinge_turn(point, file.profile(file.moment(kinematics=name))).fluctuation
         for name in ("series", "printed")
     }
     assert left["series"] == pytest.approx(0.038, abs=0.002)
     assert left["printed"] == pytest.approx(0.099, abs=0.003)
-    assert steady_turn(point, profile).fluctuation < 1e-5
+    assert steady_hinge_turn(point, profile).fluctuation < 1e-5
 
 
 def test_large_springs_make_round_guides(file, point):

@@ -27,6 +27,7 @@ from scipy.special import binom
 from dynamics.balance.balance import balance
 from dynamics.balance.moving_masses import balancing_masses
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass
+from dynamics.engine.firing import firing_order_of_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.orders import acceleration_orders
 from dynamics.mechanism.rods import ConnectingRod
@@ -67,9 +68,8 @@ def engine(cranks_deg, banks_deg=(0.0,), pin_step_deg=0.0):
         for place, bank in enumerate(banks_deg)
     ]
     tops = [cylinder.top_shaft_angle for cylinder in cylinders]
-    return EngineLayout(
-        RADIUS, cylinders, list(range(1, len(cylinders) + 1)), 2, firing_angles=tops
-    )
+    order = firing_order_of_angles(tops, 2, 1)
+    return EngineLayout(RADIUS, cylinders, order, 2, firing_angles=tops)
 
 
 def rotating_balanced(cranks_deg, banks_deg=(0.0,), pin_step_deg=0.0):

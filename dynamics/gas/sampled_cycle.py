@@ -1,6 +1,5 @@
 """The cycle model at even crank angles, as a pressure that is linear in the heat."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -119,8 +118,3 @@ def _smooth_step(angles: FloatArray, begin: float, end: float) -> FloatArray:
     """Return 3 t^2 - 2 t^3, from 0 at the begin to 1 at the end with no slope at either."""
     share = np.clip((angles - begin) / (end - begin), 0.0, 1.0)
     return np.asarray(share**2 * (3.0 - 2.0 * share), dtype=np.float64)
-
-
-def even_angles(strokes: int, count: int) -> FloatArray:
-    """Return even crank angles from zero over the cycle [rad], shape (count,)."""
-    return math.pi * strokes / count * np.arange(count, dtype=np.float64)

@@ -1,0 +1,79 @@
+"""Checks of what functions given from outside return, and of counts: one clear sentence each."""
+
+import math
+import operator
+
+from geometry.errors import InputError
+
+
+def checked_moment(field: str, given: float, speed: float, angle: float) -> float:
+    """Return a moment [N m] that a given function has returned.
+
+    Cheap enough for every step of an integration, which a value that is not finite keeps from ever
+    ending.
+
+    Parameters
+    ----------
+    field : str
+        Whose moment it is.
+    given : float
+        [N m]
+    speed, angle : float
+        Where the function was asked [rad/s, rad].
+
+    Raises
+    ------
+    InputError
+        If it is not a finite number.
+    """
+    try:
+        moment = float(given)
+    except (TypeError, ValueError):
+        moment = math.nan
+    if not math.isfinite(moment):
+        raise InputError(
+            f"{field}: given a moment of {given} N m at {speed:.6g} rad/s and a shaft angle of "
+            f"{math.degrees(angle):.6g} deg; allowed are finite numbers, because the speed follows from "
+            "the moments."
+        )
+    return moment
+
+
+def checked_inertia(given: float, angle: float, least: float = 0.0) -> float:
+    """Return an inertia [kg m^2] at an angle [rad].
+
+    Raises
+    ------
+    InputError
+        If it is not a finite number above `least`.
+    """
+    try:
+        inertia = float(given)
+    except (TypeError, ValueError):
+        inertia = math.nan
+    if not least < inertia < math.inf:
+        raise InputError(
+            f"inertia: given {given} kg m^2 at a shaft angle of {math.degrees(angle):.6g} deg; allowed "
+            "are finite numbers clearly above zero, because a shaft without inertia has no speed that "
+            "follows from the moments."
+        )
+    return inertia
+
+
+def whole_number(field: str, given: int, least: int, reason: str) -> int:
+    """Return a whole number.
+
+    Raises
+    ------
+    InputError
+        If it is no whole number, or below `least`.
+    """
+    try:
+        number = None if isinstance(given, bool) else operator.index(given)
+    except TypeError:
+        number = None
+    if number is None or number < least:
+        raise InputError(
+            f"{field}: given {given!r}; allowed are whole numbers of {least} or more, because {reason}."
+        )
+    return number

@@ -1,0 +1,170 @@
+"""The constant load under which a shaft turns steadily at a mean speed."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from dynamics.checks import FloatArray, finite_array, positive_number
+from dynamics.cycle import even_angles
+from dynamics.turning.given_functions import checked_inertia, checked_moment, whole_number
+from dynamics.turning.speed_over_angle import (
+    Inertia,
+    Moment,
+    SpeedOverAngle,
+    UnsettledError,
+    speed_over_angle,
+)
+from dynamics.turning.steady_energy import LEAST_ENERGY, energy_for_mean_speed
+from geometry.errors import InputError
+
+# Results per turn while a steady speed is sought.
+SEARCH_SAMPLES = 360
+# Steady: the energy changes over a cycle by this share at most, and the mean speed is met so well.
+STEADY = 1e-9
+# Left over at the slowest, as a share of the swing of energy, where the search begins if the
+# moments at the mean speed would not let the shaft come round.
+MARGIN = 0.05
+# Most trials. The search takes about ten; where there is nothing to find it would go on.
+TRIALS = 100
+# Stands for what a trial misses in which the shaft stops: more than any in which it turns.
+STOPPED = 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyTurning:
+    """Turning whose speed repeats, under a constant load.
+
+    Parameters
+    ----------
+    load : float
+        Constant moment that brakes [N m].
+    turning : SpeedOverAngle
+        Over one period.
+    """
+
+    load: float
+    turning: SpeedOverAngle
+
+
+def steady_turning(
+    inertia: Inertia,
+    moment: Moment,
+    mean_speed: float,
+    turns: float,
+    *,
+    start_angle: float = 0.0,
+    samples: int = 720,
+) -> SteadyTurning:
+    """Find the constant load under which the shaft turns steadily at a mean speed.
+
+    Parameters
+    ----------
+    inertia, moment : callable
+        As `speed_over_angle` takes them; the load sought is not among the moments.
+    mean_speed : float
+        Angle of the period by its time [rad/s].
+    turns : float
+        Period of inertia and moment, in turns of the shaft: 2 for a four-stroke engine.
+    start_angle : float, optional
+        [rad]
+    samples : int, optional
+        Per turn.
+
+    Returns
+    -------
+    SteadyTurning
+
+    Raises
+    ------
+    InputError
+        As `speed_over_angle`, and if the shaft does not turn steadily at so low a speed.
+
+    Notes
+    -----
+    Two unknowns, load and speed at the start, from two conditions: the energy repeats, and the mean
+    speed is met. The search begins with the solution for the moments at the mean speed, which is
+    the solution where they do not depend on the speed. A trial in which the shaft stops counts as
+    far off, so that the search turns back from it.
+    """
+    from scipy.optimize import fsolve
+
+    wanted = positive_number("mean_speed", mean_speed, "rad/s", "the shaft turns")
+    period = 2.0 * math.pi * positive_number("turns", turns, "", "the shaft turns forward")
+    first = float(finite_array("start_angle", start_angle))
+    told = whole_number("samples", samples, 1, "results are told so often per turn")
+    guess, start_energy, comes_round = _beginning(inertia, moment, wanted, first, period)
+    first_inertia = inertia(first)
+    # Unknowns and misses by this energy; a load changes that over a period by load times period. The
+    # unknowns count from one, as the search ends by the share to which it knows them.
+    scale = 0.5 * first_inertia * wanted**2
+
+    def turned(unknowns: FloatArray, samples: int = SEARCH_SAMPLES) -> SteadyTurning | None:
+        load = guess + scale / period * (float(unknowns[0]) - 1.0)
+        energy = start_energy + scale * (float(unknowns[1]) - 1.0)
+        if energy <= 0.0:
+            return None
+        found = speed_over_angle(
+            inertia,
+            lambda speed, angle: moment(speed, angle) - load,
+            first,
+            math.sqrt(2.0 * energy / first_inertia),
+            turns,
+            samples,
+        )
+        return SteadyTurning(load, found) if found.stopped_at is None else None
+
+    def misses(unknowns: FloatArray) -> list[float]:
+        try:
+            found = turned(unknowns)
+        except UnsettledError:  # close to rest: a trial like those that stop
+            found = None
+        if found is None:
+            return [STOPPED, STOPPED]
+        turning = found.turning
+        gained = float(turning.energy[-1] - turning.energy[0])
+        return [gained / scale, turning.mean_speed / wanted - 1.0]
+
+    # The full output, as otherwise a search that finds nothing warns.
+    solved = fsolve(misses, [1.0, 1.0], xtol=1e-12, maxfev=TRIALS, full_output=True)[0]
+    steady = max(abs(miss) for miss in misses(solved)) <= STEADY
+    found = turned(solved, told) if steady else None
+    if found is None:
+        raise InputError(
+            f"mean_speed: given {wanted:g} rad/s; allowed is a speed at which the shaft turns "
+            "steadily, because none was found here."
+            if comes_round
+            else _too_slow(wanted)
+        )
+    if found.turning.energy.min() < LEAST_ENERGY * np.ptp(found.turning.energy):
+        raise InputError(_too_slow(wanted))
+    return found
+
+
+def _beginning(
+    inertia: Inertia, moment: Moment, speed: float, first: float, period: float
+) -> tuple[float, float, bool]:
+    """Return load and start energy from the moments at the mean speed, and whether they let it turn.
+
+    Energies are sums over even angles, which hold for curves that are smooth between them.
+    """
+    count = max(1, round(SEARCH_SAMPLES * period / (2.0 * math.pi)))
+    angles = (first + even_angles(period, count)).tolist()
+    inertias = np.array([checked_inertia(inertia(angle), angle) for angle in angles])
+    moments = np.array(
+        [checked_moment("moment", moment(speed, angle), speed, angle) for angle in angles]
+    )
+    load = float(np.mean(moments))
+    rest = moments - load
+    gained = (np.cumsum(rest) - 0.5 * (rest + rest[0])) * (period / count)
+    energy = energy_for_mean_speed(gained, inertias, speed)
+    if energy is None:
+        return load, float(MARGIN * np.ptp(gained) - gained.min()), False
+    return load, energy, True
+
+
+def _too_slow(speed: float) -> str:
+    return (
+        f"mean_speed: given {speed:g} rad/s; allowed is more, because the shaft would stop or all but "
+        "stop within the period."
+    )
