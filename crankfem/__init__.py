@@ -65,11 +65,7 @@ if TYPE_CHECKING:
     from fem.analysis import AxialAnalysis, ThrowAnalysis, analyze_axial, analyze_throw
     from fem.angle_law import AngleLaw
     from fem.calculix import write_calculix
-    from fem.craig_bampton import (
-        DynamicSuperelement,
-        assemble_dynamic_shaft,
-        natural_modes,
-    )
+    from fem.craig_bampton import DynamicSuperelement, assemble_dynamic_shaft, natural_modes
     from fem.fillet_stress import FilletPeak, FilletStresses, fillet_stresses
     from fem.material import STEEL, Material
     from fem.modes import ThrowModes
@@ -100,43 +96,21 @@ if TYPE_CHECKING:
 _HOMES = {
     name: home
     for home, names in {
-        "crankfem.engine_file": (
-            "EngineFile",
-            "load_crankshaft",
-            "load_throw",
-            "load_engine",
-        ),
-        "crankfem.pictures.drawing": ("draw_throw",),
-        "crankfem.pictures.solid_picture": (
-            "picture_shaft",
-            "picture_throw",
-        ),
-        "crankfem.pipeline": (
-            "RunResult",
-            "run_engine",
-        ),
-        "crankfem.studies": (
-            "StudyResult",
-            "run_study",
-        ),
-        "dynamics.mechanism.motion": (
-            "PointMotion",
-            "TurnMotion",
-        ),
-        "dynamics.chain": (
-            "Chain",
-            "Modes",
-        ),
-        "dynamics.critical": (
-            "CriticalSpeed",
-            "critical_speeds",
-            "engine_orders",
-        ),
+        "crankfem.engine_file": ("EngineFile", "load_crankshaft", "load_engine", "load_throw"),
+        "crankfem.hinge_file": ("HingeFile", "load_hinge"),
+        "crankfem.mechanism_file": ("MechanismFile", "load_mechanism", "with_throws"),
+        "crankfem.mechanism_run": ("MechanismRun", "run_mechanism"),
         "crankfem.pictures.balance_plots": (
             "plot_accelerations",
             "plot_balance",
             "plot_hinged_rods",
         ),
+        "crankfem.pictures.drawing": ("draw_throw",),
+        "crankfem.pictures.load_plots": ("plot_developed_loads", "plot_polar_loads"),
+        "crankfem.pictures.solid_picture": ("picture_shaft", "picture_throw"),
+        "crankfem.pictures.stress_picture": ("picture_stresses",),
+        "crankfem.pipeline": ("RunResult", "run_engine"),
+        "crankfem.studies": ("StudyResult", "run_study"),
         "dynamics.balance.balance": ("Balance", "OrderBalance", "balance"),
         "dynamics.balance.hinged_rods": (
             "HingedRodEffects",
@@ -145,177 +119,70 @@ _HOMES = {
         ),
         "dynamics.balance.hodograph": ("Hodograph", "order_vectors"),
         "dynamics.balance.moving_masses": ("MovingMasses", "balancing_masses", "moving_masses"),
-        "dynamics.engine.orders": ("acceleration_orders", "piston_acceleration"),
+        "dynamics.chain": ("Chain", "Modes"),
+        "dynamics.critical": ("CriticalSpeed", "critical_speeds", "engine_orders"),
         "dynamics.engine.cylinder": ("EngineCylinder", "RotatingMass", "SlavePin"),
         "dynamics.engine.forces": ("MechanismForces", "mechanism_forces"),
         "dynamics.engine.gas_forces": ("gas_forces", "piston_position"),
         "dynamics.engine.layout": ("EngineLayout",),
-        "crankfem.pictures.load_plots": ("plot_developed_loads", "plot_polar_loads"),
         "dynamics.engine.loads": ("LoadDiagram", "crankpin_loads", "main_bearing_loads"),
         "dynamics.engine.motions": ("CylinderMotion", "cylinder_motion", "reduced_inertia"),
-        "crankfem.hinge_file": (
-            "HingeFile",
-            "load_hinge",
-        ),
-        "dynamics.hinge.crosshead": ("CrossheadEngine",),
-        "dynamics.hinge.evening": (
-            "BestPressure",
-            "best_pressure",
-            "flywheel_for",
-        ),
-        "dynamics.hinge.gas_force": (
-            "piston_gas_force",
-            "two_stroke_cycle",
-        ),
-        "dynamics.hinge.moment": (
-            "HingeMoment",
-            "hinge_moment",
-        ),
-        "dynamics.hinge.profile": (
-            "HingeProfile",
-            "ProfileCheck",
-            "hinge_profile",
-        ),
-        "dynamics.hinge.reduced": (
-            "ReducedCrank",
-            "reduced_crank",
-        ),
-        "dynamics.hinge.running": (
-            "SteadyHingeTurn",
-            "simulate_hinge",
-            "steady_hinge_turn",
-        ),
-        "dynamics.hinge.spring": ("GasSpring",),
-        "dynamics.mechanism.rods": ("ConnectingRod", "RodModel"),
-        "dynamics.mechanism.slider_crank": ("SliderCrank",),
-        "crankfem.mechanism_file": ("MechanismFile", "load_mechanism", "with_throws"),
-        "crankfem.mechanism_run": ("MechanismRun", "run_mechanism"),
+        "dynamics.engine.orders": ("acceleration_orders", "piston_acceleration"),
         "dynamics.gas.cycle_values": ("GasCycle", "usual_gas_cycle"),
         "dynamics.gas.gas_cycle": ("GasCycleResult", "gas_cycle"),
         "dynamics.gas.indicated": ("indicated_work",),
         "dynamics.gas.pressure": ("GasPressure", "gas_pressure"),
         "dynamics.gas.pressure_table": ("read_pressure_table",),
-        "dynamics.turning.free_turning": (
-            "FreeTurning",
-            "turn_freely",
-        ),
+        "dynamics.harmonics": ("Harmonics", "harmonics", "harmonics_by_sums"),
+        "dynamics.hinge.crosshead": ("CrossheadEngine",),
+        "dynamics.hinge.evening": ("BestPressure", "best_pressure", "flywheel_for"),
+        "dynamics.hinge.gas_force": ("piston_gas_force", "two_stroke_cycle"),
+        "dynamics.hinge.moment": ("HingeMoment", "hinge_moment"),
+        "dynamics.hinge.profile": ("HingeProfile", "ProfileCheck", "hinge_profile"),
+        "dynamics.hinge.reduced": ("ReducedCrank", "reduced_crank"),
+        "dynamics.hinge.running": ("SteadyHingeTurn", "simulate_hinge", "steady_hinge_turn"),
+        "dynamics.hinge.spring": ("GasSpring",),
+        "dynamics.mechanism.motion": ("PointMotion", "TurnMotion"),
+        "dynamics.mechanism.rods": ("ConnectingRod", "RodModel"),
+        "dynamics.mechanism.slider_crank": ("SliderCrank",),
+        "dynamics.torque.pin_harmonics": ("PinForceHarmonics", "pin_force_harmonics"),
+        "dynamics.torque.star": ("Star", "leading_stars", "same_stars", "star_diagram"),
+        "dynamics.torque.torque": ("EngineTorque", "engine_torque"),
+        "dynamics.torque_table": ("TorqueTable", "read_torque_table"),
+        "dynamics.turning.free_turning": ("FreeTurning", "turn_freely"),
+        "dynamics.turning.speed_over_angle": ("SpeedOverAngle", "speed_over_angle"),
         "dynamics.turning.steady_engine": ("turn_steadily",),
-        "dynamics.torque.pin_harmonics": (
-            "PinForceHarmonics",
-            "pin_force_harmonics",
-        ),
-        "dynamics.torque.star": (
-            "Star",
-            "leading_stars",
-            "same_stars",
-            "star_diagram",
-        ),
-        "dynamics.torque.torque": (
-            "EngineTorque",
-            "engine_torque",
-        ),
-        "dynamics.turning.speed_over_angle": (
-            "SpeedOverAngle",
-            "speed_over_angle",
-        ),
-        "dynamics.turning.steady_turning": (
-            "SteadyTurning",
-            "steady_turning",
-        ),
-        "dynamics.harmonics": (
-            "Harmonics",
-            "harmonics",
-            "harmonics_by_sums",
-        ),
-        "dynamics.torque_table": (
-            "TorqueTable",
-            "read_torque_table",
-        ),
-        "dynamics.two_mass": (
-            "TwoMassCheck",
-            "two_mass_check",
-        ),
-        "fem.analysis": (
-            "AxialAnalysis",
-            "ThrowAnalysis",
-            "analyze_axial",
-            "analyze_throw",
-        ),
+        "dynamics.turning.steady_turning": ("SteadyTurning", "steady_turning"),
+        "dynamics.two_mass": ("TwoMassCheck", "two_mass_check"),
+        "fem.analysis": ("AxialAnalysis", "ThrowAnalysis", "analyze_axial", "analyze_throw"),
+        "fem.angle_law": ("AngleLaw",),
         "fem.calculix": ("write_calculix",),
-        "fem.fillet_stress": (
-            "FilletPeak",
-            "FilletStresses",
-            "fillet_stresses",
-        ),
-        "crankfem.pictures.stress_picture": ("picture_stresses",),
-        "fem.craig_bampton": (
-            "DynamicSuperelement",
-            "assemble_dynamic_shaft",
-            "natural_modes",
-        ),
+        "fem.craig_bampton": ("DynamicSuperelement", "assemble_dynamic_shaft", "natural_modes"),
+        "fem.fillet_stress": ("FilletPeak", "FilletStresses", "fillet_stresses"),
+        "fem.material": ("Material", "STEEL"),
         "fem.modes": ("ThrowModes",),
-        "fem.pin_response": (
-            "Motion",
-            "PinResponse",
-        ),
-        "fem.material": (
-            "STEEL",
-            "Material",
-        ),
-        "fem.shaft": (
-            "ShaftCompliances",
-            "shaft_compliances",
-        ),
+        "fem.pin_response": ("Motion", "PinResponse"),
+        "fem.shaft": ("ShaftCompliances", "shaft_compliances"),
         "fem.solver": ("SolveError",),
-        "fem.supports": (
-            "EndReaction",
-            "Neighbors",
-            "Reactions",
-        ),
-        "geometry.balance": (
-            "Unbalance",
-            "unbalance",
-        ),
-        "geometry.crankshaft": (
-            "Crankshaft",
-            "throw_masses",
-        ),
-        "geometry.imported": (
-            "ImportedThrow",
-            "import_throw",
-        ),
+        "fem.supports": ("EndReaction", "Neighbors", "Reactions"),
+        "geometry.balance": ("Unbalance", "unbalance"),
+        "geometry.crankshaft": ("Crankshaft", "throw_masses"),
+        "geometry.errors": ("InputError", "MeshError", "MissingLibraryError"),
+        "geometry.imported": ("ImportedThrow", "import_throw"),
         "geometry.mass": ("MassProperties",),
         "geometry.mesh": ("ThrowMesh",),
         "geometry.mesh_files": ("write_mesh",),
         "geometry.mesher": ("mesh_throw",),
-        "geometry.solid_files": ("write_step",),
-        "geometry.errors": (
-            "InputError",
-            "MeshError",
-            "MissingLibraryError",
-        ),
         "geometry.shaft_ends": ("ShaftEnds",),
+        "geometry.solid_files": ("write_step",),
         "geometry.throw": ("CrankThrow",),
-        "geometry.throw_sections": (
-            "Counterweight",
-            "FurtherPin",
-            "Web",
-        ),
-        "regression.formulas.axial_formulas": (
-            "axial_formula",
-            "axial_formulas",
-        ),
-        "regression.models.compliance_model": (
-            "ComplianceModel",
-            "Limit",
-            "Lookup",
-            "OutsideRangeWarning",
-        ),
+        "geometry.throw_sections": ("Counterweight", "FurtherPin", "Web"),
+        "regression.formulas.axial_formulas": ("axial_formula", "axial_formulas"),
         "regression.formulas.formula_value": ("FormulaValue",),
+        "regression.formulas.torsional_formulas": ("torsional_formulas",),
+        "regression.models.compliance_model": ("ComplianceModel", "Lookup", "OutsideRangeWarning"),
         "regression.models.optimum": ("Optimum", "find_optimum"),
         "regression.models.optimum_limits": ("Limit",),
-        "fem.angle_law": ("AngleLaw",),
-        "regression.formulas.torsional_formulas": ("torsional_formulas",),
     }.items()
     for name in names
 }
