@@ -14,7 +14,12 @@ def data_folder() -> Path:
 
 def shipped_engines() -> tuple[str, ...]:
     """Return the names of the shipped engine files."""
-    return tuple(sorted(path.stem for path in (data_folder() / "engines").glob("*.toml")))
+    return _shipped("engines")
+
+
+def shipped_hinges() -> tuple[str, ...]:
+    """Return the names of the shipped hinge files."""
+    return _shipped("hinges")
 
 
 def engine_path(given: str | Path) -> Path:
@@ -25,16 +30,35 @@ def engine_path(given: str | Path) -> Path:
     InputError
         If there is neither.
     """
+    return _found(given, "engines", "an engine file")
+
+
+def hinge_path(given: str | Path) -> Path:
+    """Find a hinge file by path, or a shipped one by name.
+
+    Raises
+    ------
+    InputError
+        If there is neither.
+    """
+    return _found(given, "hinges", "a hinge file")
+
+
+def _shipped(folder: str) -> tuple[str, ...]:
+    return tuple(sorted(path.stem for path in (data_folder() / folder).glob("*.toml")))
+
+
+def _found(given: str | Path, folder: str, what: str) -> Path:
     path = Path(given)
     if path.is_file():
         return path
-    shipped = data_folder() / "engines" / f"{path.name.removesuffix('.toml')}.toml"
+    shipped = data_folder() / folder / f"{path.name.removesuffix('.toml')}.toml"
     if path.parent == Path() and shipped.is_file():
         return shipped
     kind = "is a folder, not a file" if path.is_dir() else "does not exist"
     raise InputError(
-        f"{given}: {kind}; give the path of an engine file, or the name of a shipped one "
-        f"({', '.join(shipped_engines())})."
+        f"{given}: {kind}; give the path of {what}, or the name of a shipped one "
+        f"({', '.join(_shipped(folder))})."
     )
 
 
@@ -60,30 +84,4 @@ def find_table(field: str, beside: Path, name: str) -> Path:
             return path
     raise InputError(
         f"{field}: given {name!r}, which is neither beside the engine file nor a shipped table."
-    )
-
-
-def shipped_hinges() -> tuple[str, ...]:
-    """Return the names of the shipped hinge files."""
-    return tuple(sorted(path.stem for path in (data_folder() / "hinges").glob("*.toml")))
-
-
-def hinge_path(given: str | Path) -> Path:
-    """Find a hinge file by path, or a shipped one by name.
-
-    Raises
-    ------
-    InputError
-        If there is neither.
-    """
-    path = Path(given)
-    if path.is_file():
-        return path
-    shipped = data_folder() / "hinges" / f"{path.name.removesuffix('.toml')}.toml"
-    if path.parent == Path() and shipped.is_file():
-        return shipped
-    kind = "is a folder, not a file" if path.is_dir() else "does not exist"
-    raise InputError(
-        f"{given}: {kind}; give the path of a hinge file, or the name of a shipped one "
-        f"({', '.join(shipped_hinges())})."
     )

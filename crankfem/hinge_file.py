@@ -16,7 +16,7 @@ from crankfem.hinge_sections import (
     RunningPoint,
     Sliding,
 )
-from crankfem.toml_file import InputRecord, TomlFile, read_toml
+from crankfem.toml_file import InputRecord, read_toml
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.gas_force import piston_gas_force, two_stroke_cycle
 from dynamics.hinge.moment import HingeMoment, hinge_moment
@@ -163,8 +163,14 @@ def load_hinge(path: str | Path = "crosshead-30-100") -> HingeFile:
     """
     content = read_toml(hinge_path(path))
     content.check_sections(SECTIONS)
-    crank, rod = _read(content, Crank), _read(content, HingeRod)
-    sliding, hinge = _read(content, Sliding), _read(content, Hinge)
+    crank, rod = (
+        content.required(Crank.section, Crank),
+        content.required(HingeRod.section, HingeRod),
+    )
+    sliding, hinge = (
+        content.required(Sliding.section, Sliding),
+        content.required(Hinge.section, Hinge),
+    )
     engine = CrossheadEngine(
         bore=crank.bore,
         crank_radius=crank.crank_radius,
@@ -183,7 +189,10 @@ def load_hinge(path: str | Path = "crosshead-30-100") -> HingeFile:
         exponent=hinge.exponent,
         ambient=hinge.ambient_pressure,
     )
-    cycle, operation = _read(content, Cycle), _read(content, Operation)
+    cycle, operation = (
+        content.required(Cycle.section, Cycle),
+        content.required(Operation.section, Operation),
+    )
     comparison = content.model("comparison", Comparison)
     found = HingeFile(
         path=content.path,
@@ -204,11 +213,3 @@ def load_hinge(path: str | Path = "crosshead-30-100") -> HingeFile:
 
 
 Section = TypeVar("Section", bound=InputModel)
-
-
-def _read(content: TomlFile, kind: type[Section]) -> Section:
-    """Return a section that the file has, as has been checked."""
-    found = content.model(kind.section, kind)
-    if found is None:
-        raise ValueError(f"no section {kind.section}")
-    return found

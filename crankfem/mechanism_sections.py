@@ -9,6 +9,14 @@ from geometry.model import InputModel, quantity_field
 from geometry.quantity import show_quantity
 
 
+def _check_share(section: str, share: float, whole: float) -> None:
+    if not 0.0 < share < whole:
+        raise InputError(
+            f"{section}.rotating_mass: given {share:g} kg; allowed is above 0 and less than the rod's mass "
+            f"of {whole:g} kg, because it is a share of it."
+        )
+
+
 class Rod(InputModel):
     """Connecting rod."""
 
@@ -48,11 +56,7 @@ class Rod(InputModel):
                 f"rod.center_offset: given {show_quantity(self.center_offset, 'm')} without inertia; allowed "
                 "are both, because a rod that stands as two masses at its pins has its center between them."
             )
-        if not 0.0 < self.rotating_mass < self.mass:
-            raise InputError(
-                f"rod.rotating_mass: given {self.rotating_mass:g} kg; allowed is above 0 and less than the "
-                f"rod's mass of {self.mass:g} kg, because it is a share of it."
-            )
+        _check_share(self.section, self.rotating_mass, self.mass)
         return self
 
 
@@ -123,11 +127,7 @@ class HingedRods(InputModel):
                 f"hinged_rods.cylinders: given {list(self.cylinders)}; allowed is each number once, because "
                 "a cylinder has one rod."
             )
-        if not 0.0 < self.rotating_mass < self.mass:
-            raise InputError(
-                f"hinged_rods.rotating_mass: given {self.rotating_mass:g} kg; allowed is above 0 and less "
-                f"than the rod's mass of {self.mass:g} kg, because it is a share of it."
-            )
+        _check_share(self.section, self.rotating_mass, self.mass)
         return self
 
 

@@ -17,8 +17,7 @@ from crankfem.fitting import (
     sensitivities,
     surface,
 )
-from crankfem.pictures.style import BLUE, GRAY, GREEN, ORANGE, figure, math_symbol
-from geometry.errors import InputError
+from crankfem.pictures.style import BLUE, GRAY, GREEN, ORANGE, figure, make_folder, math_symbol
 from geometry.quantity import DISPLAY_UNITS
 from regression.fits.equation_text import factor_label, term_symbols
 from regression.fits.fits import Fit
@@ -60,10 +59,7 @@ def plot_fits(
         If the folder cannot be made.
     """
     fit = found.chosen if form is None else found.fit_named(form)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"plots: {folder} cannot be made ({error.strerror}).") from None
+    make_folder(folder)
     paths = {
         name: folder / f"{found.response}_{name}.svg"
         for name in ("response", "parity", "effects", "residuals", "sensitivities")

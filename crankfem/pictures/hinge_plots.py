@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from crankfem.hinge_run import HingeRun
-from crankfem.pictures.style import BLUE, COLORS, GRAY, GREEN, ORANGE, figure
-from geometry.errors import InputError
+from crankfem.pictures.style import BLUE, COLORS, GRAY, GREEN, ORANGE, figure, make_folder
 from geometry.quantity import show_quantity
 
 RPM = 30.0 / np.pi
@@ -31,13 +30,7 @@ def plot_hinge(folder: Path, run: HingeRun) -> list[Path]:
     InputError
         If the folder cannot be made.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"pictures: given {str(folder)!r}, which cannot be made ({error.strerror}); allowed is a "
-            "folder that can be written, because the diagrams go there."
-        ) from None
+    make_folder(folder)
     made = [folder / "hinge_moment.svg", folder / "hinge_speed.svg"]
     plot_moments(made[0], run)
     plot_speeds(made[1], run)

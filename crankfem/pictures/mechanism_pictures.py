@@ -7,7 +7,7 @@ import numpy as np
 from crankfem.mechanism_run import MechanismRun
 from crankfem.pictures.balance_plots import plot_balance, plot_hinged_rods
 from crankfem.pictures.load_plots import Frame, plot_developed_loads, plot_polar_loads
-from crankfem.pictures.style import BLUE, GREEN, ORANGE, figure
+from crankfem.pictures.style import BLUE, GREEN, ORANGE, figure, make_folder
 from crankfem.pictures.titles import at_speed
 from dynamics.engine.forces import pin_groups
 from dynamics.engine.loads import LoadDiagram
@@ -23,10 +23,10 @@ def picture_mechanism(folder: Path, run: MechanismRun) -> list[Path]:
 
     Raises
     ------
-    OSError
-        If the folder cannot be written.
+    InputError
+        If the folder cannot be made.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     engine = at_speed(run.mechanism.name, run.speed)
     heaviest = max(run.bearings, key=lambda load: load.maximum)
     made = []

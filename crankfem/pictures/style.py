@@ -54,6 +54,23 @@ def figure(path: Path, columns: int = 1, width: float = 7.2, height: float = 4.2
         made.savefig(path, metadata={"Date": None})
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder for diagrams, if it is not there.
+
+    Raises
+    ------
+    InputError
+        If it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"folder: given {folder}, which cannot be made ({error.strerror}); allowed is one that can be "
+            "written, because the diagrams go there."
+        ) from None
+
+
 def math_symbol(symbol: str) -> str:
     """Write a symbol such as L_shm for matplotlib's mathematics."""
     return (
