@@ -77,6 +77,10 @@ class EngineCylinder:
     slave_pin: SlavePin | None = None
 
     def __post_init__(self) -> None:
+        if not isinstance(self.rod, ConnectingRod):
+            raise InputError(
+                f"rod: given {self.rod!r}; allowed is a ConnectingRod, because its mass and length count."
+            )
         positive_number("bore", self.bore, "m", "it is a length")
         positive_number("piston_mass", self.piston_mass, "kg", "it is a mass")
         for name in ("crank_angle", "bank_angle", "position", "pin_offset"):

@@ -128,6 +128,10 @@ def mechanism_forces(
     10.21821/2309-5180-2018-10-1-191-200, for any of their rod models.
     """
     angles = finite_vector("shaft_angles", shaft_angles)
+    if angles.size == 0:
+        raise InputError(
+            "shaft_angles: given none; allowed are one or more, because forces are those at an angle."
+        )
     shape = (len(engine.cylinders), angles.size)
     turning = over_angles("speed", speed, angles)
     gaining = over_angles("crank_acceleration", crank_acceleration, angles)

@@ -314,3 +314,8 @@ def test_bad_layouts_are_refused_with_the_reason(parts, order, more, words):
 def test_impossible_parts_are_refused(make, words):
     with pytest.raises(InputError, match=words):
         make()
+
+
+def test_a_rod_is_a_rod():
+    with pytest.raises(InputError, match="rod: given 'rod'; allowed is a ConnectingRod"):
+        EngineCylinder(0.1, 1.0, "rod")

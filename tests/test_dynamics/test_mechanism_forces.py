@@ -21,6 +21,7 @@ from dynamics.engine.forces import mechanism_forces, rod_models, summed
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion, reduced_inertia
 from dynamics.mechanism.rods import ROD_MODELS, ConnectingRod
+from geometry.errors import InputError
 
 SPEED, GAIN = 220.0, 9000.0
 ANGLES = np.linspace(0.0, 4.0 * math.pi, 24, endpoint=False)
@@ -374,3 +375,10 @@ def test_an_engine_turned_as_a_whole_has_the_same_forces(engine, angle):
     np.testing.assert_allclose(
         theirs.crankpin, ours.crankpin * np.exp(1j * angle), rtol=0.0, atol=1e-12 * size
     )
+
+
+def test_forces_are_those_at_an_angle():
+    rod = ConnectingRod(0.2, 1.0, 0.07, 0.006)
+    engine = EngineLayout(0.05, [EngineCylinder(0.1, 1.0, rod)], [1])
+    with pytest.raises(InputError, match="shaft_angles: given none"):
+        mechanism_forces(engine, [], 10.0)
