@@ -41,8 +41,9 @@ def picture_mechanism(folder: Path, run: MechanismRun) -> list[Path]:
         made += [polar, developed]
     made.append(folder / "piston_forces.svg")
     plot_piston_forces(made[-1], run)
-    made.append(folder / "balance.svg")
-    plot_balance(made[-1], run.balance, title=engine)
+    if not all(row.force_balanced and row.moment_balanced for row in run.balance.rows):
+        made.append(folder / "balance.svg")
+        plot_balance(made[-1], run.balance, title=engine)
     if run.hinged_rods:
         made.append(folder / "hinged_rods.svg")
         group = next(group for group in pin_groups(run.layout) if len(group) > 1)

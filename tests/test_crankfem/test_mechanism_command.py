@@ -7,6 +7,7 @@ import pytest
 from crankfem.mechanism_file import load_mechanism
 from crankfem.mechanism_run import run_mechanism
 from crankfem.mechanism_tables import mechanism_record, merged_rows
+from crankfem.pictures.mechanism_pictures import picture_mechanism
 from crankfem.rod_comparison import compare_rod_models
 
 
@@ -130,3 +131,9 @@ def test_rows_alike_become_one():
     assert merged_rows([["1", "a"], ["2", "b"], ["3", "a"]]) == [["1, 3", "a"], ["2", "b"]]
     assert merged_rows([[name, "a"] for name in "234"]) == [["2 to 4", "a"]]
     assert merged_rows([["1+5", "a"], ["2+6", "a"], ["3+7", "a"]]) == [["1+5, 2+6, 3+7", "a"]]
+
+
+def test_a_balanced_engine_has_no_picture_of_what_is_left(v8, tmp_path):
+    six = run_mechanism(load_mechanism("6chn25-34"))
+    assert "balance.svg" not in {path.name for path in picture_mechanism(tmp_path / "six", six)}
+    assert "balance.svg" in {path.name for path in picture_mechanism(tmp_path / "eight", v8)}
