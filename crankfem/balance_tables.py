@@ -1,15 +1,14 @@
 """Balance of an engine as plain JSON content and as printed tables."""
 
 import math
-from typing import Any
 
 from crankfem.console import number, output, print_table
+from crankfem.record import RPM, Record
 from dynamics.balance.balance import Balance, OrderBalance, Resultant
 from dynamics.balance.hinged_rods import HingedRodEffects, hodograph_change
 from dynamics.balance.hodograph import Hodograph
 from dynamics.balance.moving_masses import moving_masses
 
-Record = dict[str, Any]
 BALANCED_TEXT = "balanced"
 SENSES = {1: "with shaft", -1: "against", 0: "line"}
 CASES = {
@@ -18,7 +17,6 @@ CASES = {
     "masses": "hinged: masses alone",
     "hinged": "hinged",
 }
-RPM = 30.0 / math.pi
 
 
 def balance_record(found: Balance) -> Record:

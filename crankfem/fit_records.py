@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from crankfem.fitting import ResponseFits, Sensitivities, sensitivities
+from crankfem.record import Record
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.fits.equation_text import term_symbols
@@ -15,8 +16,6 @@ from regression.plans.factors import Factor, changed_record
 from regression.plans.plan import StudyPlan
 from regression.records import MEASURED, ExtraRow
 from regression.runs.study_table import StudyTable
-
-Record = dict[str, Any]
 
 LACK_OF_FIT = (
     "Finite elements repeat exactly and have no replication noise: R2, standard errors, t and F "

@@ -1,14 +1,13 @@
 """The tables of `crankfem fit`: all responses, and the forms of one with all that is known of them."""
 
 from collections.abc import Mapping
-from typing import Any
 
 from crankfem import console
 from crankfem.console import number, print_table
 from crankfem.fit_records import LACK_OF_FIT
+from crankfem.record import Record
 from geometry.quantity import show_quantity
 
-Record = dict[str, Any]
 MAIN_RESPONSE = "axial_compliance"
 # Relative errors below this are round-off.
 LEAST_SHOWN = 1e-5

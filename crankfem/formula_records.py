@@ -1,8 +1,8 @@
 """Values of the published formulas for one throw as plain JSON content, beside finite elements."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
+from crankfem.record import Record
 from fem.analysis import ThrowAnalysis
 from fem.angle_law import is_symmetric
 from fem.material import Material
@@ -11,8 +11,6 @@ from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula_faults, axial_formulas
 from regression.formulas.formula_value import FormulaValue
 from regression.formulas.torsional_formulas import torsional_formulas
-
-Record = dict[str, Any]
 
 
 def formula_records(

@@ -4,7 +4,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from crankfem.formula_records import Record, fe_record, formula_records
+from crankfem.formula_records import fe_record, formula_records
+from crankfem.record import Record
 from fem.analysis import analyze_throw
 from fem.material import Material
 from geometry.throw import CrankThrow

@@ -3,20 +3,19 @@
 import csv
 import math
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from crankfem import console
 from crankfem.console import number, print_table
 from crankfem.mechanism_file import MechanismFile
+from crankfem.record import RPM, Record
 from crankfem.results import harmonics_record
 from crankfem.table_units import table_unit
 from dynamics.torque.pin_harmonics import PinForceHarmonics
 from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
 
-Record = dict[str, Any]
 COLUMNS = ("orders", "cosine", "sine", "amplitude", "phase_deg")
 PARTS = ("gas", "inertia", "gas and inertia")
 
@@ -30,7 +29,7 @@ def engine_record(mechanism: MechanismFile, torque: EngineTorque, highest: float
         remarks.append("the file has no section [gas]: the torque is that of moving masses alone")
     return {
         "engine": mechanism.name,
-        "speed_rpm": torque.speed * 30.0 / math.pi,
+        "speed_rpm": torque.speed * RPM,
         "rod_model": "rigid",
         "strokes": engine.strokes,
         "mean": torque.mean,

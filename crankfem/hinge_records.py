@@ -1,20 +1,17 @@
 """Results of an elastic hinge as plain JSON content, and as a table over the turn."""
 
-import csv
 import math
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from crankfem.column_file import write_columns
 from crankfem.hinge_run import HingeRun, OtherSpeed
+from crankfem.record import RPM, Record, assumed_values
 from dynamics.checks import FloatArray
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
 from dynamics.turning.speed_over_angle import SpeedOverAngle
-
-Record = dict[str, Any]
-RPM = 30.0 / math.pi
 
 
 def hinge_record(run: HingeRun) -> Record:
@@ -50,11 +47,7 @@ def hinge_record(run: HingeRun) -> Record:
             | ({"refused": made} if isinstance(made, str) else profile_record(made))
             for spring, radius, made in run.compared
         ],
-        "assumed": [
-            {"field": record.field, "given": record.given, "reason": record.source}
-            for record in run.file.records
-            if record.assumed
-        ],
+        "assumed": assumed_values(run.file.records),
     }
 
 
@@ -148,11 +141,7 @@ def write_hinge_table(path: Path, run: HingeRun) -> None:
         "speed_with_hinge_rad_per_s": _at(run.with_hinge, moment.angles),
         "speed_without_rad_per_s": _at(run.without, moment.angles),
     }
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
-        writer.writerow(columns)
-        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-        writer.writerows([f"{value:.12g}" for value in row] for row in rows)
+    write_columns(path, columns)
 
 
 def _at(turn: SpeedOverAngle, angles: FloatArray) -> FloatArray:

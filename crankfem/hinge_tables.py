@@ -1,12 +1,10 @@
 """The tables of `crankfem hinge`, from its record."""
 
 import re
-from typing import Any
 
 from crankfem import console
 from crankfem.console import number, print_table
-
-Record = dict[str, Any]
+from crankfem.record import Record
 
 
 def print_hinge(record: Record) -> None:

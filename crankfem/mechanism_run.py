@@ -8,13 +8,13 @@ from crankfem.mechanism_file import MechanismFile, with_throws
 from dynamics.balance.balance import Balance, balance
 from dynamics.balance.hinged_rods import HingedRodEffects, hinged_rod_effects
 from dynamics.engine.forces import MechanismForces, mechanism_forces, pin_groups
-from dynamics.engine.gas_forces import gas_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_loads
 from dynamics.engine.motions import piston_ends
 from dynamics.gas.indicated import indicated_mean_effective_pressure
-from dynamics.gas.pressure import GasPressure
+from dynamics.gas.pressure import ATMOSPHERE, GasPressure
 from dynamics.mechanism.rods import RodModelName
+from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, samples_and_gas
 from dynamics.torque.torque import EngineTorque, engine_torque
 from geometry.errors import InputError
 from geometry.mass import MassProperties
@@ -114,9 +114,8 @@ def run_mechanism(
     turning = mechanism.rated_speed if speed is None else speed
     layout = with_throws(mechanism, masses)
     pressure = motored_pressures(mechanism.gas, layout) if motored else mechanism.pressure
-    torque = engine_torque(layout, turning, pressure, model=model, throws=mechanism.throws)
-    angles = torque.shaft_angles
-    gas = gas_forces(layout, angles, pressure)
+    angles, gas = samples_and_gas(layout, pressure, DEFAULT_SAMPLES, ATMOSPHERE)
+    torque = engine_torque(layout, turning, gas, model=model, throws=mechanism.throws)
     forces = mechanism_forces(layout, angles, turning, gas, model=model)
     return MechanismRun(
         mechanism=mechanism,
@@ -140,8 +139,13 @@ def run_mechanism(
 
 
 def _hinged_rods(layout: EngineLayout, speed: float) -> tuple[HingedRodEffects, ...]:
-    groups = [group for group in pin_groups(layout) if len(group) > 1]
-    return hinged_rod_effects(layout, speed, cylinders=groups[0]) if groups else ()
+    group = hinged_group(layout)
+    return hinged_rod_effects(layout, speed, cylinders=group) if group else ()
+
+
+def hinged_group(layout: EngineLayout) -> tuple[int, ...]:
+    """Return the cylinders of the first crankpin with hinged rods, none if there is none."""
+    return next((group for group in pin_groups(layout) if len(group) > 1), ())
 
 
 def _works(torque: EngineTorque, pressures: Sequence[GasPressure]) -> Iterator[CylinderWork]:

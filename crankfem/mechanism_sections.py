@@ -1,6 +1,6 @@
 """The sections of engine files that describe rods, pistons and gas: every field declared once."""
 
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
@@ -17,6 +17,16 @@ def _check_share(section: str, share: float, whole: float) -> None:
         )
 
 
+def _inertia_field() -> Any:
+    return quantity_field(
+        "inertia about its center of mass; if not given, that of the two masses at its pins",
+        "kg m^2",
+        minimum=1e-9,
+        maximum=1e6,
+        default=None,
+    )
+
+
 class Rod(InputModel):
     """Connecting rod."""
 
@@ -31,13 +41,7 @@ class Rod(InputModel):
         minimum=0.0,
         maximum=2e4,
     )
-    inertia: float | None = quantity_field(
-        "inertia about its center of mass; if not given, that of the two masses at its pins",
-        "kg m^2",
-        minimum=1e-9,
-        maximum=1e6,
-        default=None,
-    )
+    inertia: float | None = _inertia_field()
     center_offset: float = quantity_field(
         "how far the center of mass lies off the rod's axis, positive to the side to which the crankpin "
         "moves as it passes the top",
@@ -107,13 +111,7 @@ class HingedRods(InputModel):
     rotating_mass: float = quantity_field(
         "share of its mass at the slave pin, found by weighing", "kg", minimum=0.0, maximum=2e4
     )
-    inertia: float | None = quantity_field(
-        "inertia about its center of mass; if not given, that of the two masses at its pins",
-        "kg m^2",
-        minimum=1e-9,
-        maximum=1e6,
-        default=None,
-    )
+    inertia: float | None = _inertia_field()
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

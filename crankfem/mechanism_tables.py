@@ -1,6 +1,5 @@
 """Records and printed tables of a crank mechanism's forces."""
 
-import csv
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,15 +8,16 @@ from typing import Any
 import numpy as np
 
 from crankfem import console
+from crankfem.column_file import write_columns
 from crankfem.console import number, print_table
 from crankfem.mechanism_file import MechanismFile
 from crankfem.mechanism_run import MechanismRun
+from crankfem.record import RPM, assumed_values
 from crankfem.rod_comparison import compare_rod_models
 from dynamics.checks import FloatArray
 from dynamics.engine.forces import pin_groups
 from dynamics.engine.loads import LoadDiagram
 
-RPM = 30.0 / np.pi
 # Shares below this are round-off.
 ROUND_OFF = 1e-12
 ASSUMED = "Assumed: "
@@ -67,11 +67,11 @@ def mechanism_record(run: MechanismRun) -> dict[str, Any]:
             }
             for compared in compare_rod_models(run)
         ],
-        "assumed": [
-            {"field": record.field, "given": record.given, "reason": record.source}
+        "assumed": assumed_values(
+            record
             for record in mechanism.records
-            if record.assumed and record.field.partition(".")[0] in MECHANISM_SECTIONS
-        ],
+            if record.field.partition(".")[0] in MECHANISM_SECTIONS
+        ),
         "remarks": [*mechanism.remarks, *_gas_remarks(run)],
     }
 
@@ -289,12 +289,5 @@ def write_forces(path: Path, run: MechanismRun) -> None:
     for load in (*run.crankpins, *run.bearings):
         name = load.name.replace(", ", "_").replace(" ", "_")
         columns |= {f"{name}_{key}": load.columns()[key] for key in ("force_x_N", "force_y_N")}
-    with path.open("w", encoding="utf-8", newline="") as file:
-        file.write(
-            f"# {run.mechanism.name}, {run.speed * RPM:.10g} 1/min, rods as {run.forces.model}\n"
-        )
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(
-            [f"{value:.10g}" for value in row] for row in zip(*columns.values(), strict=True)
-        )
+    heading = f"{run.mechanism.name}, {run.speed * RPM:.10g} 1/min, rods as {run.forces.model}"
+    write_columns(path, columns, heading)

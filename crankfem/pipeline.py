@@ -21,6 +21,7 @@ from crankfem.pictures import fit_plots, formula_plots, plots
 from crankfem.pictures.drawing import write_drawing
 from crankfem.pictures.render import DEFORMED, MESH, Rendering
 from crankfem.pictures.surface import stretched_surface
+from crankfem.record import RPM
 from crankfem.report import write_report
 from crankfem.studies import fitted
 from crankfem.vibration import (
@@ -240,9 +241,9 @@ def _engine_record(engine_file: EngineFile) -> dict[str, Any]:
         "stroke": engine.stroke,
         "crank_angles": list(engine.crank_angles),
         "firing_order": list(engine.firing_order),
-        "rated_speed_rpm": engine.rated_speed * plots.RPM,
-        "lowest_speed_rpm": engine.lowest_speed * plots.RPM,
-        "highest_speed_rpm": engine.highest_speed * plots.RPM,
+        "rated_speed_rpm": engine.rated_speed * RPM,
+        "lowest_speed_rpm": engine.lowest_speed * RPM,
+        "highest_speed_rpm": engine.highest_speed * RPM,
         "major_orders": major_orders(
             engine_orders(engine.strokes, engine_file.vibration.highest_order), engine.firing_angles
         ).tolist(),

@@ -3,13 +3,13 @@
 import datetime
 import math
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.engine_file import EngineFile
 from crankfem.fitting import package_version
+from crankfem.record import Record
 from crankfem.toml_file import InputRecord
 from crankfem.vibration import SourceResult, Vibration
 from dynamics.harmonics import Harmonics
@@ -23,7 +23,6 @@ from geometry.crankshaft import Crankshaft
 from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 
-Record = dict[str, Any]
 SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
 
 

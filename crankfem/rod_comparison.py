@@ -30,7 +30,7 @@ class ModelComparison:
 
 def compare_rod_models(run: MechanismRun) -> tuple[ModelComparison, ...]:
     """Compare the rod models with the rigid rod, for the same gas and speed."""
-    rigid = _with_model(run, "rigid")
+    rigid = run.forces if run.forces.model == "rigid" else _with_model(run, "rigid")
     loads = crankpin_loads(rigid)
     found = []
     for name in ROD_MODELS[1:]:

@@ -1,16 +1,15 @@
 """Stresses at a throw's fillets on the command line: computed, printed, pictured."""
 
 from pathlib import Path
-from typing import Any
 
 from crankfem import console
 from crankfem.console import number, print_json, print_table
 from crankfem.engine_file import load_throw
+from crankfem.record import Record
 from fem.condensation import EndSections
 from fem.fillet_stress import FilletPeak, FilletStresses, fillet_stresses
 from geometry.errors import InputError
 
-Record = dict[str, Any]
 # Stresses are printed for loads of 1 kN and 1 kN m, in MPa.
 PRINTED = 1e3 / 1e6
 MILLIMETERS = 1e3

@@ -105,6 +105,30 @@ def nonnegative_number(field: str, value: float, unit: str, reason: str) -> floa
     return _bounded_number(field, value, unit, reason, zero_allowed=True)
 
 
+def is_whole(value: object) -> bool:
+    """Tell whether a value is a whole number by its type: neither True nor 2.0 names a cylinder."""
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
+def whole_number(field: str, given: int, least: int, reason: str) -> int:
+    """Return a whole number.
+
+    Raises
+    ------
+    InputError
+        If it is no whole number, or below `least`.
+    """
+    try:
+        number = None if isinstance(given, bool) else operator.index(given)
+    except TypeError:
+        number = None
+    if number is None or number < least:
+        raise InputError(
+            f"{field}: given {given!r}; allowed are whole numbers of {least} or more, because {reason}."
+        )
+    return number
+
+
 def node_index(field: str, node: SupportsIndex, count: int) -> int:
     """Return the number of a node of a chain of `count` nodes, 0 the first.
 

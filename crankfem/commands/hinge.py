@@ -1,17 +1,13 @@
 """The elastic hinge that keeps a crank's speed constant."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from crankfem import console
-from crankfem.commands.options import JsonOption
+from crankfem.commands.options import JsonOption, checked_choice
 from crankfem.console import print_json
-from geometry.errors import InputError
-
-if TYPE_CHECKING:
-    from dynamics.hinge.reduced import Kinematics
 
 
 def hinge(
@@ -42,10 +38,14 @@ def hinge(
     from crankfem.hinge_records import hinge_record, write_hinge_table
     from crankfem.hinge_run import run_hinge
     from crankfem.hinge_tables import print_hinge
+    from dynamics.hinge.reduced import KINEMATICS
     from geometry.quantity import parse_quantity
 
     other = None if speed is None else parse_quantity(speed, "rad/s", "--speed")
-    loaded, described = load_hinge(file), _checked_kinematics(kinematics)
+    loaded = load_hinge(file)
+    described = checked_choice(
+        "--kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
+    )
     folder = console.check_outputs(csv, pictures, loaded.path)
     run = run_hinge(loaded, described, other)
     record = hinge_record(run)
@@ -64,15 +64,3 @@ def hinge(
         console.output.print(f"Over the turn: {csv}", soft_wrap=True)
     if made:
         console.output.print(f"Pictures: {pictures} ({len(made)} files)", soft_wrap=True)
-
-
-def _checked_kinematics(name: str) -> "Kinematics":
-    from dynamics.hinge.reduced import KINEMATICS
-
-    for known in KINEMATICS:
-        if name == known:
-            return known
-    raise InputError(
-        f"--kinematics: given {name!r}; allowed are {', '.join(KINEMATICS)}, because these are the ways "
-        "to describe the mechanism."
-    )

@@ -1,17 +1,18 @@
 """Forces, loads, torque and balance of an engine's crank mechanism."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from crankfem import console
-from crankfem.commands.options import EngineArgument, JsonOption, SpeedOption
+from crankfem.commands.options import (
+    EngineArgument,
+    JsonOption,
+    SpeedOption,
+    checked_choice,
+)
 from crankfem.console import print_json
-from geometry.errors import InputError
-
-if TYPE_CHECKING:
-    from dynamics.mechanism.rods import RodModelName
 
 
 def mechanism(
@@ -47,8 +48,10 @@ def mechanism(
     from crankfem.mechanism_tables import mechanism_record, print_mechanism, write_forces
     from crankfem.pictures.mechanism_pictures import picture_mechanism
     from crankfem.speed_argument import parse_speed
+    from dynamics.mechanism.rods import ROD_MODELS
 
-    loaded, turning, rods = load_mechanism(engine), parse_speed(speed), _checked_model(model)
+    loaded, turning = load_mechanism(engine), parse_speed(speed)
+    rods = checked_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")
     folder = console.check_outputs(csv, pictures, *mechanism_inputs(loaded))
     run = run_mechanism(loaded, turning, rods, motored=motored)
     record = mechanism_record(run)
@@ -74,15 +77,3 @@ def mechanism(
         console.output.print(f"Forces: {csv}", soft_wrap=True)
     if made:
         console.output.print(f"Pictures: {pictures} ({len(made)} files)", soft_wrap=True)
-
-
-def _checked_model(name: str) -> "RodModelName":
-    from dynamics.mechanism.rods import ROD_MODELS
-
-    found = next((model for model in ROD_MODELS if model == name), None)
-    if found is None:
-        raise InputError(
-            f"--model: given {name!r}; allowed are {', '.join(ROD_MODELS)}, because "
-            "these are the models of a rod's mass."
-        )
-    return found

@@ -7,9 +7,9 @@ import numpy as np
 
 from crankfem.hinge_run import HingeRun
 from crankfem.pictures.style import BLUE, COLORS, GRAY, GREEN, ORANGE, figure, make_folder
+from crankfem.record import RPM
 from geometry.quantity import show_quantity
 
-RPM = 30.0 / np.pi
 DASHES = ("-", "--", ":", "-.")
 
 

@@ -4,12 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from crankfem.mechanism_run import MechanismRun
+from crankfem.mechanism_run import MechanismRun, hinged_group
 from crankfem.pictures.balance_plots import plot_balance, plot_hinged_rods
 from crankfem.pictures.load_plots import Frame, plot_developed_loads, plot_polar_loads
 from crankfem.pictures.style import BLUE, GREEN, ORANGE, figure, make_folder
 from crankfem.pictures.titles import at_speed
-from dynamics.engine.forces import pin_groups
 from dynamics.engine.loads import LoadDiagram
 
 
@@ -46,7 +45,7 @@ def picture_mechanism(folder: Path, run: MechanismRun) -> list[Path]:
         plot_balance(made[-1], run.balance, title=engine)
     if run.hinged_rods:
         made.append(folder / "hinged_rods.svg")
-        group = next(group for group in pin_groups(run.layout) if len(group) > 1)
+        group = hinged_group(run.layout)
         plot_hinged_rods(made[-1], run.layout, run.speed, cylinders=group, title=engine)
     return made
 

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.pictures.style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, figure
+from crankfem.record import RPM
 from crankfem.vibration import SourceResult, Vibration
 from dynamics.harmonics import Harmonics
 
 Array = NDArray[np.float64]
-RPM = 30.0 / np.pi
 SHAPES_SHOWN = 3
 
 

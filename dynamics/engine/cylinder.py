@@ -3,8 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from dynamics.checks import finite_array, nonnegative_number, positive_number
-from dynamics.engine.numbering import is_whole
+from dynamics.checks import finite_array, is_whole, nonnegative_number, positive_number
 from dynamics.mechanism.rods import ConnectingRod
 from geometry.errors import InputError
 

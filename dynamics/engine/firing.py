@@ -3,9 +3,8 @@
 import math
 from collections.abc import Sequence
 
-from dynamics.checks import finite_vector
+from dynamics.checks import finite_vector, is_whole
 from dynamics.cycle import cycle_degrees
-from dynamics.engine.numbering import is_whole
 from geometry.errors import InputError
 
 # Crank and cylinder axis count as in line within this angle [rad]; files give degrees.

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dynamics.checks import FloatArray, finite_vector, positive_number
+from dynamics.checks import FloatArray, finite_vector, is_whole, positive_number
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
-from dynamics.engine.numbering import is_whole
 from dynamics.harmonics import Harmonics, harmonics
 from dynamics.mechanism.motion import ComplexArray
 from geometry.errors import InputError

@@ -7,12 +7,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_vector, positive_number, read_only
+from dynamics.checks import FloatArray, finite_vector, positive_number, read_only, whole_number
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.periodic import TURN, antiderivative, periodic_spline, turn_integral
 from dynamics.hinge.reduced import Kinematics, ReducedCrank, reduced_crank
-from dynamics.turning.given_functions import whole_number
 from geometry.errors import InputError
 
 # Force on the piston towards the shaft [N] at crank angles [rad] of shape (m,).

@@ -6,7 +6,7 @@ from typing import TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_array
+from dynamics.checks import FloatArray, finite_array, whole_number
 from dynamics.cycle import even_angles
 from dynamics.engine.gas_forces import Pressure, gas_forces
 from dynamics.engine.layout import EngineLayout
@@ -30,13 +30,9 @@ def samples_and_gas(
     InputError
         If there are less than 3 samples, or pressures or forces do not fit.
     """
-    if isinstance(samples, bool) or not isinstance(samples, int) or samples < 3:
-        raise InputError(
-            f"samples: given {samples!r}; allowed is a whole number of 3 or more, because fewer show "
-            "no harmonic."
-        )
-    angles = even_angles(engine.cycle, samples)
-    shape = (len(engine.cylinders), samples)
+    count = whole_number("samples", samples, 3, "fewer show no harmonic")
+    angles = even_angles(engine.cycle, count)
+    shape = (len(engine.cylinders), count)
     if pressure is None:
         return angles, np.zeros(shape)
     if _are_pressures(pressure):

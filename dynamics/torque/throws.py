@@ -3,9 +3,9 @@
 import math
 from collections.abc import Sequence
 
+from dynamics.checks import is_whole
 from dynamics.engine.firing import IN_LINE
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.numbering import is_whole
 from geometry.errors import InputError
 
 # Rods on one throw stand closer than this share of the bore: cylinders of a bank cannot.

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, nonnegative_number, read_only
+from dynamics.checks import FloatArray, is_whole, nonnegative_number, read_only
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import Pressure
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
-from dynamics.engine.numbering import is_whole
 from dynamics.engine.orders import checked_cylinder
 from dynamics.gas.indicated import indicated_work
 from dynamics.gas.pressure import ATMOSPHERE

@@ -14,11 +14,11 @@ from dynamics.checks import (
     nonnegative_number,
     positive_number,
     read_only,
+    whole_number,
 )
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rods import RodModelName
-from dynamics.turning.given_functions import whole_number
 from dynamics.turning.piston_gas import Gas
 from dynamics.turning.shaft_moments import Resistance, ShaftMoments, shaft_moments
 from geometry.errors import InputError

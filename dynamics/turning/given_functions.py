@@ -1,7 +1,6 @@
-"""Checks of what functions given from outside return, and of counts: one clear sentence each."""
+"""Checks of what functions given from outside return: one clear sentence each."""
 
 import math
-import operator
 
 from geometry.errors import InputError
 
@@ -58,22 +57,3 @@ def checked_inertia(given: float, angle: float, least: float = 0.0) -> float:
             "follows from the moments."
         )
     return inertia
-
-
-def whole_number(field: str, given: int, least: int, reason: str) -> int:
-    """Return a whole number.
-
-    Raises
-    ------
-    InputError
-        If it is no whole number, or below `least`.
-    """
-    try:
-        number = None if isinstance(given, bool) else operator.index(given)
-    except TypeError:
-        number = None
-    if number is None or number < least:
-        raise InputError(
-            f"{field}: given {given!r}; allowed are whole numbers of {least} or more, because {reason}."
-        )
-    return number

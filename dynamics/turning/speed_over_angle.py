@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dynamics.checks import FloatArray, finite_array, positive_number, read_only
-from dynamics.turning.given_functions import checked_inertia, checked_moment, whole_number
+from dynamics.checks import FloatArray, finite_array, positive_number, read_only, whole_number
+from dynamics.turning.given_functions import checked_inertia, checked_moment
 from geometry.errors import InputError
 
 # Inertia [kg m^2] at an angle [rad].

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dynamics.checks import FloatArray, finite_array, positive_number
+from dynamics.checks import FloatArray, finite_array, positive_number, whole_number
 from dynamics.cycle import even_angles
-from dynamics.turning.given_functions import checked_inertia, checked_moment, whole_number
+from dynamics.turning.given_functions import checked_inertia, checked_moment
 from dynamics.turning.speed_over_angle import (
     Inertia,
     Moment,

@@ -1,0 +1,21 @@
+"""What all records for JSON and tables share."""
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+from crankfem.toml_file import InputRecord
+
+# Plain JSON content.
+Record = dict[str, Any]
+# 1/min in a rad/s.
+RPM = 30.0 / math.pi
+
+
+def assumed_values(records: Iterable[InputRecord]) -> list[Record]:
+    """Return field, value and reason of the inputs that nobody gave."""
+    return [
+        {"field": record.field, "given": record.given, "reason": record.source}
+        for record in records
+        if record.assumed
+    ]
