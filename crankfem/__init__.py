@@ -27,7 +27,10 @@ if TYPE_CHECKING:
     from dynamics.balance.hinged_rods import HingedRodEffects, hinged_rod_effects, hodograph_change
     from dynamics.balance.hodograph import Hodograph, order_vectors
     from dynamics.balance.moving_masses import MovingMasses, balancing_masses, moving_masses
-    from dynamics.chain import Chain, Modes
+    from dynamics.chains.chain import Chain
+    from dynamics.chains.chain_modes import Modes
+    from dynamics.chains.links import Dashpot, Gear
+    from dynamics.chains.two_mass import TwoMassCheck, two_mass_check
     from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders
     from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
     from dynamics.engine.forces import MechanismForces, mechanism_forces
@@ -61,7 +64,6 @@ if TYPE_CHECKING:
     from dynamics.turning.speed_over_angle import SpeedOverAngle, speed_over_angle
     from dynamics.turning.steady_engine import turn_steadily
     from dynamics.turning.steady_turning import SteadyTurning, steady_turning
-    from dynamics.two_mass import TwoMassCheck, two_mass_check
     from fem.analysis import AxialAnalysis, ThrowAnalysis, analyze_axial, analyze_throw
     from fem.angle_law import AngleLaw
     from fem.calculix import write_calculix
@@ -119,7 +121,10 @@ _HOMES = {
         ),
         "dynamics.balance.hodograph": ("Hodograph", "order_vectors"),
         "dynamics.balance.moving_masses": ("MovingMasses", "balancing_masses", "moving_masses"),
-        "dynamics.chain": ("Chain", "Modes"),
+        "dynamics.chains.chain": ("Chain",),
+        "dynamics.chains.chain_modes": ("Modes",),
+        "dynamics.chains.links": ("Dashpot", "Gear"),
+        "dynamics.chains.two_mass": ("TwoMassCheck", "two_mass_check"),
         "dynamics.critical": ("CriticalSpeed", "critical_speeds", "engine_orders"),
         "dynamics.engine.cylinder": ("EngineCylinder", "RotatingMass", "SlavePin"),
         "dynamics.engine.forces": ("MechanismForces", "mechanism_forces"),
@@ -153,7 +158,6 @@ _HOMES = {
         "dynamics.turning.speed_over_angle": ("SpeedOverAngle", "speed_over_angle"),
         "dynamics.turning.steady_engine": ("turn_steadily",),
         "dynamics.turning.steady_turning": ("SteadyTurning", "steady_turning"),
-        "dynamics.two_mass": ("TwoMassCheck", "two_mass_check"),
         "fem.analysis": ("AxialAnalysis", "ThrowAnalysis", "analyze_axial", "analyze_throw"),
         "fem.angle_law": ("AngleLaw",),
         "fem.calculix": ("write_calculix",),
@@ -205,6 +209,7 @@ __all__ = [
     "CriticalSpeed",
     "CrossheadEngine",
     "CylinderMotion",
+    "Dashpot",
     "DynamicSuperelement",
     "EndReaction",
     "EngineCylinder",
@@ -220,6 +225,7 @@ __all__ = [
     "GasCycleResult",
     "GasPressure",
     "GasSpring",
+    "Gear",
     "Harmonics",
     "HingeFile",
     "HingeMoment",

@@ -14,10 +14,11 @@ from crankfem.engine_sections import (
     TwoMassInput,
     VibrationSettings,
 )
-from crankfem.mechanism_cylinders import check_sizes
-from crankfem.mechanism_sections import Gas, Piston, Rod
+from crankfem.mechanism_cylinders import angles_of_throws, check_sizes, pins_of, throws_of
+from crankfem.mechanism_sections import Gas, HingedRods, Piston, Rod
 from crankfem.study_file import study_plan
 from crankfem.toml_file import InputRecord, TomlFile, read_toml
+from crankfem.vibration_sections import AxialDamper, Bearings, Damping, Driven, TorsionalDamper
 from fem.material import STEEL, Material
 from geometry.crankshaft import Crankshaft
 from geometry.errors import InputError
@@ -37,7 +38,13 @@ class EngineFile:
     path : Path
     engine, throw, shaft_ends, material, rod, piston, flywheel, thrust_bearing, vibration
         Its sections.
-    free_end, gas, torque_table, two_mass, study
+    throws : tuple of int
+        Throw that each cylinder works on, from 0.
+    throw_angles : tuple of float
+        Angle of each throw's first pin, throw by throw, as the file counts angles [rad].
+    pins : tuple of int
+        Pin that each cylinder works on, from 0, counted along the shaft.
+    free_end, damping, torsional_damper, axial_damper, driven, bearings, gas, torque_table, two_mass, study
         Optional sections; None where the file lacks them.
     records : tuple of InputRecord
         Every value with its source.
@@ -47,6 +54,9 @@ class EngineFile:
 
     path: Path
     engine: Engine
+    throws: tuple[int, ...]
+    throw_angles: tuple[float, ...]
+    pins: tuple[int, ...]
     throw: CrankThrow
     shaft_ends: ShaftEnds
     material: Material
@@ -56,6 +66,11 @@ class EngineFile:
     thrust_bearing: ThrustBearing
     vibration: VibrationSettings
     free_end: FreeEnd | None
+    damping: Damping | None
+    torsional_damper: TorsionalDamper | None
+    axial_damper: AxialDamper | None
+    driven: Driven | None
+    bearings: Bearings | None
     gas: Gas | None
     torque_table: Path | None
     two_mass: TwoMassInput | None
@@ -81,6 +96,11 @@ REQUIRED = {
     "flywheel": True,
     "free_end": False,
     "thrust_bearing": True,
+    "damping": False,
+    "torsional_damper": False,
+    "axial_damper": False,
+    "driven": False,
+    "bearings": False,
     "gas": False,
     "vibration": False,
     "torque": False,
@@ -109,12 +129,6 @@ def load_engine(path: str | Path) -> EngineFile:
             f"{', '.join(f'[{name}]' for name, needed in REQUIRED.items() if needed and name != 'throw')}, "
             "or use it with throw, formulas, draw and export."
         )
-    if _is_v_engine(content):
-        raise InputError(
-            f"{content.path.name}: describes a V engine by engine.bank_angles; allowed are engines in line "
-            "here, because the chains know one cylinder on each throw; mechanism, harmonics, throw and draw "
-            "take V engines."
-        )
     if describes_mechanism(content):
         raise InputError(
             f"{content.path.name}: describes a crank mechanism, not a whole engine; add the sections "
@@ -126,11 +140,14 @@ def load_engine(path: str | Path) -> EngineFile:
     material = content.model("material", Material) or STEEL
     rod, piston = content.required("rod", Rod), content.required("piston", Piston)
     check_sizes(engine, throw, rod, piston)
+    hinged = content.model("hinged_rods", HingedRods)
+    throws = throws_of(engine)
+    throw_angles = angles_of_throws(content.model("shaft", ShaftLayout), engine, throws)
     thrust = content.required("thrust_bearing", ThrustBearing)
-    if thrust.bearing > engine.cylinders:
+    if thrust.bearing > len(throw_angles):
         raise InputError(
             f"thrust_bearing.bearing: given {thrust.bearing}; allowed is 0 (free end) to "
-            f"{engine.cylinders} (flywheel)."
+            f"{len(throw_angles)} (flywheel)."
         )
     torque = content.model("torque", TorqueTable)
     study = study_plan(content, throw, material)
@@ -145,6 +162,9 @@ def load_engine(path: str | Path) -> EngineFile:
     return EngineFile(
         path=content.path,
         engine=engine,
+        throws=throws,
+        throw_angles=throw_angles,
+        pins=pins_of(engine, throw, throws, hinged),
         throw=throw,
         shaft_ends=content.model("shaft_ends", ShaftEnds) or ShaftEnds(),
         material=material,
@@ -154,6 +174,11 @@ def load_engine(path: str | Path) -> EngineFile:
         thrust_bearing=thrust,
         vibration=vibration,
         free_end=content.model("free_end", FreeEnd),
+        damping=content.model("damping", Damping),
+        torsional_damper=content.model("torsional_damper", TorsionalDamper),
+        axial_damper=content.model("axial_damper", AxialDamper),
+        driven=content.model("driven", Driven),
+        bearings=content.model("bearings", Bearings),
         gas=content.model("gas", Gas),
         torque_table=None
         if torque is None
@@ -209,14 +234,9 @@ def _describes_a_throw(content: TomlFile) -> bool:
 def describes_mechanism(content: TomlFile) -> bool:
     """Tell whether a file describes cranks, rods and pistons, but no engine for the chains."""
     sections = content.sections
-    return {"engine", "rod", "piston"} <= set(sections) and (
-        _is_v_engine(content)
-        or not any(name in sections for name in ("flywheel", "thrust_bearing"))
+    return {"engine", "rod", "piston"} <= set(sections) and not any(
+        name in sections for name in ("flywheel", "thrust_bearing")
     )
-
-
-def _is_v_engine(content: TomlFile) -> bool:
-    return "bank_angles" in content.sections.get("engine", {})
 
 
 def load_engine_or_throw(path: str | Path) -> EngineFile | ThrowFile:

@@ -7,7 +7,7 @@ from typing import Literal, get_args, get_origin
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from crankfem import engine_sections, mechanism_sections
+from crankfem import engine_sections, mechanism_sections, vibration_sections
 from fem.material import Material
 from geometry.errors import InputError
 from geometry.model import InputModel, field_extra, part_kind
@@ -27,6 +27,11 @@ SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
     (engine_sections.Flywheel, "required for run and vibration"),
     (engine_sections.FreeEnd, "optional"),
     (engine_sections.ThrustBearing, "required for run and vibration"),
+    (vibration_sections.Damping, "optional"),
+    (vibration_sections.TorsionalDamper, "optional"),
+    (vibration_sections.AxialDamper, "optional"),
+    (vibration_sections.Driven, "optional"),
+    (vibration_sections.Bearings, "optional"),
     (mechanism_sections.Gas, "optional; without it reactions are given for 100 kN"),
     (engine_sections.VibrationSettings, "optional"),
     (engine_sections.TorqueTable, "optional"),

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.engine_file import EngineFile
-from dynamics.engine_chains import NamedChain, axial_chain, torsional_chain
+from dynamics.chains.engine_chains import NamedChain, axial_chain, torsional_chain
 from regression.models.compliance_model import ComplianceModel
 from regression.models.optimum_limits import Limit
 
@@ -82,7 +82,8 @@ def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
-    from crankfem.vibration import compliances_in_shaft, throw_rotational_inertia
+    from crankfem.vibration.modes import throw_rotational_inertia
+    from crankfem.vibration.sources import compliances_in_shaft
     from fem.analysis import analyze_throw
 
     analysis = analyze_throw(engine_file.throw, engine_file.material)

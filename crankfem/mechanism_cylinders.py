@@ -47,6 +47,25 @@ def angles_of_throws(
     return layout.throw_angles
 
 
+def pins_of(
+    engine: Engine, throw: CrankThrow, throws: Sequence[int], hinged: HingedRods | None
+) -> tuple[int, ...]:
+    """Return the pin that each cylinder works on, from 0, counted along the shaft.
+
+    Hinged rods work on the pin of their main rod, rods side by side on one pin.
+    """
+    main_of, count = _main_cylinders(engine, hinged), len(throw.parts.pins)
+    pins = [0] * len(throws)
+    taken = [0] * (max(throws) + 1)
+    for place, number in enumerate(throws):
+        if place not in main_of:
+            pins[place] = number * count + (taken[number] if count > 1 else 0)
+            taken[number] += 1
+    for place, main in main_of.items():
+        pins[place] = pins[main]
+    return tuple(pins)
+
+
 def engine_cylinders(
     engine: Engine,
     throw: CrankThrow,

@@ -24,16 +24,12 @@ from crankfem.pictures.surface import stretched_surface
 from crankfem.record import RPM
 from crankfem.report import write_report
 from crankfem.studies import fitted
-from crankfem.vibration import (
-    Vibration,
-    axial_vibration,
-    compliances_in_shaft,
-    torsional_vibration,
-)
+from crankfem.vibration.modes import Vibration, axial_vibration, torsional_vibration
+from crankfem.vibration.sources import compliances_in_shaft
+from dynamics.chains.two_mass import two_mass_check
 from dynamics.critical import engine_orders, major_orders
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.torque_table import TorqueTable, read_torque_table
-from dynamics.two_mass import two_mass_check
 from fem.analysis import ThrowAnalysis, analyze_throw
 from geometry.errors import InputError, MissingLibraryError
 from regression.formulas.angle_factors import ANGLE_FACTORS

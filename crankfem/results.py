@@ -11,9 +11,9 @@ from crankfem.engine_file import EngineFile
 from crankfem.fitting import package_version
 from crankfem.record import Record
 from crankfem.toml_file import InputRecord
-from crankfem.vibration import SourceResult, Vibration
+from crankfem.vibration.modes import SourceResult, Vibration
+from dynamics.chains.two_mass import TwoMassCheck
 from dynamics.harmonics import Harmonics
-from dynamics.two_mass import TwoMassCheck
 from fem.analysis import ThrowAnalysis
 from fem.modes import ThrowModes
 from fem.shaft import ShaftCompliances
@@ -144,8 +144,8 @@ def shaft_record(shaft: ShaftCompliances, analysis: ThrowAnalysis) -> Record:
 
 def balance_record(engine_file: EngineFile) -> Record:
     """Masses and unbalance of the whole crankshaft, about the middle of its throws; no rods."""
-    throws = [engine_file.throw] * engine_file.engine.cylinders
-    shaft = Crankshaft(throws, engine_file.engine.crank_angles, engine_file.shaft_ends)
+    throws = [engine_file.throw] * len(engine_file.throw_angles)
+    shaft = Crankshaft(throws, engine_file.throw_angles, engine_file.shaft_ends)
     masses = shaft.masses(engine_file.material.density)
     middle = 0.5 * float(shaft.starts[-1])
     found = unbalance(masses, middle)

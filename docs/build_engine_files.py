@@ -28,7 +28,7 @@ What a file describes follows from its sections:
 |---|---|
 | `[throw]` | `throw`, `stress`, `formulas`, `draw`, `export` |
 | and `[engine]`, `[rod]`, `[piston]`, usually `[gas]` | also `mechanism`, `harmonics` |
-| and `[flywheel]`, `[thrust_bearing]`, cylinders in line | also `run`, `vibration` |
+| and `[flywheel]`, `[thrust_bearing]` | also `run`, `vibration` |
 
 V engines say `bank_angles`, cylinder by cylinder, counted as `crank_angles` are. Here a V6 of 90 deg on three
 throws whose pins are split by 30 deg, so that it fires evenly (`data/engines/buick-3800.toml`):

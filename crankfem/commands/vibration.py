@@ -9,7 +9,8 @@ def vibration(engine: EngineArgument, json: JsonOption = False) -> None:
     """Natural frequencies and critical speeds, without the study."""
     from crankfem.engine_file import load_engine
     from crankfem.results import vibration_record
-    from crankfem.vibration import axial_vibration, compliances_in_shaft, torsional_vibration
+    from crankfem.vibration.modes import axial_vibration, torsional_vibration
+    from crankfem.vibration.sources import compliances_in_shaft
     from fem.analysis import analyze_throw
 
     read = load_engine(engine)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from crankfem.pictures.style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, figure
 from crankfem.record import RPM
-from crankfem.vibration import SourceResult, Vibration
+from crankfem.vibration.modes import SourceResult, Vibration
 from dynamics.harmonics import Harmonics
 
 Array = NDArray[np.float64]

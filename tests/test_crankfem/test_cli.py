@@ -133,7 +133,7 @@ def test_a_throw_alone_is_no_engine(call):
     assert "describes a throw, not an engine; add the sections [engine], [rod]" in answer.err
     answer = call("run", "buick-3800")
     assert answer.code == 2
-    assert "describes a V engine by engine.bank_angles; allowed are engines in line" in answer.err
+    assert "describes a crank mechanism, not a whole engine; add the sections" in answer.err
 
 
 def test_fields_are_explained(call):

@@ -18,7 +18,7 @@ from crankfem.commands.optimum import optimum
 from crankfem.data_files import engine_path
 from crankfem.engine_file import load_engine, load_throw
 from crankfem.frequency_limits import EngineFrequencies, frequency_limit
-from dynamics.engine_chains import axial_chain
+from dynamics.chains.engine_chains import axial_chain
 from geometry.errors import InputError
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel, ResponseModel

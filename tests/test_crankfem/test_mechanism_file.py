@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from crankfem.data_files import engine_path
-from crankfem.engine_file import load_engine
+from crankfem.engine_file import EngineFile, load_engine
 from crankfem.mechanism_file import MechanismFile, load_any, load_mechanism, with_throws
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import gas_forces
@@ -185,15 +185,13 @@ def test_unusual_inertias_are_told(tmp_path):
     assert remark.startswith("rod.inertia is 0.0015 times that of two masses at its pins; usual")
 
 
-def test_a_v_engine_is_no_engine_for_the_chains(tmp_path):
-    extra = (
-        '[flywheel]\ninertia = "1 kg m^2"\nmass = "30 kg"\n\n'
-        '[thrust_bearing]\nstiffness = "1e9 N/m"\nbearing = 4\n\n[sources]'
-    )
-    path = written(tmp_path, {"[sources]": extra}, "8chn13-14")
-    assert isinstance(load_any(path), MechanismFile)
-    with pytest.raises(InputError, match=r"describes a V engine by engine\.bank_angles; allowed"):
-        load_engine(path)
+def test_a_v_engine_with_flywheel_and_thrust_bearing_is_a_whole_engine():
+    read = load_any("8chn13-14")
+    assert isinstance(read, EngineFile)
+    assert read.throws == (0, 1, 2, 3, 0, 1, 2, 3)
+    assert read.pins == read.throws
+    assert np.degrees(read.throw_angles) == pytest.approx([0.0, 90.0, 270.0, 180.0])
+    assert isinstance(load_any("buick-3800"), MechanismFile)
 
 
 def test_an_engine_in_line_without_flywheel_is_a_mechanism(tmp_path):
@@ -236,7 +234,8 @@ def test_throws_stand_with_their_unbalance_at_their_angles(name):
             assert values == pytest.approx(complex(expected[1], -sense * expected[0]), abs=1e-9)
     about_shaft = len(mechanism.throw_angles) * masses.inertia_about_shaft
     assert layout.shaft_inertia == pytest.approx(about_shaft + mechanism.attached_inertia)
-    assert (mechanism.attached_inertia > 0.0) == (name == "6chn25-34")  # flywheel and free end
+    flywheel_and_free_end = {"8chn13-14": 2.66, "6chn25-34": 452.0}[name]
+    assert mechanism.attached_inertia == pytest.approx(flywheel_and_free_end)
 
 
 def test_the_throws_unbalance_comes_from_their_solid():

@@ -4,7 +4,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.linalg import eigh
 
-from dynamics.chain import Chain
+from dynamics.chains.chain import Chain
 from geometry.errors import InputError
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from dynamics.engine_chains import DrivenMachine, axial_chain, throw_inertia, torsional_chain
+from dynamics.chains.engine_chains import DrivenMachine, axial_chain, throw_inertia, torsional_chain
 from geometry.errors import InputError
 
 

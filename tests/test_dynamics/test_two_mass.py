@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from dynamics.chain import Chain
+from dynamics.chains.chain import Chain
+from dynamics.chains.two_mass import solid_shaft_stiffness, two_mass_check, two_mass_frequency
 from dynamics.harmonics import harmonics
-from dynamics.two_mass import solid_shaft_stiffness, two_mass_check, two_mass_frequency
 from geometry.errors import InputError
 
 SHAFT = {

@@ -13,7 +13,7 @@ elements is a chain with half masses at its ends, whose frequencies fall short o
 import numpy as np
 import pytest
 
-from dynamics.chain import Chain
+from dynamics.chains.chain import Chain
 
 
 @pytest.mark.parametrize("count", [2, 3, 7, 40])

@@ -18,7 +18,7 @@ Sources and tolerances:
 import numpy as np
 import pytest
 
-from dynamics.chain import Chain
+from dynamics.chains.chain import Chain
 
 MWM_INERTIA = [0.0170, 0.0090, 0.0467, 0.0327, 0.0467, 0.0467, 0.0327, 0.0487, 2.0750]
 MWM_STIFFNESS = np.array([1.106, 1.631, 1.253, 1.253, 1.678, 1.253, 1.253, 1.976]) * 1e6

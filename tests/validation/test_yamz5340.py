@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from dynamics.chains.two_mass import two_mass_check
 from dynamics.critical import critical_speeds, engine_orders
 from dynamics.harmonics import harmonics_by_sums
 from dynamics.torque_table import read_torque_table
-from dynamics.two_mass import two_mass_check
 
 TABLE = Path(__file__).parents[2] / "data" / "tables" / "yamz5340_torque_one_throw.csv"
 

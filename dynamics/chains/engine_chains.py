@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.chain import Chain
+from dynamics.chains.chain import Chain
 from dynamics.checks import (
     FloatArray,
     node_index,

@@ -8,19 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.engine_file import EngineFile
-from dynamics.chain import Modes
+from crankfem.vibration.sources import Sources, axial_sources, torsional_sources
+from dynamics.chains.chain_modes import Modes
+from dynamics.chains.engine_chains import NamedChain, axial_chain, throw_inertia, torsional_chain
 from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, vector_sums
-from dynamics.engine_chains import NamedChain, axial_chain, throw_inertia, torsional_chain
 from fem.analysis import ThrowAnalysis
-from fem.shaft import ShaftCompliances, shaft_compliances
+from fem.shaft import ShaftCompliances
 from geometry.errors import InputError
-from regression.formulas.axial_formulas import axial_formulas, fold_angle_deg
-from regression.formulas.torsional_formulas import torsional_formulas
 from regression.models.compliance_model import ComplianceModel
-
-FE, FE_PINNED, REGRESSION = "fe", "fe pinned", "regression"
-# The formulas know no free end: a throw tilts there as it does beside an opposite crank.
-NO_NEIGHBOR_DEG = 180.0
 
 
 @dataclass(frozen=True)
@@ -94,18 +89,13 @@ class Vibration:
 def throw_rotational_inertia(engine_file: EngineFile, analysis: ThrowAnalysis) -> float:
     """Inertia of one throw with its share of rod and piston [kg m^2]."""
     rod = engine_file.rod
+    rods = len(engine_file.throws) / len(engine_file.throw_angles)
     return throw_inertia(
         analysis.masses.inertia_about_shaft,
-        rod.rotating_mass,
-        engine_file.piston.mass + rod.mass - rod.rotating_mass,
+        rods * rod.rotating_mass,
+        rods * (engine_file.piston.mass + rod.mass - rod.rotating_mass),
         engine_file.throw.crank_radius,
     )
-
-
-def compliances_in_shaft(engine_file: EngineFile, analysis: ThrowAnalysis) -> ShaftCompliances:
-    """FE compliances of each throw at its place among the engine's cranks."""
-    throws = [analysis.superelement] * engine_file.engine.cylinders
-    return shaft_compliances(throws, engine_file.engine.crank_angles)
 
 
 def axial_vibration(
@@ -131,14 +121,9 @@ def axial_vibration(
     InputError
         If the source set in the engine file is unknown or unusable.
     """
-    pinned = analysis.axial_compliance("pinned")
-    sources = _fe_sources(shaft.axial, pinned)
-    if model is not None:
-        value = model.of_throw(engine_file.throw)["axial_compliance"].value
-        sources[REGRESSION] = _from_regression(shaft.axial, value, pinned)
-    sources |= _axial_formula_sources(engine_file)
+    sources = axial_sources(engine_file, analysis, shaft, model)
     thrust = engine_file.thrust_bearing
-    count = engine_file.engine.cylinders
+    count = len(engine_file.throw_angles)
 
     def chain(compliances: NDArray[np.float64]) -> NamedChain:
         return axial_chain(
@@ -152,7 +137,7 @@ def axial_vibration(
     forces = shaft.influence / shaft.axial[:, None]
 
     def weights(_: NamedChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
-        return axial_weights(forces, shape)
+        return axial_weights(forces, shape)[list(engine_file.pins)]
 
     wanted = engine_file.vibration.axial_source
     return _vibration(engine_file, "axial", wanted, sources, chain, weights)
@@ -165,20 +150,9 @@ def torsional_vibration(
     model: ComplianceModel | None,
 ) -> Vibration:
     """Calculate the torsional natural frequencies and critical speeds; see `axial_vibration`."""
-    pinned = analysis.torsional_compliance("pinned")
-    sources = _fe_sources(shaft.torsional, pinned)
-    if model is not None:
-        value = model.of_throw(engine_file.throw)["torsional_compliance"].value
-        sources[REGRESSION] = _from_regression(shaft.torsional, value, pinned)
-    material = engine_file.material
-    count = engine_file.engine.cylinders
-    for name, formula in torsional_formulas(
-        engine_file.throw,
-        youngs_modulus=material.youngs_modulus,
-        poisson_ratio=material.poisson_ratio,
-    ).items():
-        sources[name] = (np.full(count, formula.value), "the same for every throw")
+    sources = torsional_sources(engine_file, analysis, shaft, model)
     inertia = throw_rotational_inertia(engine_file, analysis)
+    count = len(engine_file.throw_angles)
 
     def chain(compliances: NDArray[np.float64]) -> NamedChain:
         return torsional_chain(
@@ -189,61 +163,16 @@ def torsional_vibration(
         )
 
     wanted = engine_file.vibration.torsional_source
-    return _vibration(engine_file, "torsional", wanted, sources, chain, torsional_weights)
+
+    def weights(named: NamedChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
+        return torsional_weights(named, shape)[list(engine_file.throws)]
+
+    return _vibration(engine_file, "torsional", wanted, sources, chain, weights)
 
 
-Sources = dict[str, tuple[NDArray[np.float64], str]]
 ChainMaker = Callable[[NDArray[np.float64]], NamedChain]
-# Chain and mode shape to the work of a unit excitation at each cylinder.
+# Chain and mode shape to the work of a unit excitation of each cylinder.
 Weights = Callable[[NamedChain, NDArray[np.float64]], NDArray[np.float64]]
-
-
-def _fe_sources(in_shaft: NDArray[np.float64], pinned: float) -> Sources:
-    return {
-        FE: (in_shaft, "superelements assembled at the crank angles"),
-        FE_PINNED: (
-            np.full_like(in_shaft, pinned),
-            "a single throw with ends free to tilt; too soft beside neighbors that hinder the tilt",
-        ),
-    }
-
-
-def _from_regression(
-    in_shaft: NDArray[np.float64], value: float, pinned: float
-) -> tuple[NDArray[np.float64], str]:
-    return (
-        value * in_shaft / pinned,
-        "the equation's pinned value, times each throw's ratio from the assembled superelements",
-    )
-
-
-def _axial_formula_sources(engine_file: EngineFile) -> Sources:
-    """Formula values of each throw: the mean of those at the angles to either neighbor."""
-    angles = np.rad2deg(engine_file.engine.crank_angles)
-    gaps = [NO_NEIGHBOR_DEG, *np.abs(np.diff(angles)).tolist(), NO_NEIGHBOR_DEG]
-    material = engine_file.material
-    tables = [
-        axial_formulas(
-            engine_file.throw,
-            gap,
-            youngs_modulus=material.youngs_modulus,
-            poisson_ratio=material.poisson_ratio,
-        )
-        for gap in gaps
-    ]
-    sources: Sources = {}
-    for name in tables[0]:
-        values = np.array([table[name].value for table in tables])
-        wrong = {
-            round(fold_angle_deg(gap))
-            for gap, table in zip(gaps, tables, strict=True)
-            if not table[name].valid
-        }
-        remark = "mean of the formula at the angles to both neighbors; 180 deg at the shaft's ends"
-        if wrong:
-            remark += f"; does not apply at {', '.join(str(angle) for angle in sorted(wrong))} deg"
-        sources[name] = (0.5 * (values[:-1] + values[1:]), remark)
-    return sources
 
 
 def _vibration(
@@ -298,11 +227,11 @@ def _criticals(
 
 
 def axial_weights(forces: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Work of a unit radial force at each cylinder on an axial mode shape.
+    """Work of a unit radial force on each pin on an axial mode shape.
 
     Parameters
     ----------
-    forces : (n, n) array
+    forces : (n, pins) array
         Axial force P in throw i per radial force on pin j, the throws' lengths kept.
     shape : (n + 1,) array
         Displacements of the main-journal middles.
@@ -311,7 +240,7 @@ def axial_weights(forces: NDArray[np.float64], shape: NDArray[np.float64]) -> ND
 
 
 def torsional_weights(chain: NamedChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Work of a unit torque at each cylinder on a torsional mode shape: its twist there."""
+    """Work of a unit torque at each throw on a torsional mode shape: its twist there."""
     return np.array(
         [v for node, v in zip(chain.nodes, shape, strict=True) if node.startswith("cylinder")]
     )

@@ -1,0 +1,342 @@
+"""A chain of inertias and springs, torsional or axial: its description and its matrices."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.chains.chain_modes import Modes, collected, elastic_modes, scaled
+from dynamics.chains.links import (
+    Dashpot,
+    Gear,
+    Pairs,
+    check_connected,
+    check_links,
+    checked_pairs,
+    gear_groups,
+    speed_ratios,
+)
+from dynamics.chains.tails import with_accurate_tails
+from dynamics.checks import (
+    FloatArray,
+    nonnegative_vector,
+    positive_vector,
+    read_only,
+    values_at_nodes,
+)
+from geometry.errors import InputError
+
+# Residual that the modes must keep, relative to the largest eigenvalue; round-off leaves 1e-14.
+RESIDUAL_LIMIT = 1e-10
+DAMPING_UNIT = "N m s/rad (torsional) or N s/m (axial)"
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Chain:
+    """Inertias with springs between them: in a row, with branches, and with gears.
+
+    Parameters
+    ----------
+    inertia : array_like of shape (n,)
+        Moments of inertia [kg m^2] of a torsional chain, or masses [kg] of an axial one.
+    stiffness : array_like of shape (e,)
+        Stiffness of each element [N m/rad] or [N/m].
+    ground : array_like of shape (n,) or mapping of int to float, optional
+        Stiffness of each node to ground [N m/rad] or [N/m], or that of single nodes by their
+        number from 0. None by default.
+    connections : sequence of e pairs of int, optional
+        Nodes that each element joins; by default the chain is a row of n - 1 elements between
+        neighbors.
+    damping : float or array_like of shape (e,), optional
+        Viscous (relative) damping of each element [N m s/rad] or [N s/m].
+    loss_factor : float or array_like of shape (e,), optional
+        Hysteretic damping of each element: its stiffness is k (1 + i loss_factor).
+    ground_damping : array_like of shape (n,) or mapping of int to float, optional
+        Viscous (absolute) damping of nodes to ground [N m s/rad] or [N s/m].
+    distributed_inertia : array_like of shape (e,), optional
+        Inertia spread evenly along each element [kg m^2] or [kg], by consistent mass: two elements
+        of a uniform shaft are enough where lumps at nodes would need ten.
+    dashpots : sequence of Dashpot, optional
+        Viscous couplings that no spring accompanies, as between hub and ring of a viscous damper.
+    gears : sequence of Gear, optional
+        Rigid speed ratios between nodes.
+    names : sequence of n str, optional
+        Names of the nodes; "node 0" and so on by default.
+
+    Raises
+    ------
+    InputError
+        If an inertia or a stiffness is not above zero (an inertia may be zero where that along an
+        element reaches the node), another value is negative, lengths do not fit, a value is not a
+        finite number, the chain falls apart, or gears contradict each other.
+
+    Examples
+    --------
+    >>> modes = Chain(inertia=[211.4, 8.3], stiffness=[9.775e6]).modes()
+    >>> modes.frequencies.round(1).tolist()
+    [0.0, 176.1]
+    """
+
+    inertia: FloatArray
+    stiffness: FloatArray
+    ground: FloatArray
+    connections: Pairs
+    damping: FloatArray
+    loss_factor: FloatArray
+    ground_damping: FloatArray
+    distributed_inertia: FloatArray
+    dashpots: tuple[Dashpot, ...]
+    gears: tuple[Gear, ...]
+    names: tuple[str, ...]
+
+    def __init__(
+        self,
+        inertia: ArrayLike,
+        stiffness: ArrayLike,
+        ground: ArrayLike | Mapping[int, float] | None = None,
+        *,
+        connections: Sequence[tuple[int, int]] | None = None,
+        damping: ArrayLike = 0.0,
+        loss_factor: ArrayLike = 0.0,
+        ground_damping: ArrayLike | Mapping[int, float] | None = None,
+        distributed_inertia: ArrayLike = 0.0,
+        dashpots: Sequence[Dashpot] = (),
+        gears: Sequence[Gear] = (),
+        names: Sequence[str] | None = None,
+    ) -> None:
+        unit = "N m/rad (torsional) or N/m (axial)"
+        stiffnesses = positive_vector(
+            "stiffness", stiffness, unit, "a spring without stiffness cuts the chain in two"
+        )
+        spread = _of_elements(
+            "distributed_inertia",
+            distributed_inertia,
+            stiffnesses.size,
+            "kg m^2 (torsional) or kg (axial)",
+        )
+        inertias = _checked_inertias(inertia, spread)
+        count = inertias.size
+        pairs = checked_pairs(connections, count)
+        if stiffnesses.size != len(pairs):
+            raise InputError(
+                f"stiffness: given {stiffnesses.size} values for {count} inertias; allowed are exactly "
+                f"{len(pairs)}, because "
+                + (
+                    "one spring joins each two neighbors."
+                    if connections is None
+                    else f"connections has {len(pairs)} pairs."
+                )
+            )
+        check_links(dashpots, gears, count)
+        values = {
+            "inertia": read_only(inertias),
+            "stiffness": read_only(stiffnesses),
+            "ground": _to_ground("ground", ground, count, unit),
+            "connections": pairs,
+            "damping": _of_elements("damping", damping, len(pairs), DAMPING_UNIT),
+            "loss_factor": _of_elements("loss_factor", loss_factor, len(pairs), ""),
+            "ground_damping": _to_ground("ground_damping", ground_damping, count, DAMPING_UNIT),
+            "distributed_inertia": spread,
+            "dashpots": tuple(dashpots),
+            "gears": tuple(gears),
+            "names": _checked_names(names, count),
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+        parts, _ = speed_ratios(self.connections, self.gears, count)
+        check_connected(parts, self.dashpots)
+        bare = np.flatnonzero(
+            np.diag(self.expansion().T @ self.mass_matrix() @ self.expansion()) == 0
+        )
+        if bare.size:
+            raise InputError(
+                f"inertia[{bare[0]}]: given 0; allowed is more than zero where no element brings "
+                "distributed inertia, because a node without inertia has no motion of its own."
+            )
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Names of the elements, such as "cylinder 1 - cylinder 2", (e,)."""
+        return tuple(f"{self.names[a]} - {self.names[b]}" for a, b in self.connections)
+
+    @property
+    def is_row(self) -> bool:
+        """Whether each element joins two neighbors, one after the other."""
+        return self.connections == checked_pairs(None, self.inertia.size)
+
+    @property
+    def speed_ratios(self) -> FloatArray:
+        """Speed of each node beside that of node 0 (of its part's first node), shape (n,)."""
+        return speed_ratios(self.connections, self.gears, self.inertia.size)[1]
+
+    def expansion(self) -> FloatArray:
+        """Return T of shape (n, q): node motions per motion of the unknowns that gears leave free."""
+        return gear_groups(self.gears, self.inertia.size)
+
+    def elongations(self) -> FloatArray:
+        """Return of shape (e, n) what each element is twisted (lengthened) per motion of each node."""
+        return _differences(self.connections, self.inertia.size)
+
+    def mass_matrix(self) -> FloatArray:
+        """Return the inertia matrix M of the nodes, shape (n, n) [kg m^2 or kg]."""
+        matrix = np.diag(self.inertia)
+        for (left, right), share in zip(
+            self.connections, self.distributed_inertia.tolist(), strict=True
+        ):
+            ends = [left, right]
+            matrix[np.ix_(ends, ends)] += share / 6.0 * np.array([[2.0, 1.0], [1.0, 2.0]])
+        return matrix
+
+    def stiffness_matrix(self) -> FloatArray:
+        """Return the stiffness matrix K of the nodes, shape (n, n) [N m/rad or N/m]."""
+        return self._of_elements_and_ground(self.stiffness, self.ground)
+
+    def loss_matrix(self) -> FloatArray:
+        """Return H, the imaginary part of the stiffness by loss factors, shape (n, n)."""
+        return self._of_elements_and_ground(
+            self.stiffness * self.loss_factor, np.zeros(self.inertia.size)
+        )
+
+    def damping_matrix(self) -> FloatArray:
+        """Return the viscous damping matrix of the nodes, shape (n, n) [N m s/rad or N s/m]."""
+        pairs = [(dashpot.left, dashpot.right) for dashpot in self.dashpots]
+        rows = _differences(pairs, self.inertia.size)
+        sizes = np.array([dashpot.damping for dashpot in self.dashpots])
+        between = rows.T @ (sizes[:, np.newaxis] * rows)
+        return between + self._of_elements_and_ground(self.damping, self.ground_damping)
+
+    def rigid_motions(self) -> tuple[FloatArray, tuple[str, ...]]:
+        """Return the motions that no spring resists, as columns (n, r), and their names (r,)."""
+        count = self.inertia.size
+        parts, ratios = speed_ratios(self.connections, self.gears, count)
+        held = set(parts[self.ground > 0.0].tolist())
+        free = [part for part in range(int(parts.max()) + 1) if part not in held]
+        motions = np.where(parts[:, np.newaxis] == free, ratios[:, np.newaxis], 0.0)
+        if len(free) == 1 and np.all(motions):
+            return motions, ("rigid body",)
+        return motions, tuple(
+            "rigid body: " + ", ".join(self.names[node] for node in np.flatnonzero(parts == part))
+            for part in free
+        )
+
+    def modes(self) -> Modes:
+        """Find all natural frequencies and mode shapes, K x = w^2 M x.
+
+        Returns
+        -------
+        Modes
+            q modes, ascending, n less the number of gears; that of a rigid body is exactly 0.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            If the modes found do not satisfy the equation of motion.
+
+        Notes
+        -----
+        The frequencies keep an error of round-off times the highest one; see `elastic_modes`.
+        Where a mode of a row dies out towards an end, its small displacements follow from the
+        equations of the nodes there, so that in a free row mode j has j nodes as theory wants.
+        """
+        expand, rows = self.expansion(), self.spring_rows()
+        rigid, names = self.rigid_motions()
+        mass, stiffness = self.mass_matrix(), self.stiffness_matrix()
+        count = expand.shape[1] - rigid.shape[1]
+        frequencies, reduced = elastic_modes(rows @ expand, expand.T @ mass @ expand, count)
+        shapes = expand @ reduced
+        if self.is_row and not self.gears and not np.any(self.distributed_inertia):
+            shapes = self._with_accurate_tails(shapes, frequencies)
+        found = collected(
+            np.concatenate((np.zeros(rigid.shape[1]), frequencies)),
+            scaled(np.column_stack((rigid, shapes))),
+            (*names, *(f"mode {number + 1}" for number in range(count))),
+            mass,
+            stiffness,
+            rows,
+            self.connections,
+            self.is_row,
+            expand,
+        )
+        if not found.residual <= RESIDUAL_LIMIT:
+            raise np.linalg.LinAlgError(
+                f"the modes of the chain leave a residual of {found.residual:.1e} of the largest "
+                f"eigenvalue, above {RESIDUAL_LIMIT:.0e}"
+            )
+        return found
+
+    def _with_accurate_tails(self, shapes: FloatArray, frequencies: FloatArray) -> FloatArray:
+        """Return the modes, one per column, right down to their far ends."""
+        root_inertia = np.sqrt(self.inertia)
+        diagonal = np.diag(self.stiffness_matrix()) / self.inertia
+        off_diagonal = -self.stiffness / (root_inertia[:-1] * root_inertia[1:])
+        columns = [
+            with_accurate_tails(mode, diagonal, off_diagonal, frequency**2) / root_inertia
+            for mode, frequency in zip((shapes.T * root_inertia), frequencies.tolist(), strict=True)
+        ]
+        return np.column_stack(columns) if columns else shapes
+
+    def spring_rows(self) -> FloatArray:
+        """Return C with C' C = K: one row per element, then one per node, shape (e + n, n)."""
+        between = np.sqrt(self.stiffness)[:, np.newaxis] * self.elongations()
+        return np.vstack((between, np.diag(np.sqrt(self.ground))))
+
+    def _of_elements_and_ground(self, elements: FloatArray, ground: FloatArray) -> FloatArray:
+        rows = self.elongations()
+        return np.asarray(rows.T @ (elements[:, np.newaxis] * rows) + np.diag(ground))
+
+
+def _differences(pairs: Sequence[tuple[int, int]], count: int) -> FloatArray:
+    """Return one row per pair: motion of its second node less that of its first."""
+    rows = np.zeros((len(pairs), count))
+    for row, (left, right) in zip(rows, pairs, strict=True):
+        row[left], row[right] = -1.0, 1.0
+    return rows
+
+
+def _checked_inertias(inertia: ArrayLike, spread: FloatArray) -> FloatArray:
+    unit, why = (
+        "kg m^2 (torsional) or kg (axial)",
+        "a node without inertia has no motion of its own",
+    )
+    check = nonnegative_vector if np.any(spread) else positive_vector
+    inertias = check("inertia", inertia, unit, why)
+    if inertias.size == 0:
+        raise InputError(
+            "inertia: given no values; allowed are one or more, because a chain has a node."
+        )
+    return inertias
+
+
+def _of_elements(field: str, values: ArrayLike, count: int, unit: str) -> FloatArray:
+    """Return one value per element, none negative; a single number stands for all."""
+    why = "it is that of a passive element"
+    if np.ndim(values) == 0:
+        given = nonnegative_vector(field, np.full(count, values), unit, why)
+    else:
+        given = nonnegative_vector(field, values, unit, why)
+    if given.size != count:
+        raise InputError(
+            f"{field}: given {given.size} values for {count} elements; allowed is one for each, or a "
+            "single number for all, because each element has its own."
+        )
+    return read_only(given)
+
+
+def _to_ground(
+    field: str, values: ArrayLike | Mapping[int, float] | None, count: int, unit: str
+) -> FloatArray:
+    return read_only(
+        values_at_nodes(field, values, count, unit, "a support does not push a node away")
+    )
+
+
+def _checked_names(names: Sequence[str] | None, count: int) -> tuple[str, ...]:
+    if names is None:
+        return tuple(f"node {number}" for number in range(count))
+    if len(names) != count or len(set(names)) != count:
+        raise InputError(
+            f"names: given {len(names)} names, {len(set(names))} of them different; allowed is a "
+            f"different one for each of the {count} nodes, because results are told by them."
+        )
+    return tuple(names)

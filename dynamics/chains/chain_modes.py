@@ -1,0 +1,201 @@
+"""Natural frequencies and modes of a chain, right in every digit, and what takes part in them."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from dynamics.checks import FloatArray, read_only
+
+# A displacement below this share of both next to it is zero.
+ZERO_DISPLACEMENT = 1e-11
+# Displacements within this share of the largest one count as equally large.
+EQUAL_DISPLACEMENT = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Natural frequencies and mode shapes of a chain of n inertias, ascending.
+
+    Gears take unknowns away: q is n less their number.
+
+    Parameters
+    ----------
+    angular_frequencies : ndarray of shape (q,)
+        Natural frequencies [rad/s]; exactly 0 for a rigid-body mode.
+    shapes : ndarray of shape (n, q)
+        One mode per column, one node per row; the largest absolute displacement is +1, at the
+        first node that reaches it.
+    rigid : int
+        Number of rigid-body modes: 1 for a free chain, 0 with any stiffness to ground; one more
+        for each part that only a dashpot holds.
+    node_positions : tuple of tuple of float
+        For each mode, where it does not move: 2.37 lies at 37 % of the element number 2, from its
+        first to its second node. In a row that is between nodes 2 and 3; the first node is 0.
+    residual : float
+        Largest residual of the modes, relative to the largest eigenvalue.
+    names : tuple of q str
+        "rigid body" (with the nodes, if only some move), "mode 1" and so on.
+    modal_inertia : ndarray of shape (q,)
+        x' M x of each shape [kg m^2 or kg].
+    kinetic_shares : ndarray of shape (n, q)
+        Share of each node in the mode's kinetic energy; columns sum to 1.
+    strain_shares : ndarray of shape (e + n, q)
+        Share of each of the e elements, then of each connection to ground, in the mode's strain
+        energy; columns sum to 1, those of rigid-body modes are 0. It is also the relative change
+        of the squared frequency per relative change of that stiffness.
+    """
+
+    angular_frequencies: FloatArray
+    shapes: FloatArray
+    rigid: int
+    node_positions: tuple[tuple[float, ...], ...]
+    residual: float
+    names: tuple[str, ...]
+    modal_inertia: FloatArray
+    kinetic_shares: FloatArray
+    strain_shares: FloatArray
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Natural frequencies [Hz], shape (q,), ascending."""
+        return self.angular_frequencies / (2.0 * np.pi)
+
+
+def elastic_modes(rows: FloatArray, mass: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+    """Find the elastic modes of K x = w^2 M x with K = C' C.
+
+    Parameters
+    ----------
+    rows : ndarray of shape (springs, q)
+        C: one row for each spring, the root of its stiffness times its elongation.
+    mass : ndarray of shape (q, q)
+        M, positive definite.
+    count : int
+        Number of elastic modes: q less the number of rigid-body modes.
+
+    Returns
+    -------
+    angular_frequencies : ndarray of shape (count,)
+        Ascending [rad/s].
+    shapes : ndarray of shape (q, count)
+        Of unit modal inertia.
+
+    Notes
+    -----
+    With M = L L' the natural angular frequencies are the singular values of C L'^(-1) and its right
+    singular vectors L' times the modes. Frequencies found so keep an error of round-off times the
+    highest frequency; from K itself the error would be that of the squares, and the lowest
+    frequency of a stiff chain would lose twice the digits.
+    """
+    if np.array_equal(mass, np.diag(np.diag(mass))):
+        inverse = np.diag(1.0 / np.sqrt(np.diag(mass)))
+    else:
+        inverse = np.linalg.inv(np.linalg.cholesky(mass))
+    _, singular, vectors = np.linalg.svd(rows @ inverse.T, full_matrices=False)
+    shapes = inverse.T @ vectors[:count].T
+    return np.asarray(singular[:count][::-1]), np.asarray(shapes[:, ::-1])
+
+
+def scaled(shapes: FloatArray) -> FloatArray:
+    """Scale each column so that its largest absolute displacement is +1, at its first place."""
+    largest = np.max(np.abs(shapes), axis=0)
+    first = np.argmax(np.abs(shapes) >= (1.0 - EQUAL_DISPLACEMENT) * largest, axis=0)
+    signs = np.sign(shapes[first, np.arange(shapes.shape[1])])
+    return np.asarray(shapes * (signs / largest))
+
+
+def collected(
+    angular_frequencies: FloatArray,
+    shapes: FloatArray,
+    names: tuple[str, ...],
+    mass: FloatArray,
+    stiffness: FloatArray,
+    rows: FloatArray,
+    pairs: tuple[tuple[int, int], ...],
+    is_row: bool,
+    expand: FloatArray,
+) -> Modes:
+    """Put modes together with what follows from their shapes.
+
+    Parameters
+    ----------
+    angular_frequencies, shapes, names
+        (q,), (n, q) scaled, (q,).
+    mass, stiffness : ndarray of shape (n, n)
+        Of the nodes.
+    rows : ndarray of shape (e + n, n)
+        Root of stiffness times elongation of each element, then of each connection to ground.
+    pairs : tuple of e pairs of int
+    is_row : bool
+        Whether the elements join neighbors one after the other.
+    expand : ndarray of shape (n, q)
+        Motion of the nodes per motion of the unknowns that gears leave.
+    """
+    inertia_forces = mass @ shapes
+    modal_inertia = np.sum(shapes * inertia_forces, axis=0)
+    energies = (rows @ shapes) ** 2
+    rigid = int(np.count_nonzero(angular_frequencies == 0.0))
+    energies[:, :rigid] = 0.0
+    strain = np.sum(energies, axis=0)
+    strain[:rigid] = 1.0
+    positions = _row_zero_crossings if is_row else _pair_zero_crossings
+    return Modes(
+        angular_frequencies=read_only(np.array(angular_frequencies)),
+        shapes=read_only(shapes),
+        rigid=rigid,
+        node_positions=tuple(positions(shape, pairs) for shape in shapes.T),
+        residual=_residual(angular_frequencies, shapes, mass, stiffness, expand),
+        names=names,
+        modal_inertia=read_only(modal_inertia),
+        kinetic_shares=read_only(shapes * inertia_forces / modal_inertia),
+        strain_shares=read_only(energies / strain),
+    )
+
+
+def _residual(
+    frequencies: FloatArray,
+    shapes: FloatArray,
+    mass: FloatArray,
+    stiffness: FloatArray,
+    expand: FloatArray,
+) -> float:
+    """Return max |R^(-1) (K x - w^2 M x)| / (w_max^2 |x' M x|^(1/2)), R the root of M's diagonal."""
+    highest = float(frequencies[-1]) ** 2
+    if highest == 0.0:
+        return 0.0
+    root = np.sqrt(np.diag(expand.T @ mass @ expand))[:, np.newaxis]
+    force = expand.T @ (stiffness @ shapes - mass @ shapes * frequencies**2)
+    sizes = np.sqrt(np.sum(shapes * (mass @ shapes), axis=0))
+    return float(np.max(np.linalg.norm(force / root, axis=0) / sizes) / highest)
+
+
+def _row_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) -> tuple[float, ...]:
+    """Return where a mode shape crosses zero in a row, in element indices, by interpolation.
+
+    A displacement of zero at a node, between neighbors that move, counts once, at that node. One
+    that is small beside one neighbor only belongs to a mode that dies out there, and has a sign.
+    """
+    assert len(pairs) == shape.size - 1
+    size = np.pad(np.abs(shape), 1)
+    moving = np.flatnonzero(size[1:-1] > ZERO_DISPLACEMENT * np.minimum(size[:-2], size[2:]))
+    positions: list[float] = []
+    for left, right in pairwise(moving.tolist()):
+        if shape[left] * shape[right] > 0.0:
+            continue
+        if right == left + 1:
+            positions.append(float(left + shape[left] / (shape[left] - shape[right])))
+        else:
+            positions.append(float(left + right) / 2.0)
+    return tuple(positions)
+
+
+def _pair_zero_crossings(
+    shape: FloatArray, pairs: tuple[tuple[int, int], ...]
+) -> tuple[float, ...]:
+    """Return where a mode shape crosses zero inside the elements of a branched chain."""
+    return tuple(
+        float(number + shape[left] / (shape[left] - shape[right]))
+        for number, (left, right) in enumerate(pairs)
+        if shape[left] * shape[right] < 0.0
+    )

@@ -1,0 +1,1 @@
+"""The whole crankshaft of superelements: axial, torsional and bending vibration together."""

@@ -1,0 +1,1 @@
+"""Forced vibration by orders of a linear system: a chain, or a whole crankshaft."""

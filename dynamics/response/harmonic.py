@@ -1,0 +1,220 @@
+"""Answer of a linear system to harmonic forces at many frequencies at once."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dynamics.checks import FloatArray, positive_vector
+from dynamics.response.linear_system import LinearSystem
+from geometry.errors import InputError
+
+ComplexArray = NDArray[np.complex128]
+Method = Literal["modal", "direct"]
+METHODS = ("modal", "direct")
+# A mode whose eigenvalue has a real part below this share of its size has no damping.
+UNDAMPED = 1e-12
+# An undamped mode answers without bounds within this share of its frequency.
+UNBOUNDED_WITHIN = 1e-9
+# A force does no work on a mode below this share of the largest possible.
+NO_WORK = 1e-12
+# If a modal answer leaves a larger residual (of its largest term), all are solved for directly.
+RESIDUAL_LIMIT = 1e-11
+# Residuals are looked at for so many answers, evenly spread, and for those next to resonances.
+CHECKED = 500
+# Dynamic stiffness matrices solved at once; bounds the memory.
+BATCH = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class HarmonicAnswer:
+    """Motion under harmonic forces; physical values are the real parts of value exp(i w t).
+
+    Parameters
+    ----------
+    motion : ndarray of shape (m, q), complex
+        Amplitudes of the unknowns; zero where the answer is unbounded, so that no sum of them
+        turns into nonsense: look at `unbounded` first.
+    unbounded : ndarray of shape (m,), bool
+        Where an undamped mode is excited at its own frequency.
+    directly : int
+        How many of the m were solved for directly.
+    """
+
+    motion: ComplexArray
+    unbounded: NDArray[np.bool_]
+    directly: int
+
+
+def harmonic_answer(
+    system: LinearSystem,
+    angular_frequencies: FloatArray,
+    forces: ComplexArray,
+    method: Method = "modal",
+) -> HarmonicAnswer:
+    """Find the steady motion under harmonic forces, each at its own frequency.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        q unknowns.
+    angular_frequencies : ndarray of shape (m,)
+        Above zero [rad/s].
+    forces : ndarray of shape (m, q), complex
+        On the unknowns [N m or N].
+    method : {"modal", "direct"}
+        By damped modes, with a check of residuals that falls back to the other; or by solving with
+        the complex dynamic stiffness at every frequency.
+
+    Returns
+    -------
+    HarmonicAnswer
+
+    Raises
+    ------
+    InputError
+        If a frequency is not above zero, or the method is unknown.
+
+    Notes
+    -----
+    (K + i H - w^2 M + i w C) x = f. In the coordinates y of the undamped modes, with their
+    velocities beside them, that is z' = A z + b; with A = V diag(s) V^(-1), z is the sum over the
+    damped modes of v_k (V^(-1) b)_k / (i w - s_k). Of rigid motions only the velocities are taken,
+    since nothing depends on their place: the double eigenvalue zero, which has one vector only,
+    does not come up. Eigenvalues of A with H hold for the positive frequencies at which they are
+    used. Modes that damping does not reach are answered one by one.
+    """
+    frequencies = positive_vector(
+        "angular_frequencies", angular_frequencies, "rad/s", "the motion repeats"
+    )
+    if method not in METHODS:
+        raise InputError(f"method: given {method!r}; allowed are {' and '.join(METHODS)}.")
+    if forces.shape != (frequencies.size, len(system.mass)):
+        raise InputError(
+            f"forces: given an array of shape {forces.shape}; allowed is "
+            f"{(frequencies.size, len(system.mass))}, because every unknown has a force at each "
+            "frequency."
+        )
+    modal = _DampedModes.of(system)
+    unbounded = modal.unbounded(frequencies, forces)
+    forces = np.where(unbounded[:, np.newaxis], 0.0, forces)
+    if method == "direct":
+        motion = np.zeros_like(forces)
+        rest = ~unbounded
+    else:
+        motion = modal.answer(frequencies, forces)
+        sample = np.linspace(0, frequencies.size - 1, min(frequencies.size, CHECKED)).astype(int)
+        sample = np.concatenate((sample, modal.near_resonance(frequencies)))
+        left = _residuals(system, frequencies[sample], forces[sample], motion[sample])
+        rest = ~unbounded & (not np.all(left <= RESIDUAL_LIMIT))
+    places = np.flatnonzero(rest)
+    for start in range(0, places.size, BATCH):
+        part = places[start : start + BATCH]
+        stiffness = dynamic_stiffness(system, frequencies[part])
+        motion[part] = np.linalg.solve(stiffness, forces[part, :, np.newaxis])[..., 0]
+    return HarmonicAnswer(motion, unbounded, places.size)
+
+
+def dynamic_stiffness(system: LinearSystem, angular_frequencies: FloatArray) -> ComplexArray:
+    """Return K + i H - w^2 M + i w C at each frequency, shape (m, q, q)."""
+    w = angular_frequencies[:, np.newaxis, np.newaxis]
+    return np.asarray(
+        system.stiffness + 1j * (system.loss + w * system.damping) - w**2 * system.mass
+    )
+
+
+def _residuals(
+    system: LinearSystem, frequencies: FloatArray, forces: ComplexArray, motion: ComplexArray
+) -> FloatArray:
+    """Return the residual of each answer beside the largest of its terms."""
+    w = frequencies[:, np.newaxis]
+    elastic = motion @ (system.stiffness + 1j * system.loss)
+    inertial = w**2 * (motion @ system.mass)
+    viscous = 1j * w * (motion @ system.damping)
+    left = np.abs(elastic - inertial + viscous - forces)
+    terms = np.maximum(np.maximum(np.abs(elastic), np.abs(inertial)), np.abs(forces))
+    largest = np.max(terms, axis=1)
+    return np.asarray(np.max(left, axis=1) / np.where(largest > 0.0, largest, 1.0))
+
+
+@dataclass(frozen=True, eq=False)
+class _DampedModes:
+    """Damped modes of a system, and undamped ones for what damping does not reach."""
+
+    eigenvalues: ComplexArray  # (s,)
+    inputs: ComplexArray  # (s, q): force to amplitude of each damped mode
+    outputs: ComplexArray  # (s, q): that to motion
+    rigid_outputs: ComplexArray  # (s, q): that to the velocity of rigid motion
+    alone: FloatArray  # frequencies of the undamped modes
+    alone_shapes: FloatArray
+
+    @classmethod
+    def of(cls, system: LinearSystem) -> "_DampedModes":
+        natural, shapes, rigid = system.natural, system.shapes, system.rigid.shape[1]
+        damping = shapes.T @ system.damping @ shapes
+        loss = shapes.T @ system.loss @ shapes
+        loss[:rigid] = loss[:, :rigid] = 0.0  # no spring, no loss: only round-off is there
+        scale = float(natural[-1]) or 1.0
+        reached = np.maximum(
+            np.max(np.abs(damping), axis=1) / scale, np.max(np.abs(loss), axis=1) / scale**2
+        )
+        reached[:rigid] = 1.0
+        elastic = rigid + np.flatnonzero(reached[rigid:] > UNDAMPED)
+        alone = np.flatnonzero(reached <= UNDAMPED)
+        count = elastic.size
+        moving = np.concatenate((elastic, np.arange(rigid)))
+        square = np.diag(natural[elastic] ** 2) + 1j * loss[np.ix_(elastic, elastic)]
+        # Displacements of elastic modes, then velocities of elastic and of rigid ones; velocities are
+        # measured in units of the highest frequency, which balances the matrix.
+        matrix = np.zeros((count + moving.size,) * 2, dtype=np.complex128)
+        matrix[:count, count : 2 * count] = scale * np.eye(count)
+        matrix[count : 2 * count, :count] = -square / scale
+        matrix[count:, count:] = -damping[np.ix_(moving, moving)]
+        eigenvalues, vectors = np.linalg.eig(matrix)
+        inverse = np.linalg.inv(vectors)
+        return cls(
+            eigenvalues=eigenvalues,
+            inputs=_complex(inverse[:, count:] @ shapes[:, moving].T / scale),
+            outputs=_complex(vectors[:count].T @ shapes[:, elastic].T),
+            rigid_outputs=_complex(scale * vectors[2 * count :].T @ shapes[:, :rigid].T),
+            alone=natural[alone],
+            alone_shapes=shapes[:, alone],
+        )
+
+    def answer(self, frequencies: FloatArray, forces: ComplexArray) -> ComplexArray:
+        """Return the motions (m, q)."""
+        s = 1j * frequencies[:, np.newaxis]
+        shares = (forces @ self.inputs.T) / (s - self.eigenvalues)
+        motion = shares @ self.outputs + (shares @ self.rigid_outputs) / s
+        if self.alone.size:
+            gap = self.alone**2 - frequencies[:, np.newaxis] ** 2
+            work = forces @ self.alone_shapes
+            shares = np.divide(work, gap, out=np.zeros_like(work), where=gap != 0.0)
+            motion += shares @ self.alone_shapes.T
+        return np.asarray(motion)
+
+    def near_resonance(self, frequencies: FloatArray) -> NDArray[np.int64]:
+        """Return the places of the frequencies that lie next to those of the damped modes."""
+        order = np.argsort(frequencies)
+        places = np.searchsorted(frequencies[order], np.abs(self.eigenvalues.imag))
+        return np.asarray(order[np.clip(places, 0, frequencies.size - 1)])
+
+    def unbounded(self, frequencies: FloatArray, forces: ComplexArray) -> NDArray[np.bool_]:
+        """Tell where an undamped mode is excited at its own frequency, (m,)."""
+        found = np.zeros(frequencies.size, dtype=bool)
+        undamped = np.flatnonzero(
+            (np.abs(self.eigenvalues.real) <= UNDAMPED * np.abs(self.eigenvalues))
+            & (self.eigenvalues.imag > 0.0)
+        )
+        own = np.concatenate((self.alone, self.eigenvalues[undamped].imag))
+        works = np.column_stack((self.alone_shapes, self.inputs[undamped].T))
+        for frequency, work in zip(own.tolist(), works.T, strict=True):
+            near = np.flatnonzero(np.abs(frequencies - frequency) <= UNBOUNDED_WITHIN * frequency)
+            largest = np.abs(forces[near]) @ np.abs(work)
+            found[near] |= np.abs(forces[near] @ work) > NO_WORK * largest
+        return found
+
+
+def _complex(values: ArrayLike) -> ComplexArray:
+    return np.asarray(values, dtype=np.complex128)

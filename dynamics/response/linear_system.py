@@ -1,0 +1,155 @@
+"""A linear vibrating system by its matrices, whatever it was made from."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import eigh, qr
+
+from dynamics.chains.chain import Chain
+from dynamics.chains.chain_modes import elastic_modes
+from dynamics.checks import FloatArray, finite_array, nonnegative_vector, positive_number
+from geometry.errors import InputError
+
+# Magnifier (amplitude at resonance over the static one) of engine and shaft without a damper, as
+# measured on a 12-liter six-cylinder engine: Nippon Foundation, report 1997/01151.
+DEFAULT_MAGNIFIER = 40.0
+MAGNIFIER_SOURCE = (
+    "magnifier of about 40 for an engine without a damper, measured on a 12-liter six-cylinder "
+    "engine (Nippon Foundation, report 1997/01151)"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class LinearSystem:
+    """M x'' + C x' + K x = f, with K + i H in place of K for harmonic motion.
+
+    Parameters
+    ----------
+    mass, stiffness, damping, loss : ndarray of shape (q, q)
+        M, K, C (viscous) and H (hysteretic: the imaginary part of the stiffness), symmetric.
+    rigid : ndarray of shape (q, r)
+        Motions that no stiffness resists, as columns.
+    expand : ndarray of shape (n, q)
+        Motions of the n nodes (or points) that are of interest, per unknown; forces on them act on
+        the unknowns by its transpose.
+    natural : ndarray of shape (q,)
+        Undamped angular frequencies [rad/s], ascending; exactly zero for rigid-body motions.
+    shapes : ndarray of shape (q, q)
+        The undamped modes, as columns, of unit modal mass.
+    """
+
+    mass: FloatArray
+    stiffness: FloatArray
+    damping: FloatArray
+    loss: FloatArray
+    rigid: FloatArray
+    expand: FloatArray
+    natural: FloatArray
+    shapes: FloatArray
+
+    def with_modal_damping(self, ratios: ArrayLike) -> "LinearSystem":
+        """Return the system with viscous damping added, mode by mode.
+
+        Parameters
+        ----------
+        ratios : float or array_like of shape (q - r,)
+            Share of critical damping of each elastic mode of the undamped system, or of all.
+
+        Raises
+        ------
+        InputError
+            If a ratio is negative or not finite, or their number does not fit.
+        """
+        count = self.rigid.shape[1]
+        elastic = self.natural.size - count
+        given = finite_array("modal_damping", ratios)
+        values = nonnegative_vector(
+            "modal_damping",
+            np.full(elastic, given) if given.ndim == 0 else given,
+            "",
+            "damping takes energy away",
+        )
+        if values.size != elastic:
+            raise InputError(
+                f"modal_damping: given {values.size} values; allowed are one number or {elastic}, "
+                "because there is one for each elastic mode."
+            )
+        momenta = self.mass @ self.shapes[:, count:]
+        added = (momenta * (2.0 * values * self.natural[count:])) @ momenta.T
+        return replace(self, damping=self.damping + added)
+
+    def with_magnifier(self, magnifier: float = DEFAULT_MAGNIFIER) -> "LinearSystem":
+        """Return the system with the same magnifier added for each mode: ratio 1 / (2 magnifier)."""
+        checked = positive_number("magnifier", magnifier, "", "vibration at resonance is finite")
+        return self.with_modal_damping(0.5 / checked)
+
+
+def chain_system(chain: Chain) -> LinearSystem:
+    """Return the linear system of a chain; its nodes are those of the chain, gears are worked in.
+
+    Returns
+    -------
+    LinearSystem
+        q unknowns: n nodes less the number of gears.
+    """
+    expand = chain.expansion()
+    rigid, _ = chain.rigid_motions()
+    mass, stiffness, damping, loss = (
+        expand.T @ matrix @ expand
+        for matrix in (
+            chain.mass_matrix(),
+            chain.stiffness_matrix(),
+            chain.damping_matrix(),
+            chain.loss_matrix(),
+        )
+    )
+    leading = np.array([np.flatnonzero(column)[0] for column in expand.T])
+    unknowns = rigid[leading]
+    frequencies, elastic = elastic_modes(
+        chain.spring_rows() @ expand, mass, len(mass) - rigid.shape[1]
+    )
+    return LinearSystem(
+        mass=mass,
+        stiffness=stiffness,
+        damping=damping,
+        loss=loss,
+        rigid=unknowns,
+        expand=expand,
+        natural=np.concatenate((np.zeros(rigid.shape[1]), frequencies)),
+        shapes=np.column_stack((_orthonormal(mass, unknowns), elastic)),
+    )
+
+
+def natural_modes(
+    mass: FloatArray, stiffness: FloatArray, rigid: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Find the undamped modes of a system from its matrices.
+
+    Parameters
+    ----------
+    mass, stiffness : ndarray of shape (q, q)
+    rigid : ndarray of shape (q, r)
+        Motions that no stiffness resists, as columns.
+
+    Returns
+    -------
+    natural : ndarray of shape (q,)
+        Angular frequencies [rad/s], ascending; exactly zero for the r rigid motions.
+    shapes : ndarray of shape (q, q)
+        As columns, of unit modal mass.
+    """
+    root = np.linalg.cholesky(mass)
+    count = rigid.shape[1]
+    basis = qr(root.T @ rigid)[0] if count else np.eye(len(root))
+    elastic = np.linalg.solve(root.T, basis[:, count:])
+    reduced = elastic.T @ stiffness @ elastic
+    squares, vectors = eigh(0.5 * (reduced + reduced.T))
+    frequencies = np.concatenate((np.zeros(count), np.sqrt(np.maximum(squares, 0.0))))
+    return frequencies, np.column_stack((_orthonormal(mass, rigid), elastic @ vectors))
+
+
+def _orthonormal(mass: FloatArray, rigid: FloatArray) -> FloatArray:
+    """Return combinations of rigid motions that are of unit modal mass and orthogonal."""
+    root = np.linalg.cholesky(rigid.T @ mass @ rigid)
+    return np.asarray(np.linalg.solve(root, rigid.T).T)
