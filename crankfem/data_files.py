@@ -22,6 +22,11 @@ def shipped_hinges() -> tuple[str, ...]:
     return _shipped("hinges")
 
 
+def shipped_chains() -> tuple[str, ...]:
+    """Return the names of the shipped chain files."""
+    return _shipped("chains")
+
+
 def engine_path(given: str | Path) -> Path:
     """Find an engine file by path, or a shipped one by name.
 
@@ -42,6 +47,17 @@ def hinge_path(given: str | Path) -> Path:
         If there is neither.
     """
     return _found(given, "hinges", "a hinge file")
+
+
+def chain_path(given: str | Path) -> Path:
+    """Find a chain file by path, or a shipped one by name.
+
+    Raises
+    ------
+    InputError
+        If there is neither.
+    """
+    return _found(given, "chains", "a chain file")
 
 
 def _shipped(folder: str) -> tuple[str, ...]:

@@ -67,9 +67,9 @@ class Chain:
     Raises
     ------
     InputError
-        If an inertia or a stiffness is not above zero (an inertia may be zero where that along an
-        element reaches the node), another value is negative, lengths do not fit, a value is not a
-        finite number, the chain falls apart, or gears contradict each other.
+        If an inertia or a stiffness is not above zero (an inertia may be zero where an element or a
+        gear brings some), another value is negative, lengths do not fit, a value is not a finite
+        number, the chain falls apart, or gears contradict each other.
 
     Examples
     --------
@@ -115,7 +115,7 @@ class Chain:
             stiffnesses.size,
             "kg m^2 (torsional) or kg (axial)",
         )
-        inertias = _checked_inertias(inertia, spread)
+        inertias = _checked_inertias(inertia, zero_allowed=bool(np.any(spread)) or len(gears) > 0)
         count = inertias.size
         pairs = checked_pairs(connections, count)
         if stiffnesses.size != len(pairs):
@@ -146,13 +146,13 @@ class Chain:
             object.__setattr__(self, name, value)
         parts, _ = speed_ratios(self.connections, self.gears, count)
         check_connected(parts, self.dashpots)
-        bare = np.flatnonzero(
-            np.diag(self.expansion().T @ self.mass_matrix() @ self.expansion()) == 0
-        )
-        if bare.size:
+        expand = self.expansion()
+        bare = np.diag(expand.T @ self.mass_matrix() @ expand) == 0.0
+        if np.any(bare):
+            node = int(np.flatnonzero(expand[:, bare].any(axis=1))[0])
             raise InputError(
-                f"inertia[{bare[0]}]: given 0; allowed is more than zero where no element brings "
-                "distributed inertia, because a node without inertia has no motion of its own."
+                f"inertia[{node}]: given 0; allowed is more than zero where neither an element nor a gear "
+                "brings inertia, because a node without inertia has no motion of its own."
             )
 
     @property
@@ -294,12 +294,12 @@ def _differences(pairs: Sequence[tuple[int, int]], count: int) -> FloatArray:
     return rows
 
 
-def _checked_inertias(inertia: ArrayLike, spread: FloatArray) -> FloatArray:
+def _checked_inertias(inertia: ArrayLike, *, zero_allowed: bool) -> FloatArray:
     unit, why = (
         "kg m^2 (torsional) or kg (axial)",
         "a node without inertia has no motion of its own",
     )
-    check = nonnegative_vector if np.any(spread) else positive_vector
+    check = nonnegative_vector if zero_allowed else positive_vector
     inertias = check("inertia", inertia, unit, why)
     if inertias.size == 0:
         raise InputError(

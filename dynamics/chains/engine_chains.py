@@ -1,71 +1,84 @@
 """Build the axial and the torsional chain of an engine from the compliances of its throws."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.chain import Chain
+from dynamics.chains.dampers import (
+    AxialDamper,
+    TorsionalDamper,
+    check_axial,
+    check_torsional,
+)
+from dynamics.chains.editing import add_node, join_chains, with_damper, with_ground
 from dynamics.checks import (
     FloatArray,
+    finite_array,
     node_index,
     nonnegative_number,
+    nonnegative_vector,
     positive_number,
     positive_vector,
     values_at_nodes,
+    whole_number,
 )
 from geometry.errors import InputError
 
+Kind = Literal["axial", "torsional"]
+FREE_END, FLYWHEEL = "free end", "flywheel"
+
 
 @dataclass(frozen=True, eq=False)
-class NamedChain:
-    """A chain whose nodes have names.
+class EngineChain:
+    """A chain of an engine, and which of its nodes are throws or sections of the crankshaft.
 
     Parameters
     ----------
     chain : Chain
-        Inertias and stiffnesses.
-    nodes : tuple of str
-        Names of the nodes, from the free end to the flywheel and beyond.
+        Inertias and stiffnesses; its nodes have names.
     kind : {"axial", "torsional"}
         Which motion the chain stands for, and so its units.
+    throw_nodes : tuple of int
+        Torsional: node of each throw, from the free end. Axial: empty.
+    sections : tuple of int
+        Axial: node of each section, the middles of the main journals, from 0 at the free end; throw
+        i (from 0) joins sections i and i + 1 by element i. Torsional: empty.
     """
 
     chain: Chain
-    nodes: tuple[str, ...]
-    kind: Literal["axial", "torsional"]
+    kind: Kind
+    throw_nodes: tuple[int, ...] = ()
+    sections: tuple[int, ...] = ()
 
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """Names of the nodes, from the free end to the flywheel and beyond."""
+        return self.chain.names
 
-@dataclass(frozen=True)
-class DrivenMachine:
-    """What the engine drives: one inertia behind a coupling.
+    @property
+    def throws(self) -> int:
+        """Number of throws of the crankshaft."""
+        return len(self.throw_nodes) if self.kind == "torsional" else len(self.sections) - 1
 
-    Parameters
-    ----------
-    inertia : float
-        Moment of inertia, referred to the crankshaft speed [kg m^2].
-    coupling_stiffness : float
-        Torsional stiffness between flywheel and machine [N m/rad].
+    def with_chain(self, chain: Chain) -> "EngineChain":
+        """Return the same engine with its chain changed by the functions that edit chains.
 
-    Raises
-    ------
-    InputError
-        If a value is not a finite number above zero.
-    """
-
-    inertia: float
-    coupling_stiffness: float
-
-    def __post_init__(self) -> None:
-        positive_number("driven.inertia", self.inertia, "kg m^2", "a machine has inertia")
-        positive_number(
-            "driven.coupling_stiffness",
-            self.coupling_stiffness,
-            "N m/rad",
-            "without stiffness the machine is not coupled",
-        )
+        Raises
+        ------
+        InputError
+            If nodes of the old chain are missing or stand elsewhere.
+        """
+        if chain.names[: len(self.chain.names)] != self.chain.names:
+            raise InputError(
+                f"chain: given nodes {', '.join(chain.names)}; allowed are ones that begin with "
+                f"{', '.join(self.chain.names)}, because the throws are known by their places."
+            )
+        return replace(self, chain=chain)
 
 
 def axial_chain(
@@ -75,7 +88,14 @@ def axial_chain(
     thrust_node: int,
     thrust_stiffness: float,
     extra_masses: ArrayLike | Mapping[int, float] | None = None,
-) -> NamedChain:
+    *,
+    thrust_damping: float = 0.0,
+    damping: ArrayLike = 0.0,
+    loss_factor: ArrayLike = 0.0,
+    section_damping: ArrayLike = 0.0,
+    damper: AxialDamper | None = None,
+    shaft_line: Chain | None = None,
+) -> EngineChain:
     """Build the axial chain of a crankshaft: masses at the middles of the main journals.
 
     Section 0 is the middle of the main journal at the free end, section n that at the flywheel;
@@ -95,11 +115,24 @@ def axial_chain(
         Axial stiffness of the thrust bearing to ground [N/m]; 0 leaves the shaft free.
     extra_masses : array_like of shape (n + 1,) or mapping of int to float, optional
         Further masses at the sections [kg], such as a damper or gear at section 0.
+    thrust_damping : float, optional
+        Viscous damping of the thrust bearing [N s/m].
+    damping : float or array_like of shape (n,), optional
+        Viscous (relative) damping of each throw, or of all [N s/m].
+    loss_factor : float or array_like of shape (n,), optional
+        Hysteretic damping of each throw, or of all.
+    section_damping : float or array_like of shape (n + 1,), optional
+        Viscous (absolute) damping of each section, or of all, to ground [N s/m].
+    damper : AxialDamper, optional
+        At section 0.
+    shaft_line : Chain, optional
+        Axial chain of what follows the flywheel; its first node becomes section n.
 
     Returns
     -------
-    NamedChain
-        n + 1 nodes [kg], n springs [N/m], and the thrust bearing to ground [N/m].
+    EngineChain
+        n + 1 nodes [kg], n springs [N/m], and the thrust bearing to ground [N/m]; nodes of the
+        shaft line after them.
 
     Raises
     ------
@@ -128,8 +161,22 @@ def axial_chain(
         names[-1] += ", flywheel"
     if bearing > 0.0:
         names[thrust] += ", thrust bearing"
-    chain = Chain(at_sections, 1.0 / compliances, {thrust: bearing})
-    return NamedChain(chain, tuple(names), "axial")
+    chain = Chain(
+        at_sections,
+        1.0 / compliances,
+        damping=damping,
+        loss_factor=loss_factor,
+        ground_damping=_of_each("section_damping", section_damping, count + 1, "N s/m"),
+        names=names,
+    )
+    held = nonnegative_number("thrust_damping", thrust_damping, "N s/m", "oil resists motion")
+    chain = with_ground(chain, thrust, bearing, damping=held)
+    if damper is not None:
+        check_axial(damper)
+        chain = with_damper(chain, 0, damper)
+    if shaft_line is not None:
+        chain = join_chains(chain, count, shaft_line)
+    return EngineChain(chain, "axial", sections=tuple(range(count + 1)))
 
 
 def torsional_chain(
@@ -137,8 +184,15 @@ def torsional_chain(
     throw_inertias: ArrayLike,
     flywheel_inertia: float,
     free_end_inertia: float = 0.0,
-    driven: DrivenMachine | None = None,
-) -> NamedChain:
+    driven: DrivenMachine | Sequence[DrivenMachine] | None = None,
+    *,
+    damping: ArrayLike = 0.0,
+    loss_factor: ArrayLike = 0.0,
+    throw_damping: ArrayLike = 0.0,
+    cylinders: int | Sequence[int] = 1,
+    damper: TorsionalDamper | None = None,
+    shaft_line: Chain | None = None,
+) -> EngineChain:
     """Build the torsional chain of an engine: one inertia at each crank, and what stands around.
 
     Parameters
@@ -146,29 +200,44 @@ def torsional_chain(
     throw_compliances : array_like of shape (n,)
         Torsional compliance of each throw from journal middle to journal middle [rad/(N m)].
     throw_inertias : array_like of shape (n,)
-        Moment of inertia of each throw with its share of rod and piston [kg m^2], as
-        `throw_inertia` gives it.
+        Moment of inertia of each throw with its share of rods and pistons [kg m^2], as
+        `throw_inertia` or `throw_inertias` give it.
     flywheel_inertia : float
         Moment of inertia of the flywheel [kg m^2].
     free_end_inertia : float
         Moment of inertia at the free end, such as a pulley or damper hub [kg m^2]; 0 for none.
-    driven : DrivenMachine, optional
-        The driven machine and its coupling.
+    driven : DrivenMachine or sequence of DrivenMachine, optional
+        Driven machines and their couplings.
+    damping : float or array_like of shape (e,), optional
+        Viscous (relative) damping of each element of the crankshaft, or of all [N m s/rad].
+    loss_factor : float or array_like of shape (e,), optional
+        Hysteretic damping of each element of the crankshaft, or of all. There are n elements, and
+        one more with a free end.
+    throw_damping : float or array_like of shape (n,), optional
+        Viscous (absolute) damping at each throw, or at all [N m s/rad].
+    cylinders : int or sequence of n int, optional
+        How many cylinders work on each throw, or on all. Where it is one everywhere the nodes are
+        called "cylinder 1" and so on, otherwise "throw 1" and so on.
+    damper : ViscousDamper or RubberDamper, optional
+        At the free end; its hub's inertia adds to that there.
+    shaft_line : Chain, optional
+        Torsional chain of what follows the flywheel; its first node becomes the flywheel.
 
     Returns
     -------
-    NamedChain
-        Free end if any, cylinders 1 to n, flywheel, driven machine if any [kg m^2, N m/rad].
+    EngineChain
+        Free end if any, throws 1 to n, flywheel; then the nodes of damper, shaft line and driven
+        machines, if any [kg m^2, N m/rad].
 
     Raises
     ------
     InputError
-        If a compliance or an inertia is not above zero, the inertia at the free end is negative,
-        or the lengths differ.
+        If a compliance or an inertia is not above zero, a damping or the inertia at the free end
+        is negative, lengths differ, or a damper has no free end with inertia to sit on.
 
     Notes
     -----
-    The inertia of a throw sits at its crank, in the middle of its compliance: cylinders i and
+    The inertia of a throw sits at its crank, in the middle of its compliance: throws i and
     i + 1 are joined by half of either throw's compliance; free end and flywheel are joined by half
     of the throw next to them, the journal stubs beyond the last middles being counted as stiff.
     """
@@ -183,67 +252,79 @@ def torsional_chain(
     free_end = nonnegative_number(
         "free_end_inertia", free_end_inertia, "kg m^2", "it is that of a body, or none"
     )
-    nodes = [f"cylinder {number}" for number in range(1, compliances.size + 1)] + ["flywheel"]
-    chain_inertias = [*inertias.tolist(), flywheel]
+    if damper is not None:
+        check_torsional(damper)
+        if free_end + damper.hub_inertia == 0.0:
+            raise InputError(
+                "free_end_inertia: given 0 with a damper without hub_inertia; allowed is more than zero "
+                "for one of them, because the damper sits on the free end."
+            )
+    count = compliances.size
+    names = _throw_names(cylinders, count)
+    absolute = _of_each("throw_damping", throw_damping, count, "N m s/rad")
     halves = compliances / 2.0
-    joined = [*(halves[:-1] + halves[1:]).tolist(), float(halves[-1])]
-    if free_end > 0.0:
-        nodes.insert(0, "free end")
-        chain_inertias.insert(0, free_end)
-        joined.insert(0, float(halves[0]))
-    stiffnesses = [1.0 / compliance for compliance in joined]
-    if driven is not None:
-        nodes.append("driven machine")
-        chain_inertias.append(driven.inertia)
-        stiffnesses.append(driven.coupling_stiffness)
-    return NamedChain(Chain(chain_inertias, stiffnesses), tuple(nodes), "torsional")
-
-
-def throw_inertia(
-    solid_inertia_about_shaft: float,
-    rod_rotating_mass: float,
-    reciprocating_mass: float,
-    crank_radius: float,
-) -> float:
-    """Return the constant moment of inertia that stands for a throw with its rod and piston.
-
-    Parameters
-    ----------
-    solid_inertia_about_shaft : float
-        Moment of inertia of the solid throw about the shaft axis [kg m^2].
-    rod_rotating_mass : float
-        Share of the connecting rod that turns with the crankpin [kg].
-    reciprocating_mass : float
-        Piston with pin, and the share of the rod that moves with it [kg].
-    crank_radius : float
-        R [m].
-
-    Returns
-    -------
-    float
-        I + m_rot R^2 + m_rec R^2 / 2 [kg m^2].
-
-    Raises
-    ------
-    InputError
-        If the inertia or the radius is not above zero, or a mass is negative.
-
-    Notes
-    -----
-    The piston moves by R (sin a + (lambda / 2) sin 2a) per radian of crank angle, so that its
-    inertia at the shaft varies over the revolution; half the reciprocating mass is the mean of
-    that over the cycle to zeroth order in the crank ratio lambda (the next term is
-    m_rec R^2 lambda^2 / 8). The variation itself, which excites secondary resonances in slow
-    engines with heavy pistons, is left out.
-    """
-    solid = positive_number(
-        "solid_inertia_about_shaft", solid_inertia_about_shaft, "kg m^2", "every throw has inertia"
+    joined = np.array([*(halves[:-1] + halves[1:]), halves[-1]])
+    if damper is not None:
+        free_end += damper.hub_inertia
+        damper = replace(damper, hub_inertia=0.0)
+    ends = [free_end] if free_end > 0.0 else []
+    if ends:
+        joined = np.array([halves[0], *joined])
+    chain = Chain(
+        [*ends, *inertias, flywheel],
+        1.0 / joined,
+        damping=damping,
+        loss_factor=loss_factor,
+        ground_damping=[*(0.0 for _ in ends), *absolute, 0.0],
+        names=[*(FREE_END for _ in ends), *names, FLYWHEEL],
     )
-    why = "it adds to the inertia of the throw"
-    rotating = nonnegative_number("rod_rotating_mass", rod_rotating_mass, "kg", why)
-    reciprocating = nonnegative_number("reciprocating_mass", reciprocating_mass, "kg", why)
-    R = positive_number("crank_radius", crank_radius, "m", "the stroke is twice as long")
-    return solid + (rotating + reciprocating / 2.0) * R**2
+    if shaft_line is not None:
+        chain = join_chains(chain, FLYWHEEL, shaft_line)
+    machines = (driven,) if isinstance(driven, DrivenMachine) else tuple(driven or ())
+    for machine in machines:
+        chain = _with_machine(chain, machine)
+    if damper is not None:
+        chain = with_damper(chain, FREE_END, damper)
+    throws = tuple(range(len(ends), len(ends) + count))
+    return EngineChain(chain, "torsional", throw_nodes=throws)
+
+
+def _with_machine(chain: Chain, machine: DrivenMachine) -> Chain:
+    wider = add_node(
+        chain,
+        machine.name,
+        machine.inertia,
+        to=machine.on,
+        stiffness=machine.coupling_stiffness,
+        damping=machine.coupling_damping,
+        loss_factor=machine.coupling_loss_factor,
+    )
+    return with_ground(wider, machine.name, damping=machine.damping)
+
+
+def _throw_names(cylinders: int | Sequence[int], count: int) -> list[str]:
+    given = [cylinders] * count if isinstance(cylinders, int) else list(cylinders)
+    if len(given) != count:
+        raise InputError(
+            f"cylinders: given {len(given)} values; allowed are {count}, or one for all, because "
+            "there is one for each throw."
+        )
+    on_each = [whole_number("cylinders", value, 1, "a throw carries cylinders") for value in given]
+    word = "cylinder" if max(on_each) == 1 else "throw"
+    return [f"{word} {number}" for number in range(1, count + 1)]
+
+
+def _of_each(field: str, values: ArrayLike, count: int, unit: str) -> FloatArray:
+    """Return one value for each of `count`, none negative; a single number stands for all."""
+    given = finite_array(field, values)
+    array = np.full(count, given) if given.ndim == 0 else given
+    checked = nonnegative_vector(field, array, unit, "damping takes energy away")
+    if checked.size != count:
+        raise InputError(
+            f"{field}: given {checked.size} values; allowed are {count}, or one for all, because "
+            "each place has its own."
+        )
+    return checked
 
 
 def _checked_compliances(throw_compliances: ArrayLike, unit: str) -> FloatArray:

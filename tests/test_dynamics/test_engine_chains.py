@@ -1,7 +1,18 @@
 import numpy as np
 import pytest
 
-from dynamics.chains.engine_chains import DrivenMachine, axial_chain, throw_inertia, torsional_chain
+from dynamics.chains.attachments import DrivenMachine
+from dynamics.chains.chain import Chain
+from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
+from dynamics.chains.editing import add_node, with_names
+from dynamics.chains.engine_chains import axial_chain, torsional_chain
+from dynamics.chains.shaft_elements import shaft_cylinder
+from dynamics.chains.shaft_line import ShaftLine
+from dynamics.chains.throw_inertias import throw_inertia, throw_inertias
+from dynamics.engine.cylinder import EngineCylinder, SlavePin
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.motions import reduced_inertia
+from dynamics.mechanism.rods import ConnectingRod
 from geometry.errors import InputError
 
 
@@ -65,6 +76,136 @@ def test_half_the_reciprocating_mass_is_the_mean_over_a_revolution():
     assert throw_inertia(1.0, 0.0, mass, radius) - 1.0 == pytest.approx(mean, rel=0.3 * ratio**2)
 
 
+def test_throws_and_sections_are_known_by_their_nodes():
+    torsional = torsional_chain([1.0, 1.0], [1.0, 1.0], 2.0, free_end_inertia=0.5)
+    assert torsional.throw_nodes == (1, 2)
+    assert (torsional.sections, torsional.throws) == ((), 2)
+    axial = axial_chain([1.0, 1.0], [1.0, 1.0], 2.0, 0, 0.0)
+    assert axial.sections == (0, 1, 2)
+    assert (axial.throw_nodes, axial.throws) == ((), 2)
+
+
+def test_throws_of_several_cylinders_are_called_throws():
+    assert torsional_chain([1.0], [1.0], 1.0, cylinders=2).nodes == ("throw 1", "flywheel")
+    mixed = torsional_chain([1.0] * 2, [1.0] * 2, 1.0, cylinders=[1, 2])
+    assert mixed.nodes == ("throw 1", "throw 2", "flywheel")
+
+
+def test_torsional_chain_with_damping_dampers_and_machines():
+    machines = [
+        DrivenMachine(30.0, 1e5, 0.2, 0.1, damping=0.3, name="alternator"),
+        DrivenMachine(2.0, 1e4, name="exciter", on="alternator"),
+    ]
+    built = torsional_chain(
+        *([2e-7, 4e-7], [0.5, 0.6], 10.0, 0.1, machines),
+        damping=1.0,
+        loss_factor=[0.01, 0.02, 0.03],
+        throw_damping=[2.0, 4.0],
+        damper=ViscousDamper(0.7, 50.0, hub_inertia=0.2),
+    )
+    chain = built.chain
+    assert built.nodes == (
+        *("free end", "cylinder 1", "cylinder 2", "flywheel"),
+        *("alternator", "exciter", "damper ring"),
+    )
+    assert chain.inertia == pytest.approx([0.3, 0.5, 0.6, 10.0, 30.0, 2.0, 0.7])
+    assert chain.damping.tolist() == [1.0, 1.0, 1.0, 0.2, 0.0]
+    assert chain.loss_factor.tolist() == [0.01, 0.02, 0.03, 0.1, 0.0]
+    assert chain.ground_damping.tolist() == [0.0, 2.0, 4.0, 0.0, 0.3, 0.0, 0.0]
+    assert chain.connections[-2:] == ((3, 4), (4, 5))
+    assert [(d.left, d.right, d.damping) for d in chain.dashpots] == [(0, 6, 50.0)]
+
+
+def test_the_hub_of_a_damper_makes_a_free_end():
+    built = torsional_chain([1e-7], [1.0], 1.0, damper=RubberDamper(0.3, 1e5, hub_inertia=0.1))
+    assert built.nodes == ("free end", "cylinder 1", "flywheel", "damper ring")
+    assert built.chain.inertia.tolist() == [0.1, 1.0, 1.0, 0.3]
+    assert built.chain.stiffness == pytest.approx([2e7, 2e7, 1e5])
+
+
+def test_axial_chain_with_damping_damper_and_shaft_line():
+    line = ShaftLine([shaft_cylinder(3.0, 0.2)], name="line").chain("axial")
+    built = axial_chain(
+        *([1e-9, 2e-9], [100.0, 140.0], 500.0, 1, 3e8),
+        thrust_damping=9.0,
+        damping=[1.0, 2.0],
+        loss_factor=0.01,
+        section_damping=[4.0, 5.0, 6.0],
+        damper=AxialDamper(1e5, stiffness=2e7, mass=30.0),
+        shaft_line=line,
+    )
+    chain = built.chain
+    assert built.nodes[-2:] == ("section 2, flywheel", "line 1")
+    assert chain.inertia.tolist() == [80.0, 120.0, 570.0, 0.0]
+    assert chain.ground.tolist() == [2e7, 3e8, 0.0, 0.0]
+    assert chain.ground_damping.tolist() == [1e5 + 4.0, 14.0, 6.0, 0.0]
+    assert chain.damping.tolist() == [1.0, 2.0, 0.0]
+    assert chain.loss_factor.tolist() == [0.01, 0.01, 0.0]
+    assert built.sections == (0, 1, 2)
+
+
+def test_torsional_chain_with_a_shaft_line():
+    line = ShaftLine([shaft_cylinder(3.0, 0.2)], name="line").chain()
+    built = torsional_chain([1e-7], [1.0], 5.0, shaft_line=line)
+    assert built.nodes == ("cylinder 1", "flywheel", "line 1")
+    assert built.chain.is_row
+
+
+def test_an_engine_chain_keeps_its_throws_when_its_chain_is_edited():
+    built = torsional_chain([1e-7], [1.0], 5.0)
+    wider = built.with_chain(add_node(built.chain, "pump", 0.1, to="flywheel", ratio=2.0))
+    assert wider.nodes == ("cylinder 1", "flywheel", "pump")
+    assert wider.throw_nodes == built.throw_nodes
+    with pytest.raises(InputError, match=r"chain: given nodes a, b; .*begin with cylinder 1"):
+        built.with_chain(with_names(built.chain, ["a", "b"]))
+
+
+@pytest.fixture
+def v_four():
+    """Two throws at 90 deg with two cylinders each: side by side, and one rod hinged."""
+    rod = ConnectingRod(length=0.25, mass=3.0, center_distance=0.08, inertia=0.02)
+    crank, bank = np.pi / 2.0, np.pi / 4.0
+    pin = SlavePin(main_cylinder=3, radius=0.06, angle=np.pi / 2.0)
+    slave = ConnectingRod(length=0.19, mass=2.0, center_distance=0.08, inertia=0.01)
+    return EngineLayout(
+        crank_radius=0.07,
+        cylinders=[
+            EngineCylinder(0.12, 2.0, rod, 0.0, -bank, 0.0),
+            EngineCylinder(0.12, 2.0, rod, 0.0, bank, 0.03),
+            EngineCylinder(0.12, 2.0, rod, crank, -bank, 0.2),
+            EngineCylinder(0.12, 2.0, slave, crank, bank, 0.2, slave_pin=pin),
+        ],
+        firing_order=[1, 2, 3, 4],
+    )
+
+
+def test_throw_inertias_of_several_cylinders(v_four):
+    half = throw_inertias(v_four, [0.5, 0.6])
+    at_piston = 3.0 * 0.08 / 0.25
+    assert half[0] == pytest.approx(
+        throw_inertia(0.5, [3.0 - at_piston] * 2, [2.0 + at_piston] * 2, 0.07)
+    )
+    exact = throw_inertias(v_four, [0.5, 0.6], reciprocating="mean")
+    # The mean of the whole engine's reduced inertia, by another path through the mechanism.
+    models = tuple(cylinder.rod.model("rigid") for cylinder in v_four.cylinders)
+    whole, _ = reduced_inertia(v_four, models, np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False))
+    assert exact.sum() == pytest.approx(1.1 + whole.mean(), rel=1e-12)
+    # Half the mass leaves out lambda^2 / 8 of the piston's share and the rod's lacking inertia.
+    assert half[0] == pytest.approx(exact[0], rel=0.02)
+    assert half[0] != pytest.approx(exact[0], rel=1e-4)
+    given = throw_inertias(v_four, [0.5, 0.6], reciprocating="mean", throws=[0, 0, 1, 1])
+    assert given.tolist() == exact.tolist()
+
+
+def test_unusable_throw_inertias_are_refused(v_four):
+    with pytest.raises(InputError, match="reciprocating: given 'third'"):
+        throw_inertias(v_four, 1.0, reciprocating="third")
+    with pytest.raises(InputError, match="solid_inertias: given 3 values; allowed are 2"):
+        throw_inertias(v_four, [1.0, 1.0, 1.0])
+    with pytest.raises(InputError, match="throws: given 1"):
+        throw_inertias(v_four, 1.0, throws=[0])
+
+
 @pytest.mark.parametrize(
     ("build", "message"),
     [
@@ -80,6 +221,35 @@ def test_half_the_reciprocating_mass_is_the_mean_over_a_revolution():
         (lambda: torsional_chain([1.0], [1.0], 0.0), "flywheel_inertia: given 0 kg m"),
         (lambda: torsional_chain([1.0], [-1.0], 1.0), r"throw_inertias\[0\]: given -1"),
         (lambda: torsional_chain([1.0], [1.0], 1.0, -1.0), "free_end_inertia: given -1"),
+        (lambda: torsional_chain([1.0], [1.0], 1.0, damping=-1.0), r"damping\[0\]: given -1"),
+        (
+            lambda: torsional_chain([1.0], [1.0], 1.0, throw_damping=[1.0, 1.0]),
+            "throw_damping: given 2 values; allowed are 1",
+        ),
+        (lambda: torsional_chain([1.0], [1.0], 1.0, cylinders=0), "cylinders: given 0"),
+        (lambda: torsional_chain([1.0], [1.0], 1.0, cylinders=[1, 1]), "cylinders: given 2 values"),
+        (
+            lambda: torsional_chain([1.0], [1.0], 1.0, damper=ViscousDamper(1.0, 1.0)),
+            "free_end_inertia: given 0 with a damper",
+        ),
+        (
+            lambda: torsional_chain([1.0], [1.0], 1.0, damper=AxialDamper(1.0)),
+            "damper: given AxialDamper.* torsional",
+        ),
+        (
+            lambda: axial_chain([1.0], [1.0], 1.0, 0, 1.0, damper=ViscousDamper(1.0, 1.0)),
+            "damper: given ViscousDamper.* axial",
+        ),
+        (
+            lambda: torsional_chain([1.0], [1.0], 1.0, 0.0, DrivenMachine(1.0, 1.0, on="pump")),
+            "to: given 'pump'; allowed are cylinder 1, flywheel",
+        ),
+        (
+            lambda: torsional_chain(
+                [1.0], [1.0], 1.0, shaft_line=Chain([1.0, 1.0], [1.0])
+            ).with_chain(Chain([1.0], [])),
+            "chain: given nodes node 0",
+        ),
         (lambda: DrivenMachine(0.0, 1.0), "driven.inertia: given 0"),
         (lambda: DrivenMachine(1.0, 0.0), "driven.coupling_stiffness: given 0"),
         (lambda: throw_inertia(0.0, 1.0, 1.0, 1.0), "solid_inertia_about_shaft: given 0"),

@@ -1,0 +1,93 @@
+"""Read chain files: nodes, elements, gears and dampers in TOML, or plain text."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from crankfem.chain_build import Section, chain_of
+from crankfem.chain_sections import AxialChainSection, TorsionalChainSection
+from crankfem.chain_text import read_chain_text
+from crankfem.data_files import chain_path, shipped_chains
+from crankfem.toml_file import InputRecord, read_toml
+from dynamics.chains.chain import Chain
+from dynamics.chains.shaft_elements import Motion
+from fem.material import STEEL, Material
+from geometry.errors import InputError
+
+KINDS: dict[str, type[Section]] = {
+    "torsional": TorsionalChainSection,
+    "axial": AxialChainSection,
+}
+
+
+@dataclass(frozen=True)
+class ChainFile:
+    """A chain file, read and checked.
+
+    Attributes
+    ----------
+    path : Path
+    name : str
+    kind : {"torsional", "axial"}
+    chain : Chain
+    records : tuple of InputRecord
+        Every value with its source; empty for plain text, whose comments tell it.
+    sources : dict
+        Short name to full citation.
+    """
+
+    path: Path
+    name: str
+    kind: Motion
+    chain: Chain
+    records: tuple[InputRecord, ...]
+    sources: dict[str, str]
+
+
+def is_chain_file(given: str | Path) -> bool:
+    """Tell whether a path or name is that of a chain and not of an engine."""
+    path = Path(given)
+    if not path.is_file():
+        return path.parent == Path() and path.name.removesuffix(".toml") in shipped_chains()
+    return path.suffix.lower() != ".toml" or "chain" in read_toml(path).sections
+
+
+def load_chain(path: str | Path) -> ChainFile:
+    """Read and check a chain file.
+
+    Parameters
+    ----------
+    path : path
+        A TOML file, any other file as plain text, or the name of a shipped one.
+
+    Raises
+    ------
+    InputError
+        With one sentence that names what was given and what is allowed.
+    """
+    found = chain_path(path)
+    if found.suffix.lower() != ".toml":
+        try:
+            text = found.read_text(encoding="utf-8-sig")
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(
+                f"{found}: cannot be read as text ({error}); allowed is a text file."
+            ) from None
+        read = read_chain_text(text, found.name)
+        return ChainFile(found, read.name or found.stem, read.kind, read.chain, (), {})
+    content = read_toml(found)
+    content.check_sections({"chain": True, "material": False})
+    kind = content.sections["chain"].get("kind")
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise InputError(
+            f"{found.name}: chain.kind: given {kind!r}; allowed are torsional and axial, because units "
+            "follow from it."
+        )
+    section: Section = content.required("chain", KINDS[kind])
+    material = content.model("material", Material) or STEEL
+    try:
+        chain = chain_of(section, material)
+    except InputError as error:
+        raise InputError(f"{found.name}: {error}") from None
+    return ChainFile(
+        found, section.name, section.kind, chain, tuple(content.records), content.sources
+    )

@@ -1,0 +1,80 @@
+"""Modes of a chain file as plain numbers and as tables."""
+
+from typing import Any
+
+import numpy as np
+
+from crankfem.chain_file import ChainFile
+from crankfem.console import number, output, print_table
+from crankfem.record import Record
+
+# Modes and shares that tables show; records hold all.
+MODES_SHOWN, LEAST_SHARE = 10, 0.01
+
+
+def chain_record(read: ChainFile) -> Record:
+    """Return nodes, elements, modes and what takes part in them, in SI units."""
+    chain, modes = read.chain, read.chain.modes()
+    places = (*chain.elements, *(f"{name} - ground" for name in chain.names))
+    return {
+        "name": read.name,
+        "kind": read.kind,
+        "nodes": list(chain.names),
+        "elements": list(chain.elements),
+        "inertia": chain.inertia.tolist(),
+        "stiffness": chain.stiffness.tolist(),
+        "ground": chain.ground.tolist(),
+        "modes": [
+            {
+                "name": modes.names[mode],
+                "frequency": float(modes.frequencies[mode]),
+                "rigid": mode < modes.rigid,
+                "node_positions": list(modes.node_positions[mode]),
+                "modal_inertia": float(modes.modal_inertia[mode]),
+                "shape": modes.shapes[:, mode].tolist(),
+                "kinetic_shares": dict(
+                    zip(chain.names, modes.kinetic_shares[:, mode].tolist(), strict=True)
+                ),
+                "strain_shares": dict(
+                    zip(places, modes.strain_shares[:, mode].tolist(), strict=True)
+                ),
+            }
+            for mode in range(modes.frequencies.size)
+        ],
+        "sources": read.sources,
+    }
+
+
+def print_chain(record: dict[str, Any]) -> None:
+    """Print the modes of a chain, with what takes most part in them."""
+    print_table(
+        f"{record['name']}: {record['kind']} modes",
+        ["mode:", "frequency [Hz]", "[1/min]", "nodes at:", "moves most:", "strained most:"],
+        [
+            [
+                mode["name"],
+                f"{mode['frequency']:.3f}",
+                f"{60.0 * mode['frequency']:.1f}",
+                ", ".join(f"{place:.2f}" for place in mode["node_positions"]),
+                _largest(mode["kinetic_shares"]),
+                _largest(mode["strain_shares"]),
+            ]
+            for mode in record["modes"][:MODES_SHOWN]
+        ],
+    )
+    output.print(
+        "Nodes at 2.37 are at 37 % of element 2, counted from 0; shares are those of kinetic and of strain "
+        "energy.",
+        soft_wrap=True,
+        highlight=False,
+    )
+    for name, text in record["sources"].items():
+        output.print(f"[{name}] {text}", soft_wrap=True, highlight=False)
+
+
+def _largest(shares: dict[str, float]) -> str:
+    name = max(shares, key=lambda one: shares[one])
+    share = shares[name]
+    return (
+        f"{name} {number(100.0 * share, 3)} %" if share > LEAST_SHARE and np.isfinite(share) else ""
+    )

@@ -1,0 +1,341 @@
+"""Change chains: add nodes, join chains, add what holds, links or damps them.
+
+Every function returns a new chain. Nodes and elements that were there keep their numbers and new
+ones come after them, so that numbers and names taken from the old chain hold for the new one. A
+node is given by its name or by its number from 0.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from dynamics.chains.chain import Chain
+from dynamics.chains.links import Dashpot, Gear
+from dynamics.checks import node_index, nonnegative_number
+from geometry.errors import InputError
+
+AT_NODES = ("inertia", "ground", "ground_damping")
+OF_ELEMENTS = ("stiffness", "damping", "loss_factor", "distributed_inertia")
+
+
+class Attachable(Protocol):
+    """What can be put on a node of a chain, such as a damper."""
+
+    def attached(self, chain: Chain, node: str | int) -> Chain:
+        """Return the chain with this on one of its nodes."""
+        ...
+
+
+def find_node(chain: Chain, node: str | int, field: str = "node") -> int:
+    """Return the number of a node, given by its name or its number from 0.
+
+    Parameters
+    ----------
+    chain : Chain
+    node : str or int
+    field : str, optional
+        What to call it in messages.
+
+    Raises
+    ------
+    InputError
+        If there is no such node.
+    """
+    if not isinstance(node, str):
+        return node_index(field, node, len(chain.names))
+    if node not in chain.names:
+        raise InputError(
+            f"{field}: given {node!r}; allowed are {', '.join(chain.names)}, because these are the "
+            "nodes of the chain."
+        )
+    return chain.names.index(node)
+
+
+def add_node(
+    chain: Chain,
+    name: str,
+    inertia: float,
+    *,
+    to: str | int,
+    stiffness: float | None = None,
+    damping: float = 0.0,
+    loss_factor: float = 0.0,
+    distributed_inertia: float = 0.0,
+    ratio: float | None = None,
+) -> Chain:
+    """Return the chain with one more node, joined to one that is there.
+
+    Parameters
+    ----------
+    chain : Chain
+    name : str
+        Of the new node.
+    inertia : float
+        [kg m^2] or [kg].
+    to : str or int
+        Node that it is joined to.
+    stiffness : float, optional
+        Of the element between the two [N m/rad] or [N/m]. Without it and without `ratio`, a
+        dashpot of the given damping joins them.
+    damping, loss_factor, distributed_inertia : float, optional
+        Those of the element.
+    ratio : float, optional
+        Joins the new node by a gear instead: its motion per motion of the other.
+
+    Returns
+    -------
+    Chain
+        The new node is its last.
+
+    Raises
+    ------
+    InputError
+        If the node to join is unknown, the name is taken, nothing joins the new node or both a
+        spring and a gear do, or a value cannot be.
+    """
+    at = find_node(chain, to, "to")
+    check_new_names(chain.names, [name])
+    values = _values_of(chain)
+    for field, value in zip(AT_NODES, (inertia, 0.0, 0.0), strict=True):
+        values[field].append(value)
+    values["names"].append(name)
+    _link(values, at, len(chain.names), stiffness, damping, ratio, loss_factor, distributed_inertia)
+    return Chain(**values)
+
+
+def join_chains(
+    chain: Chain,
+    at: str | int,
+    other: Chain,
+    other_at: str | int = 0,
+    *,
+    stiffness: float | None = None,
+    damping: float = 0.0,
+    loss_factor: float = 0.0,
+    ratio: float | None = None,
+    prefix: str = "",
+) -> Chain:
+    """Return two chains as one.
+
+    Parameters
+    ----------
+    chain : Chain
+        Its nodes and elements keep their numbers and names.
+    at : str or int
+        Node of `chain`.
+    other : Chain
+        What is joined to it; its nodes follow.
+    other_at : str or int, optional
+        Node of `other`; its first by default.
+    stiffness, damping, loss_factor : float, optional
+        Of an element between the two nodes [N m/rad] or [N/m]. With neither stiffness, damping
+        nor ratio the two nodes become one: their inertias and what holds them to ground add up,
+        and the name is that of `chain`.
+    ratio : float, optional
+        Gear between the two nodes: motion of that of `other` per motion of that of `chain`.
+    prefix : str, optional
+        Put before the names of the other's nodes.
+
+    Raises
+    ------
+    InputError
+        If a node is unknown, a name is taken, both a spring and a gear are given, or the gears
+        contradict each other.
+    """
+    left, right = find_node(chain, at, "at"), find_node(other, other_at, "other_at")
+    count = len(chain.names)
+    merged = stiffness is None and ratio is None and damping == 0.0
+    kept = [node for node in range(len(other.names)) if not (merged and node == right)]
+    places = {node: count + number for number, node in enumerate(kept)} | (
+        {right: left} if merged else {}
+    )
+    names = [prefix + other.names[node] for node in kept]
+    check_new_names(chain.names, names)
+    values, added = _values_of(chain), _values_of(other)
+    for field in AT_NODES:
+        values[field] += [added[field][node] for node in kept]
+        if merged:
+            values[field][left] += added[field][right]
+    for field in OF_ELEMENTS:
+        values[field] += added[field]
+    values["connections"] += [(places[a], places[b]) for a, b in other.connections]
+    values["dashpots"] += [
+        replace(link, left=places[link.left], right=places[link.right]) for link in other.dashpots
+    ]
+    values["gears"] += [
+        replace(link, driver=places[link.driver], driven=places[link.driven])
+        for link in other.gears
+    ]
+    values["names"] += names
+    if not merged:
+        _link(values, left, places[right], stiffness, damping, ratio, loss_factor, 0.0)
+    return Chain(**values)
+
+
+def with_element(
+    chain: Chain,
+    left: str | int,
+    right: str | int,
+    stiffness: float,
+    *,
+    damping: float = 0.0,
+    loss_factor: float = 0.0,
+    distributed_inertia: float = 0.0,
+) -> Chain:
+    """Return the chain with one more element between two of its nodes, its last.
+
+    Raises
+    ------
+    InputError
+        If a node is unknown, both are one, or a value cannot be.
+    """
+    values = _values_of(chain)
+    ends = find_node(chain, left, "left"), find_node(chain, right, "right")
+    _link(values, *ends, stiffness, damping, None, loss_factor, distributed_inertia)
+    return Chain(**values)
+
+
+def with_dashpot(chain: Chain, left: str | int, right: str | int, damping: float) -> Chain:
+    """Return the chain with one more dashpot between two of its nodes.
+
+    Raises
+    ------
+    InputError
+        If a node is unknown, both are one, or the damping [N m s/rad] or [N s/m] is not above zero.
+    """
+    link = Dashpot(find_node(chain, left, "left"), find_node(chain, right, "right"), damping)
+    return replace(chain, dashpots=(*chain.dashpots, link))
+
+
+def with_gear(chain: Chain, driver: str | int, driven: str | int, ratio: float) -> Chain:
+    """Return the chain with one more gear between two of its nodes.
+
+    Raises
+    ------
+    InputError
+        If a node is unknown, both are one, the ratio is zero, or gears contradict each other.
+    """
+    link = Gear(find_node(chain, driver, "driver"), find_node(chain, driven, "driven"), ratio)
+    return replace(chain, gears=(*chain.gears, link))
+
+
+def with_inertia(chain: Chain, node: str | int, added: float) -> Chain:
+    """Return the chain with inertia [kg m^2] or mass [kg] added to one of its nodes.
+
+    Raises
+    ------
+    InputError
+        If the node is unknown, or what is added is negative.
+    """
+    value = nonnegative_number("added", added, "", "it adds to the node's own inertia")
+    return replace(chain, inertia=_added_at(chain, node, chain.inertia.tolist(), value))
+
+
+def with_ground(
+    chain: Chain, node: str | int, stiffness: float = 0.0, *, damping: float = 0.0
+) -> Chain:
+    """Return the chain with stiffness and viscous damping added between a node and ground.
+
+    Raises
+    ------
+    InputError
+        If the node is unknown, or a value [N m/rad, N m s/rad] or [N/m, N s/m] is negative.
+    """
+    why = "a support does not push a node away"
+    spring = nonnegative_number("stiffness", stiffness, "", why)
+    dashpot = nonnegative_number("damping", damping, "", why)
+    return replace(
+        chain,
+        ground=_added_at(chain, node, chain.ground.tolist(), spring),
+        ground_damping=_added_at(chain, node, chain.ground_damping.tolist(), dashpot),
+    )
+
+
+def with_damper(chain: Chain, node: str | int, damper: Attachable) -> Chain:
+    """Return the chain with a damper on one of its nodes.
+
+    Raises
+    ------
+    InputError
+        If the node is unknown, or the name of the damper's ring is taken.
+    """
+    return damper.attached(chain, node)
+
+
+def with_names(chain: Chain, names: Sequence[str]) -> Chain:
+    """Return the chain with other names of its nodes.
+
+    Raises
+    ------
+    InputError
+        If there is not a different one for each.
+    """
+    return replace(chain, names=tuple(names))
+
+
+def check_new_names(taken: Sequence[str], names: Sequence[str]) -> None:
+    """Refuse a name that a node has already.
+
+    Raises
+    ------
+    InputError
+    """
+    for name in names:
+        if name in taken:
+            raise InputError(
+                f"name: given {name!r}, which a node of the chain has already; allowed is another "
+                "one, or a prefix, because results are told by names."
+            )
+
+
+def _values_of(chain: Chain) -> dict[str, Any]:
+    """Return what a chain is made of, as lists that can be added to."""
+    values: dict[str, Any] = {
+        field: getattr(chain, field).tolist() for field in (*AT_NODES, *OF_ELEMENTS)
+    }
+    for field in ("connections", "dashpots", "gears", "names"):
+        values[field] = list(getattr(chain, field))
+    return values
+
+
+def _link(
+    values: dict[str, Any],
+    left: int,
+    right: int,
+    stiffness: float | None,
+    damping: float,
+    ratio: float | None,
+    loss_factor: float,
+    distributed_inertia: float,
+) -> None:
+    """Add what joins two nodes to the values of a chain."""
+    if ratio is not None:
+        given = {"stiffness": stiffness or 0.0, "damping": damping, "loss_factor": loss_factor}
+        given["distributed_inertia"] = distributed_inertia
+        for field, value in given.items():
+            if value:
+                raise InputError(
+                    f"{field}: given {value:g} beside a ratio; allowed is one of the two, because "
+                    "a gear is rigid."
+                )
+        values["gears"].append(Gear(left, right, ratio))
+    elif stiffness is None:
+        if loss_factor or distributed_inertia:
+            raise InputError(
+                "stiffness: given none beside a loss factor or an inertia; allowed are finite "
+                "numbers of more than zero, because both belong to an elastic element."
+            )
+        values["dashpots"].append(Dashpot(left, right, damping))
+    else:
+        own = (stiffness, damping, loss_factor, distributed_inertia)
+        for field, value in zip(OF_ELEMENTS, own, strict=True):
+            values[field].append(value)
+        values["connections"].append((left, right))
+
+
+def _added_at(chain: Chain, node: str | int, values: list[float], added: float) -> np.ndarray:
+    place = find_node(chain, node)
+    values[place] += added
+    return np.array(values)

@@ -1,0 +1,216 @@
+"""Shaft lines: pieces in a row, and the chain that they lead to."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from dynamics.chains.attachments import Propeller
+from dynamics.chains.chain import Chain
+from dynamics.chains.shaft_bodies import Coupling, RigidBody
+from dynamics.chains.shaft_elements import Motion, ShaftCone
+from dynamics.checks import nonnegative_number, whole_number
+from geometry.errors import InputError
+
+Piece = ShaftCone | Coupling | RigidBody | Propeller
+Spreading = Literal["consistent", "lumped"]
+
+
+@dataclass(frozen=True)
+class ShaftLine:
+    """Pieces of shaft, couplings, bodies and a propeller in a row, from left to right.
+
+    Parameters
+    ----------
+    pieces : sequence of ShaftCone, Coupling, RigidBody or Propeller
+        Bodies and propellers sit at the joint where they stand in the row.
+    name : str, optional
+        Joints without a body are called by it and their number.
+
+    Raises
+    ------
+    InputError
+        If there is no piece, or something else is given.
+    """
+
+    pieces: Sequence[Piece]
+    name: str = "shaft"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pieces", tuple(self.pieces))
+        if not self.pieces:
+            raise InputError(
+                "pieces: given none; allowed are one or more, because a shaft line has pieces."
+            )
+        for place, piece in enumerate(self.pieces):
+            if not isinstance(piece, ShaftCone | Coupling | RigidBody | Propeller):
+                raise InputError(
+                    f"pieces[{place}]: given {piece!r}; allowed are pieces of shaft, couplings, bodies and "
+                    "propellers, because a shaft line consists of these."
+                )
+
+    @property
+    def length(self) -> float:
+        """Of its pieces of shaft [m]."""
+        return sum(piece.length for piece in self._shafts)
+
+    @property
+    def mass(self) -> float:
+        """Of its pieces of shaft, without couplings and bodies [kg]."""
+        return sum(piece.mass for piece in self._shafts)
+
+    @property
+    def polar_inertia(self) -> float:
+        """Of its pieces of shaft, without couplings and bodies [kg m^2]."""
+        return sum(piece.polar_inertia for piece in self._shafts)
+
+    @property
+    def section_modulus(self) -> float:
+        """Smallest torsional section modulus of its pieces of shaft [m^3].
+
+        Raises
+        ------
+        InputError
+            If there is no piece of shaft.
+        """
+        if not self._shafts:
+            raise InputError(
+                "pieces: given no piece of shaft; allowed are one or more, because stress belongs to a "
+                "cross section."
+            )
+        return min(piece.section_modulus for piece in self._shafts)
+
+    def compliance(self, kind: Motion) -> float:
+        """Return the compliance from end to end [rad/(N m)] or [m/N].
+
+        Raises
+        ------
+        InputError
+            If the kind is unknown, or a coupling lacks its stiffness.
+        """
+        _check_kind(kind)
+        return sum(_compliance(piece, kind) for piece in self.pieces)
+
+    def chain(
+        self,
+        kind: Motion = "torsional",
+        *,
+        parts: int = 1,
+        inertia: Spreading = "consistent",
+        loss_factor: float = 0.0,
+    ) -> Chain:
+        """Return the chain of the line.
+
+        Parameters
+        ----------
+        kind : {"torsional", "axial"}, optional
+        parts : int, optional
+            Elements that each piece of shaft is cut into.
+        inertia : {"consistent", "lumped"}, optional
+            Spread along each element, which puts frequencies too high, or half of it at either end,
+            which puts those of a uniform shaft too low; both errors fall with the square of the
+            element length.
+        loss_factor : float, optional
+            Of the pieces of shaft; couplings have their own.
+
+        Returns
+        -------
+        Chain
+            A row; its first node is the line's left end.
+
+        Raises
+        ------
+        InputError
+            If a choice is unknown, a coupling lacks its stiffness, or a joint between two couplings
+            has no inertia.
+        """
+        _check_kind(kind)
+        if inertia not in get_args(Spreading):
+            raise InputError(
+                f"inertia: given {inertia!r}; allowed are consistent and lumped, because these are the "
+                "ways to spread it."
+            )
+        count = whole_number("parts", parts, 1, "a piece is at least one element")
+        loss = nonnegative_number("loss_factor", loss_factor, "", "damping takes energy away")
+        row = _Row()
+        for piece in self.pieces:
+            if isinstance(piece, ShaftCone):
+                for part in piece.divided(count):
+                    row.add_shaft(part, kind, loss, lumped=inertia == "lumped")
+            elif isinstance(piece, Coupling):
+                row.add_coupling(piece, kind)
+            else:
+                row.add_body(piece, kind)
+        return row.chain(self.name)
+
+    @property
+    def _shafts(self) -> tuple[ShaftCone, ...]:
+        return tuple(piece for piece in self.pieces if isinstance(piece, ShaftCone))
+
+
+class _Row:
+    """The values of a row of nodes, as it grows to the right."""
+
+    def __init__(self) -> None:
+        self.inertia, self.ground_damping = [0.0], [0.0]
+        self.names: list[list[str]] = [[]]
+        self.stiffness: list[float] = []
+        self.damping: list[float] = []
+        self.loss_factor: list[float] = []
+        self.spread: list[float] = []
+
+    def add_shaft(self, part: ShaftCone, kind: Motion, loss: float, *, lumped: bool) -> None:
+        own = part.polar_inertia if kind == "torsional" else part.mass
+        ends = own / 2.0 if lumped else 0.0
+        self.inertia[-1] += ends
+        self._element(1.0 / _compliance(part, kind), 0.0, loss, 0.0 if lumped else own, ends)
+
+    def add_coupling(self, piece: Coupling, kind: Motion) -> None:
+        torsional = kind == "torsional"
+        self.inertia[-1] += piece.left_inertia if torsional else piece.left_mass
+        right = piece.right_inertia if torsional else piece.right_mass
+        damping = piece.torsional_damping if torsional else piece.axial_damping
+        self._element(piece.stiffness(kind), damping, piece.loss_factor, 0.0, right)
+
+    def add_body(self, piece: RigidBody | Propeller, kind: Motion) -> None:
+        self.inertia[-1] += piece.inertia if kind == "torsional" else piece.mass
+        self.names[-1].append(piece.name)
+        if isinstance(piece, Propeller):
+            self.ground_damping[-1] += piece.damping if kind == "torsional" else piece.axial_damping
+
+    def chain(self, name: str) -> Chain:
+        return Chain(
+            self.inertia,
+            self.stiffness,
+            damping=self.damping,
+            loss_factor=self.loss_factor,
+            ground_damping=self.ground_damping,
+            distributed_inertia=self.spread,
+            names=[
+                ", ".join(own) if own else f"{name} {number}"
+                for number, own in enumerate(self.names)
+            ],
+        )
+
+    def _element(
+        self, stiffness: float, damping: float, loss: float, spread: float, right: float
+    ) -> None:
+        self.stiffness.append(stiffness)
+        self.damping.append(damping)
+        self.loss_factor.append(loss)
+        self.spread.append(spread)
+        self.inertia.append(right)
+        self.ground_damping.append(0.0)
+        self.names.append([])
+
+
+def _compliance(piece: Piece, kind: Motion) -> float:
+    if isinstance(piece, ShaftCone):
+        return piece.torsional_compliance if kind == "torsional" else piece.axial_compliance
+    return 1.0 / piece.stiffness(kind) if isinstance(piece, Coupling) else 0.0
+
+
+def _check_kind(kind: str) -> None:
+    if kind not in get_args(Motion):
+        raise InputError(
+            f"kind: given {kind!r}; allowed are torsional and axial, because a chain is one of them."
+        )

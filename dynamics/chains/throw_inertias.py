@@ -1,0 +1,165 @@
+"""Inertia of crank throws with their rods and pistons, as constants for torsional chains."""
+
+from collections.abc import Sequence
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import (
+    FloatArray,
+    finite_array,
+    nonnegative_number,
+    nonnegative_vector,
+    positive_number,
+    positive_vector,
+)
+from dynamics.cycle import even_angles
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.motions import cylinder_motion
+from dynamics.torque.throws import checked_throws, throws_along_shaft
+from geometry.errors import InputError
+
+Reciprocating = Literal["half", "mean"]
+# The reduced inertia is smooth and periodic: its mean over even angles converges exponentially.
+MEAN_ANGLES = 360
+
+
+def throw_inertia(
+    solid_inertia_about_shaft: float,
+    rod_rotating_mass: ArrayLike,
+    reciprocating_mass: ArrayLike,
+    crank_radius: float,
+) -> float:
+    """Return the constant moment of inertia that stands for a throw with its rods and pistons.
+
+    Parameters
+    ----------
+    solid_inertia_about_shaft : float
+        Moment of inertia of the solid throw about the shaft axis, counterweights included
+        [kg m^2].
+    rod_rotating_mass : float or array_like
+        Share of the connecting rod that turns with the crankpin [kg]; one value for each rod where
+        a throw carries several.
+    reciprocating_mass : float or array_like
+        Piston with pin, and the share of the rod that moves with it [kg]; one for each cylinder.
+    crank_radius : float
+        R [m].
+
+    Returns
+    -------
+    float
+        I + m_rot R^2 + m_rec R^2 / 2, summed over the cylinders [kg m^2].
+
+    Raises
+    ------
+    InputError
+        If the inertia or the radius is not above zero, or a mass is negative.
+
+    Notes
+    -----
+    The piston moves by R (sin a + (lambda / 2) sin 2a) per radian of crank angle, so that its
+    inertia at the shaft varies over the revolution; half the reciprocating mass is the mean of
+    that over the cycle to zeroth order in the crank ratio lambda (the next term is
+    m_rec R^2 lambda^2 / 8). `throw_inertias` gives the exact mean, for hinged rods too. The
+    variation itself, which excites secondary resonances in slow engines with heavy pistons, is
+    left out of a chain of constant inertias.
+    """
+    solid = positive_number(
+        "solid_inertia_about_shaft", solid_inertia_about_shaft, "kg m^2", "every throw has inertia"
+    )
+    rotating = _masses("rod_rotating_mass", rod_rotating_mass)
+    reciprocating = _masses("reciprocating_mass", reciprocating_mass)
+    R = positive_number("crank_radius", crank_radius, "m", "the stroke is twice as long")
+    return float(solid + (rotating.sum() + reciprocating.sum() / 2.0) * R**2)
+
+
+def throw_inertias(
+    engine: EngineLayout,
+    solid_inertias: ArrayLike,
+    *,
+    reciprocating: Reciprocating = "half",
+    throws: Sequence[int] | None = None,
+) -> FloatArray:
+    """Return the constant inertia of each throw of an engine with its rods and pistons.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+        Cylinders with rods, hinged ones too, and pistons.
+    solid_inertias : float or array_like of shape (t,)
+        Moment of inertia of each solid throw about the shaft axis, counterweights included, or of
+        all [kg m^2].
+    reciprocating : {"half", "mean"}, optional
+        "half" puts the rod as two masses at its pins, and takes half of what moves with the piston
+        (and for a hinged rod, with the slave pin as if it were at the crankpin). "mean" takes the
+        mean over a revolution of the inertia exactly reduced to the crank, rods as rigid bodies.
+    throws : sequence of n int, optional
+        Throw of each cylinder, from 0 at the free end; found from positions and angles by default.
+
+    Returns
+    -------
+    ndarray of shape (t,)
+        [kg m^2]
+
+    Raises
+    ------
+    InputError
+        If the choice is unknown, the lengths differ, or an inertia is not above zero.
+
+    Notes
+    -----
+    Exactly, a cylinder adds m_p |x_p'|^2 + m |x_c'|^2 + J beta'^2, primes being derivatives by the
+    shaft angle: piston, rod's center, rod's turning.
+    """
+    if reciprocating not in get_args(Reciprocating):
+        raise InputError(
+            f"reciprocating: given {reciprocating!r}; allowed are half and mean, because these are the "
+            "constants that stand for the inertia of pistons."
+        )
+    groups = throws_along_shaft(engine) if throws is None else checked_throws(engine, throws)
+    given = finite_array("solid_inertias", solid_inertias)
+    solids = positive_vector(
+        "solid_inertias",
+        np.full(len(groups), given) if given.ndim == 0 else given,
+        "kg m^2",
+        "every throw has inertia",
+    )
+    if solids.size != len(groups):
+        raise InputError(
+            f"solid_inertias: given {solids.size} values; allowed are {len(groups)}, or one for all, "
+            "because there is one for each throw."
+        )
+    own = _half_shares(engine) if reciprocating == "half" else _means(engine)
+    shares = [sum(own[number - 1] for number in group) for group in groups]
+    return np.asarray(solids + np.array(shares))
+
+
+def _half_shares(engine: EngineLayout) -> list[float]:
+    shares = []
+    for cylinder in engine.cylinders:
+        rod = cylinder.rod
+        at_piston = rod.mass * rod.center_distance / rod.length
+        moving = cylinder.piston_mass + at_piston
+        shares.append((rod.mass - at_piston + moving / 2.0) * engine.crank_radius**2)
+    return shares
+
+
+def _means(engine: EngineLayout) -> list[float]:
+    angles = even_angles(2.0 * np.pi, MEAN_ANGLES)
+    means = []
+    for number, cylinder in enumerate(engine.cylinders, start=1):
+        motion, rod = cylinder_motion(engine, number, angles), cylinder.rod
+        inertia = cylinder.piston_mass * np.abs(motion.piston.first) ** 2
+        inertia += rod.mass * np.abs(motion.rod_point(rod.center).first) ** 2
+        inertia += rod.inertia * motion.rod.first**2
+        means.append(float(np.mean(inertia)))
+    return means
+
+
+def _masses(field: str, masses: ArrayLike) -> FloatArray:
+    why = "it adds to the inertia of the throw"
+    given = finite_array(field, masses)
+    if given.ndim == 0:
+        return np.array([nonnegative_number(field, float(given), "kg", why)])
+    return nonnegative_vector(field, given, "kg", why)

@@ -1,0 +1,336 @@
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from crankfem.chain_file import load_chain, shipped_chains
+from crankfem.chain_text import read_chain_text, write_chain_text
+from dynamics.chains.chain import Chain
+from dynamics.chains.links import Dashpot, Gear
+from dynamics.chains.shaft_elements import ShaftCone, shaft_cylinder, shaft_flange
+from fem.material import STEEL
+from geometry.errors import InputError
+
+
+def same(one, other):
+    return all(
+        np.array_equal(getattr(one, field.name), getattr(other, field.name))
+        for field in dataclasses.fields(Chain)
+    )
+
+
+@pytest.fixture
+def load(tmp_path):
+    def from_text(text, name="mine.toml"):
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        return load_chain(path)
+
+    return from_text
+
+
+def test_shipped_chains_tell_their_frequencies_and_sources():
+    assert shipped_chains() == ("geared-example", "mwm-six")
+    for name in shipped_chains():
+        found = load_chain(name)
+        head = found.path.read_text(encoding="utf-8").split("[chain]")[0]
+        told = [float(text) for text in re.findall(r"\d+\.\d", head.split("frequencies:")[1])]
+        frequencies = found.chain.modes().frequencies
+        assert frequencies[1 : 1 + len(told)] == pytest.approx(told, abs=0.051)
+        assert found.sources
+        assert all(record.source and not record.assumed for record in found.records)
+
+
+def test_a_torsional_file_with_everything(load):
+    found = load("""
+        [chain]
+        name = "all"
+        kind = "torsional"
+        [[chain.nodes]]
+        name = "a"
+        inertia = "1 kg m^2"
+        ground_damping = "3 N m s/rad"
+        [[chain.nodes]]
+        name = "b"
+        [[chain.nodes]]
+        name = "propeller"
+        inertia = { value = "4 kg m^2", assumed = "typical" }
+        entrained_share = 0.25
+        [[chain.nodes]]
+        name = "pump"
+        inertia = "0.1 kg m^2"
+        ground_stiffness = "2 N m/rad"
+        [[chain.elements]]
+        shape = "cylinder"
+        length = "2 m"
+        diameter = "100 mm"
+        bore = "40 mm"
+        parts = 2
+        loss_factor = 0.01
+        [[chain.elements]]
+        shape = "cone"
+        length = "300 mm"
+        left_diameter = "100 mm"
+        right_diameter = "80 mm"
+        [[chain.elements]]
+        nodes = ["a", "propeller"]
+        stiffness = "5e5 N m/rad"
+        damping = "7 N m s/rad"
+        distributed_inertia = "0.2 kg m^2"
+        [[chain.elements]]
+        nodes = ["a", "b"]
+        shape = "flange"
+        length = "50 mm"
+        diameter = "300 mm"
+        [[chain.gears]]
+        driver = "a"
+        driven = "pump"
+        ratio = -2.0
+        [[chain.dashpots]]
+        nodes = ["a", "b"]
+        damping = "1 N m s/rad"
+        [[chain.dampers]]
+        type = "rubber"
+        node = "a"
+        name = "ring"
+        ring_inertia = "0.3 kg m^2"
+        hub_inertia = "0.2 kg m^2"
+        stiffness = "1e5 N m/rad"
+        loss_factor = 0.2
+        """)
+    chain = found.chain
+    assert chain.names == ("a", "a - b 1", "b", "propeller", "pump", "ring")
+    assert chain.inertia == pytest.approx([1.2, 0.0, 0.0, 5.0, 0.1, 0.3])
+    assert chain.connections == ((0, 1), (1, 2), (2, 3), (0, 3), (0, 2), (0, 5))
+    half = shaft_cylinder(1.0, 0.1, 0.04, STEEL)
+    cone, flange = (
+        ShaftCone(0.3, 0.1, 0.08, material=STEEL),
+        shaft_flange(0.05, 0.3, material=STEEL),
+    )
+    compliances = [half.torsional_compliance] * 2 + [cone.torsional_compliance, 2e-6]
+    assert 1.0 / chain.stiffness == pytest.approx([*compliances, flange.torsional_compliance, 1e-5])
+    assert chain.distributed_inertia == pytest.approx(
+        [*[half.polar_inertia] * 2, cone.polar_inertia, 0.2, flange.polar_inertia, 0.0]
+    )
+    assert chain.loss_factor.tolist() == [0.01, 0.01, 0.0, 0.0, 0.0, 0.2]
+    assert chain.damping.tolist() == [0.0, 0.0, 0.0, 7.0, 0.0, 0.0]
+    assert chain.ground.tolist() == [0.0, 0.0, 0.0, 0.0, 2.0, 0.0]
+    assert chain.ground_damping.tolist() == [3.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    assert chain.gears == (Gear(0, 4, -2.0),)
+    assert chain.dashpots == (Dashpot(0, 2, 1.0),)
+    assert [record.field for record in found.records if record.assumed] == [
+        "chain.nodes[2].inertia"
+    ]
+
+
+def test_an_axial_file_in_lists(load):
+    found = load("""
+        [chain]
+        name = "rod"
+        kind = "axial"
+        mass = ["50 kg", "0.1 t"]
+        stiffness = ["1e9 N/m"]
+        ground_stiffness = ["0 N/m", "3e8 N/m"]
+        damping = "2 N s/m"
+        loss_factor = [0.1]
+        [[chain.dampers]]
+        node = "node 0"
+        damping = "4e4 N s/m"
+        """)
+    expected = Chain(
+        [50.0, 100.0],
+        [1e9],
+        {1: 3e8},
+        damping=2.0,
+        loss_factor=0.1,
+        ground_damping={0: 4e4},
+    )
+    assert same(found.chain, expected)
+
+
+GEARED = """
+torsional chain: two shafts   # comment
+
+motor  0.4e-3 kg m^2  ground damping 2 N m s/rad
+  10 kN m/rad  loss 0.02  damping 3 N m s/rad
+gear 1  25e-6 kg m^2
+  dashpot 0.5 N m s/rad
+  gear -2  to gear 2
+rotor  0 kg m^2  ground 5 N m/rad
+  5000 N m/rad  inertia 2e-4 kg m^2
+gear 2  1 kg m^2
+  6000 N m/rad  from gear 1  to motor
+"""
+
+
+def test_plain_text(load):
+    found = load(GEARED, "mine.txt")
+    assert (found.name, found.kind) == ("two shafts", "torsional")
+    expected = Chain(
+        [4e-4, 25e-6, 0.0, 1.0],
+        [1e4, 5000.0, 6000.0],
+        {2: 5.0},
+        connections=[(0, 1), (2, 3), (1, 0)],
+        damping=[3.0, 0.0, 0.0],
+        loss_factor=[0.02, 0.0, 0.0],
+        ground_damping={0: 2.0},
+        distributed_inertia=[0.0, 2e-4, 0.0],
+        dashpots=[Dashpot(1, 2, 0.5)],
+        gears=[Gear(1, 3, -2.0)],
+        names=["motor", "gear 1", "rotor", "gear 2"],
+    )
+    assert same(found.chain, expected)
+
+
+@st.composite
+def chains(draw):
+    count = draw(st.integers(1, 5))
+    size = st.floats(1e-3, 1e9)
+    small = st.sampled_from([0.0, 0.1, 1.0 / 3.0])
+    order = draw(st.permutations(range(count)))
+    # A tree by numbers at random, so that rows, branches and any order of elements come up.
+    pairs = [(order[draw(st.integers(0, k - 1))], order[k]) for k in range(1, count)]
+    if draw(st.booleans()):
+        pairs = [(k - 1, k) for k in range(1, count)]
+
+    def each(strategy, number):
+        return draw(st.lists(strategy, min_size=number, max_size=number))
+
+    return Chain(
+        each(size, count),
+        each(size, len(pairs)),
+        each(small, count),
+        connections=pairs,
+        damping=each(small, len(pairs)),
+        loss_factor=each(small, len(pairs)),
+        ground_damping=each(small, count),
+        distributed_inertia=each(small, len(pairs)),
+        dashpots=[Dashpot(0, count - 1, draw(size))] if count > 1 else [],
+        gears=[Gear(0, 1, 1.0)] if count > 1 and draw(st.booleans()) else [],
+    )
+
+
+@settings(max_examples=20, deadline=None)
+@given(chains(), st.sampled_from(["torsional", "axial"]))
+def test_text_reads_back_to_the_last_digit(chain, kind):
+    text = write_chain_text(chain, kind, "any")
+    read = read_chain_text(text)
+    assert (read.kind, read.name) == (kind, "any")
+    assert same(read.chain, chain)
+
+
+HEAD = '[chain]\nname = "x"\nkind = "torsional"\n'
+LISTS = HEAD + 'inertia = ["1 kg m^2", "2 kg m^2"]\nstiffness = ["3 N m/rad"]\n'
+NODES = HEAD + "".join(
+    f'[[chain.nodes]]\nname = "{name}"\ninertia = "1 kg m^2"\n' for name in ("a", "b")
+)
+SPRING = '[[chain.elements]]\nstiffness = "3 N m/rad"\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('[chain]\nname = "x"\nkind = "bending"\n', "chain.kind: given 'bending'; allowed are"),
+        (HEAD, r"chain.inertia: given neither it nor \[\[chain.nodes\]\]"),
+        (LISTS.replace("3 N m/rad", "3"), r"chain.stiffness\[0\]: .*bare number"),
+        (LISTS.replace("3 N m/rad", "3 N/m"), r"chain.stiffness\[0\]: .*no torsional stiffness"),
+        (LISTS.replace("3 N m/rad", "-3 N m/rad"), "stiffness: given -3 N m/rad; .*more than zero"),
+        (LISTS.replace("3 N m/rad", "0 N m/rad"), "stiffness: given 0 N m/rad; .*more than zero"),
+        (LISTS.replace("2 kg", "0 kg"), r"inertia\[1\]: given 0"),
+        (LISTS.replace('"3 N m/rad"', '"3 N m/rad", "3 N m/rad"'), "stiffness: given 2 values"),
+        (LISTS + 'names = ["a", "a"]\n', "chain.names: given 2 names, 1 of them different"),
+        (LISTS + "loss_factor = [0.1, 0.2]\n", "chain.loss_factor: given 2 values for 1 elements"),
+        (
+            LISTS + 'ground_damping = ["1 N m s/rad"]\n',
+            "chain.ground_damping: given 1 values for 2",
+        ),
+        (LISTS + SPRING, "chain.stiffness: given both it and"),
+        (NODES, "connections: given ones that do not join node 1"),
+        (NODES + SPRING.replace("3", "0"), r"chain.elements\[0\].stiffness: given 0 N m/rad"),
+        (NODES + SPRING.replace("3", "-3"), r"chain.elements\[0\].stiffness: given -3 N m/rad"),
+        (NODES + SPRING + SPRING, r"chain.elements\[1\].nodes: missing"),
+        (NODES + SPRING + 'nodes = ["a", "c"]\n', r"chain.elements\[0\].nodes: given 'c'; .*a, b"),
+        (NODES + SPRING + 'nodes = ["a", "a"]\n', r"elements\[0\].nodes: given 'a' twice"),
+        (NODES + SPRING + 'diameter = "1 m"\n', r"elements\[0\].diameter: given beside stiffness"),
+        (NODES + "[[chain.elements]]\n", r"elements\[0\].stiffness: given neither it nor shape"),
+        (
+            NODES + '[[chain.elements]]\nshape = "cone"\nlength = "1 m"\nleft_diameter = "1 m"\n',
+            r"elements\[0\].right_diameter: missing",
+        ),
+        (
+            NODES + '[[chain.elements]]\nshape = "flange"\nlength = "1 m"\nleft_diameter = "1 m"\n',
+            r"elements\[0\].diameter: missing",
+        ),
+        (NODES.replace('"b"', '"a"') + SPRING, r"chain.nodes\[1\].name: given 'a' a second time"),
+        (NODES.replace('inertia = "1', 'mass = "1'), r"chain.nodes\[0\].mass: unknown field"),
+        (
+            NODES + SPRING + '[[chain.gears]]\ndriver = "a"\ndriven = "b"\nratio = 0\n',
+            "gear.ratio: given 0",
+        ),
+        (
+            NODES + SPRING + '[[chain.gears]]\ndriver = "a"\ndriven = "b"\nratio = 2\n',
+            "gears: given ratios",
+        ),
+        (
+            NODES + SPRING + '[[chain.dashpots]]\nnodes = ["a", "x"]\ndamping = "1 N m s/rad"\n',
+            r"chain.dashpots\[0\].nodes: given 'x'",
+        ),
+        (
+            NODES + SPRING + '[[chain.dampers]]\ntype = "rubber"\nnode = "a"\n'
+            'ring_inertia = "1 kg m^2"\n',
+            r"chain.dampers\[0\].stiffness: missing",
+        ),
+        (
+            NODES + SPRING + '[[chain.dampers]]\ntype = "viscous"\nnode = "a"\n'
+            'ring_inertia = "1 kg m^2"\nloss_factor = 0.1\n',
+            r"chain.dampers\[0\].loss_factor: given for a viscous damper",
+        ),
+    ],
+)
+def test_unusable_files_are_refused(load, text, message):
+    with pytest.raises(InputError, match=message) as raised:
+        load(text)
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "given no line"),
+        ("bending\n", "line 1: given 'bending'; allowed is torsional or axial"),
+        ("axial\na\n", "line 2: given 'a' alone"),
+        ("axial\na  1\n", "line 2: inertia: given '1', a bare number"),
+        ("axial\na  1 kg\na  1 kg\n", "line 3: given node 'a' a second time"),
+        ("axial\na  1 kg  spring 3 N/m\n", "line 2: given 'spring 3 N/m'; allowed are ground"),
+        ("axial\na  1 kg\n  3 N/m  lost 1\nb  1 kg\n", "line 3: given 'lost 1'; allowed are"),
+        ("axial\na  1 kg\n  loss 1\nb  1 kg\n", "line 3: given loss; allowed is a stiffness"),
+        ("axial\na  1 kg\n  3 N/m  loss x\nb  1 kg\n", "line 3: loss: given 'x'"),
+        ("axial\na  1 kg\n  3 N/m\n", "line 3: given a link without a node below it"),
+        ("axial\n  3 N/m\na  1 kg\n", "line 2: given a link without a node above it"),
+        ("axial\na  1 kg\n  3 N/m  to c\nb  1 kg\n", "line 3: given 'c'; allowed are a, b"),
+        ("axial\na  1 kg\n  gear 0\nb  1 kg\n", "line 3: gear.ratio: given 0"),
+        ("axial\na  1 kg\n  0 N/m\nb  1 kg\n", r"stiffness\[0\]: given 0 N"),
+        ("axial\na  1 kg\nb  1 kg\n", "connections: given ones that do not join node 1"),
+    ],
+)
+def test_unusable_text_is_refused(text, message):
+    with pytest.raises(InputError, match=message) as raised:
+        read_chain_text(text, "mine.txt")
+    assert str(raised.value).startswith("mine.txt: ")
+    assert "\n" not in str(raised.value)
+
+
+def test_names_that_text_cannot_hold():
+    for name in ("two  spaces", "a # b", " a", ""):
+        with pytest.raises(InputError, match="names: given"):
+            write_chain_text(Chain([1.0], [], names=[name]), "axial")
+    with pytest.raises(InputError, match="kind: given 'bending'"):
+        write_chain_text(Chain([1.0], []), "bending")
+
+
+def test_files_that_are_not_there():
+    with pytest.raises(InputError, match=r"does not exist; .*geared-example, mwm-six"):
+        load_chain("nothing-here")
