@@ -1,6 +1,7 @@
 """Answer of a linear system to harmonic forces at many frequencies at once."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -23,8 +24,8 @@ NO_WORK = 1e-12
 RESIDUAL_LIMIT = 1e-11
 # Residuals are looked at for so many answers, evenly spread, and for those next to resonances.
 CHECKED = 500
-# Dynamic stiffness matrices solved at once; bounds the memory.
-BATCH = 4096
+# Frequencies taken at once: what is in hand then stays in the processor's cache.
+BATCH = 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,22 +98,26 @@ def harmonic_answer(
             "frequency."
         )
     modal = _DampedModes.of(system)
-    unbounded = modal.unbounded(frequencies, forces)
-    forces = np.where(unbounded[:, np.newaxis], 0.0, forces)
-    if method == "direct":
-        motion = np.zeros_like(forces)
-        rest = ~unbounded
-    else:
-        motion = modal.answer(frequencies, forces)
+    singular, unbounded = modal.undamped_resonance(frequencies, forces)
+    if np.any(unbounded):
+        forces = np.where(unbounded[:, np.newaxis], 0.0, forces)
+    motion = np.zeros(forces.shape, dtype=np.complex128)
+    # At the frequency of an undamped mode the dynamic stiffness has no inverse.
+    rest = ~singular
+    if method != "direct" or np.any(singular):
+        for start in range(0, frequencies.size, BATCH):
+            part = slice(start, start + BATCH)
+            motion[part] = modal.answer(frequencies[part], forces[part])
+    if method != "direct":
         sample = np.linspace(0, frequencies.size - 1, min(frequencies.size, CHECKED)).astype(int)
         sample = np.concatenate((sample, modal.near_resonance(frequencies)))
         left = _residuals(system, frequencies[sample], forces[sample], motion[sample])
-        rest = ~unbounded & (not np.all(left <= RESIDUAL_LIMIT))
+        rest &= not np.all(left <= RESIDUAL_LIMIT)
     places = np.flatnonzero(rest)
     for start in range(0, places.size, BATCH):
-        part = places[start : start + BATCH]
-        stiffness = dynamic_stiffness(system, frequencies[part])
-        motion[part] = np.linalg.solve(stiffness, forces[part, :, np.newaxis])[..., 0]
+        some = places[start : start + BATCH]
+        stiffness = dynamic_stiffness(system, frequencies[some])
+        motion[some] = np.linalg.solve(stiffness, forces[some, :, np.newaxis])[..., 0]
     return HarmonicAnswer(motion, unbounded, places.size)
 
 
@@ -145,7 +150,8 @@ class _DampedModes:
     eigenvalues: ComplexArray  # (s,)
     inputs: ComplexArray  # (s, q): force to amplitude of each damped mode
     outputs: ComplexArray  # (s, q): that to motion
-    rigid_outputs: ComplexArray  # (s, q): that to the velocity of rigid motion
+    rigid_outputs: ComplexArray  # (s, r): that to the velocity of each rigid motion
+    rigid_shapes: FloatArray  # (q, r)
     alone: FloatArray  # frequencies of the undamped modes
     alone_shapes: FloatArray
 
@@ -177,22 +183,39 @@ class _DampedModes:
             eigenvalues=eigenvalues,
             inputs=_complex(inverse[:, count:] @ shapes[:, moving].T / scale),
             outputs=_complex(vectors[:count].T @ shapes[:, elastic].T),
-            rigid_outputs=_complex(scale * vectors[2 * count :].T @ shapes[:, :rigid].T),
+            rigid_outputs=_complex(scale * vectors[2 * count :].T),
+            rigid_shapes=shapes[:, :rigid],
             alone=natural[alone],
             alone_shapes=shapes[:, alone],
         )
 
     def answer(self, frequencies: FloatArray, forces: ComplexArray) -> ComplexArray:
-        """Return the motions (m, q)."""
+        """Return the motions (m, q) under forces that excite no undamped mode at its frequency."""
         s = 1j * frequencies[:, np.newaxis]
-        shares = (forces @ self.inputs.T) / (s - self.eigenvalues)
-        motion = shares @ self.outputs + (shares @ self.rigid_outputs) / s
+        gap = s - self.eigenvalues
+        own = self._undamped
+        # Forces that do no work on an undamped mode leave it at rest even at its own frequency; their
+        # round-off is not to be divided by next to nothing.
+        at_own = _at(self.eigenvalues[own].imag, frequencies[:, np.newaxis])
+        gap[:, own] = np.where(at_own, np.inf, gap[:, own])
+        shares = forces @ self.inputs.T
+        shares /= gap
+        motion = shares @ self.outputs
+        if self.rigid_shapes.size:
+            motion += ((shares @ self.rigid_outputs) / s) @ self.rigid_shapes.T
         if self.alone.size:
-            gap = self.alone**2 - frequencies[:, np.newaxis] ** 2
-            work = forces @ self.alone_shapes
-            shares = np.divide(work, gap, out=np.zeros_like(work), where=gap != 0.0)
-            motion += shares @ self.alone_shapes.T
+            apart = self.alone**2 - frequencies[:, np.newaxis] ** 2
+            apart[_at(self.alone, frequencies[:, np.newaxis])] = np.inf
+            motion += ((forces @ self.alone_shapes) / apart) @ self.alone_shapes.T
         return np.asarray(motion)
+
+    @cached_property
+    def _undamped(self) -> NDArray[np.int64]:
+        """Places of eigenvalues that damping, though it couples modes, does not reach."""
+        return np.flatnonzero(
+            (np.abs(self.eigenvalues.real) <= UNDAMPED * np.abs(self.eigenvalues))
+            & (self.eigenvalues.imag > 0.0)
+        )
 
     def near_resonance(self, frequencies: FloatArray) -> NDArray[np.int64]:
         """Return the places of the frequencies that lie next to those of the damped modes."""
@@ -200,20 +223,25 @@ class _DampedModes:
         places = np.searchsorted(frequencies[order], np.abs(self.eigenvalues.imag))
         return np.asarray(order[np.clip(places, 0, frequencies.size - 1)])
 
-    def unbounded(self, frequencies: FloatArray, forces: ComplexArray) -> NDArray[np.bool_]:
-        """Tell where an undamped mode is excited at its own frequency, (m,)."""
-        found = np.zeros(frequencies.size, dtype=bool)
-        undamped = np.flatnonzero(
-            (np.abs(self.eigenvalues.real) <= UNDAMPED * np.abs(self.eigenvalues))
-            & (self.eigenvalues.imag > 0.0)
-        )
+    def undamped_resonance(
+        self, frequencies: FloatArray, forces: ComplexArray
+    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Tell which frequencies are those of an undamped mode, and where it is excited, (m,)."""
+        met = np.zeros(frequencies.size, dtype=bool)
+        excited = met.copy()
+        undamped = self._undamped
         own = np.concatenate((self.alone, self.eigenvalues[undamped].imag))
         works = np.column_stack((self.alone_shapes, self.inputs[undamped].T))
         for frequency, work in zip(own.tolist(), works.T, strict=True):
-            near = np.flatnonzero(np.abs(frequencies - frequency) <= UNBOUNDED_WITHIN * frequency)
+            near = np.flatnonzero(_at(frequency, frequencies))
+            met[near] = True
             largest = np.abs(forces[near]) @ np.abs(work)
-            found[near] |= np.abs(forces[near] @ work) > NO_WORK * largest
-        return found
+            excited[near] |= np.abs(forces[near] @ work) > NO_WORK * largest
+        return met, excited
+
+
+def _at(own: FloatArray | float, frequencies: FloatArray) -> NDArray[np.bool_]:
+    return np.asarray(np.abs(frequencies - own) <= UNBOUNDED_WITHIN * own)
 
 
 def _complex(values: ArrayLike) -> ComplexArray:

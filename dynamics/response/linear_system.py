@@ -48,6 +48,27 @@ class LinearSystem:
     natural: FloatArray
     shapes: FloatArray
 
+    @property
+    def elastic_frequencies(self) -> FloatArray:
+        """Natural frequencies of the elastic modes, without damping [Hz], (q - r,), ascending."""
+        return self.natural[self.rigid.shape[1] :] / (2.0 * np.pi)
+
+    def damping_ratios(self) -> FloatArray:
+        """Return the share of critical damping of each elastic mode, (q - r,), all kinds together.
+
+        Notes
+        -----
+        With the undamped modes x of unit modal mass, (x' C x + x' H x / w) / (2 w): by what the
+        mode loses over one period at its own frequency. What damping couples modes is left out, so
+        that it is an estimate where damping is large or sits at few places.
+        """
+        count = self.rigid.shape[1]
+        natural, shapes = self.natural[count:], self.shapes[:, count:]
+        viscous = np.sum(shapes * (self.damping @ shapes), axis=0)
+        hysteretic = np.sum(shapes * (self.loss @ shapes), axis=0)
+        ratios = 0.5 * (viscous + hysteretic / natural) / natural
+        return np.asarray(np.maximum(ratios, 0.0))  # round-off of what is not damped
+
     def with_modal_damping(self, ratios: ArrayLike) -> "LinearSystem":
         """Return the system with viscous damping added, mode by mode.
 

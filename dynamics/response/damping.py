@@ -1,0 +1,267 @@
+"""What damps a chain, from a user's choice of kinds, with a record of it for reports."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.chains.chain import Chain
+from dynamics.checks import (
+    FloatArray,
+    finite_array,
+    node_index,
+    nonnegative_vector,
+    positive_number,
+    values_at_nodes,
+)
+from dynamics.response.linear_system import (
+    DEFAULT_MAGNIFIER,
+    MAGNIFIER_SOURCE,
+    LinearSystem,
+    chain_system,
+)
+from geometry.errors import InputError
+
+UNIT = "N m s/rad (torsional) or N s/m (axial)"
+PASSIVE = "it is that of a passive element"
+
+
+@dataclass(frozen=True, eq=False)
+class DampedChain:
+    """A chain with all of its damping.
+
+    Parameters
+    ----------
+    chain : Chain
+        With absolute and relative damping and loss factors.
+    system : LinearSystem
+        Of that chain, with modal damping or magnifier added.
+    record : tuple of str
+        What damps, one sentence for each kind, with its source.
+    """
+
+    chain: Chain
+    system: LinearSystem
+    record: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class EngineMagnifier:
+    """Absolute damping of cylinders by the magnifier of their own motion at one frequency.
+
+    A node of inertia I that vibrates at the angular frequency w has the damping I w / magnifier:
+    its inertia torque is `magnifier` times as large as its damping torque there.
+
+    Parameters
+    ----------
+    magnifier : float
+    nodes : tuple of int
+        Nodes of the cylinders, from 0.
+    frequency : float
+        Frequency for which it is taken, mostly that of the first elastic mode [Hz].
+
+    Raises
+    ------
+    InputError
+        If magnifier or frequency is not above zero.
+    """
+
+    magnifier: float
+    nodes: tuple[int, ...]
+    frequency: float
+
+    def __post_init__(self) -> None:
+        positive_number("magnifier", self.magnifier, "", "vibration at resonance is finite")
+        positive_number("frequency", self.frequency, "Hz", "the damping is that at one frequency")
+
+
+def damped(
+    chain: Chain,
+    *,
+    magnifier: float | None = None,
+    modal_damping: ArrayLike | None = None,
+    absolute: ArrayLike | Mapping[int, float] | None = None,
+    relative: ArrayLike | Mapping[int, float] | None = None,
+    loss_factor: ArrayLike | Mapping[int, float] | None = None,
+    element_magnifier: ArrayLike | Mapping[int, float] | None = None,
+    engine_magnifier: EngineMagnifier | None = None,
+    undamped: bool = False,
+    source: str = "given",
+) -> DampedChain:
+    """Add damping of any kinds to a chain; what it has already stays.
+
+    Parameters
+    ----------
+    chain : Chain
+    magnifier : float, optional
+        Of every elastic mode: amplitude at resonance over the static one of that mode. Where
+        nothing is given and the chain has no damping, `DEFAULT_MAGNIFIER`.
+    modal_damping : float or array_like of shape (q - r,), optional
+        Share of critical damping of each elastic mode, or of all.
+    absolute : array_like of shape (n,) or mapping of int to float, optional
+        Viscous damping of nodes to ground [N m s/rad or N s/m].
+    relative : float, array_like of shape (e,) or mapping of int to float, optional
+        Viscous damping of elements [N m s/rad or N s/m].
+    loss_factor : float, array_like of shape (e,) or mapping of int to float, optional
+        Hysteretic damping of elements.
+    element_magnifier : float, array_like of shape (e,) or mapping of int to float, optional
+        The same by magnifiers: loss factor 1 / magnifier.
+    engine_magnifier : EngineMagnifier, optional
+        Absolute damping of cylinders by the magnifier of their own motion.
+    undamped : bool, optional
+        Leave the chain without any damping on purpose.
+    source : str, optional
+        Where the values come from, for the record.
+
+    Returns
+    -------
+    DampedChain
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, lengths do not fit, magnifier and modal damping are both given,
+        or undamped goes with any damping.
+    """
+    given = {
+        "magnifier": magnifier,
+        "modal_damping": modal_damping,
+        "absolute": absolute,
+        "relative": relative,
+        "loss_factor": loss_factor,
+        "element_magnifier": element_magnifier,
+        "engine_magnifier": engine_magnifier,
+    }
+    named = [name for name, value in given.items() if value is not None]
+    own = bool(np.any(chain.damping_matrix()) or np.any(chain.loss_matrix()))
+    check_one_of(magnifier, modal_damping)
+    if undamped and (named or own):
+        what = ", ".join(named) or "damping of the chain itself"
+        raise InputError(
+            f"undamped: given True together with {what}; allowed is one of both, because what is "
+            "damped is not undamped."
+        )
+    said = ["damping of the chain itself, as its description gives it"] if own else []
+    damping = chain.damping + of_elements("relative", relative, chain)
+    ground = chain.ground_damping + values_at_nodes(
+        "absolute", absolute, chain.inertia.size, UNIT, "damping takes energy away"
+    )
+    loss = chain.loss_factor + of_elements("loss_factor", loss_factor, chain, unit="")
+    inverse = _inverse_magnifiers(element_magnifier, chain)
+    if absolute is not None:
+        said.append(f"absolute damping at nodes, up to {np.max(ground):g} {UNIT}: {source}")
+    if relative is not None:
+        said.append(f"relative damping of elements, up to {np.max(damping):g} {UNIT}: {source}")
+    if loss_factor is not None:
+        said.append(f"loss factor of elements, up to {np.max(loss):g}: {source}")
+    if element_magnifier is not None:
+        said.append(
+            f"magnifier of elements, least {1.0 / np.max(inverse):g} (loss factor 1/magnifier): "
+            f"{source}"
+        )
+    if engine_magnifier is not None:
+        ground = ground + _cylinder_damping(engine_magnifier, chain)
+        said.append(
+            f"magnifier {engine_magnifier.magnifier:g} of cylinders (absolute damping, taken at "
+            f"{engine_magnifier.frequency:g} Hz): {source}"
+        )
+    whole = replace(chain, damping=damping, loss_factor=loss + inverse, ground_damping=ground)
+    system = chain_system(whole)
+    if modal_damping is not None:
+        system = system.with_modal_damping(modal_damping)
+        said.append(
+            f"modal damping, up to {np.max(np.asarray(modal_damping)):g} of critical: {source}"
+        )
+    if magnifier is not None:
+        system = system.with_magnifier(magnifier)
+        said.append(f"magnifier {magnifier:g} of every elastic mode: {source}")
+    if not (named or own or undamped):
+        system = system.with_magnifier(DEFAULT_MAGNIFIER)
+        said.append(
+            f"magnifier {DEFAULT_MAGNIFIER:g} of every elastic mode, for want of a given one: "
+            f"{MAGNIFIER_SOURCE}"
+        )
+    if undamped:
+        said.append("no damping, on purpose")
+    return DampedChain(whole, system, tuple(said))
+
+
+def check_one_of(magnifier: float | None, modal_damping: ArrayLike | None) -> None:
+    """Refuse magnifier and modal damping together.
+
+    Raises
+    ------
+    InputError
+        If both are given.
+    """
+    if magnifier is not None and modal_damping is not None:
+        raise InputError(
+            f"magnifier: given {magnifier!r} together with modal_damping; allowed is one of both, "
+            "because they say the same thing in two ways."
+        )
+
+
+def of_elements(
+    field: str,
+    values: ArrayLike | Mapping[int, float] | None,
+    chain: Chain,
+    *,
+    unit: str = UNIT,
+    missing: float = 0.0,
+) -> FloatArray:
+    """Return one value for each element (e,): from all, from single ones, or from one for all.
+
+    Raises
+    ------
+    InputError
+        If a value is negative, an element does not exist, or lengths do not fit.
+    """
+    count = len(chain.connections)
+    if values is None:
+        return np.full(count, missing)
+    if isinstance(values, Mapping):
+        full = np.full(count, missing)
+        for key, value in values.items():
+            full[_element_index(field, key, count)] = nonnegative_vector(
+                f"{field}[{key}]", [value], unit, PASSIVE
+            )[0]
+        return full
+    array = finite_array(field, values)
+    checked = nonnegative_vector(
+        field, np.full(count, array) if array.ndim == 0 else array, unit, PASSIVE
+    )
+    if checked.size != count:
+        raise InputError(
+            f"{field}: given {checked.size} values for {count} elements; allowed is one for each, a "
+            "single number for all, or some by their numbers, because each element has its own."
+        )
+    return checked
+
+
+def _element_index(field: str, key: object, count: int) -> int:
+    if not isinstance(key, int | np.integer) or isinstance(key, bool) or not 0 <= key < count:
+        raise InputError(
+            f"{field}: given element {key!r}; allowed are the whole numbers 0 to {count - 1}, "
+            f"because the chain has {count} elements."
+        )
+    return int(key)
+
+
+def _inverse_magnifiers(values: ArrayLike | Mapping[int, float] | None, chain: Chain) -> FloatArray:
+    given = of_elements("element_magnifier", values, chain, unit="", missing=np.inf)
+    if np.any(given == 0.0):
+        raise InputError(
+            f"element_magnifier[{np.flatnonzero(given == 0.0)[0]}]: given 0; allowed are finite "
+            "numbers of more than zero, because the loss factor is their inverse."
+        )
+    return np.asarray(1.0 / given)
+
+
+def _cylinder_damping(choice: EngineMagnifier, chain: Chain) -> FloatArray:
+    added = np.zeros(chain.inertia.size)
+    speed = 2.0 * np.pi * choice.frequency
+    for node in choice.nodes:
+        place = node_index("engine_magnifier.nodes", node, added.size)
+        added[place] = chain.inertia[place] * speed / choice.magnifier
+    return added

@@ -1,0 +1,244 @@
+"""Exciting forces by orders over a range of speeds."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dynamics.checks import FloatArray, finite_vector, is_whole, positive_vector, read_only
+from dynamics.harmonics import Harmonics
+from geometry.errors import InputError
+
+ComplexArray = NDArray[np.complex128]
+# Room for the round-off of a speed at the end of a range.
+ROOM = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class OrderExcitation:
+    """Forces on the nodes of a system, by order and speed.
+
+    At the shaft angle phi the force is the real part of the sum over the orders k of
+    F_k exp(i k phi), and an order acts at the angular frequency k times speed. The mean force is
+    not among them: it turns or bends the shaft, but does not make it vibrate.
+
+    Parameters
+    ----------
+    orders : array_like of shape (K,)
+        Above zero, ascending, in cycles per crankshaft revolution.
+    speeds : array_like of shape (S,)
+        Speed of the crankshaft [rad/s], above zero, ascending.
+    forces : array_like of shape (K, S, n), complex
+        Amplitudes of the forces on the n nodes [N m on a torsional chain, N on an axial one].
+
+    Raises
+    ------
+    InputError
+        If orders or speeds are not above zero and ascending, or the forces are not finite numbers
+        for every order, speed and node.
+    """
+
+    orders: FloatArray
+    speeds: FloatArray
+    forces: ComplexArray
+
+    def __post_init__(self) -> None:
+        orders = checked_orders(self.orders)
+        speeds = checked_speeds(self.speeds)
+        forces = np.array(self.forces, dtype=np.complex128)
+        if forces.ndim != 3 or forces.shape[:2] != (orders.size, speeds.size):
+            raise InputError(
+                f"forces: given an array of shape {forces.shape}; allowed is ({orders.size}, "
+                f"{speeds.size}, n), because there is one for each order, speed and node."
+            )
+        if not np.all(np.isfinite(forces)):
+            order, speed, node = np.argwhere(~np.isfinite(forces))[0].tolist()
+            raise InputError(
+                f"forces[{order}, {speed}, {node}]: given {forces[order, speed, node]}; allowed are "
+                "finite numbers, because a missing or infinite value would spread to every result."
+            )
+        forces.setflags(write=False)
+        object.__setattr__(self, "orders", read_only(orders))
+        object.__setattr__(self, "speeds", read_only(speeds))
+        object.__setattr__(self, "forces", forces)
+
+    @property
+    def angular_frequencies(self) -> FloatArray:
+        """Angular frequency of each order at each speed [rad/s], (K, S)."""
+        return np.outer(self.orders, self.speeds)
+
+    def at_angle(self, speed_index: int, shaft_angle: ArrayLike) -> FloatArray:
+        """Return the forces at shaft angles, all orders together, without their mean.
+
+        Parameters
+        ----------
+        speed_index : int
+            Which of the speeds, from 0.
+        shaft_angle : array_like of shape (m,)
+            [rad].
+
+        Returns
+        -------
+        ndarray of shape (m, n)
+
+        Raises
+        ------
+        InputError
+            If there is no such speed, or an angle is not a finite number.
+        """
+        place = checked_speed_index(speed_index, self.speeds)
+        angles = finite_vector("shaft_angle", shaft_angle)
+        return at_angles(self.orders, self.forces[:, place], angles)
+
+    def at_speeds(self, speeds: ArrayLike) -> "OrderExcitation":
+        """Return the excitation at other speeds within the range, interpolated.
+
+        Between two speeds the amplitudes change linearly with the squared speed, as forces of
+        inertia do; forces that do not depend on speed stay what they are.
+
+        Raises
+        ------
+        InputError
+            If the speeds are not ascending, or outside the range.
+        """
+        wanted = checked_speeds(speeds)
+        forces = self.interpolated(np.arange(self.orders.size)[:, np.newaxis], wanted)
+        return OrderExcitation(self.orders, wanted, forces)
+
+    def interpolated(self, order_index: NDArray[np.int64], speeds: FloatArray) -> ComplexArray:
+        """Return forces at pairs of order and speed (m,), which are broadcast, shape (m, n).
+
+        Raises
+        ------
+        InputError
+            If a speed is outside the range.
+        """
+        low, high = self.speeds[[0, -1]]
+        outside = (speeds < low * (1.0 - ROOM)) | (speeds > high * (1.0 + ROOM))
+        if np.any(outside):
+            raise InputError(
+                f"speeds: given {speeds[outside][0]:g} rad/s; allowed are {low:g} to {high:g} rad/s, "
+                "because the excitation is known between them."
+            )
+        right = np.clip(np.searchsorted(self.speeds, speeds), 1, max(1, self.speeds.size - 1))
+        right = np.minimum(right, self.speeds.size - 1)
+        left = np.maximum(right - 1, 0)
+        step = self.speeds[right] ** 2 - self.speeds[left] ** 2
+        gap = np.clip(speeds, low, high) ** 2 - self.speeds[left] ** 2
+        share = np.divide(gap, step, out=np.zeros_like(gap), where=step > 0.0)[..., np.newaxis]
+        below, above = self.forces[order_index, left], self.forces[order_index, right]
+        return np.asarray((1.0 - share) * below + share * above)
+
+    def __add__(self, other: "OrderExcitation") -> "OrderExcitation":
+        """Return both excitations acting together.
+
+        Raises
+        ------
+        InputError
+            If orders, speeds or the number of nodes differ.
+        """
+        if not isinstance(other, OrderExcitation):
+            return NotImplemented
+        same = (
+            np.array_equal(self.orders, other.orders)
+            and np.array_equal(self.speeds, other.speeds)
+            and self.forces.shape == other.forces.shape
+        )
+        if not same:
+            raise InputError(
+                f"excitation: given two of shapes {self.forces.shape} and {other.forces.shape}; "
+                "allowed are two with the same orders, speeds and nodes, because they are added one "
+                "by one."
+            )
+        return OrderExcitation(self.orders, self.speeds, self.forces + other.forces)
+
+
+def phasors_of(found: Harmonics, orders: ArrayLike) -> ComplexArray:
+    """Return the amplitudes Y_k = A_k - i B_k of orders from the harmonics of samples.
+
+    Parameters
+    ----------
+    found : Harmonics
+    orders : array_like of shape (K,)
+        Ascending, in cycles per crankshaft revolution.
+
+    Returns
+    -------
+    ndarray of shape (K,), complex
+        Phases count from where those of the harmonics do.
+
+    Raises
+    ------
+    InputError
+        If the samples do not resolve an order: a higher one would look like a lower one, and of
+        that at the half sampling rate they show one part only.
+    """
+    wanted = checked_orders(orders)
+    places = [found.index_of(order) for order in wanted.tolist()]
+    if found.samples % 2 == 0 and places[-1] == found.samples // 2 - 1:
+        raise InputError(
+            f"order: given {wanted[-1]:g}; allowed are those below {found.highest_order:g}, because "
+            f"{found.samples} samples over one cycle show two values to each wave of it, which do "
+            "not tell its amplitude from its phase."
+        )
+    return np.asarray(found.cosine[places] - 1j * found.sine[places])
+
+
+def at_angles(orders: FloatArray, phasors: ComplexArray, shaft_angles: FloatArray) -> FloatArray:
+    """Return Re sum_k Y_k exp(i k phi): phasors (K, ...) at angles (m,) give (m, ...)."""
+    turning = np.exp(1j * np.outer(shaft_angles, orders))
+    return np.asarray(np.tensordot(turning, phasors, axes=1).real)
+
+
+def checked_orders(orders: ArrayLike) -> FloatArray:
+    """Return orders (K,), above zero and ascending.
+
+    Raises
+    ------
+    InputError
+        If they are not.
+    """
+    values = positive_vector("orders", orders, "", "they count cycles per crankshaft revolution")
+    _ascending("orders", values, "", "each order counts once")
+    return values
+
+
+def checked_speeds(speeds: ArrayLike) -> FloatArray:
+    """Return speeds (S,) [rad/s], above zero and ascending.
+
+    Raises
+    ------
+    InputError
+        If they are not.
+    """
+    values = positive_vector("speeds", speeds, "rad/s", "an order of a shaft at rest is no motion")
+    _ascending("speeds", values, " rad/s", "a speed range runs from the lowest to the highest")
+    return values
+
+
+def checked_speed_index(speed_index: int, speeds: FloatArray) -> int:
+    """Return the place of a speed, from 0.
+
+    Raises
+    ------
+    InputError
+        If there is no such place.
+    """
+    if not is_whole(speed_index) or not 0 <= speed_index < speeds.size:
+        raise InputError(
+            f"speed_index: given {speed_index!r}; allowed are the whole numbers 0 to "
+            f"{speeds.size - 1}, because there are {speeds.size} speeds."
+        )
+    return int(speed_index)
+
+
+def _ascending(field: str, values: FloatArray, unit: str, why: str) -> None:
+    if values.size == 0:
+        raise InputError(f"{field}: given no values; allowed are one or more, because {why}.")
+    falling = np.flatnonzero(np.diff(values) <= 0.0)
+    if falling.size:
+        place = int(falling[0]) + 1
+        raise InputError(
+            f"{field}[{place}]: given {values[place]:g}{unit} after {values[place - 1]:g}{unit}; "
+            f"allowed are ascending values, because {why}."
+        )

@@ -1,0 +1,170 @@
+"""Forced vibration of a chain, or of any linear system, by orders over a range of speeds."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dynamics.chains.chain import Chain
+from dynamics.checks import FloatArray
+from dynamics.response.damping import DampedChain, check_one_of
+from dynamics.response.excitation import ComplexArray, OrderExcitation
+from dynamics.response.harmonic import Method, harmonic_answer
+from dynamics.response.linear_system import LinearSystem, chain_system
+from dynamics.response.series import OrderSeries
+from dynamics.response.synthesis import Synthesis
+from geometry.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class ForcedResponse:
+    """Steady vibration by orders: the motion at the shaft angle phi is Re sum_k X_k exp(i k phi).
+
+    Parameters
+    ----------
+    orders : ndarray of shape (K,)
+        In cycles per crankshaft revolution.
+    speeds : ndarray of shape (S,)
+        [rad/s].
+    motion : ndarray of shape (K, S, n), complex
+        Amplitudes of the nodes [rad or m]; zero where the answer is unbounded, so that no sum of
+        them turns into nonsense: look at `unbounded`, or use `amplitude`.
+    unbounded : ndarray of shape (K, S), bool
+        Where an undamped mode is excited within 1e-9 of its frequency: there is no steady motion.
+    system : LinearSystem
+        What vibrates, with all of its damping.
+    chain : Chain or None
+        The chain it was made from.
+    excitation : OrderExcitation
+    unknowns : ndarray of shape (K, S, q), complex
+        Amplitudes of the unknowns of the system; for a chain without gears those of the nodes.
+    method : str
+        How the motion was found.
+    """
+
+    orders: FloatArray
+    speeds: FloatArray
+    motion: ComplexArray
+    unbounded: NDArray[np.bool_]
+    system: LinearSystem
+    chain: Chain | None
+    excitation: OrderExcitation
+    unknowns: ComplexArray
+    method: str
+
+    @property
+    def angular_frequencies(self) -> FloatArray:
+        """Angular frequency of each order at each speed [rad/s], (K, S)."""
+        return np.outer(self.orders, self.speeds)
+
+    @cached_property
+    def amplitude(self) -> FloatArray:
+        """Amplitude of each node by order and speed [rad or m], (K, S, n); inf where unbounded."""
+        return self.nodes.amplitude
+
+    @cached_property
+    def nodes(self) -> OrderSeries:
+        """The motion as a series by orders, to be summed over the cycle."""
+        return self._series(self.motion)
+
+    @cached_property
+    def elastic(self) -> OrderSeries:
+        """The motion without that of the rigid body, which strains nothing."""
+        rigid = self.system.shapes[:, : self.system.rigid.shape[1]]
+        without = self.unknowns - (self.unknowns @ self.system.mass @ rigid) @ rigid.T
+        return self._series(without @ self.system.expand.T)
+
+    @property
+    def synthesis(self) -> Synthesis:
+        """Motion of each node with all orders together, and their plain sum, (S, n) each."""
+        return self.nodes.synthesis
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the nodes or points, (n,)."""
+        if self.chain is not None:
+            return self.chain.names
+        return tuple(f"point {number}" for number in range(self.motion.shape[2]))
+
+    def _series(self, values: ComplexArray) -> OrderSeries:
+        return OrderSeries(self.orders, self.speeds, values, self.unbounded, self.names)
+
+
+def forced_response(
+    chain_or_system: Chain | LinearSystem | DampedChain,
+    excitation: OrderExcitation,
+    *,
+    magnifier: float | None = None,
+    modal_damping: ArrayLike | None = None,
+    method: Method = "modal",
+) -> ForcedResponse:
+    """Find the steady vibration under forces given by orders, at all speeds at once.
+
+    Parameters
+    ----------
+    chain_or_system : Chain, LinearSystem or DampedChain
+        With the damping that it has; without any, resonances are unbounded. `damped` gives a
+        chain a damping of any kind.
+    excitation : OrderExcitation
+        Forces on the nodes of the chain, or the points of the system.
+    magnifier : float, optional
+        Adds to each elastic mode the damping of this magnifier, 1 / (2 magnifier) of critical.
+    modal_damping : float or array_like, optional
+        Adds to each elastic mode this share of critical damping; one for all, or one for each.
+    method : {"modal", "direct"}
+        By damped modes, with a check that falls back to the other; or by solving with the complex
+        dynamic stiffness at each order and speed.
+
+    Returns
+    -------
+    ForcedResponse
+
+    Raises
+    ------
+    InputError
+        If the excitation has another number of nodes, both magnifier and modal damping are given,
+        or one of them is out of range.
+    """
+    chain, system = _chain_and_system(chain_or_system)
+    check_one_of(magnifier, modal_damping)
+    if magnifier is not None:
+        system = system.with_magnifier(magnifier)
+    if modal_damping is not None:
+        system = system.with_modal_damping(modal_damping)
+    nodes = len(system.expand)
+    if excitation.forces.shape[2] != nodes:
+        raise InputError(
+            f"excitation: given forces on {excitation.forces.shape[2]} nodes; allowed is one on each "
+            f"of {nodes}, because the system has so many."
+        )
+    shape = excitation.forces.shape[:2]
+    # Mostly the unknowns are the nodes, and multiplying with ones and zeros would take its time.
+    plain = np.array_equal(system.expand, np.eye(nodes))
+    forces = excitation.forces.reshape(-1, nodes)
+    forces = forces if plain else forces @ system.expand
+    answer = harmonic_answer(system, excitation.angular_frequencies.reshape(-1), forces, method)
+    motion = answer.motion if plain else answer.motion @ system.expand.T
+    return ForcedResponse(
+        orders=excitation.orders,
+        speeds=excitation.speeds,
+        motion=motion.reshape(*shape, nodes),
+        unbounded=answer.unbounded.reshape(shape),
+        system=system,
+        chain=chain,
+        excitation=excitation,
+        unknowns=answer.motion.reshape(*shape, -1),
+        method=(
+            f"{method}; {answer.directly} of {answer.unbounded.size} by the dynamic stiffness itself"
+        ),
+    )
+
+
+def _chain_and_system(
+    given: Chain | LinearSystem | DampedChain,
+) -> tuple[Chain | None, LinearSystem]:
+    if isinstance(given, LinearSystem):
+        return None, given
+    if isinstance(given, DampedChain):
+        return given.chain, given.system
+    return given, chain_system(given)

@@ -1,0 +1,198 @@
+"""Vibratory torque or force in each element, and the nominal stress from it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.chains.chain import Chain
+from dynamics.checks import FloatArray, finite_array, positive_vector
+from dynamics.response.excitation import ComplexArray
+from dynamics.response.forced import ForcedResponse
+from dynamics.response.series import OrderSeries
+from geometry.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class ElementLoads:
+    """Loads [N m or N] by order and speed; each is a series that can be summed over the cycle.
+
+    Parameters
+    ----------
+    elements : OrderSeries
+        What each element passes on, all of it: (k (1 + i eta) + i w c) times its twist or
+        lengthening d, the motion of its second node less that of its first. Positive where it
+        drives the first node forwards and holds the second one back.
+    elastic : OrderSeries
+        The part k d, which strains the element; the rest is loss factor and viscous damping.
+    ground : OrderSeries
+        What each node passes to ground through spring and damper there, (g + i w c) x; zero at a
+        node without.
+    dashpots : OrderSeries
+        What each dashpot passes on, i w c times its relative motion.
+
+    Notes
+    -----
+    Along an element with distributed inertia the load changes; k d is its mean.
+    """
+
+    elements: OrderSeries
+    elastic: OrderSeries
+    ground: OrderSeries
+    dashpots: OrderSeries
+
+
+def element_loads(response: ForcedResponse) -> ElementLoads:
+    """Find the loads of all elements, connections to ground and dashpots of a chain.
+
+    Raises
+    ------
+    InputError
+        If the response is not that of a chain.
+    """
+    chain = chain_of(response)
+    w = response.angular_frequencies[:, :, np.newaxis]
+    twist = response.motion @ chain.elongations().T
+    relative = response.motion @ dashpot_rows(chain).T
+    sizes = np.array([dashpot.damping for dashpot in chain.dashpots])
+
+    def series(values: ComplexArray, names: tuple[str, ...]) -> OrderSeries:
+        return OrderSeries(response.orders, response.speeds, values, response.unbounded, names)
+
+    complex_stiffness = chain.stiffness * (1.0 + 1j * chain.loss_factor) + 1j * w * chain.damping
+    return ElementLoads(
+        elements=series(complex_stiffness * twist, chain.elements),
+        elastic=series(chain.stiffness * twist, chain.elements),
+        ground=series(
+            (chain.ground + 1j * w * chain.ground_damping) * response.motion, chain.names
+        ),
+        dashpots=series(1j * w * sizes * relative, dashpot_names(chain)),
+    )
+
+
+def section_modulus(
+    kind: Literal["torsional", "axial"], diameter: ArrayLike, bore: ArrayLike = 0.0
+) -> FloatArray:
+    """Return what a load is divided by to give the nominal stress of round sections.
+
+    Parameters
+    ----------
+    kind : {"torsional", "axial"}
+        pi (D^4 - d^4) / (16 D) [m^3] for the shear stress at the surface under a torque, or the
+        area pi (D^2 - d^2) / 4 [m^2] for the normal stress under a force.
+    diameter, bore : float or array_like
+        D and d [m].
+
+    Raises
+    ------
+    InputError
+        If a diameter is not above zero, a bore not from zero to below it, or the kind is unknown.
+    """
+    if kind not in ("torsional", "axial"):
+        raise InputError(f"kind: given {kind!r}; allowed are torsional and axial.")
+    outer, inner = finite_array("diameter", diameter), finite_array("bore", bore)
+    if np.any(outer <= 0.0):
+        raise InputError(
+            f"diameter: given {np.min(outer):g} m; allowed is more than zero, because a shaft has a "
+            "section."
+        )
+    if np.any((inner < 0.0) | (inner >= outer)):
+        raise InputError(
+            f"bore: given {np.max(inner):g} m; allowed is from zero to below the diameter, because "
+            "a shaft has a wall."
+        )
+    if kind == "axial":
+        return np.asarray(np.pi / 4.0 * (outer**2 - inner**2))
+    return np.asarray(np.pi / 16.0 * (outer**4 - inner**4) / outer)
+
+
+def alternating_stress(
+    loads: ElementLoads, sections: ArrayLike | Mapping[int, float] | Mapping[str, float]
+) -> OrderSeries:
+    """Return the nominal alternating stress [Pa] of elements, from what strains them.
+
+    Parameters
+    ----------
+    loads : ElementLoads
+    sections : array_like of shape (e,) or mapping of element to float
+        Section modulus in torsion [m^3] of a torsional chain, or area [m^2] of an axial one, of
+        every element; or of some by number from 0 or by name, where others have no shaft section.
+        `section_modulus` gives it from diameters.
+
+    Returns
+    -------
+    OrderSeries
+        Of the elements given, in the order of the chain. Nominal: factors of stress concentration
+        are the reader's to apply.
+
+    Raises
+    ------
+    InputError
+        If an element does not exist, a section is not above zero, or lengths do not fit.
+    """
+    names = loads.elastic.names
+    if isinstance(sections, Mapping):
+        by_place = {_place(key, names): float(value) for key, value in sections.items()}
+        places = sorted(by_place)
+        sizes = [by_place[place] for place in places]
+    else:
+        places, sizes = list(range(len(names))), np.asarray(sections).tolist()
+    moduli = positive_vector(
+        "sections", sizes, "m^3 (torsional) or m^2 (axial)", "stress is load over section"
+    )
+    if moduli.size != len(places):
+        raise InputError(
+            f"sections: given {moduli.size} values for {len(places)} elements; allowed is one for "
+            "each, or some by their numbers or names, because each element has its own."
+        )
+    return OrderSeries(
+        orders=loads.elastic.orders,
+        speeds=loads.elastic.speeds,
+        values=loads.elastic.values[:, :, places] / moduli,
+        unbounded=loads.elastic.unbounded,
+        names=tuple(names[place] for place in places),
+    )
+
+
+def chain_of(response: ForcedResponse) -> Chain:
+    """Return the chain of a response.
+
+    Raises
+    ------
+    InputError
+        If it is that of another system.
+    """
+    if response.chain is None:
+        raise InputError(
+            "response: given that of a system of matrices; allowed is that of a chain, because "
+            "matrices do not tell of elements."
+        )
+    return response.chain
+
+
+def dashpot_rows(chain: Chain) -> FloatArray:
+    """Return of shape (d, n) the relative motion of each dashpot per motion of each node."""
+    rows = np.zeros((len(chain.dashpots), chain.inertia.size))
+    for row, dashpot in zip(rows, chain.dashpots, strict=True):
+        row[dashpot.left], row[dashpot.right] = -1.0, 1.0
+    return rows
+
+
+def dashpot_names(chain: Chain) -> tuple[str, ...]:
+    """Return the names of the dashpots by those of their nodes, (d,)."""
+    return tuple(
+        f"{chain.names[dashpot.left]} - {chain.names[dashpot.right]}" for dashpot in chain.dashpots
+    )
+
+
+def _place(key: object, names: tuple[str, ...]) -> int:
+    if isinstance(key, str) and key in names:
+        return names.index(key)
+    if isinstance(key, int | np.integer) and not isinstance(key, bool) and 0 <= key < len(names):
+        return int(key)
+    raise InputError(
+        f"sections: given element {key!r}; allowed are the whole numbers 0 to {len(names) - 1} and "
+        "the names of elements, because a stress is that of an element."
+    )

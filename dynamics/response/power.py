@@ -1,0 +1,122 @@
+"""Where the power that excites a vibration goes: heat in each element and damper."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dynamics.checks import FloatArray
+from dynamics.response.excitation import ComplexArray
+from dynamics.response.forced import ForcedResponse
+from dynamics.response.loads import dashpot_names, dashpot_rows
+from dynamics.response.series import with_unbounded
+
+
+@dataclass(frozen=True, eq=False)
+class PowerBalance:
+    """Mean power over the cycle [W] by order and speed; inf where the vibration is unbounded.
+
+    Orders do not share power over a common cycle: the powers of all orders add up.
+
+    Parameters
+    ----------
+    power_in : ndarray of shape (K, S)
+        What the exciting forces put in.
+    apparent : ndarray of shape (K, S)
+        Half the product of force and speed amplitudes, summed over the nodes: what would come in
+        if each force were in phase with the speed of its node.
+    elements : ndarray of shape (K, S, e)
+        Heat in each element, by viscous damping and loss factor.
+    dashpots : ndarray of shape (K, S, d)
+        Heat in each dashpot.
+    ground : ndarray of shape (K, S, n)
+        Heat in the damper to ground at each node.
+    rest : ndarray of shape (K, S)
+        What modal damping or a magnifier takes; for a system that is no chain, all of its damping.
+    unbounded : ndarray of shape (K, S), bool
+    element_names, dashpot_names, node_names : tuple of str
+    """
+
+    power_in: FloatArray
+    apparent: FloatArray
+    elements: FloatArray
+    dashpots: FloatArray
+    ground: FloatArray
+    rest: FloatArray
+    unbounded: NDArray[np.bool_]
+    element_names: tuple[str, ...]
+    dashpot_names: tuple[str, ...]
+    node_names: tuple[str, ...]
+
+    @property
+    def dissipated(self) -> FloatArray:
+        """All heat together [W], (K, S); it equals what comes in."""
+        own = self.elements.sum(axis=2) + self.dashpots.sum(axis=2) + self.ground.sum(axis=2)
+        return np.asarray(own + self.rest)
+
+    @property
+    def error(self) -> float:
+        """Largest difference of power in and heat at any speed, all orders together, as a share.
+
+        Where nothing damps, as a share of the apparent power instead.
+        """
+        bounded = ~np.any(self.unbounded, axis=0)
+        heat = self.dissipated[:, bounded].sum(axis=0)
+        left = np.abs(self.power_in[:, bounded].sum(axis=0) - heat)
+        whole = np.where(heat > 0.0, heat, self.apparent[:, bounded].sum(axis=0))
+        return float(np.max(left / np.where(whole > 0.0, whole, 1.0), initial=0.0))
+
+
+def power_balance(response: ForcedResponse) -> PowerBalance:
+    """Find the mean power of excitation and of all damping.
+
+    Notes
+    -----
+    A force F exp(i w t) on a node that moves with X exp(i w t) does the mean work
+    Re(F conj(i w X)) / 2 = w Im(F conj X) / 2 per second; a viscous damper c with the relative
+    motion D turns c w^2 |D|^2 / 2 into heat and a loss factor on a stiffness k w k eta |D|^2 / 2.
+    """
+    w = response.angular_frequencies
+    square = 0.5 * w[:, :, np.newaxis] ** 2
+    forces, motion = response.excitation.forces, response.motion
+    system, chain = response.system, response.chain
+    work = 0.5 * w * np.sum((forces * np.conj(motion)).imag, axis=2)
+    damping, loss = system.damping, system.loss
+    none = np.zeros((*w.shape, 0))
+    elements, dashpots, ground = none, none, np.zeros(motion.shape)
+    names: tuple[tuple[str, ...], tuple[str, ...]] = ((), ())
+    if chain is not None:
+        twist = np.abs(motion @ chain.elongations().T) ** 2
+        hysteretic = 0.5 * w[:, :, np.newaxis] * chain.stiffness * chain.loss_factor
+        elements = (square * chain.damping + hysteretic) * twist
+        sizes = np.array([dashpot.damping for dashpot in chain.dashpots])
+        dashpots = square * sizes * np.abs(motion @ dashpot_rows(chain).T) ** 2
+        ground = square * chain.ground_damping * np.abs(motion) ** 2
+        names = (chain.elements, dashpot_names(chain))
+        expand = chain.expansion()
+        # Exactly zero where nothing was added: the system was made by the same products.
+        damping = damping - expand.T @ chain.damping_matrix() @ expand
+        loss = loss - expand.T @ chain.loss_matrix() @ expand
+    rest = square[:, :, 0] * _quadratic(damping, response.unknowns)
+    rest = rest + 0.5 * w * _quadratic(loss, response.unknowns)
+
+    def endless(values: FloatArray) -> FloatArray:
+        return with_unbounded(values, response.unbounded)
+
+    return PowerBalance(
+        power_in=endless(work),
+        apparent=endless(0.5 * w * np.sum(np.abs(forces) * np.abs(motion), axis=2)),
+        elements=endless(elements),
+        dashpots=endless(dashpots),
+        ground=endless(ground),
+        rest=endless(rest),
+        unbounded=response.unbounded,
+        element_names=names[0],
+        dashpot_names=names[1],
+        node_names=response.names,
+    )
+
+
+def _quadratic(matrix: FloatArray, motion: ComplexArray) -> FloatArray:
+    """Return x* A x of each motion (K, S, q)."""
+    return np.asarray(np.sum((np.conj(motion) * (motion @ matrix)).real, axis=2))

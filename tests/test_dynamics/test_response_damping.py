@@ -1,0 +1,88 @@
+"""Kinds of damping: what each does at resonance, and what the record says."""
+
+import numpy as np
+import pytest
+
+from dynamics.chains.chain import Chain
+from dynamics.response.damping import EngineMagnifier, damped
+from dynamics.response.excitation import OrderExcitation
+from dynamics.response.forced import forced_response
+from geometry.errors import InputError
+
+ONE = Chain([1.0], [], ground=[1e4])  # 100 rad/s
+TWO = Chain([1.0, 1.0], [2e4])  # 200 rad/s
+
+
+def magnification(chain, speed):
+    """Amplitude at resonance over the static one of the elastic mode."""
+    count = chain.chain.inertia.size
+    forces = np.array([1.0, -1.0])[:count] * np.ones((1, 1, 1))
+    found = forced_response(chain, OrderExcitation([1.0], [speed], forces))
+    static = 1.0 / speed**2
+    return found.amplitude[0, 0, 0] / static
+
+
+@pytest.mark.parametrize(
+    ("chain", "speed", "choice"),
+    [
+        (TWO, 200.0, {}),
+        (ONE, 100.0, {}),
+        (TWO, 200.0, {"magnifier": 40.0}),
+        (TWO, 200.0, {"modal_damping": 1.0 / 80.0}),
+        (TWO, 200.0, {"modal_damping": [1.0 / 80.0]}),
+        (TWO, 200.0, {"loss_factor": 1.0 / 40.0}),
+        (TWO, 200.0, {"element_magnifier": {0: 40.0}}),
+        (TWO, 200.0, {"relative": 2e4 / (200.0 * 40.0)}),
+        (TWO, 200.0, {"absolute": {0: 5.0, 1: 5.0}}),  # I w / M = 200 / 40
+        (TWO, 200.0, {"engine_magnifier": EngineMagnifier(40.0, (0, 1), 100.0 / np.pi)}),
+        (TWO, 200.0, {"loss_factor": 1.0 / 80.0, "magnifier": 80.0}),  # losses add up
+    ],
+)
+def test_each_kind_gives_a_magnifier_of_40(chain, speed, choice):
+    found = damped(chain, source="a test bed", **choice)
+    assert magnification(found, speed) == pytest.approx(40.0, rel=1e-11)
+    np.testing.assert_allclose(found.system.damping_ratios(), 1.0 / 80.0, rtol=1e-11)
+    assert len(found.record) == max(1, len(choice))
+    said = found.record[0]
+    assert said.endswith(": a test bed") if choice else "1997/01151" in said
+    if not choice:
+        assert said.startswith("magnifier 40 of every elastic mode, for want of a given one")
+
+
+def test_own_damping_stays_and_needs_no_default():
+    own = Chain([1.0, 1.0], [2e4], loss_factor=0.01, damping=0.5)
+    found = damped(own)
+    assert found.record == ("damping of the chain itself, as its description gives it",)
+    np.testing.assert_array_equal(found.system.damping, damped(own).chain.damping_matrix())
+    more = damped(own, relative=[1.0], loss_factor=[0.02])
+    assert more.chain.damping[0] == 1.5
+    assert more.chain.loss_factor[0] == pytest.approx(0.03)
+    assert len(more.record) == 3
+
+
+def test_undamped_on_purpose():
+    found = damped(TWO, undamped=True)
+    assert found.record == ("no damping, on purpose",)
+    assert magnification(found, 200.0) == np.inf
+    assert np.all(found.system.damping_ratios() == 0.0)
+
+
+@pytest.mark.parametrize(
+    ("choice", "words"),
+    [
+        ({"magnifier": 40.0, "modal_damping": 0.01}, "magnifier: given 40.0 together with modal"),
+        ({"undamped": True, "relative": 1.0}, "undamped: given True together with relative"),
+        ({"magnifier": 0.0}, "magnifier: given 0"),
+        ({"modal_damping": [0.1, 0.1]}, "modal_damping: given 2 values"),
+        ({"loss_factor": -0.1}, "loss_factor.0.: given -0.1"),
+        ({"relative": [1.0, 1.0]}, "relative: given 2 values for 1 elements"),
+        ({"relative": {1: 1.0}}, "relative: given element 1; allowed are"),
+        ({"element_magnifier": 0.0}, "element_magnifier.0.: given 0"),
+        ({"absolute": {2: 1.0}}, "absolute"),
+    ],
+)
+def test_refused(choice, words):
+    with pytest.raises(InputError, match=words):
+        damped(TWO, **choice)
+    with pytest.raises(InputError, match="frequency: given 0 Hz"):
+        EngineMagnifier(40.0, (0,), 0.0)
