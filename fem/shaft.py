@@ -29,11 +29,19 @@ class ShaftCompliances:
         Lengthening of throw i per unit radial force Z on the pin of throw j, the shaft axially free
         [m/N]; its diagonal is each throw's own c. Throws of several pins have a column for each of
         them: columns then follow the pins along the shaft, (n, all pins).
+    tangential : (n, all pins) array
+        The same per unit tangential force on a pin, in the sense of positive rotation about +z, its
+        torque taken at the first section [m/N].
+    through : (n,) array
+        Lengthening of each throw per unit torque about +z at the last section, taken at the first
+        [1/N].
     """
 
     axial: Array
     torsional: Array
     influence: Array
+    tangential: Array
+    through: Array
 
 
 def assemble_shaft(throws: Sequence[Superelement]) -> Array:
@@ -92,12 +100,19 @@ def shaft_compliances(
     turned = [throw.turned(angle) for throw, angle in zip(throws, crank_angles, strict=True)]
     pulls = np.zeros((6 * (count + 1), 2))
     pulls[[6 * count + UZ, 6 * count + RZ], [0, 1]] = 1.0
-    radial = [
-        np.pad(throw.radial_loads, ((6 * place, 6 * (count - 1 - place)), (0, 0)))
-        for place, throw in enumerate(turned)
-    ]
-    loads = np.hstack([pulls, *radial])
+    radial, tangential = (
+        [
+            np.pad(loads, ((6 * place, 6 * (count - 1 - place)), (0, 0)))
+            for place, loads in enumerate(of_throws)
+        ]
+        for of_throws in (
+            [throw.radial_loads for throw in turned],
+            [throw.tangential_loads for throw in turned],
+        )
+    )
+    loads = np.hstack([pulls, *radial, *tangential])
     motions = solve_shaft(turned, loads)
     stretch = np.diff(motions[UZ::6], axis=0)
     twist = np.diff(motions[RZ::6], axis=0)
-    return ShaftCompliances(stretch[:, 0], twist[:, 1], stretch[:, 2:])
+    by_radial, by_tangential = np.split(stretch[:, 2:], 2, axis=1)
+    return ShaftCompliances(stretch[:, 0], twist[:, 1], by_radial, by_tangential, stretch[:, 1])

@@ -53,6 +53,12 @@ class Superelement:
         """End loads (12, pins) of a unit radial force on each pin."""
         return np.asarray(np.einsum("pqa,pa->qp", self.pin_loads[:, :, :3], self.radials))
 
+    @property
+    def tangential_loads(self) -> Array:
+        """End loads (12, pins) of a unit force on each pin in the sense of rotation about +z."""
+        along = -np.cross([0.0, 0.0, 1.0], self.radials)
+        return np.asarray(np.einsum("pqa,pa->qp", self.pin_loads[:, :, :3], along))
+
     def turned(self, angle: float) -> "Superelement":
         """Return the superelement of the throw turned by an angle [rad] about the shaft, +z.
 

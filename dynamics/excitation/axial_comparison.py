@@ -1,0 +1,150 @@
+"""Axial forces of throws by their own c beside those with the neighbors' pin forces."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_array
+from dynamics.excitation.cylinder_harmonics import ComplexArray
+from dynamics.excitation.cylinders import CylinderForces
+from dynamics.excitation.on_chains import axial_throw_forces
+from dynamics.response.excitation import checked_speed_index
+from geometry.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class AxialForceComparison:
+    """Axial force of each throw by order and speed, found two ways.
+
+    Parameters
+    ----------
+    orders : ndarray of shape (K,)
+    speeds : ndarray of shape (S,)
+        [rad/s].
+    alone : complex ndarray of shape (K, S, n)
+        P_i = c_i Z_i / e_i: each throw loaded by its own pin alone [N].
+    in_shaft : complex ndarray of shape (K, S, n)
+        With the lengthening that all pin forces of the shaft cause [N].
+    shapes : ndarray of shape (q, n + 1)
+        Axial mode shapes at the sections that modal forces are taken with; q may be 0.
+    """
+
+    orders: FloatArray
+    speeds: FloatArray
+    alone: ComplexArray
+    in_shaft: ComplexArray
+    shapes: FloatArray
+
+    @property
+    def modal_alone(self) -> ComplexArray:
+        """Work of the forces on each mode shape, throws alone (K, S, q)."""
+        return self._modal(self.alone)
+
+    @property
+    def modal_in_shaft(self) -> ComplexArray:
+        """Work of the forces on each mode shape, neighbors included (K, S, q)."""
+        return self._modal(self.in_shaft)
+
+    @property
+    def difference(self) -> FloatArray:
+        """Largest amplitude of the difference over the throws, per largest one in the shaft (K, S).
+
+        Zero where no throw has a force of this order.
+        """
+        return _relative(self.alone - self.in_shaft, self.in_shaft)
+
+    @property
+    def modal_difference(self) -> FloatArray:
+        """Difference of the amplitudes of modal forces, as a share of that in the shaft (K, S, q).
+
+        Positive where the throws alone give more; zero where both are none.
+        """
+        own, shaft = np.abs(self.modal_alone), np.abs(self.modal_in_shaft)
+        return _divided(own - shaft, shaft)
+
+    def columns(self, speed_index: int) -> dict[str, FloatArray]:
+        """Return a table over the orders at one of the speeds, units in the names, each (K,).
+
+        Raises
+        ------
+        InputError
+            If there is no such speed.
+        """
+        place = checked_speed_index(speed_index, self.speeds)
+        table = {"order": self.orders}
+        for throw in range(self.alone.shape[2]):
+            table[f"throw_{throw + 1}_alone_N"] = np.abs(self.alone[:, place, throw])
+            table[f"throw_{throw + 1}_in_shaft_N"] = np.abs(self.in_shaft[:, place, throw])
+        for mode in range(self.shapes.shape[0]):
+            table[f"mode_{mode + 1}_alone_N"] = np.abs(self.modal_alone[:, place, mode])
+            table[f"mode_{mode + 1}_in_shaft_N"] = np.abs(self.modal_in_shaft[:, place, mode])
+        return table
+
+    def _modal(self, pressing: ComplexArray) -> ComplexArray:
+        return np.asarray(pressing @ np.diff(self.shapes, axis=1).T)
+
+
+def compare_axial_forces(
+    forces: CylinderForces,
+    compliances: ArrayLike,
+    own: ArrayLike,
+    influence: ArrayLike,
+    *,
+    own_compliances: ArrayLike | None = None,
+    pins: ArrayLike | None = None,
+    shapes: ArrayLike | None = None,
+) -> AxialForceComparison:
+    """Find the axial force of each throw two ways.
+
+    Parameters
+    ----------
+    forces : CylinderForces
+    compliances : array_like of shape (n,)
+        e of each throw, as in the axial chain [m/N].
+    own : array_like of shape (n,)
+        c of each throw by itself [m/N].
+    influence : array_like of shape (n, p) or (n, p, 2)
+        Lengthening of throw i per Z (and T) on pin j, as `axial_throw_forces` takes it [m/N].
+    own_compliances : array_like of shape (n,), optional
+        e of each throw by itself [m/N], which belongs to its own c: c and e of different supports do
+        not fit together. `compliances` if not given.
+    pins : array_like of c int, optional
+        Pin of each cylinder, from 0.
+    shapes : array_like of shape (q, n + 1), optional
+        Axial mode shapes at the sections, to see what the difference means to each mode.
+
+    Returns
+    -------
+    AxialForceComparison
+
+    Raises
+    ------
+    InputError
+        If shapes of arrays do not fit, or a compliance is not above zero.
+    """
+    alone = axial_throw_forces(
+        forces, compliances if own_compliances is None else own_compliances, own
+    )
+    in_shaft = axial_throw_forces(forces, compliances, influence, pins)
+    sections = alone.shape[2] + 1
+    modes = np.zeros((0, sections)) if shapes is None else finite_array("shapes", shapes)
+    if modes.ndim != 2 or modes.shape[1] != sections:
+        raise InputError(
+            f"shapes: given an array of shape {modes.shape}; allowed is (q, {sections}), because a mode "
+            "has a displacement at each section."
+        )
+    return AxialForceComparison(forces.orders, forces.speeds, alone, in_shaft, modes)
+
+
+def _relative(difference: ComplexArray, whole: ComplexArray) -> FloatArray:
+    most = np.max(np.abs(whole), axis=2)
+    apart = np.max(np.abs(difference), axis=2)
+    return _divided(apart, most)
+
+
+def _divided(part: FloatArray, whole: FloatArray) -> FloatArray:
+    """Return part / whole, zero where there is no whole."""
+    share: FloatArray = np.zeros_like(whole)
+    np.divide(part, whole, out=share, where=whole > 0.0)
+    return share

@@ -1,0 +1,244 @@
+"""Harmonics of the forces of all cylinders before a speed is chosen: gas by diagram, and inertia."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dynamics.checks import FloatArray, finite_vector, nonnegative_number, read_only, whole_number
+from dynamics.cycle import even_angles
+from dynamics.engine.forces import MechanismForces, mechanism_forces, over_angles
+from dynamics.engine.layout import EngineLayout
+from dynamics.excitation.engine_load import Load
+from dynamics.excitation.gas_sources import GasSource, Pressures, Weights, gas_sources
+from dynamics.excitation.samples import asked_orders, order_places, phasors_of
+from dynamics.gas.pressure import ATMOSPHERE
+from dynamics.mechanism.rods import RodModelName
+from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
+from dynamics.torque.throws import checked_throws, throws_along_shaft
+from geometry.errors import InputError
+
+ComplexArray = NDArray[np.complex128]
+TURN = 2.0 * math.pi
+
+
+@dataclass(frozen=True, eq=False)
+class CylinderHarmonics:
+    """Tangential and radial force of every cylinder by orders, for any speed and load.
+
+    Parameters
+    ----------
+    orders : ndarray of shape (K,)
+        In cycles per crankshaft revolution, ascending.
+    crank_radius : float
+        R [m].
+    throws : tuple of c int
+        Throw of each cylinder, from 0 at the free end.
+    gas : tuple of c complex ndarrays of shape (D, K + 1, 2)
+        Mean and phasors of T and Z for each of the cylinder's diagrams [N], at shaft angle zero.
+    weights : tuple of c callables
+        Speeds and load to the weight of each of these diagrams (S, D).
+    inertia : complex ndarray of shape (K + 1, c, 2)
+        Mean and phasors of T and Z of moving masses, per square of the speed [N s^2/rad^2].
+    takes_load : bool
+        Whether the gas depends on a load.
+    one_diagram : str
+        What serves all speeds though it belongs to one: "pressure diagram", "torque diagram", or ""
+        for nothing.
+    remarks : tuple of str
+    """
+
+    orders: FloatArray
+    crank_radius: float
+    throws: tuple[int, ...]
+    gas: tuple[ComplexArray, ...]
+    weights: tuple[Weights, ...]
+    inertia: ComplexArray
+    takes_load: bool
+    one_diagram: str
+    remarks: tuple[str, ...]
+
+    def phasors(self, speeds: FloatArray, load: Load | None = None) -> ComplexArray:
+        """Return mean and phasors of T and Z of each cylinder, (K + 1, S, c, 2) [N].
+
+        Raises
+        ------
+        InputError
+            If a speed or load lies outside a pressure map, or a load is given and none is needed.
+        """
+        if load is not None and not self.takes_load:
+            raise InputError(
+                "load: given without a pressure map; allowed is none, because a single diagram "
+                "knows no load."
+            )
+        found = speeds[:, np.newaxis, np.newaxis] ** 2 * self.inertia[:, np.newaxis]
+        known: dict[int, FloatArray] = {}
+        for place, (of_diagrams, weigh) in enumerate(zip(self.gas, self.weights, strict=True)):
+            if id(weigh) not in known:
+                known[id(weigh)] = weigh(speeds, load)
+            found[:, :, place] += np.tensordot(known[id(weigh)], of_diagrams, axes=1).swapaxes(0, 1)
+        return found
+
+    def at(
+        self, shaft_angle: ArrayLike, speed: float | ArrayLike, load: Load | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return T and Z over shaft angles, as the sum of mean and all orders.
+
+        Parameters
+        ----------
+        shaft_angle : array_like of shape (m,)
+            [rad].
+        speed : number or array_like of shape (m,)
+            Of the shaft [rad/s]: the inertia forces go with its square, and a pressure map is read
+            at it.
+        load : optional
+            As for `phasors`, at each of these speeds.
+
+        Returns
+        -------
+        tangential, radial : ndarray of shape (m, c)
+            [N].
+
+        Raises
+        ------
+        InputError
+            As `phasors`, and if an angle or speed is not a finite number.
+        """
+        angles = finite_vector("shaft_angle", shaft_angle)
+        if np.ndim(speed) == 0:
+            running = np.array([nonnegative_number("speed", speed, "rad/s", "the shaft turns")])  # type: ignore[arg-type]
+        else:
+            running = over_angles("speed", speed, angles)
+        turning = np.exp(1j * np.outer(angles, np.concatenate(([0.0], self.orders))))
+        found = self.phasors(running, load)
+        if running.size == 1:
+            total = np.tensordot(turning, found[:, 0], axes=1).real
+        else:
+            total = np.einsum("mk,kmcx->mcx", turning, found).real
+        return total[..., 0], total[..., 1]
+
+
+def cylinder_harmonics(
+    engine: EngineLayout,
+    orders: ArrayLike | float,
+    pressure: Pressures | None = None,
+    *,
+    misfire: Mapping[int, float] | None = None,
+    motored: Pressures | None = None,
+    model: RodModelName = "rigid",
+    inertia: bool = True,
+    samples: int = DEFAULT_SAMPLES,
+    throws: Sequence[int] | None = None,
+    crankcase_pressure: float = ATMOSPHERE,
+) -> CylinderHarmonics:
+    """Find the harmonics of the force of every cylinder on its crankpin, for any speed.
+
+    Parameters
+    ----------
+    engine, orders, pressure, misfire, motored, model, inertia, samples, throws, crankcase_pressure
+        As for `cylinder_forces`.
+
+    Returns
+    -------
+    CylinderHarmonics
+
+    Raises
+    ------
+    InputError
+        As `cylinder_forces`, but for speeds and loads.
+    """
+    count = whole_number("samples", samples, 3, "fewer show no harmonic")
+    asked = asked_orders(orders, engine.strokes)
+    places = order_places(asked, engine.strokes, count, "the force diagrams")
+    under = nonnegative_number("crankcase_pressure", crankcase_pressure, "Pa", "it is absolute")
+    angles = even_angles(engine.cycle, count)
+    kept = np.concatenate(([0], places))
+    cylinders = len(engine.cylinders)
+    gas: tuple[ComplexArray, ...] = (np.zeros((0, kept.size, 2), dtype=np.complex128),) * cylinders
+    weights: tuple[Weights, ...] = (_none,) * cylinders
+    sources: tuple[GasSource, ...] = ()
+    if pressure is not None:
+        sources = gas_sources(engine, pressure, misfire, motored)
+        _check_resolved(asked, engine.strokes, sources)
+        per_force = _pin_forces(mechanism_forces(engine, angles, 0.0, 1.0, model=model))
+        gas = tuple(
+            _gas_phasors(engine, place, source, angles, per_force[place], under)[:, kept]
+            for place, source in enumerate(sources)
+        )
+        weights = tuple(source.weights for source in sources)
+    elif misfire:
+        raise InputError(
+            "misfire: given without a pressure; allowed is none, because an engine without gas forces "
+            "does not fire."
+        )
+    return CylinderHarmonics(
+        orders=read_only(asked),
+        crank_radius=engine.crank_radius,
+        throws=throw_of_each(engine, throws),
+        gas=gas,
+        weights=weights,
+        inertia=_inertia_phasors(engine, asked, count, model)
+        if inertia
+        else np.zeros((kept.size, cylinders, 2), dtype=np.complex128),
+        takes_load=any(source.takes_load for source in sources),
+        one_diagram="pressure diagram" if any(not own.takes_load for own in sources) else "",
+        remarks=tuple(dict.fromkeys(text for source in sources for text in source.remarks)),
+    )
+
+
+def throw_of_each(engine: EngineLayout, throws: Sequence[int] | None) -> tuple[int, ...]:
+    """Return the throw of each cylinder from 0, as given or by what the layout says.
+
+    Raises
+    ------
+    InputError
+        If given throws do not fit the cylinders.
+    """
+    groups = throws_along_shaft(engine) if throws is None else checked_throws(engine, throws)
+    found = {number: throw for throw, group in enumerate(groups) for number in group}
+    return tuple(found[number] for number in range(1, len(engine.cylinders) + 1))
+
+
+def _none(speeds: FloatArray, _load: Load | None) -> FloatArray:
+    return np.zeros((speeds.size, 0))
+
+
+def _pin_forces(forces: MechanismForces) -> FloatArray:
+    """Return T and Z of each cylinder (c, 2, m)."""
+    return np.stack((forces.tangential, forces.radial), axis=1)
+
+
+def _gas_phasors(
+    engine: EngineLayout,
+    place: int,
+    source: GasSource,
+    angles: FloatArray,
+    per_force: FloatArray,
+    under: float,
+) -> ComplexArray:
+    """Return mean and phasors of T and Z for each diagram of a cylinder (D, orders, 2)."""
+    since_firing = angles - engine.firing[place]
+    above = np.array([diagram.at(since_firing) - under for diagram in source.diagrams])
+    forces = engine.cylinders[place].area * above[:, np.newaxis] * per_force
+    return np.asarray(phasors_of(forces).swapaxes(1, 2))
+
+
+def _inertia_phasors(
+    engine: EngineLayout, orders: FloatArray, count: int, model: RodModelName
+) -> ComplexArray:
+    """Return mean and phasors of T and Z per square of the speed; masses repeat every turn."""
+    whole = np.flatnonzero(orders == np.round(orders))
+    angles = even_angles(TURN, max(count // (engine.strokes // 2), 2 * int(orders[-1]) + 3))
+    forces = phasors_of(_pin_forces(mechanism_forces(engine, angles, 1.0, 0.0, model=model)))
+    found = np.zeros((orders.size + 1, len(engine.cylinders), 2), dtype=np.complex128)
+    found[0] = forces[..., 0]
+    found[1 + whole] = np.moveaxis(forces[..., orders[whole].astype(np.int64)], -1, 0)
+    return found
+
+
+def _check_resolved(orders: FloatArray, strokes: int, sources: Sequence[GasSource]) -> None:
+    known = [source.samples for source in sources if source.samples is not None]
+    if known:
+        order_places(orders, strokes, min(known), "the pressure diagrams")

@@ -1,0 +1,229 @@
+"""Forces of all cylinders on their crankpins, by order and speed, as vibration takes them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_vector, read_only
+from dynamics.engine.layout import EngineLayout
+from dynamics.excitation.cylinder_harmonics import (
+    ComplexArray,
+    CylinderHarmonics,
+    cylinder_harmonics,
+)
+from dynamics.excitation.engine_load import Load, per_minute
+from dynamics.excitation.gas_sources import Pressures
+from dynamics.gas.pressure import ATMOSPHERE
+from dynamics.mechanism.rods import RodModelName
+from dynamics.response.excitation import at_angles, checked_speed_index, checked_speeds
+from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
+
+
+@dataclass(frozen=True, eq=False)
+class CylinderForces:
+    """Force of each cylinder on its crankpin, by order and speed.
+
+    Order k of cylinder j is Re(F exp(i k phi)), phi the shaft angle; firing phases are worked in.
+
+    Parameters
+    ----------
+    orders : ndarray of shape (K,)
+        In cycles per crankshaft revolution, ascending.
+    speeds : ndarray of shape (S,)
+        Of the crankshaft [rad/s], ascending.
+    tangential : complex ndarray of shape (K, S, c)
+        T, in the sense of rotation [N].
+    radial : complex ndarray of shape (K, S, c)
+        Z, towards the shaft axis [N].
+    mean_tangential, mean_radial : ndarray of shape (S, c)
+        What is left of T and Z without all orders [N].
+    crank_radius : float
+        R [m].
+    throws : tuple of c int
+        Throw of each cylinder, from 0 at the free end.
+    remarks : tuple of str
+        What was assumed, a sentence each.
+    """
+
+    orders: FloatArray
+    speeds: FloatArray
+    tangential: ComplexArray
+    radial: ComplexArray
+    mean_tangential: FloatArray
+    mean_radial: FloatArray
+    crank_radius: float
+    throws: tuple[int, ...]
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def torque(self) -> ComplexArray:
+        """R T of each cylinder (K, S, c) [N m]."""
+        return self.crank_radius * self.tangential
+
+    @property
+    def mean_torque(self) -> FloatArray:
+        """Mean torque of the engine at each speed (S,) [N m]."""
+        return np.asarray(self.crank_radius * self.mean_tangential.sum(axis=1))
+
+    @property
+    def power(self) -> FloatArray:
+        """Indicated power, mean torque times speed (S,) [W]."""
+        return self.mean_torque * self.speeds
+
+    @property
+    def throw_count(self) -> int:
+        """Number of throws."""
+        return max(self.throws) + 1
+
+    def at_angle(self, speed_index: int, shaft_angle: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return T and Z over shaft angles at one of the speeds, the sum of mean and all orders.
+
+        Parameters
+        ----------
+        speed_index : int
+            Which of the speeds, from 0.
+        shaft_angle : array_like of shape (m,)
+            [rad].
+
+        Returns
+        -------
+        tangential, radial : ndarray of shape (m, c)
+            [N].
+
+        Raises
+        ------
+        InputError
+            If there is no such speed, or an angle is not a finite number.
+        """
+        place = checked_speed_index(speed_index, self.speeds)
+        angles = finite_vector("shaft_angle", shaft_angle)
+        return (
+            self.mean_tangential[place] + at_angles(self.orders, self.tangential[:, place], angles),
+            self.mean_radial[place] + at_angles(self.orders, self.radial[:, place], angles),
+        )
+
+
+def cylinder_forces(
+    engine: EngineLayout,
+    speeds: ArrayLike,
+    orders: ArrayLike | float,
+    pressure: Pressures | None = None,
+    *,
+    load: Load | None = None,
+    misfire: Mapping[int, float] | None = None,
+    motored: Pressures | None = None,
+    model: RodModelName = "rigid",
+    inertia: bool = True,
+    samples: int = DEFAULT_SAMPLES,
+    throws: Sequence[int] | None = None,
+    crankcase_pressure: float = ATMOSPHERE,
+) -> CylinderForces:
+    """Find the force of every cylinder on its crankpin, by order and speed.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+        Any layout: cylinders in line or in a V, offset pins, hinged rods (whose share acts through
+        the main rod, with the wall's answer).
+    speeds : array_like of shape (S,)
+        Of the crankshaft [rad/s], ascending.
+    orders : array_like of shape (K,), or a number
+        In cycles per crankshaft revolution, ascending; a number for all up to it.
+    pressure : GasPressure, PressureMap, or a sequence of n of them, optional
+        For all cylinders, or for each; None for no gas force. A map is read at each speed and
+        load; a single diagram serves all speeds, and a remark says so.
+    load : number, array_like of shape (S,) or callable, optional
+        For a pressure map of several loads, in its measure: constant, one for each speed, or a
+        function of the speeds such as `propeller_load` gives.
+    misfire : mapping of int to float, optional
+        Number of each failing cylinder to the share of its combustion that is missing: 1 for none
+        left, when it follows the pressure without combustion.
+    motored : as pressure, optional
+        That pressure without combustion; needed for misfire.
+    model : str, optional
+        Of the rods: "rigid", "three-mass", "two-mass with inertia" or "two-mass".
+    inertia : bool, optional
+        Whether moving masses excite, by the square of the speed. Leave them out where the equations
+        of motion hold the variable inertia itself.
+    samples : int, optional
+        Over the working cycle; they resolve orders below half their number per revolution.
+    throws : sequence of n int, optional
+        Throw of each cylinder, 0 next to the free end; by default cylinders of different banks with
+        equal crank angles and nearly equal positions share one.
+    crankcase_pressure : float, optional
+        Absolute pressure under the pistons [Pa].
+
+    Returns
+    -------
+    CylinderForces
+
+    Raises
+    ------
+    InputError
+        If orders or speeds do not ascend from above zero, an order is none of the cycle's or beyond
+        what samples or pressure diagrams resolve, a pressure does not fit the engine, a speed or
+        load lies outside the map, or a misfire has no pressure without combustion.
+
+    Notes
+    -----
+    Gas forces are linear in the pressure: T and Z per unit of gas force follow from the mechanism
+    once, and each diagram's harmonics once. At constant speed inertia forces are the square of the
+    speed times a function of the angle alone, and so are their harmonics, exactly.
+
+    Examples
+    --------
+    >>> from dynamics.engine.cylinder import EngineCylinder
+    >>> from dynamics.mechanism.rods import ConnectingRod
+    >>> rod = ConnectingRod(length=0.2, mass=1.0, center_distance=0.07, inertia=0.006)
+    >>> engine = EngineLayout(0.05, [EngineCylinder(0.1, 1.0, rod)], [1])
+    >>> slow_and_fast = cylinder_forces(engine, [50.0, 100.0], 3.0)
+    >>> np.abs(slow_and_fast.tangential[3, :, 0]).round(2).tolist()
+    [89.24, 356.96]
+    """
+    found = cylinder_harmonics(
+        engine,
+        orders,
+        pressure,
+        misfire=misfire,
+        motored=motored,
+        model=model,
+        inertia=inertia,
+        samples=samples,
+        throws=throws,
+        crankcase_pressure=crankcase_pressure,
+    )
+    return forces_at_speeds(found, speeds, load)
+
+
+def forces_at_speeds(
+    harmonics: CylinderHarmonics, speeds: ArrayLike, load: Load | None = None
+) -> CylinderForces:
+    """Return the forces of the cylinders at speeds [rad/s] and loads.
+
+    Raises
+    ------
+    InputError
+        If speeds do not ascend from above zero, or one lies outside a pressure map.
+    """
+    running = checked_speeds(speeds)
+    phasors = harmonics.phasors(running, load)
+    remarks = harmonics.remarks
+    if harmonics.one_diagram and running.size > 1:
+        remarks = (
+            *remarks,
+            f"One {harmonics.one_diagram} was used at all speeds from {per_minute(float(running[0]))} to "
+            f"{per_minute(float(running[-1]))}, although it changes with speed and load.",
+        )
+    return CylinderForces(
+        orders=harmonics.orders,
+        speeds=read_only(running),
+        tangential=phasors[1:, ..., 0],
+        radial=phasors[1:, ..., 1],
+        mean_tangential=phasors[0, ..., 0].real,
+        mean_radial=phasors[0, ..., 1].real,
+        crank_radius=harmonics.crank_radius,
+        throws=harmonics.throws,
+        remarks=remarks,
+    )

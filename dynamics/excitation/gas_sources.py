@@ -1,0 +1,150 @@
+"""Where the gas pressure of each cylinder comes from: diagrams, and their weights over the speed."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from dynamics.checks import FloatArray, nonnegative_number
+from dynamics.engine.gas_forces import Pressure
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.orders import checked_cylinder
+from dynamics.excitation.engine_load import Load
+from dynamics.excitation.pressure_map import PressureMap
+from dynamics.gas.pressure import GasPressure
+from geometry.errors import InputError
+
+# Pressure of one kind for all cylinders, or one for each.
+AnyPressure = Pressure | PressureMap
+Pressures = AnyPressure | Sequence[AnyPressure]
+Weights = Callable[[FloatArray, Load | None], FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class GasSource:
+    """Diagrams whose weighted sum is the pressure in a cylinder.
+
+    Parameters
+    ----------
+    diagrams : tuple of D Pressure
+    weights : callable
+        Speeds (S,) [rad/s] and load to the weight of each diagram (S, D).
+    takes_load : bool
+        Whether it is a map.
+    """
+
+    diagrams: tuple[Pressure, ...]
+    weights: Weights
+    takes_load: bool
+
+    @property
+    def samples(self) -> int | None:
+        """Samples over the cycle of the coarsest diagram, None if none is sampled."""
+        known = [own.angles.size for own in self.diagrams if isinstance(own, GasPressure)]
+        return min(known, default=None)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was done to the diagrams."""
+        return tuple(text for own in self.diagrams for text in getattr(own, "remarks", ()))
+
+
+def gas_sources(
+    engine: EngineLayout,
+    pressure: Pressures,
+    misfire: Mapping[int, float] | None = None,
+    motored: Pressures | None = None,
+) -> tuple[GasSource, ...]:
+    """Return the source of the pressure in each cylinder; equal ones are one object.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    pressure : Pressure, PressureMap or sequence of n of them
+    misfire : mapping of int to float, optional
+        Number of each failing cylinder to the share of its combustion that is missing, 0 to 1.
+    motored : as pressure, optional
+        The pressure without combustion.
+
+    Raises
+    ------
+    InputError
+        If there is not one for each cylinder, strokes differ, there is no such cylinder, a share is
+        not from 0 to 1, or cylinders fail and nothing says the pressure without combustion.
+    """
+    fired = _one_for_each("pressure", pressure, engine)
+    failing = {
+        checked_cylinder(engine, number): _share(number, share)
+        for number, share in (misfire or {}).items()
+    }
+    if not failing:
+        return tuple(fired)
+    if motored is None:
+        raise InputError(
+            f"motored: given none for misfire in cylinder {min(failing)}; allowed is the pressure without "
+            "combustion (of the cycle model with heat=0, measured, or by `motored_from_compression`), "
+            "because a fired diagram alone does not say it."
+        )
+    cold = _one_for_each("motored", motored, engine)
+    made: dict[tuple[int, int, float], GasSource] = {}
+    for number, share in failing.items():
+        both = fired[number - 1], cold[number - 1]
+        key = (id(both[0]), id(both[1]), share)
+        fired[number - 1] = made.setdefault(key, _mixed(*both, share))
+    return tuple(fired)
+
+
+def _one_for_each(field: str, pressure: Pressures, engine: EngineLayout) -> list[GasSource]:
+    count = len(engine.cylinders)
+    given = list(pressure) if isinstance(pressure, Sequence) else [pressure] * count
+    if len(given) != count:
+        raise InputError(
+            f"{field}: given {len(given)} for {count} cylinders; allowed is one for all, or one for each "
+            "cylinder, because each piston has its own force."
+        )
+    for own in given:
+        if own.strokes != engine.strokes:
+            raise InputError(
+                f"{field}: given a cycle of {own.strokes} strokes; allowed is {engine.strokes}, because "
+                "that is the engine's."
+            )
+    made = {id(own): _source(own) for own in given}
+    return [made[id(own)] for own in given]
+
+
+def _source(pressure: AnyPressure) -> GasSource:
+    if isinstance(pressure, PressureMap):
+        return GasSource(pressure.diagrams, pressure.weights, True)
+    return GasSource((pressure,), _always, False)
+
+
+def _always(speeds: FloatArray, _load: Load | None) -> FloatArray:
+    """Return the weight of a diagram that serves every speed."""
+    return np.ones((speeds.size, 1))
+
+
+def _share(number: int, share: float) -> float:
+    missing = nonnegative_number(f"misfire[{number}]", share, "", "it is a share of the combustion")
+    if missing > 1.0:
+        raise InputError(
+            f"misfire[{number}]: given {missing:g}; allowed is 0 to 1, because it is the share of the "
+            "combustion that is missing."
+        )
+    return missing
+
+
+def _mixed(fired: GasSource, cold: GasSource, share: float) -> GasSource:
+    """Return the source of a cylinder that misses a share of its combustion."""
+    return GasSource(
+        fired.diagrams + cold.diagrams,
+        partial(_mixed_weights, fired, cold, share),
+        fired.takes_load or cold.takes_load,
+    )
+
+
+def _mixed_weights(
+    fired: GasSource, cold: GasSource, share: float, speeds: FloatArray, load: Load | None
+) -> FloatArray:
+    left = (1.0 - share) * fired.weights(speeds, load)
+    return np.hstack([left, share * cold.weights(speeds, load)])

@@ -1,0 +1,104 @@
+"""A pressure map calculated by the cycle model, from peak or mean pressure at points."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, finite_array, finite_vector
+from dynamics.excitation.engine_load import per_minute
+from dynamics.excitation.pressure_map import Method, PressureMap, pressure_map
+from dynamics.gas.cycle_values import GasCycle
+from dynamics.gas.cylinder_volume import Position
+from dynamics.gas.gas_cycle import Solved, gas_cycle
+from geometry.errors import InputError
+
+
+def pressure_map_from_cycles(
+    cycle: GasCycle,
+    position: Position,
+    area: float,
+    speeds: ArrayLike,
+    loads: ArrayLike,
+    *,
+    peak_pressure: ArrayLike | None = None,
+    mean_effective_pressure: ArrayLike | None = None,
+    intake_pressure: ArrayLike | None = None,
+    exhaust_pressure: ArrayLike | None = None,
+    solve_for: Solved = "combustion_start",
+    samples: int | None = None,
+    method: Method = "cubic",
+) -> PressureMap:
+    """Calculate a cycle at each point of speed and load that reaches what is known there.
+
+    Parameters
+    ----------
+    cycle : GasCycle
+        Parameters where the points do not say otherwise.
+    position, area, samples, solve_for
+        As for `gas_cycle`.
+    speeds : array_like of shape (a,)
+        [rad/s].
+    loads : array_like of shape (b,)
+        In any measure.
+    peak_pressure, mean_effective_pressure : array_like of shape (a, b), optional
+        Highest absolute pressure, and indicated mean effective pressure [Pa] at each point; one of
+        them or both. Shapes that numpy stretches to (a, b) serve too.
+    intake_pressure, exhaust_pressure : array_like of shape (a, b), optional
+        Absolute pressure at the end of the intake and during exhaust [Pa]; those of the cycle if not
+        given. With a turbocharger both rise together.
+    method : {"cubic", "linear"}, optional
+        Between the points.
+
+    Returns
+    -------
+    PressureMap
+
+    Raises
+    ------
+    InputError
+        If a shape does not fit, or a cycle cannot reach its point (the message names it).
+    """
+    running, loaded = finite_vector("speeds", speeds), finite_vector("loads", loads)
+    shape = (running.size, loaded.size)
+    peaks = _at_points("peak_pressure", peak_pressure, shape)
+    means = _at_points("mean_effective_pressure", mean_effective_pressure, shape)
+    intakes = _at_points("intake_pressure", intake_pressure, shape)
+    exhausts = _at_points("exhaust_pressure", exhaust_pressure, shape)
+    points = []
+    for place in np.ndindex(*shape):
+        speed, load = float(running[place[0]]), float(loaded[place[1]])
+        try:
+            own = cycle
+            if intakes is not None:
+                own = replace(own, intake_pressure=float(intakes[place]))
+            if exhausts is not None:
+                own = replace(own, exhaust_pressure=float(exhausts[place]))
+            found = gas_cycle(
+                own,
+                position,
+                area,
+                peak_pressure=None if peaks is None else float(peaks[place]),
+                mean_effective_pressure=None if means is None else float(means[place]),
+                solve_for=solve_for,
+                samples=samples,
+            )
+        except InputError as error:
+            raise InputError(f"at {per_minute(speed)} and load {load:g}: {error}") from None
+        # What was solved at each point would make a remark of its own for every one.
+        kept = tuple(text for text in found.pressure.remarks if not text.startswith("Solved"))
+        points.append((speed, load, replace(found.pressure, remarks=kept)))
+    return pressure_map(points, method=method)
+
+
+def _at_points(field: str, values: ArrayLike | None, shape: tuple[int, int]) -> FloatArray | None:
+    if values is None:
+        return None
+    given = finite_array(field, values)
+    try:
+        return np.asarray(np.broadcast_to(given, shape))
+    except ValueError:
+        raise InputError(
+            f"{field}: given an array of shape {given.shape}; allowed is {shape}, because there is one for "
+            "each speed and load."
+        ) from None

@@ -1,0 +1,246 @@
+"""Forces of the cylinders as excitation of an engine's chains: torques, and axial forces of throws."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dynamics.checks import FloatArray, finite_array, is_whole, positive_vector
+from dynamics.excitation.cylinder_harmonics import ComplexArray, CylinderHarmonics
+from dynamics.excitation.cylinders import CylinderForces
+from dynamics.excitation.engine_load import Load
+from dynamics.response.excitation import OrderExcitation
+from geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from dynamics.chains.engine_chains import EngineChain
+
+
+def torque_excitation(forces: CylinderForces, engine_chain: "EngineChain") -> OrderExcitation:
+    """Return the cylinders' torques as excitation of a torsional chain.
+
+    Parameters
+    ----------
+    forces : CylinderForces
+    engine_chain : EngineChain
+        Torsional. Crank radius times T of each cylinder acts on the node of its throw; cylinders on
+        one throw add up.
+
+    Returns
+    -------
+    OrderExcitation
+        Torques [N m].
+
+    Raises
+    ------
+    InputError
+        If the chain is not torsional or has another number of throws.
+    """
+    nodes = _nodes_of_cylinders(engine_chain, forces.throws)
+    torques = _gathered(forces.torque, nodes, engine_chain.chain.inertia.size)
+    return OrderExcitation(forces.orders, forces.speeds, torques)
+
+
+def node_torques(
+    harmonics: CylinderHarmonics,
+    engine_chain: "EngineChain",
+    shaft_angle: ArrayLike,
+    speed: float | ArrayLike,
+    load: Load | None = None,
+) -> FloatArray:
+    """Return the cylinders' torques on the nodes of a torsional chain over shaft angles.
+
+    It is the mean and the sum of the same orders that `torque_excitation` gives, so that time
+    integration and solution by orders have one excitation.
+
+    Parameters
+    ----------
+    harmonics : CylinderHarmonics
+    engine_chain : EngineChain
+        Torsional.
+    shaft_angle : array_like of shape (m,)
+        [rad].
+    speed : number or array_like of shape (m,)
+        Of the shaft at these angles [rad/s].
+    load : optional
+        As for `cylinder_forces`.
+
+    Returns
+    -------
+    ndarray of shape (m, n)
+        [N m].
+
+    Raises
+    ------
+    InputError
+        As `torque_excitation` and `CylinderHarmonics.at`.
+    """
+    nodes = _nodes_of_cylinders(engine_chain, harmonics.throws)
+    tangential, _ = harmonics.at(shaft_angle, speed, load)
+    torques = np.zeros((tangential.shape[0], engine_chain.chain.inertia.size))
+    for cylinder, node in enumerate(nodes):
+        torques[:, node] += harmonics.crank_radius * tangential[:, cylinder]
+    return torques
+
+
+def axial_throw_forces(
+    forces: CylinderForces,
+    compliances: ArrayLike,
+    influence: ArrayLike,
+    pins: ArrayLike | None = None,
+) -> ComplexArray:
+    """Return the axial force with which each throw presses its ends apart.
+
+    Parameters
+    ----------
+    forces : CylinderForces
+    compliances : array_like of shape (n,)
+        Axial compliance e of each throw, as in the axial chain [m/N].
+    influence : array_like of shape (n,), (n, p) or (n, p, 2)
+        Lengthening per unit force on pins, ends axially free [m/N]. (n,): c of each throw by itself,
+        its own radial force alone. (n, p): lengthening of throw i per Z on pin j, neighbors included.
+        (n, p, 2): per Z and per T of pin j.
+    pins : array_like of c int, optional
+        Pin of each cylinder from 0 along the shaft; its throw, if not given.
+
+    Returns
+    -------
+    complex ndarray of shape (K, S, n)
+        P_i = (sum over j of c_ij Z_j) / e_i [N].
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit throws and pins, or a compliance is not above zero.
+
+    Notes
+    -----
+    A throw with free ends would lengthen by c Z. The chain's spring 1/e between its ends lengthens
+    as much under P = c Z / e; held ends feel P. Stoyanov's formula, as quoted by Yamanin, Zhukov
+    2021, doi 10.24143/2073-1574-2021-4-75-83.
+    """
+    e = positive_vector("compliances", compliances, "m/N", "every throw yields under load")
+    radial_and_tangential = _influence(influence, forces, e.size, pins)
+    acting = np.stack((forces.radial, forces.tangential), axis=-1)
+    lengthening = np.einsum("ncx,kscx->ksn", radial_and_tangential, acting)
+    return np.asarray(lengthening / e)
+
+
+def axial_excitation(
+    forces: CylinderForces,
+    engine_chain: "EngineChain",
+    compliances: ArrayLike,
+    influence: ArrayLike,
+    pins: ArrayLike | None = None,
+) -> OrderExcitation:
+    """Return the axial forces of the throws as excitation of an axial chain.
+
+    Parameters
+    ----------
+    forces : CylinderForces
+    engine_chain : EngineChain
+        Axial, with a section before and one after each throw.
+    compliances, influence, pins
+        As for `axial_throw_forces`.
+
+    Returns
+    -------
+    OrderExcitation
+        -P on the section before each throw, +P on that after it [N], positive towards the flywheel.
+
+    Raises
+    ------
+    InputError
+        As `axial_throw_forces`, and if the chain is not axial or has other throws.
+    """
+    pressing = axial_throw_forces(forces, compliances, influence, pins)
+    return OrderExcitation(
+        forces.orders, forces.speeds, axial_section_forces(pressing, engine_chain)
+    )
+
+
+def axial_section_forces(pressing: ComplexArray, engine_chain: "EngineChain") -> ComplexArray:
+    """Return the forces on the nodes of an axial chain from those that press throws' ends apart.
+
+    Parameters
+    ----------
+    pressing : complex ndarray of shape (K, S, n)
+        P of each throw [N].
+    engine_chain : EngineChain
+        Axial.
+
+    Returns
+    -------
+    complex ndarray of shape (K, S, nodes)
+        -P on the section before each throw, +P on that after it [N].
+
+    Raises
+    ------
+    InputError
+        If the chain is not axial or has another number of throws.
+    """
+    if engine_chain.kind != "axial":
+        raise InputError(
+            f"engine_chain: given a {engine_chain.kind} one; allowed is an axial one, because axial "
+            "forces act on it."
+        )
+    sections = engine_chain.sections
+    if len(sections) != pressing.shape[2] + 1:
+        raise InputError(
+            f"compliances: given {pressing.shape[2]} for a chain of {len(sections)} sections; allowed "
+            f"are {len(sections) - 1}, because a throw lies between two sections."
+        )
+    count = engine_chain.chain.inertia.size
+    return _gathered(pressing, sections[1:], count) - _gathered(pressing, sections[:-1], count)
+
+
+def _nodes_of_cylinders(engine_chain: "EngineChain", throws: tuple[int, ...]) -> list[int]:
+    if engine_chain.kind != "torsional":
+        raise InputError(
+            f"engine_chain: given a {engine_chain.kind} one; allowed is a torsional one, because "
+            "torques act on it."
+        )
+    nodes = engine_chain.throw_nodes
+    if max(throws) + 1 != len(nodes):
+        raise InputError(
+            f"engine_chain: given one of {len(nodes)} throws for cylinders on {max(throws) + 1}; allowed "
+            "is the same number, because each cylinder turns its throw."
+        )
+    return [nodes[throw] for throw in throws]
+
+
+def _gathered(values: ComplexArray, nodes: "tuple[int, ...] | list[int]", n: int) -> ComplexArray:
+    """Return values (K, S, c) added up on the nodes where they act (K, S, n)."""
+    found = np.zeros((*values.shape[:2], n), dtype=np.complex128)
+    for place, node in enumerate(nodes):
+        found[:, :, node] += values[:, :, place]
+    return found
+
+
+def _influence(
+    influence: ArrayLike, forces: CylinderForces, throws: int, pins: ArrayLike | None
+) -> FloatArray:
+    """Return the lengthening of each throw per Z and T of each cylinder (n, c, 2)."""
+    given = finite_array("influence", influence)
+    if given.ndim == 1:
+        given = np.diag(given)
+    if given.ndim == 2:
+        given = np.stack((given, np.zeros_like(given)), axis=-1)
+    on_pins = np.array(forces.throws) if pins is None else _pins(pins, len(forces.throws))
+    if given.ndim != 3 or given.shape[::2] != (throws, 2) or given.shape[1] != on_pins.max() + 1:
+        raise InputError(
+            f"influence: given an array of shape {np.shape(influence)}; allowed is ({throws},), "
+            f"({throws}, {on_pins.max() + 1}) or ({throws}, {on_pins.max() + 1}, 2), because it has a row "
+            "for each throw and a column for each pin."
+        )
+    return np.asarray(given[:, on_pins])
+
+
+def _pins(pins: ArrayLike, cylinders: int) -> NDArray[np.int64]:
+    given = list(np.asarray(pins).ravel())
+    if len(given) != cylinders or not all(is_whole(pin) and pin >= 0 for pin in given):
+        raise InputError(
+            f"pins: given {given}; allowed is a whole number from 0 for each of the {cylinders} "
+            "cylinders, because its rod sits on one pin."
+        )
+    return np.array(given, dtype=np.int64)

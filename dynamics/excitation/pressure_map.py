@@ -1,0 +1,269 @@
+"""The pressure in a cylinder over speed and load, interpolated by harmonics."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dynamics.checks import FloatArray, finite_array, nonnegative_number, positive_number, read_only
+from dynamics.cycle import even_angles
+from dynamics.excitation.engine_load import Load, load_at, per_minute
+from dynamics.excitation.samples import order_places, phasors_of
+from dynamics.gas.pressure import GasPressure, gas_pressure
+from geometry.errors import InputError
+
+Method = Literal["cubic", "linear"]
+# Speeds or loads of two points are one within this share.
+SAME = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class PressureMap:
+    """Pressure diagrams at points of speed and load, and what lies between them.
+
+    Made by `pressure_map`. Every complex harmonic of the pressure is interpolated over speed and
+    load by a rule that is linear in the diagrams, so that the diagrams themselves, and the forces
+    that follow from them, are interpolated with the same weights.
+
+    Parameters
+    ----------
+    speeds : ndarray of shape (a,)
+        Ascending [rad/s].
+    loads : ndarray of shape (b,) or None
+        Ascending, in the user's measure; None where each speed has a load of its own, as along a
+        propeller's curve.
+    diagrams : tuple of a * b GasPressure
+        Speed by speed, load by load within each.
+    method : {"cubic", "linear"}
+        Along either axis: cubic spline, or straight lines.
+    load_of_speed : ndarray of shape (a,) or None
+        Load of each speed's only diagram, where there is one.
+    """
+
+    speeds: FloatArray
+    loads: FloatArray | None
+    diagrams: tuple[GasPressure, ...]
+    method: Method
+    load_of_speed: FloatArray | None = None
+
+    @property
+    def strokes(self) -> int:
+        """Strokes per cycle, 2 or 4."""
+        return self.diagrams[0].strokes
+
+    @property
+    def samples(self) -> int:
+        """Samples over the cycle of the coarsest diagram: the others cannot be told finer."""
+        return min(diagram.angles.size for diagram in self.diagrams)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was done to the diagrams, each sentence once."""
+        return tuple(dict.fromkeys(text for own in self.diagrams for text in own.remarks))
+
+    def weights(self, speeds: ArrayLike, load: Load | None = None) -> FloatArray:
+        """Return the weight of each diagram at speeds, and at a load for each of them.
+
+        Parameters
+        ----------
+        speeds : array_like of shape (S,)
+            [rad/s].
+        load : number, array_like of shape (S,) or callable, optional
+            In the measure of the map; none where it has a single load, or one at each speed.
+
+        Returns
+        -------
+        ndarray of shape (S, a * b)
+            Each row has the sum one.
+
+        Raises
+        ------
+        InputError
+            If a speed or load lies outside the map, which is never extended, or a load is missing
+            or too many.
+        """
+        asked = np.atleast_1d(finite_array("speeds", speeds))
+        along = _axis_weights("speed", self.speeds, asked, self.method)
+        if self.loads is None or (self.loads.size == 1 and load is None):
+            if self.loads is None and load is not None:
+                raise InputError(
+                    "load: given for a pressure map with one diagram at each speed; allowed is none, "
+                    "because the speed says the load there."
+                )
+            return along
+        if load is None:
+            raise InputError(
+                f"load: given none; allowed are {self.loads[0]:g} to {self.loads[-1]:g}, because the "
+                "pressure map has diagrams of several loads."
+            )
+        across = _axis_weights("load", self.loads, load_at(load, asked), self.method)
+        return np.asarray((along[:, :, np.newaxis] * across[:, np.newaxis]).reshape(asked.size, -1))
+
+    def phasors(
+        self, orders: ArrayLike, speeds: ArrayLike, load: Load | None = None
+    ) -> NDArray[np.complex128]:
+        """Return the complex harmonics of the pressure, counted from the cylinder's firing top.
+
+        Parameters
+        ----------
+        orders : array_like of shape (K,)
+            In cycles per crankshaft revolution.
+        speeds, load
+            As for `weights`.
+
+        Returns
+        -------
+        complex ndarray of shape (K, S)
+            P_k [Pa] of p = Re sum of P_k exp(i k x).
+
+        Raises
+        ------
+        InputError
+            As `weights`, and if the diagrams do not resolve an order.
+        """
+        places = order_places(orders, self.strokes, self.samples, "the pressure map's diagrams")
+        of_diagrams = phasors_of(self._sampled())[:, places]
+        return np.asarray((self.weights(speeds, load) @ of_diagrams).T)
+
+    def at(self, speed: float, load: float | None = None) -> GasPressure:
+        """Return the diagram at a speed [rad/s] and a load.
+
+        Raises
+        ------
+        InputError
+            As `weights`, and if a spline through uneven diagrams falls below zero.
+        """
+        running = positive_number("speed", speed, "rad/s", "the engine runs")
+        mixed = (self.weights([running], load) @ self._sampled())[0]
+        at_load = "" if load is None else f" and load {load:g}"
+        return gas_pressure(
+            self._angles(),
+            mixed,
+            self.strokes,
+            source=f"pressure map at {per_minute(running)}{at_load}, {self.method} between diagrams",
+            remarks=self.remarks,
+        )
+
+    def _angles(self) -> FloatArray:
+        finest = max(diagram.angles.size for diagram in self.diagrams)
+        return even_angles(self.diagrams[0].cycle, finest)
+
+    def _sampled(self) -> FloatArray:
+        """Return all diagrams at the samples of the finest (a * b, m) [Pa]."""
+        angles = self._angles()
+        return np.array([diagram.at(angles) for diagram in self.diagrams])
+
+
+def pressure_map(
+    points: Iterable[tuple[float, float, GasPressure]], *, method: Method = "cubic"
+) -> PressureMap:
+    """Build a pressure map from diagrams at points of speed and load.
+
+    Parameters
+    ----------
+    points : iterable of (speed, load, GasPressure)
+        Speed [rad/s], load in any measure, the same for all (share of the rated torque, mean
+        effective pressure, power), and the diagram. Either every load at every speed, or one load
+        at each speed, as along a propeller's curve.
+    method : {"cubic", "linear"}, optional
+        Between the diagrams, along either axis.
+
+    Returns
+    -------
+    PressureMap
+
+    Raises
+    ------
+    InputError
+        If there are no points, strokes differ, a point stands twice, or points do not fill a grid.
+    """
+    given = [
+        (
+            positive_number("pressure map speed", speed, "rad/s", "the engine runs"),
+            nonnegative_number("pressure map load", load, "", "it drives"),
+            diagram,
+        )
+        for speed, load, diagram in points
+    ]
+    if not given:
+        raise InputError("points: given none; allowed are one or more, because a map has diagrams.")
+    if method not in ("cubic", "linear"):
+        raise InputError(
+            f'method: given {method!r}; allowed are "cubic" and "linear", because these are the '
+            "ways between the diagrams."
+        )
+    strokes = {diagram.strokes for _, _, diagram in given}
+    if len(strokes) > 1:
+        raise InputError(
+            "points: given diagrams of 2 and of 4 strokes; allowed is one kind, because they are of "
+            "one engine."
+        )
+    speeds = _distinct([speed for speed, _, _ in given])
+    loads = _distinct([load for _, load, _ in given])
+    places = [(_place(speeds, speed), _place(loads, load)) for speed, load, _ in given]
+    found = dict(zip(places, [diagram for _, _, diagram in given], strict=True))
+    if len(found) < len(given):
+        raise InputError(
+            f"points: given {len(given)} points of which {len(found)} differ in speed or load; allowed "
+            "is each point once, because it has one diagram."
+        )
+    if len(found) == speeds.size * loads.size:
+        return PressureMap(
+            read_only(speeds),
+            read_only(loads),
+            tuple(found[row, column] for row, column in np.ndindex(speeds.size, loads.size)),
+            method,
+        )
+    if len(found) == speeds.size == len({row for row, _ in found}):
+        along = sorted(found)
+        return PressureMap(
+            read_only(speeds),
+            None,
+            tuple(found[place] for place in along),
+            method,
+            read_only(np.array([loads[column] for _, column in along])),
+        )
+    missing = next(place for place in np.ndindex(speeds.size, loads.size) if place not in found)
+    raise InputError(
+        f"points: given {len(found)} points with {speeds.size} speeds and {loads.size} loads, none at "
+        f"{per_minute(float(speeds[missing[0]]))} and load {loads[missing[1]]:g}; allowed are all loads "
+        "at every speed, or one at each, because what lies between is interpolated along both (loads as "
+        "shares of the full load of each speed make a grid)."
+    )
+
+
+def _distinct(values: list[float]) -> FloatArray:
+    """Return values ascending, each once."""
+    ordered = np.unique(np.array(values))
+    apart = np.diff(ordered, prepend=-np.inf) > SAME * np.abs(ordered)
+    return np.asarray(ordered[apart])
+
+
+def _place(values: FloatArray, value: float) -> int:
+    return int(np.argmin(np.abs(values - value)))
+
+
+def _axis_weights(field: str, grid: FloatArray, asked: FloatArray, method: Method) -> FloatArray:
+    """Return the weight of each grid value at the asked ones (S, a)."""
+    room = SAME * np.abs(grid[[0, -1]])
+    outside = np.flatnonzero((asked < grid[0] - room[0]) | (asked > grid[-1] + room[1]))
+    if outside.size:
+        shown = per_minute if field == "speed" else "{:g}".format
+        low, high = shown(float(grid[0])), shown(float(grid[-1]))
+        allowed = low if grid.size == 1 else f"{low} to {high}"
+        raise InputError(
+            f"{field}: given {shown(float(asked[outside[0]]))}; allowed is {allowed}, because the pressure "
+            "map has no diagrams beyond and is not extended."
+        )
+    within = np.clip(asked, grid[0], grid[-1])  # by round-off only
+    unit = np.eye(grid.size)
+    if grid.size == 1:
+        return np.ones((asked.size, 1))
+    if method == "linear":
+        return np.array([np.interp(within, grid, own) for own in unit]).T
+    from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
+
+    # Through three points a parabola, through two a straight line.
+    return np.asarray(CubicSpline(grid, unit)(within), dtype=np.float64)

@@ -1,0 +1,181 @@
+"""Thrust and torque of a propeller that vary with the passing of its blades, from data."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.chains.chain import Chain
+from dynamics.checks import (
+    FloatArray,
+    finite_array,
+    finite_vector,
+    node_index,
+    nonnegative_vector,
+    positive_number,
+    whole_number,
+)
+from dynamics.response.excitation import ComplexArray, OrderExcitation, checked_speeds
+from geometry.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class PropellerForces:
+    """Mean thrust and torque of a propeller, and how they vary over a turn.
+
+    thrust = mean [1 + sum over q of a_q sin(q z theta + phase_q)], theta the propeller's angle,
+    counted from where it stands when the shaft angle is zero; the torque likewise. Both means go
+    with the square of the propeller's speed from the rated point.
+
+    Parameters
+    ----------
+    blades : int
+        z, 2 or more.
+    rated_speed : float
+        Of the propeller, not of the engine [rad/s].
+    rated_thrust : float
+        Mean thrust there, ahead [N].
+    rated_torque : float
+        Mean torque there, taken from the shaft [N m].
+    thrust_shares, torque_shares : array_like of shape (Q,)
+        a_q for q = 1, 2 ...: amplitude of the blade order and its multiples as a share of the mean.
+    thrust_phases, torque_phases : array_like of shape (Q,), optional
+        [rad]; zero if not given.
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range, or shares and phases are not of one length.
+
+    Notes
+    -----
+    The shares come from the wake behind the ship and have no usual values here: they are taken from
+    the propeller's design, model tests or the rules of the class that checks the shaft line.
+    """
+
+    blades: int
+    rated_speed: float
+    rated_thrust: float
+    rated_torque: float
+    thrust_shares: ArrayLike
+    torque_shares: ArrayLike
+    thrust_phases: ArrayLike | None = None
+    torque_phases: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        whole_number("propeller_forces.blades", self.blades, 2, "one blade alone is out of balance")
+        for name, unit in (
+            ("rated_speed", "rad/s"),
+            ("rated_thrust", "N"),
+            ("rated_torque", "N m"),
+        ):
+            positive_number(
+                f"propeller_forces.{name}", getattr(self, name), unit, "it drives the ship"
+            )
+        for kind in ("thrust", "torque"):
+            shares = nonnegative_vector(
+                f"propeller_forces.{kind}_shares",
+                getattr(self, f"{kind}_shares"),
+                "",
+                "they are amplitudes",
+            )
+            given = getattr(self, f"{kind}_phases")
+            phases = (
+                np.zeros(shares.size)
+                if given is None
+                else finite_vector(f"propeller_forces.{kind}_phases", given)
+            )
+            if phases.size != shares.size:
+                raise InputError(
+                    f"propeller_forces.{kind}_phases: given {phases.size} for {shares.size} shares; allowed "
+                    "is one for each, because each harmonic has its own."
+                )
+            object.__setattr__(self, f"{kind}_shares", shares)
+            object.__setattr__(self, f"{kind}_phases", phases)
+
+    def mean_thrust(self, speeds: ArrayLike) -> FloatArray:
+        """Return the mean thrust [N] at speeds of the propeller [rad/s]."""
+        return self._law(speeds, self.rated_thrust)
+
+    def mean_torque(self, speeds: ArrayLike) -> FloatArray:
+        """Return the mean torque taken from the shaft [N m] at speeds of the propeller [rad/s]."""
+        return self._law(speeds, self.rated_torque)
+
+    def _law(self, speeds: ArrayLike, rated: float) -> FloatArray:
+        return np.asarray(rated * (finite_array("speeds", speeds) / self.rated_speed) ** 2)
+
+
+def propeller_excitation(
+    propeller: PropellerForces,
+    chain: Chain,
+    node: int,
+    speeds: ArrayLike,
+    *,
+    kind: Literal["torsional", "axial"],
+    ratio: float | None = None,
+) -> OrderExcitation:
+    """Return what a propeller's varying torque or thrust excites.
+
+    Parameters
+    ----------
+    propeller : PropellerForces
+    chain : Chain
+        Torsional or axial, the crankshaft with its node 0.
+    node : int
+        Of the propeller, from 0.
+    speeds : array_like of shape (S,)
+        Of the crankshaft [rad/s], ascending.
+    kind : {"torsional", "axial"}
+        Of the chain: its torque or its thrust acts.
+    ratio : float, optional
+        Speed of the propeller over that of the crankshaft, negative where it turns the other way.
+        By default that of the node by the chain's gears; an axial chain knows none, so that a geared
+        propeller's must be given there.
+
+    Returns
+    -------
+    OrderExcitation
+        Orders q z |ratio| per turn of the crankshaft. The torque on the node acts against its
+        turning; the thrust acts towards the free end, the propeller being behind the flywheel.
+
+    Raises
+    ------
+    InputError
+        If the node does not exist, the ratio is zero, speeds do not ascend, or the propeller has no
+        harmonics of this kind.
+    """
+    place = node_index("propeller node", node, chain.inertia.size)
+    running = checked_speeds(speeds)
+    if kind not in ("torsional", "axial"):
+        raise InputError(
+            f'kind: given {kind!r}; allowed are "torsional" and "axial", because a propeller has torque '
+            "and thrust."
+        )
+    turning = float(chain.speed_ratios[place]) if ratio is None else float(ratio)
+    if not np.isfinite(turning) or turning == 0.0:
+        raise InputError(
+            f"ratio: given {turning:g}; allowed is a finite number other than zero, because the "
+            "propeller turns."
+        )
+    of_propeller = abs(turning) * running
+    if kind == "axial":
+        shares, phases = propeller.thrust_shares, propeller.thrust_phases
+        mean, sense = propeller.mean_thrust(of_propeller), -1.0
+    else:
+        shares, phases = propeller.torque_shares, propeller.torque_phases
+        mean, sense = propeller.mean_torque(of_propeller), -np.sign(turning)
+    sizes = np.asarray(shares, dtype=np.float64)
+    if sizes.size == 0:
+        raise InputError(
+            f"propeller: given no harmonics of its {'thrust' if kind == 'axial' else 'torque'}; allowed "
+            "are one or more, because a steady one excites nothing."
+        )
+    # M sin(k x + a) is Re(-i M exp(i a) exp(i k x)); turning backwards conjugates it.
+    phasors: ComplexArray = -1j * sizes * np.exp(1j * np.asarray(phases, dtype=np.float64))
+    if turning < 0.0:
+        phasors = phasors.conj()
+    orders = propeller.blades * abs(turning) * np.arange(1.0, sizes.size + 1.0)
+    forces = np.zeros((sizes.size, running.size, chain.inertia.size), dtype=np.complex128)
+    forces[:, :, place] = sense * phasors[:, np.newaxis] * mean
+    return OrderExcitation(orders, running, forces)

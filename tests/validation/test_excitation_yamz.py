@@ -1,0 +1,64 @@
+"""Excitation from the printed torque of one throw of the YaMZ-5340 diesel.
+
+Source: Yu. P. Makushev, T. A. Polyakova, Harmonic analysis of the torque of the YaMZ-5340 engine,
+Omsk Scientific Bulletin 2024 no. 3 (191), pp. 39-47, doi 10.25206/1813-8225-2024-191-39-47: table 2
+(torque of one throw), section 2.1 (first two harmonics of M_k sin(k x + a_k), k by the cycle).
+
+Tolerances: half a unit of the last printed digit for what is printed; round-off for what follows from
+it: the series through all samples, and the four cylinders in even firing, of which only orders 2, 4 ...
+are left.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dynamics.excitation.cylinders import forces_at_speeds
+from dynamics.excitation.given_torque import torque_harmonics
+from dynamics.torque_table import read_torque_table
+from geometry.errors import InputError
+
+TABLE = read_torque_table(
+    Path(__file__).parents[2] / "data" / "tables" / "yamz5340_torque_one_throw.csv"
+)
+RADIUS = 0.064
+# Firing order 1-3-4-2.
+FIRING = np.radians([0.0, 540.0, 180.0, 360.0])
+SPEEDS = np.array([100.0, 2300.0 * np.pi / 30.0])
+
+
+def test_printed_harmonics_excite_with_their_phases():
+    found = forces_at_speeds(
+        torque_harmonics(TABLE.harmonics(), FIRING, 8.5, crank_radius=RADIUS), SPEEDS
+    )
+    first = found.torque[:2, 1, 0]
+    assert np.abs(first) == pytest.approx([279.68, 396.44], abs=0.005)
+    # M sin(x + a) is Re(M exp(i (x + a - pi / 2))); printed 230.16 and, corrected, 20.38 deg.
+    assert np.degrees(np.angle(first * 1j)) % 360.0 == pytest.approx([230.16, 20.38], abs=0.005)
+    assert found.mean_torque == pytest.approx(4 * 123.36 * np.ones(2), abs=0.02)
+    assert found.remarks[0].startswith("One torque diagram was used at all speeds from 954.93")
+
+
+def test_series_meets_the_table_and_even_firing_leaves_even_orders():
+    harmonics = torque_harmonics(TABLE.harmonics(), FIRING, 8.5, crank_radius=RADIUS)
+    found = forces_at_speeds(harmonics, SPEEDS)
+    tangential, radial = found.at_angle(0, np.radians(TABLE.crank_angle_deg) + FIRING[2])
+    # 36 samples also hold the order 9, which alternates from sample to sample and has no phase.
+    alternating = np.cos(9.0 * np.radians(TABLE.crank_angle_deg))
+    left = TABLE.torque - RADIUS * tangential[:, 2]
+    assert left == pytest.approx(np.mean(left * alternating) * alternating, abs=1e-9)
+    assert np.all(radial == 0.0)
+    total = np.abs(found.torque[:, 0].sum(axis=1))
+    even = found.orders % 2.0 == 0.0
+    assert total[even] == pytest.approx(4.0 * np.abs(found.torque[even, 0, 0]), rel=1e-12)
+    assert total[~even] == pytest.approx(np.zeros(total[~even].size), abs=1e-10)
+
+
+def test_orders_that_the_samples_do_not_resolve_are_refused():
+    with pytest.raises(InputError, match=r"orders\[17\]: given 9; allowed are orders up to 8.5"):
+        torque_harmonics(TABLE.harmonics(), FIRING, 9.0, crank_radius=RADIUS)
+    with pytest.raises(InputError, match="given 6; allowed are orders up to 5"):
+        torque_harmonics(TABLE.harmonics().up_to(5.0), FIRING, [6.0], crank_radius=RADIUS)
+    with pytest.raises(InputError, match="torque: given 2 for 4 firing angles"):
+        torque_harmonics([TABLE.harmonics()] * 2, FIRING, 5.0, crank_radius=RADIUS)
