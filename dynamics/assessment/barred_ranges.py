@@ -1,0 +1,310 @@
+"""Ranges of speed in which running is barred: where limits are exceeded, widened and merged."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dynamics.assessment.limits import (
+    SpeedCurve,
+    VibrationLimit,
+    checked_rated_speed,
+    shown_range,
+    usage,
+)
+from dynamics.checks import FloatArray, positive_number
+from geometry.errors import InputError
+from geometry.quantity import show_quantity
+
+BARRED_SOURCE = (
+    "IACS unified requirement M68 (Rev.3, February 2021); Korean Register, Rules for Steel Ships "
+    "2025, Part 5, Chapter 4, 206 and Annex 5-3, 2 (2)"
+)
+
+
+@dataclass(frozen=True)
+class BarredRangeRule:
+    """How far around a critical speed running is barred, and up to where that is allowed.
+
+    Parameters
+    ----------
+    rated_speed : float
+        n0 [rad/s].
+    highest_ratio : float
+        Share of the rated speed above which nothing may be barred.
+    source : str
+        Of both.
+
+    Raises
+    ------
+    InputError
+        If a value is not above zero.
+
+    Notes
+    -----
+    With r = n_c / n0 the range is 16 n_c / (18 - r) to (18 - r) n_c / 16.
+    """
+
+    rated_speed: float
+    highest_ratio: float = 0.8
+    source: str = BARRED_SOURCE
+
+    def __post_init__(self) -> None:
+        checked_rated_speed(self.rated_speed)
+        positive_number("highest_ratio", self.highest_ratio, "", "it is a share of the rated speed")
+
+    @property
+    def highest(self) -> float:
+        """Speed above which nothing may be barred [rad/s]."""
+        return self.highest_ratio * self.rated_speed
+
+    def bounds(self, critical: float) -> tuple[float, float]:
+        """Return the lowest and highest barred speed about a critical speed [rad/s].
+
+        Raises
+        ------
+        InputError
+            If the critical speed is not above zero, or above twice the rated one, where the
+            formula's range has shrunk to nothing.
+        """
+        speed = positive_number("critical", critical, "rad/s", "it is that of a turning shaft")
+        wide = 18.0 - speed / self.rated_speed
+        if wide <= 16.0:
+            raise InputError(
+                f"critical: given {speed:g} rad/s; allowed is less than twice the rated speed of "
+                f"{self.rated_speed:g} rad/s, because the formula gives no range from there on."
+            )
+        return 16.0 * speed / wide, wide * speed / 16.0
+
+
+@dataclass(frozen=True)
+class ExceededRange:
+    """A range of speeds without a gap in which one limit is exceeded.
+
+    Parameters
+    ----------
+    low, high : float
+        Where the limit is met, by interpolation between the speeds calculated [rad/s].
+    peaks : tuple of float
+        Speeds at which the use of the limit has a maximum [rad/s].
+    cut_off : bool
+        Whether the range reaches the first or last speed calculated, so that it may go on beyond.
+    """
+
+    low: float
+    high: float
+    peaks: tuple[float, ...]
+    cut_off: bool
+
+
+@dataclass(frozen=True)
+class BarredRange:
+    """A range of speeds to be passed quickly, or a proposal that cannot be accepted.
+
+    Parameters
+    ----------
+    low, high : float
+        [rad/s].
+    peaks : tuple of float
+        Speeds of the largest vibration in it [rad/s].
+    limits : tuple of str
+        Names of the limits exceeded in it.
+    refusals : tuple of str
+        Why running through it cannot be accepted; none if it can.
+    remarks : tuple of str
+        What is not known of it.
+    """
+
+    low: float
+    high: float
+    peaks: tuple[float, ...]
+    limits: tuple[str, ...]
+    refusals: tuple[str, ...]
+    remarks: tuple[str, ...]
+
+    @property
+    def allowed(self) -> bool:
+        """Whether it may be barred."""
+        return not self.refusals
+
+    @property
+    def shown(self) -> str:
+        """Such as "700 to 800 1/min"."""
+        return shown_range(self.low, self.high)
+
+
+def exceeded_ranges(
+    limit: VibrationLimit, curve: SpeedCurve, highest: float = np.inf
+) -> tuple[ExceededRange, ...]:
+    """Find the ranges of speed in which a limit is exceeded.
+
+    Parameters
+    ----------
+    limit : VibrationLimit
+    curve : SpeedCurve
+    highest : float
+        Speeds above are not looked at [rad/s].
+
+    Returns
+    -------
+    tuple of ExceededRange
+        Ascending.
+
+    Notes
+    -----
+    Between two speeds calculated the use of the limit is taken as straight. On the flank of a
+    resonance it is hollow, so that the chord lies above it and the range comes out a little too
+    wide; beside an unbounded value the range reaches to the next speed calculated.
+    """
+    used = usage(limit, curve)
+    looked = curve.speeds <= highest
+    speeds, used = curve.speeds[looked], used[looked]
+    found = []
+    for first, last in _runs(used > 1.0):
+        found.append(
+            ExceededRange(
+                low=_crossing(speeds, used, first, -1),
+                high=_crossing(speeds, used, last, 1),
+                peaks=_peaks(speeds[first : last + 1], used[first : last + 1]),
+                cut_off=first == 0 or last == speeds.size - 1,
+            )
+        )
+    return tuple(found)
+
+
+def barred_ranges(
+    findings: Sequence[tuple[VibrationLimit, SpeedCurve]],
+    rule: BarredRangeRule,
+    running_range: tuple[float, float],
+) -> tuple[BarredRange, ...]:
+    """Propose the ranges of speed to be barred.
+
+    Parameters
+    ----------
+    findings : sequence of pairs of VibrationLimit and SpeedCurve
+    rule : BarredRangeRule
+    running_range : tuple of two floats
+        Lowest and highest speed at which the engine runs [rad/s]. Ranges that end below the lowest
+        one are passed on every start, and only need to be passable.
+
+    Returns
+    -------
+    tuple of BarredRange
+        Ascending and apart; the ones that cannot be accepted say why.
+
+    Notes
+    -----
+    Each range in which a limit is exceeded is widened to the rule's bounds about each of its peaks;
+    those that meet become one. A range may be barred if it ends below the highest speed that the
+    limit (or, if that says nothing, the rule) lets pass, and stays within the limit for passing.
+    """
+    exceeded = [
+        (found, limit)
+        for limit, curve in findings
+        for found in exceeded_ranges(limit, curve, judged_to(limit, running_range))
+    ]
+    widened = [(*_widened(found, rule), found, limit) for found, limit in exceeded]
+    groups: list[list[tuple[float, float, ExceededRange, VibrationLimit]]] = []
+    reach = -np.inf
+    for item in sorted(widened, key=lambda entry: entry[0]):
+        if item[0] > reach:
+            groups.append([])
+        groups[-1].append(item)
+        reach = max(reach, item[1])
+    return tuple(_barred(group, findings, rule) for group in groups)
+
+
+def judged_to(limit: VibrationLimit, running_range: tuple[float, float]) -> float:
+    """Return the speed up to which a limit is held: the highest running one, or the rule's end."""
+    end = limit.continuous.high
+    return max(running_range[1], end) if np.isfinite(end) else running_range[1]
+
+
+def _barred(
+    group: Sequence[tuple[float, float, ExceededRange, VibrationLimit]],
+    findings: Sequence[tuple[VibrationLimit, SpeedCurve]],
+    rule: BarredRangeRule,
+) -> BarredRange:
+    low, high = min(item[0] for item in group), max(item[1] for item in group)
+    names = tuple(dict.fromkeys(item[3].name for item in group))
+    refusals, remarks = [], []
+    ends = [
+        rule.highest if item[3].passing is None else min(item[3].passing.high, np.inf)
+        for item in group
+    ]
+    end = min(rule.highest if np.isinf(one) else one for one in ends)
+    if high > end:
+        refusals.append(
+            f"it reaches {high / rule.rated_speed:.2f} of the rated speed, and nothing may be barred "
+            f"above {end / rule.rated_speed:.2f}"
+        )
+    for limit, curve in findings:
+        inside = (low <= curve.speeds) & (curve.speeds <= high)
+        values = curve.values[inside]
+        if not values.size or limit.name not in names:
+            continue
+        if limit.passing is None:
+            if np.any(np.isinf(values)):
+                refusals.append(f"the {limit.name} is unbounded in it")
+            remarks.append(f"{limit.name}: no limit for passing is known")
+            continue
+        passing = limit.passing.at(curve.speeds[inside])
+        share = np.zeros(values.shape)
+        np.divide(values, passing, out=share, where=np.isfinite(passing))
+        worst = int(np.argmax(share))
+        if share[worst] > 1.0:
+            refusals.append(
+                f"{curve.name} reaches {_amount(values[worst], limit.unit)} at "
+                f"{show_quantity(float(curve.speeds[inside][worst]), 'rad/s', 4)}, where "
+                f"{_amount(passing[worst], limit.unit)} may be passed"
+            )
+    if any(item[2].cut_off for item in group):
+        remarks.append("the range reaches the end of the speeds calculated")
+    return BarredRange(
+        low=float(low),
+        high=float(high),
+        peaks=tuple(sorted({peak for item in group for peak in item[2].peaks})),
+        limits=names,
+        refusals=tuple(dict.fromkeys(refusals)),
+        remarks=tuple(dict.fromkeys(remarks)),
+    )
+
+
+def _amount(value: float, unit: str) -> str:
+    return "no bounds" if np.isinf(value) else show_quantity(float(value), unit, 4)
+
+
+def _widened(found: ExceededRange, rule: BarredRangeRule) -> tuple[float, float]:
+    """Return a range widened to the rule's bounds about its peaks below the rated speed."""
+    ends = [rule.bounds(peak) for peak in found.peaks if peak <= rule.rated_speed]
+    return (
+        min([found.low, *(low for low, _ in ends)]),
+        max([found.high, *(high for _, high in ends)]),
+    )
+
+
+def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return first and last place of each run of true values."""
+    edges = np.diff(np.concatenate(([0], flags.astype(int), [0])))
+    starts, stops = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
+    return list(zip(starts.tolist(), stops.tolist(), strict=True))
+
+
+def _crossing(speeds: FloatArray, used: FloatArray, place: int, step: int) -> float:
+    """Return the speed at which the use is 1, from the last place above it one step outwards."""
+    other = place + step
+    if not 0 <= other < speeds.size:
+        return float(speeds[place])
+    inside, outside = used[place], used[other]
+    if np.isinf(inside):
+        return float(speeds[other])
+    share = (1.0 - outside) / (inside - outside)
+    return float(speeds[other] + share * (speeds[place] - speeds[other]))
+
+
+def _peaks(speeds: FloatArray, used: FloatArray) -> tuple[float, ...]:
+    """Return the speeds of the local maxima; of equal neighbors the first."""
+    beside = np.concatenate(([-np.inf], used, [-np.inf]))
+    top = (used > beside[:-2]) & (used >= beside[2:])
+    return tuple(speeds[top].tolist())

@@ -1,0 +1,215 @@
+"""The search behind the sizing of dampers: least peaks, and the smallest size that keeps a limit.
+
+Everything is searched by logarithms, as sizes are. Nothing is random.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq, minimize, minimize_scalar
+
+from dynamics.checks import FloatArray
+
+Ranges = Sequence[tuple[float, float]]
+# Points of the first look at the range of a setting, of later ones about the last best setting, and
+# the factor by which these go beyond it.
+FIRST_SCAN, LATER_SCAN, WIDER = 11, 5, 2.0
+# A search ends when the logarithms of its variables are known to this; the least peak is flat or has
+# a kink there, so that it is known to about the same share.
+CLOSE = 5e-4
+# The share of a limit that the smallest size is made to use, so that it is not met from above.
+AIM = 1.0 - CLOSE
+MOST_TRIALS = 100
+# Share of the logarithm of a range that counts as its end.
+AT_END = 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """A size that was tried.
+
+    Parameters
+    ----------
+    size : float
+    settings : ndarray of shape (d,)
+        The best ones found for it.
+    used : float
+        Largest share of the permitted amplitude with them; inf if unbounded.
+    """
+
+    size: float
+    settings: FloatArray
+    used: float
+
+
+def picked(tried: Sequence[Tried]) -> Tried:
+    """Return the smallest size that keeps the limit; if none does, the one with the least use."""
+    kept = [one for one in tried if one.used <= 1.0]
+    if kept:
+        return min(kept, key=lambda one: one.size)
+    return min(tried, key=lambda one: (one.used, one.size))
+
+
+def search_sizes(
+    at: Callable[[float, Tried | None], Tried], low: float, high: float, points: int
+) -> tuple[Tried, ...]:
+    """Look for the smallest size that keeps a limit.
+
+    Parameters
+    ----------
+    at : callable
+        Size and the nearest one tried before (None at first) to what is best for that size.
+    low, high : float
+        Range of the size.
+    points : int
+        Of the scan that comes first; then the least use is looked for if none keeps the limit, and
+        the size at which the limit is met if one does.
+
+    Returns
+    -------
+    tuple of Tried
+        All sizes tried, ascending.
+    """
+    found: dict[float, Tried] = {}
+
+    def used(logarithm: float) -> float:
+        size = min(max(float(np.exp(logarithm)), low), high)
+        if size not in found:
+            nearest = min(
+                found.values(), key=lambda one: abs(np.log(one.size / size)), default=None
+            )
+            found[size] = at(size, nearest)
+        return found[size].used
+
+    if low == high:
+        return (at(low, None),)
+    places = np.linspace(np.log(high), np.log(low), points)
+    values = [used(float(place)) for place in places]
+    best = int(np.argmin([finite(value) for value in values]))
+    if values[best] > 1.0 and 0 < best < points - 1:
+        _brent(used, float(places[best + 1]), float(places[best - 1]))
+    kept = picked(list(found.values()))
+    smaller = [one.size for one in found.values() if one.size < kept.size]
+    if kept.used <= AIM and smaller:
+        brentq(
+            lambda place: finite(used(place)) - finite(AIM),
+            np.log(max(smaller)),
+            np.log(kept.size),
+            xtol=0.1 * CLOSE,
+        )
+    return tuple(found[size] for size in sorted(found))
+
+
+def least_settings(
+    used: Callable[[FloatArray], float], ranges: Ranges, last: FloatArray | None
+) -> tuple[FloatArray, float]:
+    """Find the settings that use least of a limit.
+
+    Parameters
+    ----------
+    used : callable
+        Settings (d,) to the use of the limit, d up to two that are not fixed.
+    ranges : sequence of d pairs of floats
+        Equal ends fix a setting.
+    last : ndarray of shape (d,) or None
+        Best settings of a neighboring size: a factor about them is searched, and all of the ranges
+        only if the best lie at an end of that.
+
+    Returns
+    -------
+    settings : ndarray of shape (d,)
+    used : float
+    """
+    whole = np.log(np.array(ranges, dtype=np.float64))
+    if last is not None:
+        near = np.log(np.clip(last, np.exp(whole[:, 0]), np.exp(whole[:, 1])))
+        wide = np.log(WIDER)
+        about = np.column_stack(
+            (np.maximum(near - wide, whole[:, 0]), np.minimum(near + wide, whole[:, 1]))
+        )
+        best, value = _least(used, about, LATER_SCAN)
+        cut = np.any((np.abs(best[:, np.newaxis] - about) <= AT_END) & (about != whole))
+        if not cut:
+            return np.exp(best), value
+    best, value = _least(used, whole, FIRST_SCAN)
+    return np.exp(best), value
+
+
+def end_of_range(name: str, value: float, low: float, high: float) -> str:
+    """Say that a best value lies at an end of its range; nothing if it does not."""
+    if not low < high:
+        return ""
+    for end, word in ((low, "least"), (high, "largest")):
+        if abs(np.log(value / end)) <= AT_END * np.log(high / low):
+            return f"; the {name} is the {word} allowed"
+    return ""
+
+
+def finite(used: float) -> float:
+    """Return a rising function of the use that stays finite where the vibration is unbounded."""
+    return 1.0 if np.isinf(used) else used / (1.0 + used)
+
+
+def _least(
+    used: Callable[[FloatArray], float], ends: FloatArray, points: int
+) -> tuple[FloatArray, float]:
+    """Find where the use is least within ranges of logarithms, and how much it is there."""
+    free = np.flatnonzero(ends[:, 1] > ends[:, 0])
+
+    def at(values: FloatArray) -> float:
+        return used(np.exp(placed(values)))
+
+    def placed(values: FloatArray) -> FloatArray:
+        whole = ends[:, 0].copy()
+        whole[free] = values
+        return whole
+
+    if free.size == 0:
+        return ends[:, 0].copy(), at(np.empty(0))
+    axes = [np.linspace(low, high, points) for low, high in ends[free].tolist()]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, free.size)
+    values = [at(point) for point in grid]
+    place = int(np.argmin([finite(value) for value in values]))
+    first, least = grid[place], values[place]
+    if free.size == 1:
+        low, high = max(place - 1, 0), min(place + 1, points - 1)
+        found = _brent(lambda x: at(np.array([x])), float(axes[0][low]), float(axes[0][high]))
+        best = np.array([found])
+    else:
+        steps = 0.5 * np.diag([axis[1] - axis[0] for axis in axes])
+        best = _nelder_mead(at, np.vstack((first, first + steps)), ends[free])
+    value = at(best)
+    return (placed(best), value) if value <= least else (placed(first), least)
+
+
+def _brent(used: Callable[[float], float], low: float, high: float) -> float:
+    found = minimize_scalar(
+        lambda x: finite(used(float(x))),
+        bounds=(low, high),
+        method="bounded",
+        options={"xatol": CLOSE},
+    )
+    return float(found.x)
+
+
+def _nelder_mead(
+    used: Callable[[FloatArray], float], simplex: FloatArray, ends: FloatArray
+) -> FloatArray:
+    def objective(x: FloatArray, /) -> float:
+        return finite(used(x))
+
+    start: FloatArray = np.array(simplex[0], dtype=np.float64)
+    found = minimize(
+        objective,
+        start,
+        method="Nelder-Mead",
+        bounds=[(float(low), float(high)) for low, high in ends],
+        options={
+            "initial_simplex": np.clip(simplex, ends[:, 0], ends[:, 1]),
+            "xatol": CLOSE,
+            "fatol": 0.1 * CLOSE,
+            "maxfev": MOST_TRIALS,
+        },
+    )
+    return np.asarray(found.x, dtype=np.float64)

@@ -1,0 +1,342 @@
+"""Dampers sized by optimization: the smallest one that keeps a chosen limit at all speeds."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from dynamics.assessment.damper_search import (
+    Ranges,
+    Tried,
+    end_of_range,
+    least_settings,
+    picked,
+    search_sizes,
+)
+from dynamics.assessment.limits import SpeedCurve, VibrationLimit, usage
+from dynamics.chains.chain import Chain
+from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
+from dynamics.chains.editing import find_node
+from dynamics.checks import FloatArray, positive_number, positive_vector
+from geometry.errors import InputError
+from geometry.quantity import show_quantity
+
+Damper = ViscousDamper | RubberDamper | AxialDamper
+Result = Callable[[Chain], SpeedCurve]
+Range = float | tuple[float, float]
+# Ranges searched if none are given. A ring's damping: c / (2 I w_1), w_1 the chain's first elastic
+# frequency; a rubber ring's own frequency over w_1; a loss factor from stiff to very soft rubber.
+DAMPING_RATIOS = (0.02, 5.0)
+TUNINGS = (0.4, 2.5)
+LOSS_FACTORS = (0.05, 1.0)
+# Sizes of rings looked at before the search; of axial dampers, which can be too large.
+RING_SCAN, AXIAL_SCAN = 5, 11
+
+
+@dataclass(frozen=True, eq=False)
+class SizedDamper:
+    """What an optimization of a damper found.
+
+    Parameters
+    ----------
+    damper : ViscousDamper, RubberDamper or AxialDamper
+        The smallest one that keeps the limit; if none does, the one that comes closest.
+    chain : Chain
+        With it.
+    reached : bool
+        Whether the limit is kept.
+    limit : VibrationLimit
+    curve, without : SpeedCurve
+        The limited quantity with the damper and without one.
+    used, used_without : float
+        Largest share of the permitted amplitude over the speeds.
+    sizes : ndarray of shape (m,)
+        All sizes tried, ascending: ring inertia [kg m^2] or damping of an axial damper [N s/m].
+    used_at_best : ndarray of shape (m,)
+        Least share of the permitted amplitude found for each of them.
+    sentence : str
+        The result, or why the limit cannot be kept.
+    """
+
+    damper: Damper
+    chain: Chain
+    reached: bool
+    limit: VibrationLimit
+    curve: SpeedCurve
+    without: SpeedCurve
+    used: float
+    used_without: float
+    sizes: FloatArray
+    used_at_best: FloatArray
+    sentence: str
+
+
+def size_viscous_damper(
+    chain: Chain,
+    node: int | str,
+    result: Result,
+    limit: VibrationLimit,
+    *,
+    ring_inertia: Range,
+    damping: Range | None = None,
+    hub_inertia: float = 0.0,
+) -> SizedDamper:
+    """Find the viscous damper with the smallest ring that keeps a limit.
+
+    Parameters
+    ----------
+    chain : Chain
+        Torsional, without the damper.
+    node : int or str
+        Where it sits, by number from 0 or by name.
+    result : callable
+        Chain, with a damper and its ring as last node, to the limited quantity over the speed.
+    limit : VibrationLimit
+    ring_inertia : float or tuple of two floats
+        The ring's, or the range to search [kg m^2]; with a single value the damping that leaves the
+        least vibration is found.
+    damping : float or tuple of two floats, optional
+        The damper's, or the range to search [N m s/rad]; by default c / (2 I w_1) from 0.02 to 5.
+    hub_inertia : float
+        Of the housing, which turns with the shaft [kg m^2].
+
+    Returns
+    -------
+    SizedDamper
+
+    Raises
+    ------
+    InputError
+        If a range is not above zero and ascending, or the node does not exist.
+
+    Notes
+    -----
+    For each size the damping with the least peak is looked for, by a scan and Brent's method on the
+    logarithm; on the sizes stands a scan and a bracketed search for where the limit is met. Limits
+    that a larger ring of the range keeps and a smaller one too, but none between, are not looked for.
+    """
+    sizes = _checked_range("ring_inertia", ring_inertia, "kg m^2")
+    per_size = 2.0 * _first_frequency(chain)
+    given = None if damping is None else _checked_range("damping", damping, "N m s/rad")
+
+    def ranges(size: float) -> Ranges:
+        if given is None:
+            return [DAMPING_RATIOS]
+        return [(given[0] / (per_size * size), given[1] / (per_size * size))]
+
+    def make(size: float, settings: FloatArray) -> Damper:
+        return ViscousDamper(size, float(settings[0]) * per_size * size, hub_inertia)
+
+    rings = _Rings(_Case(chain, find_node(chain, node), result, limit, make), ranges)
+    return rings.sized(sizes, ("damping",))
+
+
+def size_rubber_damper(
+    chain: Chain,
+    node: int | str,
+    result: Result,
+    limit: VibrationLimit,
+    *,
+    ring_inertia: Range,
+    loss_factor: Range = LOSS_FACTORS,
+    tuning: Range | None = None,
+    hub_inertia: float = 0.0,
+) -> SizedDamper:
+    """Find the rubber damper with the smallest ring that keeps a limit.
+
+    Parameters
+    ----------
+    chain, node, result, limit, ring_inertia, hub_inertia
+        As in `size_viscous_damper`.
+    loss_factor : float or tuple of two floats
+        Of the rubber, or the range to search.
+    tuning : float or tuple of two floats, optional
+        Angular frequency of the ring on a shaft held still, or the range to search [rad/s]; by
+        default from 0.4 to 2.5 times the chain's first elastic one. The stiffness follows from it.
+
+    Returns
+    -------
+    SizedDamper
+
+    Raises
+    ------
+    InputError
+        As `size_viscous_damper`.
+
+    Notes
+    -----
+    As there, with the method of Nelder and Mead on the logarithms where tuning and loss factor are
+    both free.
+    """
+    sizes = _checked_range("ring_inertia", ring_inertia, "kg m^2")
+    first = _first_frequency(chain)
+    low, high = TUNINGS
+    tunings = (
+        (low * first, high * first) if tuning is None else _checked_range("tuning", tuning, "rad/s")
+    )
+    losses = _checked_range("loss_factor", loss_factor, "")
+
+    def make(size: float, settings: FloatArray) -> Damper:
+        frequency, loss = settings.tolist()
+        return RubberDamper(size, size * frequency**2, loss, hub_inertia=hub_inertia)
+
+    case = _Case(chain, find_node(chain, node), result, limit, make)
+    return _Rings(case, lambda _: [tunings, losses]).sized(sizes, ("tuning", "loss factor"))
+
+
+def size_axial_damper(
+    chain: Chain,
+    node: int | str,
+    result: Result,
+    limit: VibrationLimit,
+    *,
+    damping: Range,
+    stiffness: float = 0.0,
+    mass: float = 0.0,
+) -> SizedDamper:
+    """Find the axial damper of least damping that keeps a limit.
+
+    Parameters
+    ----------
+    chain : Chain
+        Axial, without the damper.
+    node, result, limit
+        As in `size_viscous_damper`; the damper adds no node.
+    damping : float or tuple of two floats
+        The damper's, or the range to search [N s/m].
+    stiffness, mass : float
+        Of oil and housing to ground [N/m], and of the collar [kg].
+
+    Returns
+    -------
+    SizedDamper
+
+    Raises
+    ------
+    InputError
+        As `size_viscous_damper`.
+
+    Notes
+    -----
+    Too much damping holds the shaft like a spring and leaves it without any: the damping of least
+    vibration is found first, then the least one below it that keeps the limit.
+    """
+    low, high = _checked_range("damping", damping, "N s/m")
+
+    def make(size: float, _: FloatArray) -> Damper:
+        return AxialDamper(size, stiffness, mass)
+
+    case = _Case(chain, find_node(chain, node), result, limit, make)
+    nothing = np.empty(0)
+    tried = search_sizes(
+        lambda size, _: Tried(size, nothing, case.used(size, nothing)), low, high, AXIAL_SCAN
+    )
+    remark = end_of_range("damping", picked(tried).size, low, high)
+    return case.collected(tried, remark, "N s/m", "damping")
+
+
+@dataclass(frozen=True, eq=False)
+class _Case:
+    """What is to be damped, and how a damper is made from its size and settings."""
+
+    chain: Chain
+    node: int
+    result: Result
+    limit: VibrationLimit
+    make: Callable[[float, FloatArray], Damper]
+
+    def used(self, size: float, settings: FloatArray) -> float:
+        """Largest share of the permitted amplitude with a damper; inf if unbounded."""
+        found = self.result(self.make(size, settings).attached(self.chain, self.node))
+        return float(np.max(usage(self.limit, found)))
+
+    def collected(self, tried: Sequence[Tried], remark: str, unit: str, what: str) -> SizedDamper:
+        """Put the result together."""
+        best = picked(tried)
+        damper = self.make(best.size, best.settings)
+        chain = damper.attached(self.chain, self.node)
+        curve, without = self.result(chain), self.result(self.chain)
+        shares = usage(self.limit, curve)
+        before = float(np.max(usage(self.limit, without)))
+        place = show_quantity(float(curve.speeds[np.argmax(shares)]), "rad/s", 4)
+        numbers = (
+            f"{_share(best.used)} of what is permitted is reached at {place}, {_share(before)} "
+            "without a damper"
+        )
+        shown = show_quantity(best.size, unit, 4)
+        limit = f"{self.limit.name} ({self.limit.source})"
+        return SizedDamper(
+            damper=damper,
+            chain=chain,
+            reached=best.used <= 1.0,
+            limit=self.limit,
+            curve=curve,
+            without=without,
+            used=best.used,
+            used_without=before,
+            sizes=np.array([one.size for one in tried]),
+            used_at_best=np.array([one.used for one in tried]),
+            sentence=(
+                f"A {what} of {shown} keeps the limit on {limit}: {numbers}."
+                if best.used <= 1.0
+                else f"No damper in the ranges searched keeps the limit on {limit}: with a {what} of "
+                f"{shown}, the best found, {numbers}{remark}."
+            ),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Rings:
+    """Dampers with a ring: a size, and settings within ranges that may depend on it."""
+
+    case: _Case
+    ranges: Callable[[float], Ranges]
+
+    def best_at(self, size: float, nearest: Tried | None) -> Tried:
+        """Find the best settings for a ring."""
+        last = None if nearest is None else nearest.settings
+        settings, used = least_settings(
+            lambda values: self.case.used(size, values), self.ranges(size), last
+        )
+        return Tried(size, settings, used)
+
+    def sized(self, sizes: tuple[float, float], names: tuple[str, ...]) -> SizedDamper:
+        """Find the smallest ring whose best settings keep the limit."""
+        tried = search_sizes(self.best_at, *sizes, RING_SCAN)
+        best = picked(tried)
+        remark = end_of_range("ring inertia", best.size, *sizes) + "".join(
+            end_of_range(name, value, *ends)
+            for name, value, ends in zip(
+                names, best.settings.tolist(), self.ranges(best.size), strict=True
+            )
+        )
+        return self.case.collected(tried, remark, "kg m^2", "ring inertia")
+
+
+def _share(used: float) -> str:
+    return f"{100.0 * used:.4g} %" if np.isfinite(used) else "all and more (unbounded vibration)"
+
+
+def _first_frequency(chain: Chain) -> float:
+    """Return the chain's first elastic angular frequency [rad/s]."""
+    modes = chain.modes()
+    if modes.rigid == modes.angular_frequencies.size:
+        raise InputError(
+            f"chain: given one of {modes.rigid} rigid motions only; allowed is one with an elastic "
+            "mode, because nothing else is damped."
+        )
+    return float(modes.angular_frequencies[modes.rigid])
+
+
+def _checked_range(name: str, given: Range, unit: str) -> tuple[float, float]:
+    """Return the ends of a range; a single value is both."""
+    if not isinstance(given, tuple):
+        value = positive_number(name, given, unit, "it is that of a damper")
+        return value, value
+    ends = positive_vector(name, given, unit, "it is that of a damper")
+    if ends.size != 2 or not ends[0] <= ends[1]:
+        raise InputError(
+            f"{name}: given ({', '.join(f'{end:g}' for end in ends)}) {unit}; allowed are the least "
+            "and then the largest value, because the search runs between them."
+        )
+    return float(ends[0]), float(ends[1])

@@ -1,0 +1,270 @@
+"""Limits of torsional stress that can be picked: those of classification rules, with their source."""
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from dynamics.assessment.limits import LimitCurve, VibrationLimit, checked_rated_speed
+from dynamics.checks import FloatArray, positive_number
+from geometry.errors import InputError
+
+M68_SOURCE = (
+    "IACS unified requirement M68 (Rev.3, February 2021), as carried into the Korean Register's "
+    "Rules for Steel Ships 2025, Part 5, Chapter 4, 202"
+)
+CRANKSHAFT_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 201"
+GENERATOR_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 203"
+
+# Factor c_K of a shaft's weakest feature, and whether it belongs to an intermediate or thrust shaft.
+SHAFT_FEATURES: dict[str, tuple[float, bool]] = {
+    "integral flange": (1.0, True),
+    "shrink fit": (1.0, True),
+    "tapered keyway": (0.6, True),
+    "cylindrical keyway": (0.45, True),
+    "radial hole": (0.5, True),
+    "longitudinal slot": (0.3, True),
+    "thrust collar": (0.85, True),
+    "thrust roller bearing": (0.85, True),
+    "propeller shaft": (0.55, False),
+    "stern tube shaft": (0.8, False),
+}
+# Tensile strengths that enter the formula of M68 at most [Pa].
+CARBON_STRENGTH, ALLOY_STRENGTH = 600e6, 800e6
+LOWEST_STRENGTH = 400e6
+# Materials above which the limits of crankshafts may be raised, and up to which by formula [Pa].
+BASE_STRENGTH, BASE_YIELD = 440e6, 225e6
+CRANKSHAFT_STRENGTHS = {False: 590e6, True: 835e6}  # carbon steel, low alloy steel
+
+Kind = Literal["in line", "V"]
+
+
+def propulsion_shaft_limit(
+    tensile_strength: float,
+    diameter: float,
+    rated_speed: float,
+    *,
+    feature: str = "integral flange",
+    alloy: bool = False,
+    applies_to: str = "",
+) -> VibrationLimit:
+    """Pick the torsional stress that classification permits in a ship's propulsion shaft.
+
+    Parameters
+    ----------
+    tensile_strength : float
+        Specified minimum tensile strength [Pa].
+    diameter : float
+        Of the shaft [m].
+    rated_speed : float
+        Maximum continuous speed of the shaft [rad/s].
+    feature : str
+        The weakest one, a key of `SHAFT_FEATURES`: it sets c_K.
+    alloy : bool
+        Whether the steel is a low alloy one; carbon and carbon-manganese steel otherwise.
+    applies_to : str
+        What to call the shaft; the feature otherwise.
+
+    Returns
+    -------
+    VibrationLimit
+        Amplitude of the nominal torsional stress [Pa] up to 1.05 of the rated speed, and while a
+        barred range is passed up to 0.8.
+
+    Raises
+    ------
+    InputError
+        If a value is not above zero, the strength is below 400 MPa or the feature unknown.
+
+    Notes
+    -----
+    With the ratio r of the speed to the rated one, d in mm and stresses in N/mm2:
+    (T + 160) / 18 c_K c_D (3 - 2 r^2) below r = 0.9, 1.38 (T + 160) / 18 c_K c_D from 0.9 to 1.05,
+    c_D = 0.35 + 0.93 d^-0.2; 1.7 / sqrt(c_K) of that while passing. T is at most 600, and 800 for
+    alloy steel of intermediate and thrust shafts.
+    """
+    strength = positive_number("tensile_strength", tensile_strength, "Pa", "it is that of a steel")
+    size = positive_number("diameter", diameter, "m", "it is that of a shaft")
+    rated = checked_rated_speed(rated_speed)
+    if feature not in SHAFT_FEATURES:
+        raise InputError(
+            f"feature: given {feature!r}; allowed are {', '.join(SHAFT_FEATURES)}, because the rule "
+            "gives a factor for these."
+        )
+    if strength < LOWEST_STRENGTH:
+        raise InputError(
+            f"tensile_strength: given {strength / 1e6:g} MPa; allowed is 400 MPa or more, because "
+            "classed shaft forgings begin there."
+        )
+    factor, may_be_alloy = SHAFT_FEATURES[feature]
+    counted = min(strength, ALLOY_STRENGTH if alloy and may_be_alloy else CARBON_STRENGTH)
+    base = (counted / 1e6 + 160.0) / 18.0 * factor * (0.35 + 0.93 * (size / 1e-3) ** -0.2) * 1e6
+
+    def continuous(speeds: FloatArray) -> FloatArray:
+        ratio = speeds / rated
+        return np.asarray(base * np.where(ratio < 0.9, 3.0 - 2.0 * ratio**2, 1.38))
+
+    remarks = []
+    if counted < strength:
+        remarks.append(
+            f"a tensile strength of {strength / 1e6:g} MPa enters the rule as {counted / 1e6:g} MPa"
+        )
+    if "keyway" in feature:
+        remarks.append("keyways are in general not used where a speed range is barred")
+    return VibrationLimit(
+        quantity="torsional stress",
+        applies_to=applies_to
+        or f"shaft with {feature}".replace("shaft with propeller", "propeller"),
+        unit="Pa",
+        continuous=LimitCurve(continuous, 0.0, 1.05 * rated),
+        passing=LimitCurve(
+            lambda speeds: 1.7 / math.sqrt(factor) * continuous(speeds), 0.0, 0.8 * rated
+        ),
+        source=f"{M68_SOURCE}, c_K = {factor:g}",
+        remark="; ".join(remarks),
+    )
+
+
+def crankshaft_limit(
+    rated_speed: float,
+    *,
+    strokes: int,
+    kind: Kind = "in line",
+    firing_interval_deg: float | None = None,
+    tensile_strength: float = BASE_STRENGTH,
+    yield_strength: float = BASE_YIELD,
+    alloy: bool = False,
+) -> VibrationLimit:
+    """Pick the torsional stress that one class permits in the crankshaft of a ship's main engine.
+
+    It serves where the engine maker states none: a crankshaft whose strength was calculated is
+    approved up to the stress that its maker specifies, and that is the limit then.
+
+    Parameters
+    ----------
+    rated_speed : float
+        Maximum continuous speed [rad/s].
+    strokes : int
+        2 or 4.
+    kind : {"in line", "V"}
+    firing_interval_deg : float, optional
+        Of a V engine; 45 and 60 deg have the limits of engines in line.
+    tensile_strength, yield_strength : float
+        Specified minimum values [Pa]; more than 440 and 225 MPa raise the limits.
+    alloy : bool
+        Whether the steel is a low alloy one; carbon steel otherwise.
+
+    Returns
+    -------
+    VibrationLimit
+        Amplitude of the nominal torsional stress [Pa] up to 1.15 of the rated speed, and while a
+        barred range is passed up to 0.8.
+
+    Raises
+    ------
+    InputError
+        If strokes or kind are others, or the strength is above the range of the formula (590 MPa for
+        carbon steel, 835 MPa for low alloy steel).
+
+    Notes
+    -----
+    With the ratio r of the speed to the rated one, in N/mm2: 45 - 24 r^2 (two-stroke engines and
+    other V engines 45 - 29 r^2) up to r = 1, then 21 (16) + 237 (r - 0.8) sqrt(r - 1) up to 1.15;
+    twice the former while passing, up to 0.8. They are multiplied by 1 + 2/3 (T / 440 - 1), those
+    while passing by Y / 225, if T or Y are above these.
+    """
+    rated = checked_rated_speed(rated_speed)
+    even = _has_limits_of_engines_in_line(strokes, kind, firing_interval_deg)
+    kept, passed = _material_factors(tensile_strength, yield_strength, alloy=alloy)
+    slope, at_rated = (24.0, 21.0) if even else (29.0, 16.0)
+
+    def plain(ratio: FloatArray) -> FloatArray:
+        return (45.0 - slope * ratio**2) * 1e6
+
+    def continuous(speeds: FloatArray) -> FloatArray:
+        ratio = speeds / rated
+        above = at_rated + 237.0 * (ratio - 0.8) * np.sqrt(np.maximum(ratio - 1.0, 0.0))
+        return kept * np.where(ratio <= 1.0, plain(ratio), above * 1e6)
+
+    return VibrationLimit(
+        quantity="torsional stress",
+        applies_to="crankshaft",
+        unit="Pa",
+        continuous=LimitCurve(continuous, 0.0, 1.15 * rated),
+        passing=LimitCurve(lambda speeds: passed * 2.0 * plain(speeds / rated), 0.0, 0.8 * rated),
+        source=CRANKSHAFT_SOURCE,
+    )
+
+
+def generator_set_limit(
+    rated_speed: float,
+    *,
+    part: Literal["crankshaft", "generator shaft"],
+    strokes: int = 4,
+    kind: Kind = "in line",
+    firing_interval_deg: float | None = None,
+    tensile_strength: float = BASE_STRENGTH,
+    yield_strength: float = BASE_YIELD,
+    alloy: bool = False,
+) -> VibrationLimit:
+    """Pick the torsional stress that one class permits in a generator set of constant speed.
+
+    Parameters
+    ----------
+    rated_speed : float
+        [rad/s].
+    part : {"crankshaft", "generator shaft"}
+    strokes, kind, firing_interval_deg, tensile_strength, yield_strength, alloy
+        As in `crankshaft_limit`.
+
+    Returns
+    -------
+    VibrationLimit
+        Amplitude of the nominal torsional stress [Pa] up to 1.1 of the rated speed: 21 N/mm2 in the
+        crankshaft (two-stroke engines and other V engines 16), 31 in the generator shaft; 90 and 118
+        while speeds up to 0.9 are passed. Strong materials raise them as in `crankshaft_limit`.
+
+    Raises
+    ------
+    InputError
+        As `crankshaft_limit`, and if the part is another.
+    """
+    rated = checked_rated_speed(rated_speed)
+    if part not in ("crankshaft", "generator shaft"):
+        raise InputError(
+            f"part: given {part!r}; allowed are crankshaft and generator shaft, because the rule "
+            "limits these."
+        )
+    even = _has_limits_of_engines_in_line(strokes, kind, firing_interval_deg)
+    kept, passed = _material_factors(tensile_strength, yield_strength, alloy=alloy)
+    own, quick = (31e6, 118e6) if part == "generator shaft" else (21e6 if even else 16e6, 90e6)
+    return VibrationLimit(
+        quantity="torsional stress",
+        applies_to=part,
+        unit="Pa",
+        continuous=LimitCurve(lambda speeds: np.full(speeds.shape, kept * own), 0.0, 1.1 * rated),
+        passing=LimitCurve(lambda speeds: np.full(speeds.shape, passed * quick), 0.0, 0.9 * rated),
+        source=GENERATOR_SOURCE,
+    )
+
+
+def _has_limits_of_engines_in_line(strokes: int, kind: str, interval: float | None) -> bool:
+    if strokes not in (2, 4):
+        raise InputError(f"strokes: given {strokes}; allowed are 2 and 4.")
+    if kind not in ("in line", "V"):
+        raise InputError(f"kind: given {kind!r}; allowed are in line and V.")
+    return strokes == 4 and (kind == "in line" or interval in (45.0, 60.0))
+
+
+def _material_factors(tensile: float, yielding: float, *, alloy: bool) -> tuple[float, float]:
+    """Return by what a strong material raises the limits of kept and of passed speeds."""
+    strength = positive_number("tensile_strength", tensile, "Pa", "it is that of a steel")
+    limit = positive_number("yield_strength", yielding, "Pa", "it is that of a steel")
+    if strength > CRANKSHAFT_STRENGTHS[alloy]:
+        raise InputError(
+            f"tensile_strength: given {strength / 1e6:g} MPa; allowed is "
+            f"{CRANKSHAFT_STRENGTHS[alloy] / 1e6:g} MPa or less for "
+            f"{'low alloy' if alloy else 'carbon'} steel, because above it the rule has no formula."
+        )
+    kept = 1.0 + 2.0 / 3.0 * (max(strength, BASE_STRENGTH) / BASE_STRENGTH - 1.0)
+    return kept, max(limit, BASE_YIELD) / BASE_YIELD

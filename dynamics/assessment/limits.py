@@ -1,0 +1,302 @@
+"""What vibration may reach at each speed: limits with their source, given by the user or picked."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, positive_number, positive_vector, read_only
+from geometry.errors import InputError
+from geometry.quantity import show_quantity
+
+Values = Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class LimitCurve:
+    """A permitted value over the speed, within the range of speeds in which it is stated.
+
+    Parameters
+    ----------
+    values : callable
+        Speeds (S,) [rad/s] to permitted values (S,).
+    low, high : float
+        Speeds from and to which the value is stated [rad/s]; all by default.
+    """
+
+    values: Values
+    low: float = 0.0
+    high: float = np.inf
+
+    def at(self, speeds: FloatArray) -> FloatArray:
+        """Return the permitted values (S,); inf at speeds for which none is stated."""
+        stated = (self.low <= speeds) & (speeds <= self.high)
+        # A rule's formula may mean nothing outside its range, so it is not asked there.
+        permitted = np.full(speeds.shape, np.inf)
+        permitted[stated] = self.values(speeds[stated])
+        return permitted
+
+
+@dataclass(frozen=True, eq=False)
+class VibrationLimit:
+    """What a quantity may reach, all the time and while a barred range is passed.
+
+    Parameters
+    ----------
+    quantity : str
+        What is limited, such as "torsional stress".
+    applies_to : str
+        Where, such as "crankshaft" or "free end".
+    unit : str
+        SI unit of the values: Pa, N m, N, rad or m.
+    continuous : LimitCurve
+        Permitted amplitude at speeds that are kept.
+    source : str
+        Where the value stands, in words.
+    passing : LimitCurve or None
+        Permitted amplitude at speeds that are only passed quickly; above its range nothing may be
+        barred. None if the source has none.
+    assumed : bool
+        Whether the value is a typical or derived one that nobody gave.
+    remark : str
+        What else the source asks for.
+    """
+
+    quantity: str
+    applies_to: str
+    unit: str
+    continuous: LimitCurve
+    source: str
+    passing: LimitCurve | None = None
+    assumed: bool = False
+    remark: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.source.strip():
+            raise InputError(
+                f"limit on {self.name}: given no source; allowed is a sentence that says where the "
+                "value comes from, because a verdict is worth what its limits are."
+            )
+
+    @property
+    def name(self) -> str:
+        """Quantity and place, such as "torsional stress of crankshaft"."""
+        return f"{self.quantity} of {self.applies_to}"
+
+
+def given_limit(
+    quantity: str,
+    value: float,
+    unit: str,
+    *,
+    applies_to: str,
+    source: str,
+    passing: float | None = None,
+    assumed: bool = False,
+) -> VibrationLimit:
+    """Make a limit that is the same at all speeds, as engine makers give them.
+
+    Parameters
+    ----------
+    quantity, unit, applies_to, source, assumed
+        As in `VibrationLimit`.
+    value : float
+        Permitted amplitude (half of the range from lowest to highest) [unit].
+    passing : float, optional
+        Permitted amplitude while a barred range is passed [unit]; not below `value`.
+
+    Raises
+    ------
+    InputError
+        If a value is not above zero, `passing` is less than `value`, or the source is missing.
+
+    Examples
+    --------
+    >>> limit = given_limit("axial amplitude", 0.4e-3, "m", applies_to="free end", source="maker")
+    >>> limit.continuous.at(np.array([10.0, 20.0])).tolist()
+    [0.0004, 0.0004]
+    """
+    field = f"limit on {quantity} of {applies_to}"
+    kept = positive_number(field, value, unit, "every engine vibrates")
+    if passing is not None and not passing >= kept:
+        raise InputError(
+            f"{field}: given {passing:g} {unit} while a barred range is passed; allowed are finite "
+            f"numbers of {kept:g} {unit} or more, because what may be kept may be passed."
+        )
+    return VibrationLimit(
+        quantity=quantity,
+        applies_to=applies_to,
+        unit=unit,
+        continuous=constant_curve(kept),
+        passing=None
+        if passing is None
+        else constant_curve(positive_number(field, passing, unit, "every engine vibrates")),
+        source=source,
+        assumed=assumed,
+    )
+
+
+def constant_curve(value: float, low: float = 0.0, high: float = np.inf) -> LimitCurve:
+    """Return a curve of one value between two speeds [rad/s]."""
+    return LimitCurve(lambda speeds: np.full(speeds.shape, value), low, high)
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedCurve:
+    """An amplitude over the speed, to be held against a limit.
+
+    Parameters
+    ----------
+    name : str
+        Where it was calculated, such as "shaft cylinder 5 - cylinder 6".
+    speeds : array_like of shape (S,)
+        Ascending [rad/s].
+    values : array_like of shape (S,)
+        Amplitudes in the SI unit of the limit; inf where the vibration is unbounded.
+
+    Raises
+    ------
+    InputError
+        If speeds do not ascend, numbers differ, or a value is negative or no number.
+    """
+
+    name: str
+    speeds: FloatArray
+    values: FloatArray
+
+    def __init__(self, name: str, speeds: ArrayLike, values: ArrayLike) -> None:
+        places = positive_vector("speeds", speeds, "rad/s", "a limit holds for a turning shaft")
+        if places.size == 0 or not np.all(np.diff(places) > 0.0):
+            raise InputError(
+                f"speeds of {name}: given {places.size} values that do not ascend; allowed are one or "
+                "more, each above the last, because ranges of speeds are looked for among them."
+            )
+        sizes = np.array(values, dtype=np.float64)
+        if sizes.shape != places.shape or np.any(np.isnan(sizes)) or np.any(sizes < 0.0):
+            raise InputError(
+                f"values of {name}: given an array of shape {sizes.shape} for {places.size} speeds; "
+                "allowed is an amplitude of zero or more (inf if unbounded) at each speed, because "
+                "each is held against its limit."
+            )
+        object.__setattr__(self, "name", name)
+        object.__setattr__(self, "speeds", read_only(places))
+        object.__setattr__(self, "values", read_only(sizes))
+
+    @property
+    def peak(self) -> float:
+        """Largest value."""
+        return float(np.max(self.values))
+
+
+def usage(limit: VibrationLimit, curve: SpeedCurve) -> FloatArray:
+    """Return how much of the permitted amplitude is used at each speed, (S,).
+
+    Returns
+    -------
+    ndarray of shape (S,)
+        Value over permitted value: above 1 where the limit is exceeded, inf where the vibration is
+        unbounded, 0 at speeds for which the limit states nothing.
+    """
+    permitted = limit.continuous.at(curve.speeds)
+    stated = np.isfinite(permitted)
+    shares = np.zeros(curve.speeds.shape)
+    np.divide(curve.values, permitted, out=shares, where=stated)
+    return shares
+
+
+def axial_force_limit(
+    permissible_stress: float,
+    crank_radius: float,
+    web_width: float,
+    web_thickness: float,
+    *,
+    source: str,
+) -> VibrationLimit:
+    """Derive a limit on the axial force through the throws from a permitted alternating stress.
+
+    Parameters
+    ----------
+    permissible_stress : float
+        Permitted amplitude of the nominal stress in a web [Pa]: fillets raise it locally.
+    crank_radius, web_width, web_thickness : float
+        [m].
+    source : str
+        Of the permissible stress.
+
+    Returns
+    -------
+    VibrationLimit
+        Of the axial force [N], marked assumed: it is derived, not stated by the source.
+
+    Raises
+    ------
+    InputError
+        If a value is not above zero.
+
+    Notes
+    -----
+    A force F along the axis of the main journals reaches the crankpin with the lever R of the crank
+    radius. In a throw whose ends tilt freely (pinned) the web carries, where it meets the pin, the
+    bending moment F R and the force F itself, so that its nominal stress is
+    F (6 R / (B h^2) + 1 / (B h)). Ends that are hindered from tilting lower the moment: the limit
+    lies on the safe side.
+    """
+    stress, radius, width, thickness = (
+        positive_number(name, value, unit, "it is that of a crankshaft")
+        for name, value, unit in (
+            ("permissible_stress", permissible_stress, "Pa"),
+            ("crank_radius", crank_radius, "m"),
+            ("web_width", web_width, "m"),
+            ("web_thickness", web_thickness, "m"),
+        )
+    )
+    area = width * thickness
+    per_force = 6.0 * radius / (area * thickness) + 1.0 / area
+    return given_limit(
+        "axial force",
+        stress / per_force,
+        "N",
+        applies_to="throws",
+        source=f"derived from a permitted nominal stress of {stress / 1e6:g} MPa in the webs of a "
+        f"pinned throw; {source}",
+        assumed=True,
+    )
+
+
+def checked_running_range(running_range: tuple[float, float]) -> tuple[float, float]:
+    """Return the lowest and the highest running speed [rad/s].
+
+    Raises
+    ------
+    InputError
+        If they are not two speeds above zero, the lowest first.
+    """
+    ends = positive_vector(
+        "running_range", running_range, "rad/s", "it is that of a turning engine"
+    )
+    if ends.size != 2 or not ends[0] <= ends[1]:
+        raise InputError(
+            f"running_range: given ({', '.join(f'{end:g}' for end in ends)}) rad/s; allowed are the "
+            "lowest and then the highest running speed, because limits and margins refer to both."
+        )
+    return float(ends[0]), float(ends[1])
+
+
+def shown_range(low: float, high: float) -> str:
+    """Write a range of speeds [rad/s] in 1/min."""
+    first = show_quantity(low, "rad/s", 4).removesuffix(" 1/min")
+    return f"{first} to {show_quantity(high, 'rad/s', 4)}"
+
+
+def checked_rated_speed(rated_speed: float) -> float:
+    """Return the rated speed [rad/s].
+
+    Raises
+    ------
+    InputError
+        If it is not above zero.
+    """
+    return positive_number(
+        "rated_speed", rated_speed, "rad/s", "limits are stated for shares of it"
+    )

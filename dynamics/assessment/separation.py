@@ -1,0 +1,153 @@
+"""How far critical speeds stay away from the speeds at which an engine runs."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.assessment.limits import checked_running_range, shown_range
+from dynamics.assessment.spreads import Spread
+from dynamics.assessment.uncertainty import frequency_bounds
+from dynamics.chains.chain import Chain
+from dynamics.checks import FloatArray, nonnegative_vector, positive_vector
+from geometry.quantity import show_quantity
+
+# Share of the excitation's frequency by which a torsional natural frequency should differ from it.
+USUAL_MARGIN = 0.10
+MARGIN_SOURCE = (
+    "10 % as recommended by API for torsional natural frequencies (API 617), quoted by Q. Wang, "
+    "T. D. Feese, B. C. Pettinato, Torsional natural frequencies: measurement vs. prediction, 41st "
+    "Turbomachinery Symposium, Houston 2012"
+)
+
+
+@dataclass(frozen=True)
+class CriticalRange:
+    """Where the critical speed of one mode and order may lie, and its distance from running speeds.
+
+    Parameters
+    ----------
+    mode : int
+        Elastic mode, from 1.
+    order : float
+        In cycles per crankshaft revolution.
+    nominal, low, high : float
+        Critical speed, and what it may be at least and at most [rad/s].
+    margin : float
+        Distance of the nearest possible critical speed from the nearest running speed, as a share of
+        the latter; 0 where one may be met.
+    nominal_margin : float
+        The same for the nominal critical speed.
+    """
+
+    mode: int
+    order: float
+    nominal: float
+    low: float
+    high: float
+    margin: float
+    nominal_margin: float
+
+    def kept(self, margin: float = USUAL_MARGIN) -> bool:
+        """Tell whether at least this margin is kept, whatever the truth within the ranges."""
+        return self.margin >= margin
+
+    @property
+    def sentence(self) -> str:
+        """Such as "mode 1 with order 6: 1500 1/min (1450 to 1560 1/min), 12 % off running speeds"."""
+        away = (
+            f"{100.0 * self.margin:.3g} % off running speeds"
+            if self.margin > 0.0
+            else "may be met on running"
+        )
+        return (
+            f"mode {self.mode} with order {self.order:g}: "
+            f"{show_quantity(self.nominal, 'rad/s', 4)} ({shown_range(self.low, self.high)}), {away}"
+        )
+
+
+def separation_margin(
+    low: ArrayLike, high: ArrayLike, running_range: tuple[float, float]
+) -> FloatArray:
+    """Return how far critical speeds between two bounds stay from a running range.
+
+    Parameters
+    ----------
+    low, high : array_like of shape (m,)
+        Least and largest possible critical speed [rad/s].
+    running_range : tuple of two floats
+        Lowest and highest running speed [rad/s].
+
+    Returns
+    -------
+    ndarray of shape (m,)
+        1 - high / lowest running speed below the range, low / highest running speed - 1 above it,
+        0 where they meet it. At a given speed that is also the distance between natural frequency
+        and excitation as a share of the latter.
+
+    Raises
+    ------
+    InputError
+        If a speed is negative, or the running range is upside down.
+    """
+    least = nonnegative_vector("low", low, "rad/s", "it is a speed")
+    most = nonnegative_vector("high", high, "rad/s", "it is a speed")
+    first, last = checked_running_range(running_range)
+    margins = np.maximum(1.0 - most / first, least / last - 1.0)
+    return np.asarray(np.maximum(margins, 0.0))
+
+
+def critical_ranges(
+    chain: Chain,
+    spreads: Sequence[Spread],
+    orders: ArrayLike,
+    running_range: tuple[float, float],
+    *,
+    within: float = 2.0 * USUAL_MARGIN,
+) -> tuple[CriticalRange, ...]:
+    """Find where critical speeds may lie that come near the speeds at which an engine runs.
+
+    Parameters
+    ----------
+    chain : Chain
+    spreads : sequence of Spread
+        What is not known well; none for the nominal critical speeds alone.
+    orders : array_like of shape (K,)
+        Of the excitation, in cycles per crankshaft revolution.
+    running_range : tuple of two floats
+        Lowest and highest running speed [rad/s].
+    within : float
+        Critical speeds with a larger margin are left out.
+
+    Returns
+    -------
+    tuple of CriticalRange
+        Ascending by nominal speed.
+
+    Raises
+    ------
+    InputError
+        If orders are not above zero, the running range is upside down, or a place of a spread does
+        not exist.
+
+    Notes
+    -----
+    The bounds are exact, those of `frequency_bounds` over the order.
+    """
+    excited = positive_vector("orders", orders, "", "they count cycles per revolution")
+    first, last = checked_running_range(running_range)
+    modes = chain.modes()
+    nominal = modes.frequencies
+    low, high = frequency_bounds(chain, spreads)
+    found = []
+    for mode in range(modes.rigid, nominal.size):
+        speeds = 2.0 * np.pi * np.array([nominal[mode], low[mode], high[mode]])
+        for order in excited.tolist():
+            middle, least, most = (speeds / order).tolist()
+            margin, own = separation_margin([least, middle], [most, middle], (first, last)).tolist()
+            if margin <= within:
+                found.append(
+                    CriticalRange(mode - modes.rigid + 1, order, middle, least, most, margin, own)
+                )
+    return tuple(sorted(found, key=lambda one: (one.nominal, one.mode, one.order)))

@@ -1,0 +1,295 @@
+"""What ranges of a chain's values do to its frequencies and amplitudes: bounds and samples."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.stats import qmc
+
+from dynamics.assessment.spreads import FIELDS, Spread, places_of, scaled_chain, scales_of
+from dynamics.chains.chain import Chain
+from dynamics.checks import FloatArray, whole_number
+from geometry.errors import InputError
+
+STIFF = ("stiffness", "ground")
+HEAVY = ("inertia", "distributed_inertia")
+DEFAULT_SAMPLES, DEFAULT_SEED = 200, 0
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Results for many possible systems.
+
+    Parameters
+    ----------
+    spreads : tuple of p Spread
+    factors : ndarray of shape (N, p)
+        Of each sample.
+    values : ndarray of shape (N, ...)
+        Result of each sample; inf where it is unbounded.
+    nominal : ndarray of shape (...)
+        Result with all factors 1.
+    """
+
+    spreads: tuple[Spread, ...]
+    factors: FloatArray
+    values: FloatArray
+    nominal: FloatArray
+
+    def percentile(self, percent: float) -> FloatArray:
+        """Return the value that so many percent of the samples do not exceed, shape (...).
+
+        It is one of the values found, the first not below that share; so inf stays what it is.
+        """
+        return np.asarray(np.percentile(self.values, percent, axis=0, method="inverted_cdf"))
+
+    @property
+    def lowest(self) -> FloatArray:
+        """Lowest of all samples, shape (...)."""
+        return np.asarray(np.min(self.values, axis=0))
+
+    @property
+    def highest(self) -> FloatArray:
+        """Highest of all samples, shape (...)."""
+        return np.asarray(np.max(self.values, axis=0))
+
+
+def sampled_factors(
+    spreads: Sequence[Spread], samples: int = DEFAULT_SAMPLES, seed: int = DEFAULT_SEED
+) -> FloatArray:
+    """Draw factors by a Latin hypercube: each spread is covered evenly, in every share 1/N of it.
+
+    Parameters
+    ----------
+    spreads : sequence of p Spread
+    samples : int
+        N.
+    seed : int
+        The same seed draws the same factors.
+
+    Returns
+    -------
+    ndarray of shape (N, p)
+        Evenly spread over the logarithm, so that a compliance and the stiffness that is its
+        reciprocal are spread alike.
+
+    Raises
+    ------
+    InputError
+        If there is no spread, or fewer than two samples.
+    """
+    if not spreads:
+        raise InputError(
+            "spreads: given none; allowed are one or more, because nothing varies without."
+        )
+    count = whole_number("samples", samples, 2, "a range has two ends")
+    drawn = qmc.LatinHypercube(len(spreads), rng=np.random.default_rng(seed)).random(count)
+    low, high = _log_ends(spreads)
+    return np.asarray(np.exp(low + drawn * (high - low)))
+
+
+def frequency_samples(
+    chain: Chain,
+    spreads: Sequence[Spread],
+    samples: int = DEFAULT_SAMPLES,
+    seed: int = DEFAULT_SEED,
+) -> Samples:
+    """Find the natural frequencies of many possible chains, all at once.
+
+    Parameters
+    ----------
+    chain : Chain
+    spreads : sequence of p Spread
+    samples, seed : int
+        See `sampled_factors`.
+
+    Returns
+    -------
+    Samples
+        Of frequencies [Hz], (N, q) ascending in each sample: where two modes pass each other, the
+        place counts and not the shape.
+    """
+    factors = sampled_factors(spreads, samples, seed)
+    both = _frequencies(chain, spreads, np.vstack((np.ones(len(spreads)), factors)))
+    return Samples(tuple(spreads), factors, both[1:], both[0])
+
+
+def frequency_bounds(chain: Chain, spreads: Sequence[Spread]) -> tuple[FloatArray, FloatArray]:
+    """Find the lowest and highest possible natural frequencies, exactly.
+
+    Returns
+    -------
+    low, high : ndarray of shape (q,)
+        [Hz].
+
+    Raises
+    ------
+    InputError
+        If a place does not exist.
+
+    Notes
+    -----
+    Each squared frequency is a minimum over subspaces of a maximum of x' K x / x' M x (Courant and
+    Fischer). Any stiffness, of an element or to ground, that grows adds k (c' x)^2 to the numerator
+    and any inertia that grows adds to the denominator, so that the quotient rises with the one and
+    falls with the other for every x, and with it every minimum of maxima. All frequencies are
+    therefore lowest together with all stiffnesses least and all inertias largest, and highest the
+    other way round: two corners of the box of factors bound the whole of it.
+    """
+    ends = np.array([[spread.low, spread.high] for spread in spreads]).reshape(-1, 2)
+    softer = np.array([_softens(spread) for spread in spreads], dtype=bool)
+    lowest = np.where(softer, ends[:, 1], ends[:, 0])
+    highest = np.where(softer, ends[:, 0], ends[:, 1])
+    low, high = _frequencies(chain, spreads, np.vstack((lowest, highest)))
+    return low, high
+
+
+def frequency_sensitivities(chain: Chain, spreads: Sequence[Spread]) -> FloatArray:
+    """Return the relative change of each frequency per relative change of each factor, (p, q).
+
+    Returns
+    -------
+    ndarray of shape (p, q)
+        d ln f / d ln factor at the nominal chain; zero for rigid-body modes and for dampings.
+
+    Raises
+    ------
+    InputError
+        If a place does not exist.
+
+    Notes
+    -----
+    d ln f = 1/2 (strain share d ln k - kinetic share d ln I): half the share of the scaled springs in
+    the mode's strain energy, less half that of the scaled inertias in its kinetic energy. Close
+    frequencies that cross exchange their shapes, and sensitivities with them.
+    """
+    modes = chain.modes()
+    elements = len(chain.connections)
+    halves = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6.0
+    ends = np.array(chain.connections, dtype=np.intp).reshape(-1, 2)
+    along = np.einsum("eaq,ab,ebq->eq", modes.shapes[ends], halves, modes.shapes[ends])
+    elastic = np.arange(modes.angular_frequencies.size) >= modes.rigid
+    shares = {
+        "stiffness": modes.strain_shares[:elements],
+        "ground": modes.strain_shares[elements:],
+        "inertia": -chain.inertia[:, np.newaxis] * modes.shapes**2 / modes.modal_inertia,
+        "distributed_inertia": -chain.distributed_inertia[:, np.newaxis]
+        * along
+        / modes.modal_inertia,
+    }
+    rows = []
+    for spread in spreads:
+        field, power = FIELDS.get(spread.kind, ("", 0))
+        share = np.zeros(elastic.size)
+        if field in shares:
+            share = shares[field][places_of(chain, spread)].sum(axis=0)
+        rows.append(0.5 * power * np.where(elastic, share, 0.0))
+    return np.array(rows).reshape(len(spreads), elastic.size)
+
+
+def chain_samples(
+    chain: Chain,
+    spreads: Sequence[Spread],
+    result: Callable[[Chain], ArrayLike],
+    samples: int = DEFAULT_SAMPLES,
+    seed: int = DEFAULT_SEED,
+) -> Samples:
+    """Find any result for many possible chains, such as peak amplitudes.
+
+    Parameters
+    ----------
+    chain : Chain
+    spreads : sequence of p Spread
+    result : callable
+        Chain to a number or an array of the same shape for every chain.
+    samples, seed : int
+        See `sampled_factors`.
+
+    Returns
+    -------
+    Samples
+
+    Notes
+    -----
+    Amplitudes are not monotone in stiffness and inertia, which move resonances about: the extremes
+    of the samples are no bounds of what is possible.
+    """
+    return function_samples(
+        lambda factors: result(scaled_chain(chain, spreads, factors)), spreads, samples, seed
+    )
+
+
+def function_samples(
+    result: Callable[[FloatArray], ArrayLike],
+    spreads: Sequence[Spread],
+    samples: int = DEFAULT_SAMPLES,
+    seed: int = DEFAULT_SEED,
+) -> Samples:
+    """Find any function of the factors for many samples of them.
+
+    Parameters
+    ----------
+    result : callable
+        Factors (p,) to a number or an array of always the same shape.
+    spreads : sequence of p Spread
+        Their kinds and places are left to the function.
+    samples, seed : int
+        See `sampled_factors`.
+
+    Raises
+    ------
+    InputError
+        As `sampled_factors`.
+    """
+    factors = sampled_factors(spreads, samples, seed)
+    values = np.array([np.asarray(result(row), dtype=np.float64) for row in factors])
+    nominal = np.asarray(result(np.ones(len(spreads))), dtype=np.float64)
+    return Samples(tuple(spreads), factors, values, nominal)
+
+
+def _frequencies(chain: Chain, spreads: Sequence[Spread], factors: FloatArray) -> FloatArray:
+    """Return the frequencies [Hz] of each row of factors, (N, q).
+
+    As `elastic_modes`: singular values of C L'^(-1), with K = C' C and M = L L'.
+    """
+    scales = scales_of(chain, spreads, factors)
+    expand = chain.expansion()
+    elongations = chain.elongations() @ expand
+    springs = np.concatenate(
+        (
+            np.sqrt(chain.stiffness * scales["stiffness"])[:, :, np.newaxis] * elongations,
+            np.sqrt(chain.ground * scales["ground"])[:, :, np.newaxis] * expand,
+        ),
+        axis=1,
+    )
+    ends = np.array(chain.connections, dtype=np.intp).reshape(-1, 2)
+    left, right = expand[ends[:, 0]], expand[ends[:, 1]]
+    spread_out = chain.distributed_inertia * scales["distributed_inertia"] / 6.0
+    mass = np.einsum("Nn,na,nb->Nab", chain.inertia * scales["inertia"], expand, expand)
+    for one, other, weight in (
+        (left, left, 2),
+        (right, right, 2),
+        (left, right, 1),
+        (right, left, 1),
+    ):
+        mass += weight * np.einsum("Ne,ea,eb->Nab", spread_out, one, other)
+    root = np.linalg.cholesky(mass)
+    rows = np.swapaxes(np.linalg.solve(root, np.swapaxes(springs, 1, 2)), 1, 2)
+    singular = np.linalg.svd(rows, compute_uv=False)
+    rigid = chain.rigid_motions()[0].shape[1]
+    count = expand.shape[1] - rigid
+    found = np.zeros((len(factors), expand.shape[1]))
+    found[:, rigid:] = singular[:, :count][:, ::-1]
+    return found / (2.0 * np.pi)
+
+
+def _softens(spread: Spread) -> bool:
+    """Tell whether a larger factor lowers the frequencies."""
+    field, power = FIELDS.get(spread.kind, ("", 0))
+    return (field in STIFF and power < 0) or field in HEAVY
+
+
+def _log_ends(spreads: Sequence[Spread]) -> tuple[FloatArray, FloatArray]:
+    ends = np.log(np.array([[spread.low, spread.high] for spread in spreads]))
+    return ends[:, 0], ends[:, 1]

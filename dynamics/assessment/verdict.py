@@ -1,0 +1,220 @@
+"""The verdict: vibration over the speed held against limits, and what is to be done about it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from dynamics.assessment.barred_ranges import (
+    BarredRange,
+    BarredRangeRule,
+    barred_ranges,
+    judged_to,
+)
+from dynamics.assessment.limits import (
+    SpeedCurve,
+    VibrationLimit,
+    checked_running_range,
+    shown_range,
+    usage,
+)
+from geometry.errors import InputError
+from geometry.quantity import show_quantity
+
+Status = Literal["fine", "barred range needed", "not acceptable"]
+
+
+@dataclass(frozen=True, eq=False)
+class LimitCheck:
+    """One curve held against one limit.
+
+    Parameters
+    ----------
+    limit : VibrationLimit
+    curve : SpeedCurve
+    running : bool
+        Whether any speed at which the engine runs was judged.
+    worst_speed : float
+        Where most of the limit is used, among the speeds at which the engine runs [rad/s].
+    worst_value, permitted : float
+        Amplitude there (inf if unbounded) and what is permitted, in the unit of the limit.
+    remarks : tuple of str
+        Speeds that the limit or the calculation leaves out.
+    """
+
+    limit: VibrationLimit
+    curve: SpeedCurve
+    worst_speed: float
+    worst_value: float
+    permitted: float
+    remarks: tuple[str, ...]
+
+    @property
+    def used(self) -> float:
+        """Share of the permitted amplitude that is used at the worst speed."""
+        return self.worst_value / self.permitted
+
+    @property
+    def margin(self) -> float:
+        """Share of the permitted amplitude that is left at the worst speed; negative if exceeded."""
+        return 1.0 - self.used
+
+    @property
+    def passed(self) -> bool:
+        """Whether the limit is kept at all speeds at which the engine runs."""
+        return self.used <= 1.0
+
+    @property
+    def sentence(self) -> str:
+        """What was found, with its numbers and the limit's source."""
+        unit, speed = self.limit.unit, show_quantity(self.worst_speed, "rad/s", 4)
+        allowed = show_quantity(self.permitted, unit, 4)
+        source = self.limit.source + (", assumed" if self.limit.assumed else "")
+        if np.isinf(self.worst_value):
+            found = f"is unbounded at {speed}, where {allowed} is permitted"
+        elif self.passed:
+            found = (
+                f"is at worst {show_quantity(self.worst_value, unit, 4)} at {speed}, "
+                f"{100.0 * self.used:.3g} % of the permitted {allowed}"
+            )
+        else:
+            found = (
+                f"reaches {show_quantity(self.worst_value, unit, 4)} at {speed}, "
+                f"{self.used:.3g} times the permitted {allowed}"
+            )
+        return f"{self.limit.name}, {self.curve.name}: {found} ({source})."
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What limits say of an engine's vibration.
+
+    Parameters
+    ----------
+    status : {"fine", "barred range needed", "not acceptable"}
+    checks : tuple of LimitCheck
+        One for each curve, the worst use first.
+    barred : tuple of BarredRange
+        Ranges of running speeds to be barred, proposed; also those that cannot be accepted.
+    started_through : tuple of BarredRange
+        Ranges below the lowest running speed that are passed on every start.
+    running_range : tuple of two floats
+        [rad/s].
+    remarks : tuple of str
+        What was left open.
+    """
+
+    status: Status
+    checks: tuple[LimitCheck, ...]
+    barred: tuple[BarredRange, ...]
+    started_through: tuple[BarredRange, ...]
+    running_range: tuple[float, float]
+    remarks: tuple[str, ...]
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in words, with the ranges and the worst finding."""
+        worst = self.checks[0]
+        if self.status == "fine":
+            return f"Fine from {shown_range(*self.running_range)}: {worst.sentence}"
+        refused = [one for one in (*self.barred, *self.started_through) if not one.allowed]
+        if self.status == "not acceptable":
+            why = "; ".join(
+                f"{one.shown} cannot be barred: {', and '.join(one.refusals)}" for one in refused
+            )
+            return f"Not acceptable: {worst.sentence} {why}."
+        ranges = ", ".join(one.shown for one in self.barred)
+        return f"Barred range needed, {ranges}: {worst.sentence}"
+
+
+def judge(
+    findings: Sequence[tuple[VibrationLimit, SpeedCurve]],
+    running_range: tuple[float, float],
+    rule: BarredRangeRule,
+) -> Verdict:
+    """Hold vibration against its limits and propose barred speed ranges.
+
+    Parameters
+    ----------
+    findings : sequence of pairs of VibrationLimit and SpeedCurve
+        Amplitudes over the speed with what they may reach; one limit may stand in many pairs.
+    running_range : tuple of two floats
+        Lowest and highest speed at which the engine runs [rad/s]; every curve must cover it. A limit
+        that its source states up to a higher speed is held up to there as far as it was calculated.
+    rule : BarredRangeRule
+
+    Returns
+    -------
+    Verdict
+        "fine" if all limits are kept at running speeds, and speeds below can be passed on starting;
+        "barred range needed" if ranges can be barred so that they are; "not acceptable" otherwise.
+
+    Raises
+    ------
+    InputError
+        If there are no findings, the running range is upside down or a curve does not cover it.
+    """
+    if not findings:
+        raise InputError(
+            "findings: given none; allowed are one or more, because a verdict needs a limit and an "
+            "amplitude to hold against it."
+        )
+    low, high = checked_running_range(running_range)
+    checks = [_check(limit, curve, (low, high)) for limit, curve in findings]
+    ranges = barred_ranges(findings, rule, (low, high))
+    barred = tuple(one for one in ranges if one.high >= low)
+    below = tuple(one for one in ranges if one.high < low)
+    refused = any(not one.allowed for one in ranges)
+    status: Status = "not acceptable" if refused else "barred range needed" if barred else "fine"
+    noted = [f"{check.curve.name}: {text}" for check in checks for text in check.remarks]
+    noted += [f"{one.shown}: {text}" for one in ranges for text in one.remarks]
+    noted += [f"{limit.name}: {limit.remark}" for limit, _ in findings if limit.remark]
+    return Verdict(
+        status=status,
+        checks=tuple(sorted(checks, key=lambda check: -check.used)),
+        barred=barred,
+        started_through=below,
+        running_range=(low, high),
+        remarks=tuple(dict.fromkeys(noted)),
+    )
+
+
+def _check(
+    limit: VibrationLimit, curve: SpeedCurve, running_range: tuple[float, float]
+) -> LimitCheck:
+    low, high = running_range
+    if curve.speeds[0] > low or curve.speeds[-1] < high:
+        raise InputError(
+            f"speeds of {curve.name}: given {shown_range(curve.speeds[0], curve.speeds[-1])}; allowed "
+            f"are speeds that cover the running range of {shown_range(low, high)}, because every "
+            "speed at which the engine runs is judged."
+        )
+    end = judged_to(limit, running_range)
+    used, permitted = usage(limit, curve), limit.continuous.at(curve.speeds)
+    judged = np.isfinite(permitted) & (low <= curve.speeds) & (curve.speeds <= end)
+    if not np.any(judged):
+        raise InputError(
+            f"limit on {limit.name}: given for {shown_range(limit.continuous.low, limit.continuous.high)}"
+            f"; allowed is one that is stated at running speeds, {shown_range(low, high)}, because it "
+            "judges nothing otherwise."
+        )
+    worst = int(np.argmax(np.where(judged, used, -np.inf)))
+    remarks = []
+    if limit.continuous.high < high:
+        remarks.append(
+            f"not judged above {show_quantity(limit.continuous.high, 'rad/s', 4)}, where the limit ends"
+        )
+    if curve.speeds[-1] < end:
+        remarks.append(
+            f"the limit goes on to {show_quantity(end, 'rad/s', 4)}, the calculation to "
+            f"{show_quantity(float(curve.speeds[-1]), 'rad/s', 4)}"
+        )
+    return LimitCheck(
+        limit=limit,
+        curve=curve,
+        worst_speed=float(curve.speeds[worst]),
+        worst_value=float(curve.values[worst]),
+        permitted=float(permitted[worst]),
+        remarks=tuple(remarks),
+    )

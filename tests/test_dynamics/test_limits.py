@@ -1,0 +1,101 @@
+import numpy as np
+import pytest
+
+from dynamics.assessment.barred_ranges import BarredRangeRule
+from dynamics.assessment.limit_rules import (
+    crankshaft_limit,
+    generator_set_limit,
+    propulsion_shaft_limit,
+)
+from dynamics.assessment.limits import SpeedCurve, axial_force_limit, given_limit, usage
+from geometry.errors import InputError
+
+
+def test_given_limit_is_the_same_at_all_speeds():
+    limit = given_limit("torque", 2e3, "N m", applies_to="coupling", source="maker", passing=3e3)
+    assert limit.name == "torque of coupling"
+    assert limit.continuous.at(np.array([1.0, 1e4])).tolist() == [2e3, 2e3]
+    assert limit.passing.at(np.array([5.0])).tolist() == [3e3]
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"value": 0.0}, "given 0 N m; allowed are finite numbers of more than zero"),
+        ({"value": 2.0, "passing": 1.0}, "given 1 N m while a barred range is passed; allowed are"),
+        ({"value": 2.0, "source": " "}, "given no source; allowed is a sentence"),
+    ],
+)
+def test_impossible_limits_are_refused(values, message):
+    given = {"unit": "N m", "applies_to": "coupling", "source": "maker"} | values
+    with pytest.raises(InputError, match=message):
+        given_limit("torque", **given)
+
+
+def test_usage_counts_unbounded_and_leaves_out_speeds_without_a_limit():
+    limit = crankshaft_limit(100.0, strokes=4)
+    curve = SpeedCurve("shaft", [50.0, 100.0, 116.0], [39e6 / 2, np.inf, 1e9])
+    assert usage(limit, curve) == pytest.approx([0.5, np.inf, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("speeds", "values", "message"),
+    [
+        ([2.0, 1.0], [1.0, 1.0], "that do not ascend"),
+        ([1.0, 2.0], [1.0], "given an array of shape"),
+        ([1.0, 2.0], [1.0, np.nan], "allowed is an amplitude of zero or more"),
+        ([1.0, 2.0], [1.0, -1.0], "allowed is an amplitude of zero or more"),
+    ],
+)
+def test_impossible_curves_are_refused(speeds, values, message):
+    with pytest.raises(InputError, match=message):
+        SpeedCurve("shaft", speeds, values)
+
+
+def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so():
+    carbon = propulsion_shaft_limit(650e6, 0.3, 10.0)
+    capped = propulsion_shaft_limit(600e6, 0.3, 10.0)
+    speed = np.array([5.0])
+    assert carbon.continuous.at(speed) == capped.continuous.at(speed)
+    assert "650 MPa enters the rule as 600 MPa" in carbon.remark
+    assert capped.remark == ""
+    alloy = propulsion_shaft_limit(650e6, 0.3, 10.0, alloy=True)
+    assert alloy.continuous.at(speed) == pytest.approx(capped.continuous.at(speed) * 810 / 760)
+    tail = propulsion_shaft_limit(650e6, 0.3, 10.0, alloy=True, feature="propeller shaft")
+    assert tail.continuous.at(speed) == pytest.approx(capped.continuous.at(speed) * 0.55)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: propulsion_shaft_limit(300e6, 0.3, 10.0), "given 300 MPa; allowed is 400 MPa or"),
+        (
+            lambda: propulsion_shaft_limit(500e6, 0.3, 10.0, feature="weld"),
+            "feature: given 'weld'; allowed are integral flange",
+        ),
+        (lambda: crankshaft_limit(100.0, strokes=3), "strokes: given 3; allowed are 2 and 4"),
+        (
+            lambda: crankshaft_limit(100.0, strokes=4, tensile_strength=700e6),
+            "given 700 MPa; allowed is 590 MPa or less for carbon steel",
+        ),
+        (
+            lambda: generator_set_limit(100.0, part="pump"),
+            "part: given 'pump'; allowed are crankshaft and generator shaft",
+        ),
+        (lambda: BarredRangeRule(10.0).bounds(20.0), "allowed is less than twice the rated speed"),
+    ],
+)
+def test_what_a_rule_does_not_cover_is_refused(call, message):
+    with pytest.raises(InputError, match=message):
+        call()
+
+
+def test_axial_force_limit_makes_the_nominal_web_stress_the_permitted_one():
+    """The stress of a bar of the web's section under the force at the lever of the crank radius."""
+    limit = axial_force_limit(30e6, 0.17, 0.285, 0.068, source="maker's fatigue strength")
+    force = float(limit.continuous.at(np.array([1.0]))[0])
+    second_moment = 0.285 * 0.068**3 / 12.0
+    stress = force * 0.17 * (0.068 / 2.0) / second_moment + force / (0.285 * 0.068)
+    assert stress == pytest.approx(30e6, rel=1e-12)  # round-off
+    assert limit.assumed
+    assert "maker's fatigue strength" in limit.source

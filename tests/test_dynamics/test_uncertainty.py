@@ -1,0 +1,155 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from dynamics.assessment.separation import critical_ranges, separation_margin
+from dynamics.assessment.spreads import Spread, scaled_chain
+from dynamics.assessment.uncertainty import (
+    chain_samples,
+    frequency_bounds,
+    frequency_samples,
+    frequency_sensitivities,
+    function_samples,
+    sampled_factors,
+)
+from dynamics.chains.chain import Chain
+from dynamics.chains.links import Dashpot, Gear
+from geometry.errors import InputError
+
+# A geared and branched shaft with all that a chain can have.
+CHAIN = Chain(
+    [0.3, 0.2, 0.1, 0.5, 0.4],
+    [2e5, 1e5, 3e5],
+    {3: 4e4},
+    connections=[(0, 1), (1, 2), (3, 4)],
+    damping=[1.0, 0.0, 2.0],
+    loss_factor=0.03,
+    ground_damping={0: 1.5},
+    distributed_inertia=[0.05, 0.0, 0.02],
+    dashpots=[Dashpot(0, 4, 3.0)],
+    gears=[Gear(2, 3, -1.5)],
+    names=["fan", "crank 1", "crank 2", "wheel", "pump"],
+)
+SPREADS = (
+    Spread("compliance", 0.9, 1.2, places=("fan - crank 1",)),
+    Spread("stiffness", 0.8, 1.1, places=(1, 2)),
+    Spread.within("inertia", 0.1, places=("crank 1", "pump")),
+    Spread("distributed inertia", 0.5, 2.0),
+    Spread("ground stiffness", 0.25, 4.0, places=("wheel",)),
+    Spread("loss factor", 0.5, 1.5),
+    Spread("all damping", 0.5, 3.0),
+)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.lists(st.floats(0.0, 1.0), min_size=len(SPREADS), max_size=len(SPREADS)))
+def test_no_chain_within_the_ranges_leaves_the_bounds(shares):
+    low, high = frequency_bounds(CHAIN, SPREADS)
+    factors = [s.low + share * (s.high - s.low) for s, share in zip(SPREADS, shares, strict=True)]
+    found = scaled_chain(CHAIN, SPREADS, factors).modes().frequencies
+    # Round-off of the frequencies is 1e-15 of the highest one.
+    assert np.all(low - 1e-12 * high[-1] <= found)
+    assert np.all(found <= high + 1e-12 * high[-1])
+
+
+def test_bounds_are_reached_at_their_corners():
+    low, high = frequency_bounds(CHAIN, SPREADS)
+    softest = scaled_chain(CHAIN, SPREADS, [1.2, 0.8, 1.1, 2.0, 0.25, 1.0, 1.0])
+    stiffest = scaled_chain(CHAIN, SPREADS, [0.9, 1.1, 0.9, 0.5, 4.0, 1.0, 1.0])
+    assert low == pytest.approx(softest.modes().frequencies, rel=1e-12)
+    assert high == pytest.approx(stiffest.modes().frequencies, rel=1e-12)
+
+
+def test_sensitivities_are_the_derivatives():
+    found = frequency_sensitivities(CHAIN, SPREADS)
+    step = 1e-5
+    for number, row in enumerate(found):
+        ends = []
+        for sign in (1.0, -1.0):
+            factors = np.ones(len(SPREADS))
+            factors[number] += sign * step
+            ends.append(np.log(scaled_chain(CHAIN, SPREADS, factors).modes().frequencies))
+        # Central differences err by step^2, and by round-off 1e-15 / step.
+        assert row == pytest.approx((ends[0] - ends[1]) / (2.0 * step), abs=1e-8)
+    assert not np.any(found[5:])
+
+
+def test_samples_at_once_are_the_chains_one_by_one_and_free_modes_stay_exactly_zero():
+    free = Chain([1.0, 2.0, 3.0], [1e4, 2e4], distributed_inertia=[0.1, 0.0])
+    spreads = (Spread.within("stiffness", 0.2), Spread("distributed inertia", 0.5, 2.0))
+    for chain, given_spreads in ((CHAIN, SPREADS), (free, spreads)):
+        samples = frequency_samples(chain, given_spreads, samples=7, seed=3)
+        for factors, values in zip(samples.factors, samples.values, strict=True):
+            alone = scaled_chain(chain, given_spreads, factors).modes().frequencies
+            assert values == pytest.approx(alone, rel=1e-11)
+        assert samples.nominal == pytest.approx(chain.modes().frequencies, rel=1e-12)
+    assert not np.any(samples.values[:, 0])
+
+
+def test_every_share_of_a_range_is_drawn_once_and_the_same_seed_draws_the_same():
+    spread = Spread("stiffness", 0.5, 2.0)
+    factors = sampled_factors([spread], samples=40, seed=5)
+    places = np.log(factors[:, 0] / 0.5) / np.log(4.0)
+    assert np.sort(np.floor(40 * places)).tolist() == list(range(40))
+    assert np.array_equal(factors, sampled_factors([spread], samples=40, seed=5))
+    assert not np.array_equal(factors, sampled_factors([spread], samples=40, seed=6))
+
+
+def test_all_damping_scales_all_of_it():
+    doubled = scaled_chain(CHAIN, [Spread("all damping", 0.5, 2.0)], [2.0])
+    assert doubled.damping_matrix() == pytest.approx(2.0 * CHAIN.damping_matrix())
+    assert doubled.loss_matrix() == pytest.approx(2.0 * CHAIN.loss_matrix())
+    assert np.array_equal(doubled.stiffness_matrix(), CHAIN.stiffness_matrix())
+
+
+def test_samples_of_any_result():
+    spreads = [Spread.within("inertia", 0.5)]
+    samples = chain_samples(CHAIN, spreads, lambda chain: chain.inertia.sum(), samples=100)
+    assert samples.nominal == pytest.approx(1.5)
+    assert samples.values == pytest.approx(1.5 * samples.factors[:, 0])
+    assert samples.lowest < samples.percentile(10) < samples.percentile(50) < samples.highest
+    endless = function_samples(lambda f: np.inf if f[0] > 1.2 else f[0], spreads, samples=100)
+    assert np.isinf(endless.highest)
+    assert np.isfinite(endless.percentile(50))
+
+
+def test_separation_margin():
+    margins = separation_margin([70.0, 95.0, 230.0], [80.0, 105.0, 250.0], (100.0, 200.0))
+    assert margins == pytest.approx([0.2, 0.0, 0.15])
+
+
+def test_critical_ranges_tell_what_the_nominal_value_hides():
+    chain = Chain([1.0, 1.0], [5e3])  # 100 rad/s
+    (found,) = critical_ranges(chain, [Spread.within("stiffness", 0.19)], [1.0], (50.0, 88.0))
+    assert (found.mode, found.order) == (1, 1.0)
+    assert (found.low, found.nominal, found.high) == pytest.approx((90.0, 100.0, 100 * 1.19**0.5))
+    assert found.nominal_margin == pytest.approx(100.0 / 88.0 - 1.0)
+    assert found.margin == pytest.approx(90.0 / 88.0 - 1.0)
+    assert not found.kept()
+    assert found.sentence.endswith("(859.4 to 1042 1/min), 2.27 % off running speeds")
+    assert critical_ranges(chain, [], [1.0], (50.0, 60.0)) == ()
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: Spread("weight", 0.9, 1.1), "kind: given 'weight'; allowed are compliance"),
+        (
+            lambda: Spread("inertia", 1.1, 1.2),
+            "given factors 1.1 to 1.2; allowed are a low one up to",
+        ),
+        (lambda: Spread.within("inertia", 1.0), "given 0; allowed are finite numbers of more than"),
+        (lambda: Spread("all damping", 0.5, 2.0, places=(1,)), "places: given"),
+        (
+            lambda: frequency_bounds(CHAIN, [Spread("stiffness", 0.9, 1.1, places=(3,))]),
+            "given 3; allowed are the whole numbers 0 to 2 and fan - crank 1",
+        ),
+        (lambda: sampled_factors([]), "spreads: given none"),
+        (lambda: scaled_chain(CHAIN, SPREADS, [1.0]), "factors: given 1 for 7 spreads"),
+        (lambda: separation_margin([1.0], [2.0], (2.0, 1.0)), "the lowest and then the highest"),
+    ],
+)
+def test_impossible_ranges_are_refused(call, message):
+    with pytest.raises(InputError, match=message):
+        call()

@@ -1,0 +1,108 @@
+import numpy as np
+import pytest
+
+from dynamics.assessment.barred_ranges import BarredRangeRule
+from dynamics.assessment.limit_rules import crankshaft_limit
+from dynamics.assessment.limits import SpeedCurve, given_limit
+from dynamics.assessment.verdict import judge
+from geometry.errors import InputError
+
+SPEEDS = np.linspace(10.0, 115.0, 2101)
+RUNNING = (30.0, 100.0)
+RULE = BarredRangeRule(100.0)
+CRANKSHAFT = crankshaft_limit(100.0, strokes=4)
+TORQUE = given_limit("torque", 2e3, "N m", applies_to="coupling", source="maker's sheet 7")
+
+
+def peak(at, height, width=1.0):
+    return SpeedCurve("shaft 6 - 7", SPEEDS, height / (1.0 + ((SPEEDS - at) / width) ** 2))
+
+
+def test_fine_tells_the_worst_of_all_with_its_numbers_and_source():
+    verdict = judge([(CRANKSHAFT, peak(50.0, 30e6)), (TORQUE, peak(60.0, 1.9e3))], RUNNING, RULE)
+    assert verdict.status == "fine"
+    assert verdict.checks[0].limit is TORQUE
+    assert verdict.checks[0].margin == pytest.approx(0.05)
+    assert verdict.sentence == (
+        "Fine from 286.5 to 954.9 1/min: torque of coupling, shaft 6 - 7: is at worst 1900 N m at "
+        "573 1/min, 95 % of the permitted 2000 N m (maker's sheet 7)."
+    )
+
+
+def test_barred_range_needed():
+    verdict = judge([(CRANKSHAFT, peak(50.0, 60e6))], RUNNING, RULE)
+    assert verdict.status == "barred range needed"
+    (barred,) = verdict.barred
+    assert (barred.low, barred.high) == pytest.approx(RULE.bounds(50.0))
+    assert verdict.sentence.startswith(
+        "Barred range needed, 436.5 to 522.2 1/min: torsional stress"
+    )
+    assert "reaches 60 MPa at 477.5 1/min, 1.54 times the permitted 39 MPa" in verdict.sentence
+
+
+@pytest.mark.parametrize(
+    ("curve", "why"),
+    [
+        (peak(50.0, 80e6), "80 MPa at 477.5 1/min, where 78 MPa may be passed"),
+        (peak(90.0, 30e6), "nothing may be barred above 0.80"),
+        (peak(50.0, np.inf), "is unbounded at"),
+    ],
+)
+def test_not_acceptable(curve, why):
+    verdict = judge([(CRANKSHAFT, curve)], RUNNING, RULE)
+    assert verdict.status == "not acceptable"
+    assert why in verdict.sentence
+
+
+def test_unbounded_without_a_limit_for_passing_is_not_acceptable():
+    values = np.where(np.arange(SPEEDS.size) == 800, np.inf, 1.0)
+    verdict = judge([(TORQUE, SpeedCurve("coupling", SPEEDS, values))], RUNNING, RULE)
+    assert verdict.status == "not acceptable"
+    assert "the torque of coupling is unbounded in it" in verdict.sentence
+
+
+def test_limit_without_one_for_passing_leaves_a_remark():
+    verdict = judge([(TORQUE, peak(50.0, 3e3))], RUNNING, RULE)
+    assert verdict.status == "barred range needed"
+    assert any("no limit for passing is known" in remark for remark in verdict.remarks)
+
+
+def test_below_the_lowest_running_speed_it_is_only_started_through():
+    verdict = judge([(CRANKSHAFT, peak(20.0, 70e6))], RUNNING, RULE)
+    assert verdict.status == "fine"
+    assert len(verdict.started_through) == 1
+    assert judge([(CRANKSHAFT, peak(20.0, 100e6))], RUNNING, RULE).status == "not acceptable"
+
+
+def test_rule_is_held_above_the_running_range_as_far_as_it_goes():
+    assert judge([(CRANKSHAFT, peak(104.0, 60e6))], RUNNING, RULE).status == "not acceptable"
+    assert judge([(TORQUE, peak(110.0, 9e3))], RUNNING, RULE).status == "fine"
+    short = SpeedCurve("shaft", SPEEDS[SPEEDS < 101.0], np.ones(np.count_nonzero(SPEEDS < 101.0)))
+    (remark,) = judge([(CRANKSHAFT, short)], RUNNING, RULE).remarks
+    assert "the limit goes on to 1098 1/min, the calculation to" in remark
+
+
+@pytest.mark.parametrize(
+    ("findings", "running", "message"),
+    [
+        ([], RUNNING, "findings: given none"),
+        (
+            [(TORQUE, peak(50.0, 1.0))],
+            (100.0, 30.0),
+            "the lowest and then the highest running speed",
+        ),
+        (
+            [(TORQUE, peak(50.0, 1.0))],
+            (5.0, 100.0),
+            "allowed are speeds that cover the running range",
+        ),
+        (
+            [(crankshaft_limit(10.0, strokes=4), peak(50.0, 1.0))],
+            RUNNING,
+            "allowed is one that is stated at running speeds",
+        ),
+    ],
+)
+def test_what_cannot_be_judged_is_refused(findings, running, message):
+    with pytest.raises(InputError, match=message):
+        judge(findings, running, RULE)

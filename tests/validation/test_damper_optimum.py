@@ -1,0 +1,86 @@
+"""Dampers found by search against the closed forms for one main inertia.
+
+Sources:
+
+- untuned viscous damper (Houdaille): least peak (2 + mu) / mu at c / (2 I w) =
+  1 / sqrt(2 (1 + mu) (2 + mu)); J. P. Den Hartog, Mechanical Vibrations, 4th edition, section 3.3.
+- tuned damper: all curves pass through two fixed points, at best both of sqrt(1 + 2 / mu) with the
+  tuning 1 / (1 + mu); the same section. That is a lower bound on the peak of any tuned damper,
+  viscous or with a loss factor. Which loss factor is best, and how far above the bound its peak is,
+  follows here from the response written out, minimized over a fine grid of frequencies, tunings and
+  loss factors: no part of the project stands in it.
+
+Tolerances: the search knows its variables to 5e-4 and looks at speeds 0.004 apart and at
+resonances; a curve between them is higher by up to (0.002 / half width)^2 / 2, below 2e-4 here.
+The peak is flat at its least, so that the damping found may differ by the root of that, 2 %.
+"""
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from dynamics.assessment.damper_sizing import size_rubber_damper, size_viscous_damper
+from dynamics.assessment.limits import given_limit
+from dynamics.assessment.response_curves import node_amplitude
+from dynamics.chains.chain import Chain
+from dynamics.response.excitation import OrderExcitation
+
+MAIN = Chain([1.0], [], {0: 1.0}, connections=[], names=["main"])
+SPEEDS = np.arange(0.4, 1.6, 0.004)
+RESULT = node_amplitude(OrderExcitation([1.0], SPEEDS, np.ones((1, SPEEDS.size, 1))), 0)
+
+
+def limit(value):
+    return given_limit("amplitude", value, "rad", applies_to="main", source="test")
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.5])
+def test_best_viscous_damper(mu):
+    found = size_viscous_damper(MAIN, 0, RESULT, limit(1.0), ring_inertia=mu)
+    assert found.curve.peak == pytest.approx((2.0 + mu) / mu, rel=5e-4)
+    best = 1.0 / np.sqrt(2.0 * (1.0 + mu) * (2.0 + mu))
+    assert found.damper.damping / (2.0 * mu) == pytest.approx(best, rel=0.02)
+
+
+@pytest.mark.slow
+def test_smallest_viscous_damper():
+    """(2 + mu) / mu = 9 asks for mu = 1/4."""
+    found = size_viscous_damper(MAIN, 0, RESULT, limit(9.0), ring_inertia=(0.02, 1.0))
+    assert found.reached
+    assert found.damper.ring_inertia == pytest.approx(0.25, rel=2e-3)
+
+
+def peak_of_rubber_damper(mu, tuning, loss):
+    g = np.arange(0.3, 1.8, 2e-4)
+    spring = mu * tuning**2 * (1.0 + 1j * loss)
+    ring = spring / (spring - mu * g**2)
+    return np.max(1.0 / np.abs(1.0 - g**2 + spring * (1.0 - ring)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.1, 0.5])
+def test_best_rubber_damper(mu):
+    found = size_rubber_damper(MAIN, 0, RESULT, limit(1.0), ring_inertia=mu)
+    best = minimize(
+        lambda x: peak_of_rubber_damper(mu, *x),
+        [1.0 / (1.0 + mu), np.sqrt(mu)],
+        method="Nelder-Mead",
+        options={"xatol": 1e-5, "fatol": 1e-7},
+    )
+    assert best.fun > np.sqrt(1.0 + 2.0 / mu)
+    assert found.curve.peak == pytest.approx(best.fun, rel=1e-3)
+    assert found.damper.angular_frequency == pytest.approx(best.x[0], rel=2e-3)
+    assert found.damper.loss_factor == pytest.approx(best.x[1], rel=0.02)
+    assert found.damper.angular_frequency == pytest.approx(1.0 / (1.0 + mu), rel=5e-3)
+
+
+def test_rubber_damper_of_given_loss_factor():
+    """With less damping than is best, the best tuning is still found and the fixed points bound."""
+    mu = 0.1
+    found = size_rubber_damper(MAIN, 0, RESULT, limit(1.0), ring_inertia=mu, loss_factor=0.2)
+    tunings = np.linspace(0.85, 0.97, 61)
+    peaks = [peak_of_rubber_damper(mu, tuning, 0.2) for tuning in tunings]
+    assert found.curve.peak > np.sqrt(1.0 + 2.0 / mu)
+    # The grid of tunings is 0.002 apart: by that much of the slope its best may be higher.
+    assert found.curve.peak == pytest.approx(min(peaks), rel=1e-2)
+    assert found.damper.angular_frequency == pytest.approx(tunings[np.argmin(peaks)], abs=3e-3)

@@ -1,0 +1,82 @@
+"""Limits of classification rules at single speeds, worked out by hand from their text.
+
+Source: Korean Register, Rules for the Classification of Steel Ships, RA-05-E, 2025, Part 5,
+Chapter 4 (Torsional vibration of shaftings), 201 (crankshafts), 202 (propulsion shafts: the
+formulas of IACS unified requirement M68), 203 (generator sets) and 206 (barred speed range). The
+numbers below were worked out with a pocket calculator to the digits shown; half of the last digit
+is allowed.
+"""
+
+import numpy as np
+import pytest
+
+from dynamics.assessment.barred_ranges import BarredRangeRule
+from dynamics.assessment.limit_rules import (
+    crankshaft_limit,
+    generator_set_limit,
+    propulsion_shaft_limit,
+)
+
+
+def at(curve, *ratios):
+    return (curve.at(100.0 * np.array(ratios)) / 1e6).tolist()
+
+
+def test_intermediate_shaft_of_500_mm():
+    """c_D = 0.35 + 0.93 * 500^-0.2 = 0.61834; (560 + 160) / 18 = 40."""
+    limit = propulsion_shaft_limit(560e6, 0.5, 100.0)
+    assert at(limit.continuous, 0.5, 0.9, 1.0, 1.06) == pytest.approx(
+        [61.83, 34.13, 34.13, np.inf], abs=0.005
+    )
+    assert at(limit.passing, 0.5) == pytest.approx([105.12], abs=0.01)
+    assert limit.passing.high == pytest.approx(80.0)
+
+
+def test_propeller_shaft_may_be_passed_with_more_of_its_lower_limit():
+    """1.7 / sqrt(0.55) = 2.2923 times 0.55 * 61.834 = 34.01."""
+    limit = propulsion_shaft_limit(560e6, 0.5, 100.0, feature="propeller shaft")
+    assert at(limit.continuous, 0.5) == pytest.approx([34.01], abs=0.005)
+    assert at(limit.passing, 0.5) == pytest.approx([77.96], abs=0.02)
+
+
+def test_crankshaft_of_a_main_engine():
+    """45 - 24 * 0.25 = 39; 45 - 24 = 21; 21 + 237 * 0.3 * sqrt(0.1) = 43.48."""
+    limit = crankshaft_limit(100.0, strokes=4)
+    assert at(limit.continuous, 0.5, 1.0, 1.1, 1.16) == pytest.approx(
+        [39.0, 21.0, 43.48, np.inf], abs=0.005
+    )
+    assert at(limit.passing, 0.5, 0.81) == pytest.approx([78.0, np.inf])
+
+
+def test_crankshaft_of_a_two_stroke_engine_and_of_v_engines():
+    """45 - 29 * 0.25 = 37.75; 45 - 29 = 16."""
+    for limit in (
+        crankshaft_limit(100.0, strokes=2),
+        crankshaft_limit(100.0, strokes=4, kind="V", firing_interval_deg=50.0),
+    ):
+        assert at(limit.continuous, 0.5, 1.0) == pytest.approx([37.75, 16.0])
+    even = crankshaft_limit(100.0, strokes=4, kind="V", firing_interval_deg=60.0)
+    assert at(even.continuous, 1.0) == pytest.approx([21.0])
+
+
+def test_strong_crankshaft():
+    """1 + 2/3 (660 / 440 - 1) = 1.3333 for kept speeds, 450 / 225 = 2 for passed ones."""
+    limit = crankshaft_limit(
+        100.0, strokes=4, tensile_strength=660e6, yield_strength=450e6, alloy=True
+    )
+    assert at(limit.continuous, 0.5) == pytest.approx([52.0])
+    assert at(limit.passing, 0.5) == pytest.approx([156.0])
+
+
+def test_generator_set():
+    shaft = generator_set_limit(100.0, part="generator shaft")
+    assert at(shaft.continuous, 1.0, 1.11) == pytest.approx([31.0, np.inf])
+    assert at(shaft.passing, 0.9) == pytest.approx([118.0])
+    crank = generator_set_limit(100.0, part="crankshaft", strokes=2)
+    assert at(crank.continuous, 0.95) == pytest.approx([16.0])
+    assert at(crank.passing, 0.5) == pytest.approx([90.0])
+
+
+def test_barred_range_about_half_of_the_rated_speed():
+    """16 * 50 / 17.5 = 45.714 and 17.5 * 50 / 16 = 54.6875."""
+    assert BarredRangeRule(100.0).bounds(50.0) == pytest.approx((45.714, 54.6875), abs=5e-4)
