@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from crankfem.chain_file import load_chain
 from crankfem.data_files import engine_path, find_table
 from crankfem.engine_sections import (
     Engine,
@@ -14,11 +15,21 @@ from crankfem.engine_sections import (
     TwoMassInput,
     VibrationSettings,
 )
+from crankfem.excitation_input import GasMap, Misfire, PropellerForcesSection
+from crankfem.limits_sections import LimitsInput, RangesInput
 from crankfem.mechanism_cylinders import angles_of_throws, check_sizes, pins_of, throws_of
 from crankfem.mechanism_sections import Gas, HingedRods, Piston, Rod
 from crankfem.study_file import study_plan
 from crankfem.toml_file import InputRecord, TomlFile, read_toml
-from crankfem.vibration_sections import AxialDamper, Bearings, Damping, Driven, TorsionalDamper
+from crankfem.vibration_sections import (
+    AxialDamper,
+    Bearings,
+    Damping,
+    Driven,
+    ShaftLineFiles,
+    TorsionalDamper,
+)
+from dynamics.chains.chain import Chain
 from fem.material import STEEL, Material
 from geometry.crankshaft import Crankshaft
 from geometry.errors import InputError
@@ -44,10 +55,15 @@ class EngineFile:
         Angle of each throw's first pin, throw by throw, as the file counts angles [rad].
     pins : tuple of int
         Pin that each cylinder works on, from 0, counted along the shaft.
-    free_end, damping, torsional_damper, axial_damper, driven, bearings, gas, torque_table, two_mass, study
+    shaft_lines : dict
+        Kind, "torsional" or "axial", to the chain of what follows the flywheel, where given.
+    free_end, damping, torsional_damper, axial_damper, driven, bearings, gas, gas_map, misfire, \
+propeller_forces, limits, ranges, torque_table, two_mass, study
         Optional sections; None where the file lacks them.
     records : tuple of InputRecord
         Every value with its source.
+    provenance : dict
+        Field to its source and whether it is assumed, where the file says so.
     sources : dict
         Short name to full citation.
     """
@@ -71,11 +87,18 @@ class EngineFile:
     axial_damper: AxialDamper | None
     driven: Driven | None
     bearings: Bearings | None
+    shaft_lines: dict[str, Chain]
     gas: Gas | None
+    gas_map: GasMap | None
+    misfire: Misfire | None
+    propeller_forces: PropellerForcesSection | None
+    limits: LimitsInput | None
+    ranges: RangesInput | None
     torque_table: Path | None
     two_mass: TwoMassInput | None
     study: StudyPlan | None
     records: tuple[InputRecord, ...]
+    provenance: dict[str, tuple[str, bool]]
     sources: dict[str, str]
 
     @property
@@ -101,7 +124,13 @@ REQUIRED = {
     "axial_damper": False,
     "driven": False,
     "bearings": False,
+    "shaft_line": False,
     "gas": False,
+    "gas_map": False,
+    "misfire": False,
+    "propeller_forces": False,
+    "limits": False,
+    "ranges": False,
     "vibration": False,
     "torque": False,
     "two_mass_check": False,
@@ -149,6 +178,9 @@ def load_engine(path: str | Path) -> EngineFile:
             f"thrust_bearing.bearing: given {thrust.bearing}; allowed is 0 (free end) to "
             f"{len(throw_angles)} (flywheel)."
         )
+    gas, gas_map = content.model("gas", Gas), content.model("gas_map", GasMap)
+    misfire = content.model("misfire", Misfire)
+    _check_misfire(misfire, gas, engine)
     torque = content.model("torque", TorqueTable)
     study = study_plan(content, throw, material)
     vibration = content.model("vibration", VibrationSettings) or VibrationSettings()
@@ -179,13 +211,20 @@ def load_engine(path: str | Path) -> EngineFile:
         axial_damper=content.model("axial_damper", AxialDamper),
         driven=content.model("driven", Driven),
         bearings=content.model("bearings", Bearings),
-        gas=content.model("gas", Gas),
+        shaft_lines=_shaft_lines(content),
+        gas=gas,
+        gas_map=gas_map,
+        misfire=misfire,
+        propeller_forces=content.model("propeller_forces", PropellerForcesSection),
+        limits=content.model("limits", LimitsInput),
+        ranges=content.model("ranges", RangesInput),
         torque_table=None
         if torque is None
         else find_table("torque.table", content.path, torque.table),
         two_mass=content.model("two_mass_check", TwoMassInput),
         study=study,
         records=tuple(content.records),
+        provenance=content.provenance,
         sources=content.sources,
     )
 
@@ -305,6 +344,53 @@ def load_study(path: str | Path) -> StudyPlan:
     plan = study_plan(content, throw, content.model("material", Material) or STEEL)
     assert plan is not None  # the section has been made sure of
     return plan
+
+
+def _shaft_lines(content: TomlFile) -> dict[str, Chain]:
+    """Read the chains of what follows the flywheel.
+
+    Raises
+    ------
+    InputError
+        Also if one is of the other kind.
+    """
+    given = content.model("shaft_line", ShaftLineFiles)
+    found: dict[str, Chain] = {}
+    for kind in ("torsional", "axial"):
+        name = None if given is None else getattr(given, kind)
+        if name is None:
+            continue
+        beside = content.path.parent / name
+        read = load_chain(beside if beside.is_file() else name)
+        if read.kind != kind:
+            raise InputError(
+                f"shaft_line.{kind}: given {name!r}, a chain of kind {read.kind}; allowed is one of kind "
+                f"{kind}, because it continues that chain of the engine."
+            )
+        found[kind] = read.chain
+    return found
+
+
+def _check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> None:
+    """Refuse cylinders that are not there, and failing ones without a pressure.
+
+    Raises
+    ------
+    InputError
+    """
+    if misfire is None:
+        return
+    wrong = [number for number in misfire.cylinders if not 1 <= number <= engine.cylinders]
+    if wrong:
+        raise InputError(
+            f"misfire.cylinders: given {wrong[0]}; allowed is 1 to {engine.cylinders}, because the engine "
+            "has these cylinders."
+        )
+    if gas is None:
+        raise InputError(
+            "misfire: given without the section [gas]; allowed are both, because the pressure without "
+            "combustion follows from it."
+        )
 
 
 def _check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None:

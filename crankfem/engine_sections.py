@@ -1,7 +1,7 @@
 """The sections of engine files: every field with its unit, range and meaning, declared once."""
 
 import math
-from typing import ClassVar, Self
+from typing import ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -179,6 +179,11 @@ class VibrationSettings(InputModel):
     )
     torsional_source: str = Field(
         "fe", description="source of torsional compliances: fe, regression or a formula"
+    )
+    reciprocating: Literal["half", "mean"] = Field(
+        "half",
+        description="inertia that stands for pistons: half of their mass at the crank radius, or the "
+        "exact mean over a revolution",
     )
     highest_order: float = quantity_field(
         "highest harmonic order considered", "", minimum=0.5, maximum=48.0, default=12.0

@@ -7,7 +7,13 @@ from typing import Literal, get_args, get_origin
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from crankfem import engine_sections, mechanism_sections, vibration_sections
+from crankfem import (
+    engine_sections,
+    excitation_input,
+    limits_sections,
+    mechanism_sections,
+    vibration_sections,
+)
 from fem.material import Material
 from geometry.errors import InputError
 from geometry.model import InputModel, field_extra, part_kind
@@ -32,7 +38,13 @@ SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
     (vibration_sections.AxialDamper, "optional"),
     (vibration_sections.Driven, "optional"),
     (vibration_sections.Bearings, "optional"),
+    (vibration_sections.ShaftLineFiles, "optional"),
     (mechanism_sections.Gas, "optional; without it reactions are given for 100 kN"),
+    (excitation_input.GasMap, "optional"),
+    (excitation_input.Misfire, "optional"),
+    (excitation_input.PropellerForcesSection, "optional"),
+    (limits_sections.LimitsInput, "optional"),
+    (limits_sections.RangesInput, "optional"),
     (engine_sections.VibrationSettings, "optional"),
     (engine_sections.TorqueTable, "optional"),
     (engine_sections.TwoMassInput, "optional"),

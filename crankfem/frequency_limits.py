@@ -7,7 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.engine_file import EngineFile
-from dynamics.chains.engine_chains import NamedChain, axial_chain, torsional_chain
+from crankfem.vibration.chains import (
+    engine_axial_chain,
+    engine_throw_inertias,
+    engine_torsional_chain,
+)
+from dynamics.chains.engine_chains import EngineChain
 from regression.models.compliance_model import ComplianceModel
 from regression.models.optimum_limits import Limit
 
@@ -29,48 +34,41 @@ class EngineFrequencies:
         Compliance of each throw in the shaft, divided by that of the pinned throw.
     throw_mass : float
         Of the engine's throw [kg], for models that hold no mass.
-    throw_inertia : float
-        Of the engine's throw with its share of rod and piston [kg m^2]; kept as the throw changes.
+    throw_inertias : (n,) array
+        Of the throws with their shares of rods and pistons [kg m^2]; kept as the throw changes.
     """
 
     engine_file: EngineFile
     axial_shares: Array
     torsional_shares: Array
     throw_mass: float
-    throw_inertia: float
+    throw_inertias: Array
 
     def axial(self, compliance: float, mass: float | None = None) -> float:
         """First axial natural frequency [Hz] for throws of this pinned compliance [m/N] and mass [kg]."""
-        engine = self.engine_file
         return _first(
-            axial_chain(
+            engine_axial_chain(
+                self.engine_file,
                 compliance * self.axial_shares,
-                np.full(len(self.axial_shares), self.throw_mass if mass is None else mass),
-                engine.flywheel.mass,
-                engine.thrust_bearing.bearing,
-                engine.thrust_bearing.stiffness,
+                self.throw_mass if mass is None else mass,
             )
         )
 
     def torsional(self, compliance: float) -> float:
         """First torsional natural frequency [Hz] for throws of this pinned compliance [rad/(N m)]."""
-        engine = self.engine_file
         return _first(
-            torsional_chain(
-                compliance * self.torsional_shares,
-                np.full(len(self.torsional_shares), self.throw_inertia),
-                engine.flywheel.inertia,
-                0.0 if engine.free_end is None else engine.free_end.inertia,
+            engine_torsional_chain(
+                self.engine_file, compliance * self.torsional_shares, self.throw_inertias
             )
         )
 
 
-def _first(named: NamedChain) -> float:
+def _first(named: EngineChain) -> float:
     """First elastic frequency [Hz]; a search asks thousands of times, and needs no mode shapes."""
     chain = named.chain
     root = np.sqrt(chain.inertia)
     squares = np.linalg.eigvalsh(chain.stiffness_matrix() / np.outer(root, root))
-    rigid = 0 if np.any(chain.ground) else 1
+    rigid = chain.rigid_motions()[0].shape[1]
     return float(np.sqrt(squares[rigid]) / (2.0 * np.pi))
 
 
@@ -82,7 +80,6 @@ def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
-    from crankfem.vibration.modes import throw_rotational_inertia
     from crankfem.vibration.sources import compliances_in_shaft
     from fem.analysis import analyze_throw
 
@@ -93,7 +90,7 @@ def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
         axial_shares=shaft.axial / analysis.axial_compliance("pinned"),
         torsional_shares=shaft.torsional / analysis.torsional_compliance("pinned"),
         throw_mass=analysis.mass,
-        throw_inertia=throw_rotational_inertia(engine_file, analysis),
+        throw_inertias=engine_throw_inertias(engine_file, analysis.masses.inertia_about_shaft),
     )
 
 

@@ -21,11 +21,12 @@ from crankfem.pictures import fit_plots, formula_plots, plots
 from crankfem.pictures.drawing import write_drawing
 from crankfem.pictures.render import DEFORMED, MESH, Rendering
 from crankfem.pictures.surface import stretched_surface
+from crankfem.pictures.vibration_pictures import picture_vibration
 from crankfem.record import RPM
 from crankfem.report import write_report
 from crankfem.studies import fitted
-from crankfem.vibration.modes import Vibration, axial_vibration, torsional_vibration
-from crankfem.vibration.sources import compliances_in_shaft
+from crankfem.vibration.records import run_record
+from crankfem.vibration.run import engine_vibration
 from dynamics.chains.two_mass import two_mass_check
 from dynamics.critical import engine_orders, major_orders
 from dynamics.gas.pressure import ATMOSPHERE
@@ -126,7 +127,8 @@ def run_engine(
     told.step("Reading the engine file")
     check_workers(workers)
     engine_file = load_engine(engine)
-    mechanism = None if engine_file.gas is None else load_mechanism(engine_file.path)
+    mechanism = load_mechanism(engine_file.path)
+    with_gas = mechanism if mechanism.pressure else None
     torque = _read_torque(engine_file)
     folder = _make_folder(output, engine_file)
     pictures = folder / "pictures"
@@ -136,17 +138,15 @@ def run_engine(
     analysis = analyze_throw(engine_file.throw, engine_file.material)
     rendering = Rendering(stretched_surface(analysis), pictures)
     try:
-        shaft = compliances_in_shaft(engine_file, analysis)
         fe = fe_record(analysis, 180.0)
         found: dict[str, Any] = {
             "about": records.about_record(),
             "engine": _engine_record(engine_file),
             "inputs": records.input_records(engine_file.records),
             "sources": engine_file.sources,
-            "throw": records.throw_record(analysis, _radial_force(engine_file, mechanism)),
+            "throw": records.throw_record(analysis, _radial_force(engine_file, with_gas)),
             "formulas": formula_records(engine_file.throw, engine_file.material) | {"fe": fe},
             "angle_law": _angle_record(engine_file, analysis) | {"law": fe["angle_law"]},
-            "shaft": records.shaft_record(shaft, analysis),
             "balance": records.balance_record(engine_file),
             "mechanism": None,
             "study": None,
@@ -155,8 +155,8 @@ def run_engine(
             "pictures": {},
             "picture_note": None,
         }
-        if mechanism is not None:
-            found["mechanism"], drawn = mechanism_results(mechanism, analysis.masses, pictures)
+        if with_gas is not None:
+            found["mechanism"], drawn = mechanism_results(with_gas, analysis.masses, pictures)
             found["pictures"] |= drawn
         model = None
         if engine_file.study is not None:
@@ -170,19 +170,23 @@ def run_engine(
         else:
             (folder / MODEL).unlink(missing_ok=True)  # of an earlier run with a study
 
-        told.step("Calculating vibration")
-        axial = axial_vibration(engine_file, analysis, shaft, model)
-        torsional = torsional_vibration(engine_file, analysis, shaft, model)
-        found["vibration"] = {
-            "axial": records.vibration_record(axial),
-            "torsional": records.vibration_record(torsional),
-        }
+        vibration = engine_vibration(
+            engine_file,
+            analysis=analysis,
+            mechanism=mechanism,
+            model=model,
+            coupled=True,
+            step=told.step,
+        )
+        found["shaft"] = records.shaft_record(vibration.shaft, analysis)
+        found["vibration"] = run_record(vibration)
         _add_torque(engine_file, torque, found, pictures)
 
         told.step("Drawing pictures")
         write_drawing(engine_file.throw, pictures / DRAWING, engine_file.engine.name)
         found["pictures"]["drawing"] = DRAWING
-        _plot_vibration(pictures, found, engine_file, (axial, torsional))
+        drawn_vibration = picture_vibration(pictures, vibration)
+        found["pictures"] |= {path.stem: path.name for path in drawn_vibration}
         _plot_angles(pictures, found)
         try:
             rendering.wait()
@@ -232,6 +236,8 @@ def _engine_record(engine_file: EngineFile) -> dict[str, Any]:
         "name": engine.name,
         "file": engine_file.path.name,
         "cylinders": engine.cylinders,
+        "v_engine": engine.bank_angles is not None,
+        "reciprocating": engine_file.vibration.reciprocating,
         "strokes": engine.strokes,
         "bore": engine.bore,
         "stroke": engine.stroke,
@@ -303,29 +309,6 @@ def _plot_study(
     fit_plots.plot_effects(pictures / drawn["effects"], fits, fits.chosen)
     fit_plots.plot_residuals(pictures / drawn["residuals"], table, fits, fits.chosen)
     found["pictures"] |= drawn
-
-
-def _plot_vibration(
-    pictures: Path,
-    found: dict[str, Any],
-    engine_file: EngineFile,
-    vibrations: tuple[Vibration, Vibration],
-) -> None:
-    engine = engine_file.engine
-    orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
-    for vibration in vibrations:
-        shapes, campbell = f"{vibration.kind}_modes.svg", f"{vibration.kind}_campbell.svg"
-        plots.plot_mode_shapes(pictures / shapes, vibration.chosen)
-        plots.plot_campbell(
-            pictures / campbell,
-            vibration,
-            orders.tolist(),
-            (engine.lowest_speed, engine.highest_speed),
-        )
-        found["pictures"] |= {
-            f"{vibration.kind}_modes": shapes,
-            f"{vibration.kind}_campbell": campbell,
-        }
 
 
 def _plot_angles(pictures: Path, found: dict[str, Any]) -> None:

@@ -38,6 +38,11 @@ class Damping(InputModel):
         default=None,
     )
 
+    @property
+    def damps_torsion(self) -> bool:
+        """Whether cylinders or throws have damping of their own."""
+        return bool(self.cylinder_damping or self.loss_factor)
+
 
 class TorsionalDamper(InputModel):
     """Torsional damper at the free end: a ring in oil, or a ring on rubber."""
@@ -120,4 +125,17 @@ class Bearings(InputModel):
     stiffness: float = quantity_field("lateral stiffness", "N/m", minimum=1e5, maximum=1e13)
     damping: float = quantity_field(
         "lateral damping", "N s/m", minimum=0.0, maximum=1e10, default=0.0
+    )
+
+
+class ShaftLineFiles(InputModel):
+    """What follows the flywheel, each as a chain file whose first node is the flywheel's place."""
+
+    section: ClassVar[str] = "shaft_line"
+
+    torsional: str | None = Field(
+        None, description="chain file of kind torsional, beside the engine file or shipped"
+    )
+    axial: str | None = Field(
+        None, description="chain file of kind axial, beside the engine file or shipped"
     )

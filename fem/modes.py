@@ -176,6 +176,8 @@ class ClassProblem:
         count = min(FIRST_GUESS, self.most_modes)
         while True:
             squares, vectors = self._lanczos(count)
+            if squares[0] > ceiling:  # the lowest of all is not missed, nor anything below it
+                return self._checked(squares, vectors)
             if squares[-1] > ceiling:
                 squares, vectors = self._completed(squares, vectors)
             if squares[-1] > ceiling:

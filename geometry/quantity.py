@@ -16,6 +16,8 @@ DISPLAY_UNITS: dict[str, tuple[str, float]] = {
     "m/N": ("1e-9 m/N", 1e-9),
     "rad/(N m)": ("1e-9 rad/(N m)", 1e-9),
 }
+# Units that large numbers are shown a thousandfold in.
+THOUSANDFOLD, KILO_FROM = ("N", "N m", "W"), 1e4
 # What stands before a unit that is shown, but is none to be written.
 POWER_OF_TEN = "1e-9 "
 
@@ -160,8 +162,12 @@ def show_quantity(value: float, unit: str, digits: int = 6) -> str:
     '170 mm'
     >>> show_quantity(1.281e-9, "m/N")
     '1.281e-9 m/N'
+    >>> show_quantity(30730.0, "N m")
+    '30.73 kN m'
     """
     shown, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
     if shown.startswith(POWER_OF_TEN):
         return f"{value / size:.{digits}g}e-9 {unit}"
+    if unit in THOUSANDFOLD and abs(value) >= KILO_FROM:
+        shown, size = f"k{unit}", 1e3
     return f"{value / size:.{digits}g} {shown}".strip()

@@ -21,6 +21,7 @@ def run(
 ) -> None:
     """Do everything: throw, formulas, study, vibration, and a report, into one folder."""
     from crankfem.pipeline import REPORT, run_engine
+    from crankfem.vibration.records import print_run
 
     with console.RunProgress() as progress:
         made = run_engine(engine, output, workers=workers, progress=progress)
@@ -32,8 +33,7 @@ def run(
     formula_tables.print_one_throw(made.results["formulas"], 180.0)
     if made.results["study"] is not None:
         fit_tables.print_main_fits(made.results["study"]["fits"])
-    for vibration in made.results["vibration"].values():
-        tables.print_vibration(vibration)
+    print_run(made.results["vibration"])
     console.output.print(f"Report: {made.folder / REPORT}", soft_wrap=True)
 
 

@@ -1,27 +1,96 @@
-"""Natural frequencies and critical speeds."""
+"""Vibration of an engine, or of a chain that a file describes."""
 
-from crankfem import tables
-from crankfem.commands.options import EngineArgument, JsonOption
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from crankfem import console
+from crankfem.commands.options import JsonOption
 from crankfem.console import print_json
+from geometry.errors import InputError
 
 
-def vibration(engine: EngineArgument, json: JsonOption = False) -> None:
-    """Natural frequencies and critical speeds, without the study."""
+def vibration(
+    engine: Annotated[
+        str,
+        typer.Argument(
+            metavar="ENGINE.toml",
+            help="Engine file, name of a shipped engine, or a chain file (such as mwm-six).",
+        ),
+    ],
+    coupled: Annotated[
+        bool,
+        typer.Option("--coupled", help="Calculate the whole crankshaft too, seconds more."),
+    ] = False,
+    csv: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FOLDER", help="Write amplitudes over the speed, a file for each kind."
+        ),
+    ] = None,
+    pictures: Annotated[
+        str | None,
+        typer.Option(metavar="FOLDER", help="Write mode shapes, Campbell diagrams and amplitudes."),
+    ] = None,
+    json: JsonOption = False,
+) -> None:
+    """Natural frequencies, forced vibration over the speeds, and a verdict against limits."""
+    from crankfem.chain_file import is_chain_file
+
+    if is_chain_file(engine):
+        _of_chain(engine, json, only_engines=coupled or csv is not None or pictures is not None)
+        return
     from crankfem.engine_file import load_engine
-    from crankfem.results import vibration_record
-    from crankfem.vibration.modes import axial_vibration, torsional_vibration
-    from crankfem.vibration.sources import compliances_in_shaft
-    from fem.analysis import analyze_throw
+    from crankfem.pictures.style import make_folder
+    from crankfem.pictures.vibration_pictures import picture_vibration
+    from crankfem.vibration.forced_records import write_forced
+    from crankfem.vibration.records import print_run, run_record
+    from crankfem.vibration.run import engine_vibration
 
     read = load_engine(engine)
-    analysis = analyze_throw(read.throw, read.material)
-    shaft = compliances_in_shaft(read, analysis)
-    found = [
-        vibration_record(calculate(read, analysis, shaft, None))
-        for calculate in (axial_vibration, torsional_vibration)
-    ]
+    folders = [None if given is None else Path(given) for given in (csv, pictures)]
+    for folder in folders:
+        if folder is not None:
+            make_folder(folder)
+    with console.RunProgress() as progress:
+        run = engine_vibration(read, coupled=coupled, step=progress.step)
+        progress.finish()
+    written = []
+    if folders[0] is not None:
+        for forced in (run.forced_axial, run.forced_torsional):
+            if forced is not None:
+                written.append(folders[0] / f"{forced.kind}.csv")
+                write_forced(written[-1], forced)
+    if folders[1] is not None:
+        written += picture_vibration(folders[1], run)
+    record = run_record(run)
     if json:
-        print_json({record["kind"]: record for record in found})
+        print_json(record | {"files": [str(path) for path in written]})
         return
-    for record in found:
-        tables.print_vibration(record)
+    print_run(record)
+    for path in written:
+        console.output.print(f"Written: {path}", soft_wrap=True, highlight=False)
+
+
+def _of_chain(path: str, json: bool, *, only_engines: bool) -> None:
+    """Print the modes of a chain file.
+
+    Raises
+    ------
+    InputError
+        If an option is given that only engines have.
+    """
+    from crankfem.chain_file import load_chain
+    from crankfem.chain_tables import chain_record, print_chain
+
+    if only_engines:
+        raise InputError(
+            f"{path}: is a chain file, which has no cylinders; allowed with it is --json alone, because "
+            "--coupled, --csv and --pictures show what the engine excites."
+        )
+    record = chain_record(load_chain(path))
+    if json:
+        print_json(record)
+    else:
+        print_chain(record)

@@ -8,9 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.engine_file import EngineFile
+from crankfem.vibration.chains import (
+    engine_axial_chain,
+    engine_throw_inertias,
+    engine_torsional_chain,
+)
 from crankfem.vibration.sources import Sources, axial_sources, torsional_sources
 from dynamics.chains.chain_modes import Modes
-from dynamics.chains.engine_chains import NamedChain, axial_chain, throw_inertia, torsional_chain
+from dynamics.chains.engine_chains import EngineChain
 from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, vector_sums
 from fem.analysis import ThrowAnalysis
 from fem.shaft import ShaftCompliances
@@ -28,7 +33,7 @@ class SourceResult:
         "fe", "fe pinned", "regression" or a formula's name.
     compliances : (n,) array
         Of each throw [m/N or rad/(N m)].
-    chain : NamedChain
+    chain : EngineChain
     modes : Modes
     remark : str
         How the source was used.
@@ -36,7 +41,7 @@ class SourceResult:
 
     source: str
     compliances: NDArray[np.float64]
-    chain: NamedChain
+    chain: EngineChain
     modes: Modes
     remark: str
 
@@ -86,18 +91,6 @@ class Vibration:
     criticals: tuple[WeightedCritical, ...]
 
 
-def throw_rotational_inertia(engine_file: EngineFile, analysis: ThrowAnalysis) -> float:
-    """Inertia of one throw with its share of rod and piston [kg m^2]."""
-    rod = engine_file.rod
-    rods = len(engine_file.throws) / len(engine_file.throw_angles)
-    return throw_inertia(
-        analysis.masses.inertia_about_shaft,
-        rods * rod.rotating_mass,
-        rods * (engine_file.piston.mass + rod.mass - rod.rotating_mass),
-        engine_file.throw.crank_radius,
-    )
-
-
 def axial_vibration(
     engine_file: EngineFile,
     analysis: ThrowAnalysis,
@@ -122,22 +115,14 @@ def axial_vibration(
         If the source set in the engine file is unknown or unusable.
     """
     sources = axial_sources(engine_file, analysis, shaft, model)
-    thrust = engine_file.thrust_bearing
-    count = len(engine_file.throw_angles)
 
-    def chain(compliances: NDArray[np.float64]) -> NamedChain:
-        return axial_chain(
-            compliances,
-            np.full(count, analysis.mass),
-            engine_file.flywheel.mass,
-            thrust.bearing,
-            thrust.stiffness,
-        )
+    def chain(compliances: NDArray[np.float64]) -> EngineChain:
+        return engine_axial_chain(engine_file, compliances, analysis.mass)
 
     forces = shaft.influence / shaft.axial[:, None]
 
-    def weights(_: NamedChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
-        return axial_weights(forces, shape)[list(engine_file.pins)]
+    def weights(named: EngineChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
+        return axial_weights(forces, shape[list(named.sections)])[list(engine_file.pins)]
 
     wanted = engine_file.vibration.axial_source
     return _vibration(engine_file, "axial", wanted, sources, chain, weights)
@@ -151,28 +136,22 @@ def torsional_vibration(
 ) -> Vibration:
     """Calculate the torsional natural frequencies and critical speeds; see `axial_vibration`."""
     sources = torsional_sources(engine_file, analysis, shaft, model)
-    inertia = throw_rotational_inertia(engine_file, analysis)
-    count = len(engine_file.throw_angles)
+    inertias = engine_throw_inertias(engine_file, analysis.masses.inertia_about_shaft)
 
-    def chain(compliances: NDArray[np.float64]) -> NamedChain:
-        return torsional_chain(
-            compliances,
-            np.full(count, inertia),
-            engine_file.flywheel.inertia,
-            0.0 if engine_file.free_end is None else engine_file.free_end.inertia,
-        )
+    def chain(compliances: NDArray[np.float64]) -> EngineChain:
+        return engine_torsional_chain(engine_file, compliances, inertias)
 
     wanted = engine_file.vibration.torsional_source
 
-    def weights(named: NamedChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
+    def weights(named: EngineChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
         return torsional_weights(named, shape)[list(engine_file.throws)]
 
     return _vibration(engine_file, "torsional", wanted, sources, chain, weights)
 
 
-ChainMaker = Callable[[NDArray[np.float64]], NamedChain]
+ChainMaker = Callable[[NDArray[np.float64]], EngineChain]
 # Chain and mode shape to the work of a unit excitation of each cylinder.
-Weights = Callable[[NamedChain, NDArray[np.float64]], NDArray[np.float64]]
+Weights = Callable[[EngineChain, NDArray[np.float64]], NDArray[np.float64]]
 
 
 def _vibration(
@@ -239,11 +218,9 @@ def axial_weights(forces: NDArray[np.float64], shape: NDArray[np.float64]) -> ND
     return forces.T @ np.diff(shape)
 
 
-def torsional_weights(chain: NamedChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
+def torsional_weights(chain: EngineChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
     """Work of a unit torque at each throw on a torsional mode shape: its twist there."""
-    return np.array(
-        [v for node, v in zip(chain.nodes, shape, strict=True) if node.startswith("cylinder")]
-    )
+    return shape[list(chain.throw_nodes)]
 
 
 def _phase_sum(weights: NDArray[np.float64], order: float, firing: Sequence[float]) -> float:

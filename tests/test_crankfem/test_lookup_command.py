@@ -21,6 +21,7 @@ from crankfem.frequency_limits import EngineFrequencies, frequency_limit
 from dynamics.chains.engine_chains import axial_chain
 from geometry.errors import InputError
 from regression.fits.fits import fit_form
+from regression.models import optimum as optimum_search
 from regression.models.compliance_model import ComplianceModel, ResponseModel
 
 ENGINE = "6chn25-34"
@@ -297,7 +298,15 @@ def frequencies():
     """An engine whose throws are 0.5 and 0.8 times as soft in the shaft as pinned."""
     engine = load_engine(engine_path(ENGINE))
     shares = np.array([0.8, 0.5, 0.5, 0.5, 0.5, 0.8])
-    return EngineFrequencies(engine, shares, shares, throw_mass=110.0, throw_inertia=8.0)
+    return EngineFrequencies(
+        engine, shares, shares, throw_mass=110.0, throw_inertias=8.0 * np.ones(len(shares))
+    )
+
+
+@pytest.fixture
+def short_search(monkeypatch):
+    """Few generations, for chains are slow to ask; the end of the search is as exact as ever."""
+    monkeypatch.setattr(optimum_search, "_GENERATIONS", 12)
 
 
 def test_frequencies_fall_as_throws_soften(frequencies):
@@ -319,7 +328,7 @@ def test_frequencies_fall_as_throws_soften(frequencies):
     assert twist[0] / twist[1] == pytest.approx((4.0 / 3.0) ** 0.5, rel=1e-9)
 
 
-def test_frequency_limits(run, path, frequencies, monkeypatch):
+def test_frequency_limits(run, path, frequencies, short_search, monkeypatch):
     monkeypatch.setattr(crankfem.frequency_limits, "engine_frequencies", lambda _: frequencies)
     model = ComplianceModel.load(path)
     needed = frequencies.torsional(3.9e-8)
@@ -408,7 +417,7 @@ def blocks(language):
 
 
 @pytest.fixture
-def documented(tmp_path, monkeypatch, frequencies):
+def documented(tmp_path, monkeypatch, frequencies, short_search):
     """The model of the page: three dimensions, in the folder where its examples run."""
     box = BOX | {"web_thickness": (0.038, 0.098), "pin_length": (0.120, 0.158)}
     grid = np.array(list(itertools.product(*(np.linspace(*ends, 3) for ends in box.values()))))

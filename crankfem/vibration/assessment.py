@@ -1,0 +1,256 @@
+"""What an engine's forced vibration means: limits, verdict, and how sure it is."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from crankfem.engine_file import EngineFile
+from crankfem.limits_sections import LimitsInput, RangesInput
+from crankfem.vibration.chains import damped_engine_chain
+from crankfem.vibration.forced import ForcedVibration
+from dynamics.assessment.barred_ranges import BarredRangeRule
+from dynamics.assessment.limit_rules import crankshaft_limit
+from dynamics.assessment.limits import SpeedCurve, VibrationLimit
+from dynamics.assessment.response_curves import curves_of, with_resonances
+from dynamics.assessment.separation import CriticalRange, critical_ranges
+from dynamics.assessment.spreads import Spread
+from dynamics.assessment.uncertainty import Samples, chain_samples, frequency_bounds
+from dynamics.assessment.verdict import Verdict, judge
+from dynamics.chains.chain import Chain
+from dynamics.checks import FloatArray
+from dynamics.critical import engine_orders
+from dynamics.response.forced import forced_response
+from dynamics.response.loads import alternating_stress, section_modulus
+from dynamics.response.synthesis import synthesis
+from fem.analysis import ThrowAnalysis
+from geometry.errors import InputError
+
+RULE_PICKED = (
+    "no limit is given: that of a classification society for crankshafts of ships' main engines of plain "
+    "steel was picked; the engine maker's value stands in its place"
+)
+# The estimate of the discretization error may be off by this factor.
+ERROR_FACTOR = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class Uncertainty:
+    """How far natural frequencies and amplitudes of one kind may be off.
+
+    Attributes
+    ----------
+    kind : str
+    spreads : tuple of Spread
+        What is not known well.
+    lowest, nominal, highest : (m,) arrays
+        Elastic natural frequencies [Hz]; exact bounds.
+    critical : tuple of CriticalRange
+        Critical speeds in or near the running range, with margins.
+    amplitudes : Samples or None
+        Largest amplitude of the free end over the running range [rad or m] for many possible chains;
+        None unless the engine file has the section [ranges].
+    """
+
+    kind: str
+    spreads: tuple[Spread, ...]
+    lowest: FloatArray
+    nominal: FloatArray
+    highest: FloatArray
+    critical: tuple[CriticalRange, ...]
+    amplitudes: Samples | None
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """Verdict and uncertainty of an engine's vibration.
+
+    Attributes
+    ----------
+    verdict : Verdict
+    limits : dict
+        Name to limit; those given, or the rule that was picked.
+    remarks : tuple of str
+        What was not judged, or assumed.
+    axial, torsional : Uncertainty
+    """
+
+    verdict: Verdict
+    limits: dict[str, VibrationLimit]
+    remarks: tuple[str, ...]
+    axial: Uncertainty
+    torsional: Uncertainty
+
+
+def assess(
+    engine_file: EngineFile,
+    axial: ForcedVibration,
+    torsional: ForcedVibration,
+    analysis: ThrowAnalysis,
+) -> Assessment:
+    """Hold the forced vibration of an engine against limits, and carry what is uncertain through it.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+        Its sections [limits] and [ranges] are used where given.
+    axial, torsional : ForcedVibration
+    analysis : ThrowAnalysis
+        Of the throw, for the error of its compliances.
+
+    Raises
+    ------
+    InputError
+        If a limit is on an element that the chain does not have.
+    """
+    engine = engine_file.engine
+    running = (engine.lowest_speed, engine.highest_speed)
+    limits, remarks = _limits(engine_file)
+    findings = [
+        (limit, curve)
+        for name, limit in limits.items()
+        for curve in _curves(name, engine_file, axial, torsional)
+    ]
+    given = engine_file.limits
+    rule = (
+        BarredRangeRule(engine.rated_speed)
+        if given is None
+        else given.barred_rule(engine.rated_speed)
+    )
+    return Assessment(
+        verdict=judge(findings, running, rule),
+        limits=limits,
+        remarks=remarks,
+        axial=_uncertainty(engine_file, axial, analysis.error_estimate),
+        torsional=_uncertainty(engine_file, torsional, analysis.error_estimate),
+    )
+
+
+def _limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], tuple[str, ...]]:
+    """Limits by name, and what is missing."""
+    engine, given = engine_file.engine, engine_file.limits or LimitsInput()
+    kind = "in line" if engine.bank_angles is None else "V"
+    found = given.limits(
+        engine.rated_speed,
+        strokes=engine.strokes,
+        kind="in line" if kind == "in line" else "V",
+        provenance=engine_file.provenance,
+    )
+    remarks = []
+    if "crankshaft_stress" not in found:
+        picked = crankshaft_limit(
+            engine.rated_speed,
+            strokes=engine.strokes,
+            kind="in line" if kind == "in line" else "V",
+        )
+        found["crankshaft_stress"] = replace(picked, assumed=True)
+        remarks.append(f"torsional stress of the crankshaft: {RULE_PICKED}")
+    if not {"axial_amplitude", "axial_force"} & set(found):
+        remarks.append(
+            "axial vibration is not judged, because no limit is given; no general one is published, the "
+            "engine maker gives limits.axial_amplitude or limits.axial_force"
+        )
+    return found, tuple(remarks)
+
+
+def _curves(
+    name: str, engine_file: EngineFile, axial: ForcedVibration, torsional: ForcedVibration
+) -> tuple[SpeedCurve, ...]:
+    """Curves over the speed that a limit applies to.
+
+    Raises
+    ------
+    InputError
+        If the chain has no such element.
+    """
+    if name == "crankshaft_stress":
+        assert torsional.stress is not None
+        return curves_of(torsional.stress)
+    if name == "torsional_amplitude":
+        return curves_of(torsional.free_end)
+    if name == "axial_amplitude":
+        return curves_of(axial.free_end)
+    if name == "axial_force":
+        return curves_of(axial.crank_elements)
+    elements = torsional.loads.elements.names
+    if name == "coupling_torque":
+        coupling = "flywheel - driven machine"
+        if coupling not in elements:
+            raise InputError(
+                "limits.coupling_torque: given without the section [driven]; allowed are both, because the "
+                "coupling joins the driven machine."
+            )
+        return tuple(c for c in curves_of(torsional.loads.elements) if c.name == coupling)
+    element = name.removeprefix("shaft: ")
+    if element not in elements:
+        raise InputError(
+            f"limits.shafts.element: given {element!r}; allowed are {', '.join(elements)}, because the "
+            "torsional chain has these elements."
+        )
+    (shaft,) = (
+        own for own in (engine_file.limits or LimitsInput()).shafts if own.element == element
+    )
+    modulus = float(section_modulus("torsional", shaft.diameter))
+    return curves_of(alternating_stress(torsional.loads, {element: modulus}))
+
+
+def _uncertainty(
+    engine_file: EngineFile, forced: ForcedVibration, error_estimate: float
+) -> Uncertainty:
+    """Bounds of frequencies and critical speeds; amplitudes by samples where ranges are given."""
+    engine, given = engine_file.engine, engine_file.ranges
+    chain, running = forced.engine_chain.chain, (engine.lowest_speed, engine.highest_speed)
+    spreads = _spreads(given, forced, error_estimate)
+    rigid = chain.modes().rigid
+    low, high = frequency_bounds(chain, spreads)
+    orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
+    margin = 0.1 if given is None else given.separation_margin
+    amplitudes = None
+    if given is not None and spreads:
+        amplitudes = chain_samples(
+            chain,
+            spreads,
+            lambda changed: _peak(engine_file, forced, changed),
+            given.samples,
+            given.seed,
+        )
+    return Uncertainty(
+        kind=forced.kind,
+        spreads=spreads,
+        lowest=low[rigid:],
+        nominal=chain.modes().frequencies[rigid:],
+        highest=high[rigid:],
+        critical=critical_ranges(chain, spreads, orders, running, within=margin),
+        amplitudes=amplitudes,
+    )
+
+
+def _spreads(
+    given: RangesInput | None, forced: ForcedVibration, error_estimate: float
+) -> tuple[Spread, ...]:
+    """What the file says is uncertain, and at least the error of the finite elements."""
+    elements = tuple(range(len(forced.crank_elements.names)))
+    found: tuple[Spread, ...] = ()
+    if given is not None:
+        found = (
+            given.axial_spreads() if forced.kind == "axial" else given.torsional_spreads(elements)
+        )
+    if any(own.kind == "compliance" for own in found):
+        return found
+    softer = 1.0 + ERROR_FACTOR * error_estimate
+    return (Spread("compliance", 1.0, softer, elements, "error of the finite elements"), *found)
+
+
+def _peak(engine_file: EngineFile, forced: ForcedVibration, chain: Chain) -> float:
+    """Largest amplitude of the free end of a changed chain at running speeds."""
+    changed = damped_engine_chain(engine_file, replace(forced.engine_chain, chain=chain))
+    response = forced_response(changed, with_resonances(forced.response.excitation, chain))
+    low, high = engine_file.engine.lowest_speed, engine_file.engine.highest_speed
+    judged = (response.speeds >= low) & (response.speeds <= high)
+    free_end = response.elastic
+    summed = synthesis(
+        free_end.orders,
+        free_end.speeds[judged],
+        free_end.values[:, judged, 0],
+        free_end.unbounded[:, judged],
+    )
+    return float(np.max(summed.amplitude))

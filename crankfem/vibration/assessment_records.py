@@ -1,0 +1,176 @@
+"""Verdict and uncertainty as plain numbers, and the tables made from them."""
+
+from typing import Any
+
+from crankfem.console import output, print_table
+from crankfem.record import RPM, Record
+from crankfem.vibration.assessment import Assessment, Uncertainty
+from crankfem.vibration.forced_records import MOTION, finite_or_none, shown
+from dynamics.assessment.barred_ranges import BarredRange
+from dynamics.assessment.verdict import LimitCheck
+from geometry.quantity import show_quantity
+
+# Critical speeds that a table shows; files hold all.
+ROWS_SHOWN = 12
+
+
+def assessment_record(assessment: Assessment) -> Record:
+    """Return verdict, limits and uncertainty in SI units; null where vibration is unbounded."""
+    verdict = assessment.verdict
+    return {
+        "status": verdict.status,
+        "sentence": verdict.sentence,
+        "checks": [_check(check) for check in verdict.checks],
+        "barred": [_range(one) for one in verdict.barred],
+        "started_through": [_range(one) for one in verdict.started_through],
+        "remarks": [*assessment.remarks, *verdict.remarks],
+        "limits": [
+            {
+                "name": limit.name,
+                "unit": limit.unit,
+                "source": limit.source,
+                "assumed": limit.assumed,
+                "remark": limit.remark,
+            }
+            for limit in assessment.limits.values()
+        ],
+        "uncertainty": {
+            one.kind: _uncertainty(one) for one in (assessment.axial, assessment.torsional)
+        },
+    }
+
+
+def print_assessment(record: dict[str, Any]) -> None:
+    """Print what is uncertain, limits, barred ranges and, last, the verdict."""
+    for kind, uncertain in record["uncertainty"].items():
+        _print_uncertainty(kind, uncertain)
+    print_table(
+        "Limits, each at its worst running speed",
+        ["limit", "where:", "at [1/min]", "reached:", "permitted:", "used [%]"],
+        [
+            [
+                check["limit"],
+                check["place"],
+                f"{check['speed_rpm']:.1f}",
+                _quantity(check["value"], check["unit"]),
+                _quantity(check["permitted"], check["unit"]),
+                "unbounded" if check["used"] is None else f"{100.0 * check['used']:.3g}",
+            ]
+            for check in record["checks"]
+        ],
+    )
+    for limit in record["limits"]:
+        assumed = ", assumed" if limit["assumed"] else ""
+        _print(f"Limit on {limit['name']}: {limit['source']}{assumed}.")
+    for line in record["remarks"]:
+        _print(f"Note: {line}")
+    for one in (*record["barred"], *record["started_through"]):
+        fits = "; ".join(one["refusals"]) or "may be barred"
+        _print(f"Range {one['shown']}: {fits}.")
+    _print(f"Verdict: {record['sentence']}")
+
+
+def _print_uncertainty(kind: str, record: dict[str, Any]) -> None:
+    unit, factor = MOTION[kind]
+    for spread in record["spreads"]:
+        _print(
+            f"{kind.capitalize()}: {spread['name']} {spread['low']:.3g} to {spread['high']:.3g} times the "
+            "value used"
+        )
+    print_table(
+        f"{kind.capitalize()} critical speeds with what is uncertain, the first "
+        f"{min(ROWS_SHOWN, len(record['critical']))} of {len(record['critical'])}",
+        ["mode", "order", "speed [1/min]", "lowest", "highest", "margin [%]"],
+        [
+            [
+                str(one["mode"]),
+                f"{one['order']:g}",
+                *(f"{one[name]:.1f}" for name in ("speed_rpm", "low_rpm", "high_rpm")),
+                "met" if one["margin"] == 0.0 else f"{100.0 * one['margin']:.1f}",
+            ]
+            for one in record["critical"][:ROWS_SHOWN]
+        ],
+    )
+    if record["amplitudes"] is not None:
+        found = record["amplitudes"]
+        _print(
+            f"{kind.capitalize()} amplitude of the free end at running speeds: nominal "
+            f"{shown(found['nominal'], factor)}, 5 to 95 % of {found['samples']} samples "
+            f"{shown(found['percentile_5'], factor)} to {shown(found['percentile_95'], factor)} {unit}"
+        )
+
+
+def _check(check: LimitCheck) -> Record:
+    return {
+        "limit": check.limit.name,
+        "place": check.curve.name,
+        "unit": check.limit.unit,
+        "speed_rpm": check.worst_speed * RPM,
+        "value": finite_or_none(check.worst_value),
+        "permitted": check.permitted,
+        "used": finite_or_none(check.used),
+        "passed": check.passed,
+        "source": check.limit.source,
+        "assumed": check.limit.assumed,
+    }
+
+
+def _range(found: BarredRange) -> Record:
+    return {
+        "shown": found.shown,
+        "low_rpm": found.low * RPM,
+        "high_rpm": found.high * RPM,
+        "limits": list(found.limits),
+        "allowed": found.allowed,
+        "refusals": list(found.refusals),
+        "remarks": list(found.remarks),
+    }
+
+
+def _uncertainty(uncertain: Uncertainty) -> Record:
+    amplitudes = uncertain.amplitudes
+    return {
+        "spreads": [
+            {"name": one.name, "kind": one.kind, "low": one.low, "high": one.high}
+            for one in uncertain.spreads
+        ],
+        "frequencies": [
+            {"mode": place + 1, "low": low, "nominal": nominal, "high": high}
+            for place, (low, nominal, high) in enumerate(
+                zip(
+                    uncertain.lowest.tolist(),
+                    uncertain.nominal.tolist(),
+                    uncertain.highest.tolist(),
+                    strict=True,
+                )
+            )
+        ],
+        "critical": [
+            {
+                "mode": one.mode,
+                "order": one.order,
+                "speed_rpm": one.nominal * RPM,
+                "low_rpm": one.low * RPM,
+                "high_rpm": one.high * RPM,
+                "margin": one.margin,
+            }
+            for one in uncertain.critical
+        ],
+        "amplitudes": None
+        if amplitudes is None
+        else {
+            "samples": len(amplitudes.values),
+            "nominal": finite_or_none(float(amplitudes.nominal)),
+            "percentile_5": finite_or_none(float(amplitudes.percentile(5.0))),
+            "percentile_95": finite_or_none(float(amplitudes.percentile(95.0))),
+            "highest": finite_or_none(float(amplitudes.highest)),
+        },
+    }
+
+
+def _quantity(value: float | None, unit: str) -> str:
+    return "unbounded" if value is None else show_quantity(value, unit, 4)
+
+
+def _print(text: str) -> None:
+    output.print(text, soft_wrap=True, highlight=False)

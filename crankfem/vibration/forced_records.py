@@ -1,0 +1,215 @@
+"""Forced vibration as plain numbers, and the tables and columns made from them."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crankfem.column_file import write_columns
+from crankfem.console import number, output, print_table
+from crankfem.mechanism_tables import ASSUMED
+from crankfem.record import RPM, Record
+from crankfem.vibration.forced import ForcedVibration
+from dynamics.checks import FloatArray
+from dynamics.excitation.axial_comparison import AxialForceComparison
+from dynamics.response.series import OrderSeries
+
+# What a table shows; files hold everything.
+ROWS_SHOWN = 12
+# Displayed unit and factor of motions and loads.
+MOTION = {"torsional": ("mrad", 1e3), "axial": ("um", 1e6)}
+LOAD = {"torsional": ("kN m", 1e-3), "axial": ("kN", 1e-3)}
+
+
+def forced_record(forced: ForcedVibration) -> Record:
+    """Return curves and peaks of a forced vibration in SI units; null where it is unbounded."""
+    free_end = forced.free_end
+    return {
+        "kind": forced.kind,
+        "damping": list(forced.damping),
+        "remarks": [*_gas_remarks(forced), *forced.remarks],
+        "method": forced.response.method,
+        "orders": forced.response.orders.tolist(),
+        "speeds_rpm": (forced.response.speeds * RPM).tolist(),
+        "free_end": {
+            "node": free_end.names[0],
+            "unit": "rad" if forced.kind == "torsional" else "m",
+            "synthesis": _finite(free_end.synthesis.amplitude[:, 0]),
+            "plain_sum": _finite(free_end.synthesis.plain_sum[:, 0]),
+            "orders": _order_peaks(free_end),
+        },
+        "loads": _peaks(forced.loads.elements),
+        "stress": None if forced.stress is None else _peaks(forced.stress),
+        "power": _power(forced),
+        "resonances": [
+            {
+                "mode": one.mode,
+                "frequency": one.frequency,
+                "order": one.order,
+                "speed_rpm": one.speed_rpm,
+                "amplitude": finite_or_none(one.amplitude),
+                "estimate": finite_or_none(one.estimate),
+                "magnifier": finite_or_none(one.magnifier),
+                "share": one.share,
+                "severity": one.severity,
+                "kind": one.kind,
+                "unbounded": one.unbounded,
+            }
+            for one in forced.resonances
+        ],
+        "axial_forces": None
+        if forced.axial_forces is None
+        else _axial_forces(forced.axial_forces, forced),
+    }
+
+
+def print_forced(record: dict[str, Any]) -> None:
+    """Print resonances and peaks of a forced vibration."""
+    kind = record["kind"]
+    unit, factor = MOTION[kind]
+    load_unit, load_factor = LOAD[kind]
+    free_end = record["free_end"]
+    for line in (*record["damping"], *record["remarks"]):
+        output.print(f"{kind.capitalize()}: {line}", soft_wrap=True, highlight=False)
+    worst = sorted(record["resonances"], key=lambda one: -one["severity"])[:ROWS_SHOWN]
+    print_table(
+        f"{kind.capitalize()} resonances in the running range, the {len(worst)} most severe of "
+        f"{len(record['resonances'])}",
+        ["speed [1/min]", "order", "mode", f"{free_end['node']} [{unit}]", "by magnifier", "kind:"],
+        [
+            [
+                f"{one['speed_rpm']:.1f}",
+                f"{one['order']:g}",
+                str(one["mode"]),
+                shown(one["amplitude"], factor),
+                shown(one["estimate"], factor),
+                one["kind"],
+            ]
+            for one in sorted(worst, key=lambda one: float(one["speed_rpm"]))
+        ],
+    )
+    stresses = {one["element"]: one for one in record["stress"] or ()}
+    stressed = ["stress [MPa]"] if stresses else []
+    print_table(
+        f"{kind.capitalize()} vibration of the elements, largest over the speeds "
+        "(all orders over the cycle; plain sum of amplitudes)",
+        ["element", f"load [{load_unit}]", "at [1/min]", f"plain sum [{load_unit}]", *stressed],
+        [
+            [
+                one["element"],
+                shown(one["peak"], load_factor),
+                f"{one['speed_rpm']:.0f}",
+                shown(one["plain_sum_peak"], load_factor),
+                *(
+                    [shown(stresses[one["element"]]["peak"], 1e-6)]
+                    if one["element"] in stresses
+                    else [""] * len(stressed)
+                ),
+            ]
+            for one in record["loads"]
+        ],
+    )
+
+
+def write_forced(path: Path, forced: ForcedVibration) -> None:
+    """Write the amplitudes over the speed as CSV: free end by order, loads of all elements."""
+    free_end, loads = forced.free_end, forced.loads.elements
+    unit = "rad" if forced.kind == "torsional" else "m"
+    load = "Nm" if forced.kind == "torsional" else "N"
+    columns = {
+        "speed_rpm": forced.response.speeds * RPM,
+        f"free_end_synthesis_{unit}": free_end.synthesis.amplitude[:, 0],
+        f"free_end_plain_sum_{unit}": free_end.synthesis.plain_sum[:, 0],
+    }
+    for place, order in enumerate(free_end.orders.tolist()):
+        columns[f"free_end_order_{order:g}_{unit}"] = free_end.amplitude[place, :, 0]
+    for place, name in enumerate(loads.names):
+        columns[f"{name} [{load}]"] = loads.synthesis.amplitude[:, place]
+    write_columns(path, columns, f"{forced.kind} vibration, amplitudes; inf is unbounded")
+
+
+def _peaks(series: OrderSeries) -> list[Record]:
+    """Largest value over the speeds of each place, all orders together."""
+    summed = series.synthesis
+    found = []
+    for place, name in enumerate(series.names):
+        worst = int(np.argmax(summed.amplitude[:, place]))
+        found.append(
+            {
+                "element": name,
+                "peak": finite_or_none(float(summed.amplitude[worst, place])),
+                "speed_rpm": float(series.speeds[worst] * RPM),
+                "plain_sum_peak": finite_or_none(float(np.max(summed.plain_sum[:, place]))),
+            }
+        )
+    return found
+
+
+def _order_peaks(series: OrderSeries) -> list[Record]:
+    """Largest amplitude of each order at the first place, and its speed."""
+    amplitude = series.amplitude[:, :, 0]
+    places = np.argmax(amplitude, axis=1)
+    return [
+        {
+            "order": order,
+            "amplitude": finite_or_none(float(amplitude[row, place])),
+            "speed_rpm": float(series.speeds[place] * RPM),
+        }
+        for row, (order, place) in enumerate(
+            zip(series.orders.tolist(), places.tolist(), strict=True)
+        )
+    ]
+
+
+def _power(forced: ForcedVibration) -> Record:
+    """Where most heat arises, and how well the balance of power holds."""
+    power = forced.power
+    bounded = ~np.any(power.unbounded, axis=0)
+    total = power.dissipated.sum(axis=0, where=~power.unbounded)
+    worst = int(np.argmax(np.where(bounded, total, -1.0)))
+    dampers = {
+        name: float(power.dashpots[:, worst, place].sum())
+        for place, name in enumerate(power.dashpot_names)
+        if bounded[worst]
+    }
+    return {
+        "error": power.error,
+        "largest": float(total[worst]),
+        "speed_rpm": float(forced.response.speeds[worst] * RPM),
+        "dampers": dampers,
+    }
+
+
+def _axial_forces(compared: AxialForceComparison, forced: ForcedVibration) -> list[Record]:
+    """Largest axial force of any throw at the highest speed, two ways, by order."""
+    alone = np.abs(compared.alone[:, -1]).max(axis=1)
+    in_shaft = np.abs(compared.in_shaft[:, -1]).max(axis=1)
+    return [
+        {"order": order, "alone": own, "in_shaft": shaft, "difference": difference}
+        for order, own, shaft, difference in zip(
+            forced.response.orders.tolist(),
+            alone.tolist(),
+            in_shaft.tolist(),
+            compared.difference[:, -1].tolist(),
+            strict=True,
+        )
+    ]
+
+
+def _gas_remarks(forced: ForcedVibration) -> list[str]:
+    """What the forces tell beside the gas model's own assumptions, which the mechanism reports."""
+    return [text for text in forced.forces.remarks if not text.startswith((ASSUMED, "Solved"))]
+
+
+def _finite(values: FloatArray) -> list[float | None]:
+    return [finite_or_none(value) for value in values.tolist()]
+
+
+def finite_or_none(value: float) -> float | None:
+    """Return a number that JSON can hold; None stands for an unbounded one."""
+    return value if np.isfinite(value) else None
+
+
+def shown(value: float | None, factor: float) -> str:
+    """Write a number times a factor; unbounded for None."""
+    return "unbounded" if value is None else number(value * factor)

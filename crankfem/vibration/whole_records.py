@@ -1,0 +1,113 @@
+"""The whole crankshaft's modes and coupled vibration as plain numbers, and the tables made from them."""
+
+from typing import Any
+
+import numpy as np
+
+from crankfem.console import output, print_table
+from crankfem.record import RPM, Record
+from crankfem.vibration.forced_records import MOTION, finite_or_none, shown
+from crankfem.vibration.whole_shaft import ShaftComparison, WholeShaft
+from dynamics.crankshaft.chain_comparison import ChainVerdict
+from dynamics.crankshaft.coupled_response import CoupledResponse
+
+MODES_SHOWN = 12
+
+
+def whole_record(whole: WholeShaft, comparison: ShaftComparison | None) -> Record:
+    """Return modes with their shares, and the comparison with the chains, in SI units."""
+    modes = whole.modes
+    return {
+        "remarks": list(whole.remarks),
+        "highest_frequency": whole.highest_frequency,
+        "modes": [
+            {
+                "name": modes.names[mode],
+                "frequency": float(modes.frequencies[mode]),
+                "rigid": mode < modes.rigid,
+                "kind": modes.kinds[mode],
+                "label": modes.label(mode),
+                "axial": float(modes.shares[0, mode]),
+                "torsional": float(modes.shares[1, mode]),
+                "bending": float(modes.shares[2, mode]),
+            }
+            for mode in range(min(modes.rigid + MODES_SHOWN, len(modes.names)))
+        ],
+        "rotation_ratio": float(whole.rotation_ratios[0]),
+        "chains": {}
+        if comparison is None
+        else {one.kind: _chain(one) for one in (comparison.axial, comparison.torsional)},
+        "axial_split": None
+        if comparison is None or comparison.coupled is None
+        else _split(comparison.coupled),
+    }
+
+
+def print_whole(record: dict[str, Any]) -> None:
+    """Print modes of the whole crankshaft and how far the chains agree."""
+    print_table(
+        "Modes of the whole crankshaft in its bearings",
+        ["mode:", "frequency [Hz]", "motion:"],
+        [[one["name"], f"{one['frequency']:.2f}", one["label"]] for one in record["modes"]],
+    )
+    for line in record["remarks"]:
+        _print(f"Note: {line}")
+    for kind, chain in record["chains"].items():
+        unit, factor = MOTION[kind]
+        if chain["chain_amplitude"] is not None or chain["shaft_amplitude"] is not None:
+            _print(
+                f"{kind.capitalize()} amplitude of the free end, largest over the speeds: chain "
+                f"{shown(chain['chain_amplitude'], factor)}, whole crankshaft "
+                f"{shown(chain['shaft_amplitude'], factor)} {unit}"
+            )
+        if chain["suffices"]:
+            _print(f"The {kind} chain suffices in place of the whole crankshaft.")
+        else:
+            _print(f"The {kind} chain does not suffice: {' '.join(chain['reasons'])}")
+    split = record["axial_split"]
+    if split is not None:
+        _print(
+            "Axial amplitude of the free end, largest over the speeds: "
+            f"{shown(split['tangential'], 1e6)} um by tangential forces alone (torsion), "
+            f"{shown(split['radial'], 1e6)} um by radial forces alone, {shown(split['both'], 1e6)} um by "
+            f"both at {split['speed_rpm']:.0f} 1/min"
+        )
+
+
+def _chain(verdict: ChainVerdict) -> Record:
+    response = verdict.response
+    return {
+        "suffices": verdict.suffices,
+        "reasons": list(verdict.reasons),
+        "modes": [
+            {
+                "chain_frequency": one.chain_frequency,
+                "shaft_frequency": one.shaft_frequency,
+                "share": one.share,
+                "likeness": one.likeness,
+            }
+            for one in verdict.modes
+        ],
+        "chain_amplitude": None
+        if response is None
+        else finite_or_none(float(np.max(response.chain))),
+        "shaft_amplitude": None
+        if response is None
+        else finite_or_none(float(np.max(response.shaft))),
+    }
+
+
+def _split(coupled: CoupledResponse) -> Record:
+    """Largest axial amplitude of the free end by each kind of force, and by both."""
+    split = coupled.split("section 0 uz")
+    worst = int(np.argmax(split.both_sum))
+    return {
+        "tangential": finite_or_none(float(np.max(split.tangential_sum))),
+        "radial": finite_or_none(float(np.max(split.radial_sum))),
+        "both": finite_or_none(float(split.both_sum[worst])),
+        "speed_rpm": float(coupled.speeds[worst] * RPM),
+    }
+
+
+def _print(text: str) -> None:
+    output.print(text, soft_wrap=True, highlight=False)

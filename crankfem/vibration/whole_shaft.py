@@ -1,0 +1,243 @@
+"""The whole crankshaft of an engine file, from superelements of its throws.
+
+Throws stand at their crank angles, each with the same superelement; cylinders of a V engine act on the
+pins that the file names.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from crankfem.engine_file import EngineFile
+from crankfem.vibration.shaft_surroundings import shaft_surroundings
+from dynamics.chains.engine_chains import EngineChain
+from dynamics.checks import FloatArray
+from dynamics.crankshaft.assembly import assemble_crankshaft
+from dynamics.crankshaft.chain_comparison import (
+    ChainVerdict,
+    chain_verdict,
+    matching_modes,
+    matching_response,
+)
+from dynamics.crankshaft.coupled_response import CoupledResponse, coupled_response
+from dynamics.crankshaft.pin_excitation import PinForces
+from dynamics.crankshaft.shaft_modes import ShaftModes, rotation_ratio
+from dynamics.crankshaft.shaft_system import CrankshaftSystem, crankshaft_system
+from dynamics.crankshaft.shaft_throw import ShaftThrow
+from dynamics.crankshaft.surroundings import MainBearings
+from dynamics.response.forced import ForcedResponse
+from dynamics.response.linear_system import DEFAULT_MAGNIFIER
+from fem.analysis import ThrowAnalysis
+from fem.craig_bampton import DynamicSuperelement
+from geometry.throw import CrankThrow
+
+# Modes are kept up to this multiple of the highest exciting frequency, and so high superelements are
+# made for.
+KEPT_FACTOR = 2.0
+# Superelements are made for no less than this [Hz], so that the first modes of a slow engine are right.
+LEAST_FREQUENCY = 200.0
+# Of the even grid; resonances get further ones.
+SPEEDS = 100
+
+
+@dataclass(frozen=True, eq=False)
+class WholeShaft:
+    """The whole crankshaft of an engine, its modes, and what was assumed for it.
+
+    Attributes
+    ----------
+    crankshaft : CrankshaftSystem
+    highest_frequency : float
+        What the superelements were made for [Hz].
+    rotation_ratios : (q - r,) array
+        Highest speed of rotation over each elastic natural frequency: how far Coriolis' forces, which
+        are left out, can matter; see `rotation_ratio`.
+    remarks : tuple of str
+        What was assumed, a sentence each.
+    """
+
+    crankshaft: CrankshaftSystem
+    highest_frequency: float
+    rotation_ratios: FloatArray
+    remarks: tuple[str, ...]
+
+    @property
+    def modes(self) -> ShaftModes:
+        """Natural modes, told apart by their shares."""
+        return self.crankshaft.modes
+
+
+@dataclass(frozen=True, eq=False)
+class ShaftComparison:
+    """Coupled vibration of the whole shaft beside the uncoupled chains of the same engine.
+
+    Attributes
+    ----------
+    coupled : CoupledResponse or None
+    axial, torsional : ChainVerdict
+    """
+
+    coupled: CoupledResponse | None
+    axial: ChainVerdict
+    torsional: ChainVerdict
+
+
+def whole_shaft(
+    engine_file: EngineFile,
+    analysis: ThrowAnalysis,
+    *,
+    superelement: DynamicSuperelement | None = None,
+    bearings: MainBearings | None = None,
+) -> WholeShaft:
+    """Build the whole crankshaft of an engine from the superelement of its throw.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+        In line or V. Flywheel, free end, dampers, thrust bearing, driven machine and main bearings are
+        taken from it.
+    analysis : ThrowAnalysis
+        Of the engine's throw.
+    superelement : DynamicSuperelement, optional
+        Of the same throw, where it is there already; by default one is built for the highest frequency
+        that the engine excites.
+    bearings : MainBearings, optional
+        In place of those of the file.
+
+    Returns
+    -------
+    WholeShaft
+
+    Raises
+    ------
+    InputError
+        If end sections of the analysis are not rigid, or values do not fit.
+    SolveError
+        If the superelement cannot be built.
+    """
+    remarks: list[str] = []
+    highest = highest_exciting_frequency(engine_file)
+    if superelement is None:
+        superelement = analysis.dynamic_superelement(highest)
+    throws = shaft_throws(superelement, engine_file.throw, engine_file.throw_angles)
+    around = shaft_surroundings(engine_file, analysis, remarks, bearings)
+    shaft = assemble_crankshaft(throws, around, turning_sense=engine_file.engine.turning_sense)
+    crankshaft = crankshaft_system(shaft, KEPT_FACTOR * superelement.highest_frequency or None)
+    modes = crankshaft.modes
+    if len(set(engine_file.pins)) < len(engine_file.pins):
+        remarks.append(
+            "rods on one pin act at its middle; the moment of rods side by side is left out"
+        )
+    return WholeShaft(
+        crankshaft=crankshaft,
+        highest_frequency=superelement.highest_frequency,
+        rotation_ratios=rotation_ratio(
+            engine_file.engine.highest_speed, modes.angular_frequencies[modes.rigid :]
+        ),
+        remarks=tuple(remarks),
+    )
+
+
+def highest_exciting_frequency(engine_file: EngineFile) -> float:
+    """Frequency of the highest order at the highest speed, 200 Hz at least [Hz]."""
+    engine = engine_file.engine
+    turns = engine.highest_speed / (2.0 * math.pi)
+    return max(LEAST_FREQUENCY, engine_file.vibration.highest_order * turns)
+
+
+def shaft_throws(
+    superelement: DynamicSuperelement, throw: CrankThrow, crank_angles: Sequence[float]
+) -> list[ShaftThrow]:
+    """Return equal throws at their crank angles [rad], ready to be assembled.
+
+    Parameters
+    ----------
+    superelement : DynamicSuperelement
+        In the throw's own frame, not turned.
+    throw : CrankThrow
+    crank_angles : sequence of n float
+        Angle of each throw's first pin about +z [rad].
+    """
+    pins = np.array([[*pin.axis, 0.5 * (pin.start + pin.end)] for pin in throw.parts.pins])
+    return [
+        ShaftThrow(
+            stiffness=superelement.stiffness,
+            mass=superelement.mass,
+            pin_loads=superelement.pin_loads,
+            pins=pins,
+            length=throw.length,
+            crank_angle=float(angle),
+        )
+        for angle in crank_angles
+    ]
+
+
+def shaft_response(
+    engine_file: EngineFile,
+    whole: WholeShaft,
+    forces: PinForces,
+    magnifier: float | None = None,
+) -> CoupledResponse:
+    """Find the coupled forced vibration of an engine's crankshaft.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    whole : WholeShaft
+    forces : CylinderForces
+        Of the engine's cylinders, by orders over speeds.
+    magnifier : float, optional
+        Of all elastic modes; by default the file's torsional one, else its axial one, else the measured
+        `DEFAULT_MAGNIFIER`. Dampers and bearings add theirs.
+
+    Returns
+    -------
+    CoupledResponse
+    """
+    given = engine_file.damping
+    if magnifier is None and given is not None:
+        magnifier = given.torsional_magnifier or given.axial_magnifier
+    return coupled_response(
+        whole.crankshaft,
+        forces,
+        pins=engine_file.pins,
+        magnifier=DEFAULT_MAGNIFIER if magnifier is None else magnifier,
+    )
+
+
+def compare_with_chains(
+    whole: WholeShaft,
+    axial: EngineChain,
+    torsional: EngineChain,
+    coupled: CoupledResponse | None = None,
+    axial_response: ForcedResponse | None = None,
+    torsional_response: ForcedResponse | None = None,
+) -> ShaftComparison:
+    """Compare the whole shaft with its chains, and say whether these suffice.
+
+    Parameters
+    ----------
+    whole : WholeShaft
+    axial, torsional : EngineChain
+        Of the same engine.
+    coupled, axial_response, torsional_response : optional
+        Forced vibration under the same forces at the same speeds; without them modes alone are compared.
+
+    Returns
+    -------
+    ShaftComparison
+        Modes of the chains up to the frequency that the superelements were made for, and each chain's
+        first in any case.
+    """
+    verdicts = []
+    for chain, answer in ((axial, axial_response), (torsional, torsional_response)):
+        modes = chain.chain.modes()
+        first = float(modes.frequencies[modes.rigid])
+        matches = matching_modes(whole.crankshaft, chain, max(first, whole.highest_frequency))
+        response = None
+        if coupled is not None and answer is not None:
+            response = matching_response(coupled, chain, answer)
+        verdicts.append(chain_verdict(matches, response))
+    return ShaftComparison(coupled, *verdicts)

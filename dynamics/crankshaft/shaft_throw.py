@@ -1,0 +1,110 @@
+"""A throw of a whole crankshaft by its matrices."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dynamics.checks import FloatArray, finite_array, positive_number, read_only
+from geometry.errors import InputError
+
+# Motions of a section: displacements, then rotations.
+UX, UY, UZ, RX, RY, RZ = range(6)
+# Largest difference of a matrix from its transpose, relative to its largest entry.
+SYMMETRIC = 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class ShaftThrow:
+    """A throw by its matrices, in its own frame, and where it stands.
+
+    Parameters
+    ----------
+    stiffness, mass : array_like of shape (12 + m, 12 + m)
+        Unknowns ux uy uz rx ry rz of the left, then of the right end section (the middles of its
+        main journals), then m amplitudes of shapes of its inside.
+    pin_loads : array_like of shape (p, 12 + m, 6)
+        Loads on these unknowns that unit forces along x, y, z on each pin, and unit moments, are
+        equivalent to. Transposed, they give the pin's mean motion.
+    pins : array_like of shape (p, 3)
+        Center of each pin in the throw frame [m].
+    length : float
+        From section to section [m].
+    crank_angle : float
+        Of the throw's first pin about +z, counted from +y [rad].
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit, a matrix is not symmetric, or a number is not finite.
+    """
+
+    stiffness: FloatArray
+    mass: FloatArray
+    pin_loads: FloatArray = field(repr=False)
+    pins: FloatArray
+    length: float
+    crank_angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("stiffness", "mass", "pin_loads", "pins"):
+            object.__setattr__(self, name, read_only(finite_array(name, getattr(self, name))))
+        finite_array("crank_angle", self.crank_angle)
+        positive_number("length", self.length, "m", "a throw has a length")
+        size = len(self.stiffness)
+        for name in ("stiffness", "mass"):
+            _check_symmetric(name, getattr(self, name), size)
+        if self.pins.ndim != 2 or self.pins.shape[1] != 3 or not len(self.pins):
+            raise InputError(
+                f"pins: given an array of shape {self.pins.shape}; allowed is (pins, 3), because a "
+                "throw has one pin or more."
+            )
+        if np.any(np.hypot(self.pins[:, 0], self.pins[:, 1]) == 0.0):
+            raise InputError(
+                "pins: given one on the shaft axis; allowed are pins aside of it, because radial and "
+                "tangential forces are told from there."
+            )
+        expected = (len(self.pins), size, 6)
+        if self.pin_loads.shape != expected:
+            raise InputError(
+                f"pin_loads: given an array of shape {self.pin_loads.shape}; allowed is {expected}, "
+                "because each pin takes three forces and three moments."
+            )
+
+    @property
+    def shapes(self) -> int:
+        """Number of shapes of the inside, m."""
+        return len(self.stiffness) - 12
+
+    @property
+    def turn(self) -> FloatArray:
+        """Matrix (12 + m, 12 + m) from motions in the throw frame to those in the shaft frame."""
+        turn = np.eye(len(self.stiffness))
+        turn[:12, :12] = np.kron(np.eye(4), rotation(self.crank_angle))
+        return turn
+
+    def rigid_inertia(self) -> tuple[float, float]:
+        """Mass [kg], and moment of inertia about the shaft axis [kg m^2], by moving as one body."""
+        along, about = np.zeros((2, len(self.mass)))
+        along[[UZ, 6 + UZ]] = 1.0
+        about[[RZ, 6 + RZ]] = 1.0
+        return float(along @ self.mass @ along), float(about @ self.mass @ about)
+
+
+def rotation(angle: float) -> FloatArray:
+    """Return the matrix (3, 3) that turns a vector by an angle [rad] about z."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _check_symmetric(name: str, matrix: FloatArray, size: int) -> None:
+    if matrix.ndim != 2 or matrix.shape != (size, size) or size < 12:
+        raise InputError(
+            f"{name}: given an array of shape {matrix.shape}; allowed are square ones of 12 rows or more, "
+            "stiffness and mass alike, because two end sections have 12 motions."
+        )
+    if np.max(np.abs(matrix - matrix.T)) > SYMMETRIC * np.max(np.abs(matrix)):
+        raise InputError(
+            f"{name}: given a matrix that is not symmetric; allowed are symmetric ones, because they "
+            "belong to an energy."
+        )

@@ -1,0 +1,249 @@
+"""What stands around the throws of a crankshaft: bearings, bodies at the ends, dampers, rods."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, nonnegative_number, positive_number, whole_number
+from dynamics.crankshaft.shaft_throw import RX, RY, UX, UY
+from geometry.errors import InputError
+
+
+@dataclass(frozen=True)
+class EndBody:
+    """A rigid body of revolution at an end of the shaft: flywheel, pulley, hub of a damper.
+
+    Parameters
+    ----------
+    mass : float
+        [kg]
+    polar_inertia : float
+        About the shaft axis [kg m^2].
+    diametral_inertia : float, optional
+        About a diameter through its center of mass [kg m^2]; half the polar one, that of a thin disc,
+        if not given.
+    overhang : float
+        How far its center of mass stands beyond the end section, away from the shaft [m].
+    """
+
+    mass: float
+    polar_inertia: float
+    diametral_inertia: float | None = None
+    overhang: float = 0.0
+
+    def __post_init__(self) -> None:
+        why = "it adds to the inertia of the shaft"
+        nonnegative_number("mass", self.mass, "kg", why)
+        nonnegative_number("polar_inertia", self.polar_inertia, "kg m^2", why)
+        nonnegative_number("overhang", self.overhang, "m", "it is counted away from the shaft")
+        if self.diametral_inertia is not None:
+            nonnegative_number("diametral_inertia", self.diametral_inertia, "kg m^2", why)
+
+    @property
+    def diametral(self) -> float:
+        """Diametral moment of inertia, given or half the polar one [kg m^2]."""
+        if self.diametral_inertia is None:
+            return 0.5 * self.polar_inertia
+        return self.diametral_inertia
+
+    def mass_matrix(self, outward: float) -> FloatArray:
+        """Return the mass matrix (6, 6) of its section; `outward` is -1 at the free end, else 1."""
+        own = [self.mass] * 3 + [self.diametral] * 2 + [self.polar_inertia]
+        center = self.center_motion(outward)
+        return np.asarray(center.T @ np.diag(own) @ center)
+
+    def center_motion(self, outward: float) -> FloatArray:
+        """Return the motion of its center per motion of its section, (6, 6)."""
+        center = np.eye(6)
+        center[UX, RY], center[UY, RX] = outward * self.overhang, -outward * self.overhang
+        return center
+
+
+@dataclass(frozen=True)
+class MainBearings:
+    """What holds the sections (the middles of the main journals) laterally, alike in all directions.
+
+    Parameters
+    ----------
+    stiffness : float or sequence of float
+        Of each section, or of all [N/m]: ``math.inf`` for one that is held, 0 for none.
+    damping : float or sequence of float
+        [N s/m]
+    """
+
+    stiffness: float | Sequence[float]
+    damping: float | Sequence[float] = 0.0
+
+    def at(self, sections: int) -> tuple[FloatArray, FloatArray]:
+        """Return stiffness and damping of each section.
+
+        Raises
+        ------
+        InputError
+            If one is negative or no number, or there is not one for each section.
+        """
+        return (
+            _each("bearings.stiffness", self.stiffness, sections, held=True),
+            _each("bearings.damping", self.damping, sections, held=False),
+        )
+
+
+@dataclass(frozen=True)
+class AxialSupport:
+    """What acts between a section and the ground along the shaft: thrust bearing or axial damper.
+
+    Parameters
+    ----------
+    section : int
+        0 at the free end.
+    stiffness : float
+        [N/m]; ``math.inf`` for a section that is held.
+    damping : float
+        [N s/m]
+    """
+
+    section: int
+    stiffness: float = 0.0
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        whole_number("axial support section", self.section, 0, "sections are counted from 0")
+        if not math.isinf(self.stiffness) or self.stiffness < 0.0:
+            nonnegative_number(
+                "axial support stiffness", self.stiffness, "N/m", "it does not push the shaft away"
+            )
+        nonnegative_number("axial support damping", self.damping, "N s/m", "damping takes energy")
+
+
+@dataclass(frozen=True)
+class TorsionalRing:
+    """A body that turns with an end section through a spring and a dashpot.
+
+    As the ring of a viscous damper (no stiffness) or of a rubber damper (a loss factor) at the free
+    end; as a driven machine behind a coupling at the flywheel.
+
+    Parameters
+    ----------
+    inertia : float
+        [kg m^2]
+    stiffness : float
+        [N m/rad]
+    damping : float
+        [N m s/rad]
+    loss_factor : float
+        Imaginary part of the stiffness relative to the real one.
+
+    Raises
+    ------
+    InputError
+        If the inertia is not above zero, another value is negative, or nothing joins it.
+    """
+
+    inertia: float
+    stiffness: float = 0.0
+    damping: float = 0.0
+    loss_factor: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive_number("ring inertia", self.inertia, "kg m^2", "a body has inertia")
+        why = "it is that of a passive element"
+        for name, unit in (("stiffness", "N m/rad"), ("damping", "N m s/rad"), ("loss_factor", "")):
+            nonnegative_number(f"ring {name}", getattr(self, name), unit, why)
+        if self.stiffness == 0.0 and self.damping == 0.0:
+            raise InputError(
+                "ring: given neither stiffness nor damping; allowed is one of them or both, because the "
+                "ring would not be joined to the shaft."
+            )
+
+
+@dataclass(frozen=True)
+class ShaftSurroundings:
+    """All that stands around the throws.
+
+    Parameters
+    ----------
+    bearings : MainBearings, optional
+        None for a shaft free in space.
+    axial_supports : sequence of AxialSupport
+        Thrust bearing, axial damper at the free end.
+    flywheel, free_end : EndBody, optional
+        At the last section and at section 0.
+    ring : TorsionalRing, optional
+        Of a torsional damper at the free end.
+    machine : TorsionalRing, optional
+        Driven machine behind a coupling at the flywheel.
+    pin_masses : sequence of float
+        Mass that goes with each pin across the shaft but not along it [kg], pins counted along the
+        shaft: rotating part of the rods and half of the reciprocating mass (`pin_mass`). Empty for
+        none.
+    loss_factor : float
+        Of the shaft's material: its stiffness is k (1 + i loss_factor).
+    """
+
+    bearings: MainBearings | None = None
+    axial_supports: Sequence[AxialSupport] = ()
+    flywheel: EndBody | None = None
+    free_end: EndBody | None = None
+    ring: TorsionalRing | None = None
+    machine: TorsionalRing | None = None
+    pin_masses: Sequence[float] = ()
+    loss_factor: float = 0.0
+
+    def __post_init__(self) -> None:
+        nonnegative_number("loss_factor", self.loss_factor, "", "it is that of a passive element")
+
+
+def pin_mass(rotating_mass: float, reciprocating_mass: float) -> float:
+    """Return the mass at a crankpin that stands for rods and pistons in the linear system.
+
+    Parameters
+    ----------
+    rotating_mass : float
+        Share of the rods that turns with the pin, of all cylinders on it [kg].
+    reciprocating_mass : float
+        Pistons and the rods' other share [kg].
+
+    Returns
+    -------
+    float
+        m_rot + m_rec / 2 [kg].
+
+    Raises
+    ------
+    InputError
+        If a mass is negative.
+
+    Notes
+    -----
+    A piston resists motion of the pin along the cylinder only. Seen from the shaft this direction turns
+    once a revolution, so that m_rec (1 + cos 2 phi) / 2 acts along a fixed direction of the shaft: its
+    mean is half, and the rest, which excites at twice the speed of rotation, is left out.
+    """
+    why = "it adds to the inertia of the shaft"
+    return nonnegative_number("rotating_mass", rotating_mass, "kg", why) + 0.5 * nonnegative_number(
+        "reciprocating_mass", reciprocating_mass, "kg", why
+    )
+
+
+def _each(name: str, given: ArrayLike, count: int, *, held: bool) -> FloatArray:
+    values = np.array(given, dtype=np.float64)
+    values = np.full(count, values) if values.ndim == 0 else values
+    allowed = "zero or more, or infinite for one that is held" if held else "zero or more"
+    if values.shape != (count,):
+        raise InputError(
+            f"{name}: given an array of shape {values.shape}; allowed is one number for all, or one "
+            f"for each of the {count} sections, because throws side by side share one."
+        )
+    if (
+        np.any(np.isnan(values))
+        or np.any(values < 0.0)
+        or not (held or np.all(np.isfinite(values)))
+    ):
+        raise InputError(
+            f"{name}: given {values.tolist()}; allowed are numbers of {allowed}, because a bearing does "
+            "not drive the shaft."
+        )
+    return values

@@ -1,0 +1,205 @@
+"""A whole crankshaft as one solid: mesh, natural modes, and a deck for CalculiX.
+
+What superelements are checked against: no throw is condensed, no section is rigid. For every day it is
+too slow.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+from fem.assembly import assemble_stiffness
+from fem.calculix import number_field
+from fem.loads import rigid_motions
+from fem.mass_matrix import assemble_mass
+from fem.material import Material
+from fem.modes import LANCZOS_TOLERANCE, frequencies_of
+from fem.solver import factorize
+from geometry.crankshaft import Crankshaft, make_shaft
+from geometry.gmsh_session import gmsh_errors, gmsh_session
+from geometry.mending import mend
+from geometry.mesh import check_quality, check_volume, read_mesh, solid_properties
+
+Array = NDArray[np.float64]
+
+# Elements at curved surfaces: so many to a full circle, and no smaller than this share of the others.
+AROUND = 10
+SMALLEST = 0.3
+# Nodes of a main journal within this share of its diameter from a section stand for the section.
+NEAR = 0.12
+# The shift lies at this frequency [Hz], below the elastic modes of shafts.
+SHIFT = 60.0
+
+
+@dataclass(frozen=True)
+class ShaftMesh:
+    """A mesh of a whole crankshaft.
+
+    Attributes
+    ----------
+    points : (n, 3) array
+        [m]
+    elements : (m, 10) array
+        Node numbers of tetrahedra.
+    sections : (s,) array
+        Places of the throws' ends along the shaft [m].
+    journal_diameter : float
+        [m]
+    """
+
+    points: Array = field(repr=False)
+    elements: NDArray[np.int64] = field(repr=False)
+    sections: Array
+    journal_diameter: float
+
+    @property
+    def unknowns(self) -> int:
+        """Number of displacement unknowns."""
+        return 3 * len(self.points)
+
+    def nodes_near(self, section: float) -> NDArray[np.int64]:
+        """Nodes in the main journal near a section [m]."""
+        radius = np.hypot(self.points[:, 0], self.points[:, 1])
+        inside = radius <= 0.5 * self.journal_diameter * (1.0 + 1e-6)
+        near = np.abs(self.points[:, 2] - section) <= NEAR * self.journal_diameter
+        return np.flatnonzero(inside & near)
+
+
+def mesh_shaft(shaft: Crankshaft, size: float) -> ShaftMesh:
+    """Mesh a whole crankshaft, in this process.
+
+    Parameters
+    ----------
+    shaft : Crankshaft
+    size : float
+        Of the elements, smaller ones at curved surfaces [m].
+
+    Raises
+    ------
+    MeshError
+        If gmsh fails, or the mesh is not that of the solid.
+    """
+    with gmsh_session("shaft") as gmsh, gmsh_errors("mesh the shaft"):
+        make_shaft(gmsh, shaft)
+        solid = solid_properties(gmsh)
+        for option, value in (
+            ("MeshSizeMax", size),
+            ("MeshSizeMin", SMALLEST * size),
+            ("MeshSizeFromCurvature", AROUND),
+        ):
+            gmsh.option.setNumber(f"Mesh.{option}", value)
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(2)
+        points, elements, _ = read_mesh(gmsh, {})
+    points, _ = mend(points, elements)
+    check_volume(points, elements, solid)
+    check_quality(points, elements)
+    return ShaftMesh(points, elements, shaft.starts, shaft.throws[0].main_journal_diameter)
+
+
+def solid_modes(
+    mesh: ShaftMesh,
+    material: Material,
+    count: int,
+    *,
+    lateral_stiffness: Sequence[float] = (),
+    axial_stiffness: Sequence[float] = (),
+) -> tuple[Array, Array]:
+    """Find the lowest modes of a shaft, rigid motions included.
+
+    Parameters
+    ----------
+    mesh : ShaftMesh
+    material : Material
+    count : int
+        How many.
+    lateral_stiffness, axial_stiffness : sequence of float, optional
+        Springs to ground at each section, on its mean motion across and along the shaft [N/m].
+
+    Returns
+    -------
+    frequencies : (count,) array
+        Ascending [Hz]; those of rigid motions are zero but for rounding.
+    section_motions : (s, 6, count) array
+        Mean motions of the sections: displacements, rotations, fitted to the nodes near them; modes are
+        of unit modal mass.
+    """
+    stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
+    mass = assemble_mass(mesh.points, mesh.elements, material.density)
+    fits = [_mean_motion(mesh, section) for section in mesh.sections]
+    for springs, axes in ((lateral_stiffness, (0, 1)), (axial_stiffness, (2,))):
+        for fit, spring in zip(fits, springs, strict=False):
+            for axis in axes:
+                row = fit[[axis]]
+                stiffness = stiffness + sparse.triu(spring * (row.T @ row), format="csr")
+    shift = (2.0 * np.pi * SHIFT) ** 2
+    size = mesh.unknowns
+    whole_mass = (mass + sparse.triu(mass, k=1).T).tocsr()
+    with factorize(sparse.csr_array(stiffness + shift * mass), "auto") as factors:
+
+        def solve(side: Array) -> Array:
+            return np.asarray(factors.solve(np.asarray(side).reshape(-1, 1))[:, 0])
+
+        start = np.random.default_rng(0).standard_normal(size)
+        squares, shapes = eigsh(
+            whole_mass,  # only its size is used, the operator below being given
+            count,
+            M=whole_mass,
+            sigma=-shift,
+            OPinv=LinearOperator((size, size), matvec=solve, dtype=np.float64),
+            v0=solve(whole_mass @ start),
+            tol=LANCZOS_TOLERANCE,
+        )
+    order = np.argsort(squares)
+    motions = np.array([fit @ shapes[:, order] for fit in fits])
+    return frequencies_of(squares[order]), motions
+
+
+def frequency_deck(mesh: ShaftMesh, material: Material, count: int) -> str:
+    """Write a deck for CalculiX that finds the lowest modes of the free shaft.
+
+    Parameters
+    ----------
+    mesh : ShaftMesh
+    material : Material
+    count : int
+        How many modes, the six rigid motions included.
+
+    Returns
+    -------
+    str
+        ``ccx`` prints the frequencies into its .dat file.
+    """
+    lines = ["*NODE, NSET=MESH"]
+    for number, place in enumerate(mesh.points.tolist(), start=1):
+        lines.append(f"{number},{','.join(number_field(value) for value in place)}")
+    lines.append("*ELEMENT, TYPE=C3D10, ELSET=SHAFT")
+    for number, nodes in enumerate((mesh.elements + 1).tolist(), start=1):
+        lines.append(f"{number},{','.join(map(str, nodes))}")
+    lines += [
+        "*MATERIAL, NAME=STEEL",
+        "*ELASTIC",
+        f"{number_field(material.youngs_modulus)},{number_field(material.poisson_ratio)}",
+        "*DENSITY",
+        number_field(material.density),
+        "*SOLID SECTION, ELSET=SHAFT, MATERIAL=STEEL",
+        "*STEP",
+        "*FREQUENCY",
+        str(count),
+        "*END STEP",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _mean_motion(mesh: ShaftMesh, section: float) -> sparse.csr_array:
+    """Rows (6, 3 n): the rigid motion about the section's center that fits the nodes near it best."""
+    nodes = mesh.nodes_near(section)
+    arms = mesh.points[nodes] - (0.0, 0.0, section)
+    fit = np.linalg.pinv(rigid_motions(arms).reshape(-1, 6))
+    columns = (3 * nodes[:, np.newaxis] + np.arange(3)).ravel()
+    rows = np.repeat(np.arange(6), columns.size)
+    return sparse.csr_array((fit.ravel(), (rows, np.tile(columns, 6))), shape=(6, mesh.unknowns))

@@ -1,0 +1,133 @@
+"""The whole crankshaft of shipped engines, coarsely meshed.
+
+Masses and inertias must be those of the chains, which come from the same file another way.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from crankfem.engine_file import load_engine
+from crankfem.mechanism_file import load_mechanism
+from crankfem.pictures.shaft_mode_plots import (
+    plot_axial_split,
+    plot_mode_shares,
+    plot_shaft_modes,
+)
+from crankfem.vibration.chains import (
+    engine_throw_inertias,
+    engine_torsional_chain,
+)
+from crankfem.vibration.run import engine_vibration
+from crankfem.vibration.sources import compliances_in_shaft
+from crankfem.vibration.whole_shaft import (
+    highest_exciting_frequency,
+    shaft_response,
+    whole_shaft,
+)
+from dynamics.crankshaft.shaft_system import crankshaft_system
+from dynamics.crankshaft.surroundings import MainBearings
+from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
+from dynamics.excitation.cylinders import forces_at_speeds
+from fem.analysis import analyze_throw
+from geometry.errors import InputError
+
+ORDERS = np.arange(1, 25) * 0.5
+
+
+@pytest.fixture(scope="module", params=["6chn25-34", "8chn13-14"])
+def engine(request):
+    engine_file = load_engine(request.param)
+    analysis = analyze_throw(engine_file.throw, engine_file.material, 0.1)
+    return engine_file, analysis, whole_shaft(engine_file, analysis)
+
+
+def chain_of(engine_file, analysis):
+    shaft = compliances_in_shaft(engine_file, analysis)
+    inertias = engine_throw_inertias(engine_file, analysis.masses.inertia_about_shaft)
+    return shaft, engine_torsional_chain(engine_file, shaft.torsional, inertias)
+
+
+def lengthening(crankshaft, ends, loaded):
+    """Static difference of both ends' motion under a unit force at a point, balanced at the ends.
+
+    An axial force or torque at one end is balanced by that at the other; a radial force on a pin by
+    the bearings.
+    """
+    system, last = crankshaft.system, crankshaft.shaft.section_count - 1
+    span = system.expand[crankshaft.point(ends.format(last))]
+    span = span - system.expand[crankshaft.point(ends.format(0))]
+    force = span if crankshaft.names[loaded].startswith("section") else system.expand[loaded]
+    elastic = system.natural > 0.0
+    return float((span[elastic] * force[elastic]) @ system.natural[elastic] ** -2.0)
+
+
+@pytest.mark.slow
+def test_whole_shaft_of_an_engine(engine, tmp_path):
+    engine_file, analysis, whole = engine
+    modes = whole.modes
+    assert modes.names[: modes.rigid] == ("rotation about the shaft axis",)
+    shaft, torsional = chain_of(engine_file, analysis)
+    about = whole.crankshaft.shaft.rigid[:, 0]
+    stub = engine_file.shaft_ends
+    own = 0.0
+    if stub.free_end_diameter is not None:
+        d, length = stub.free_end_diameter, stub.free_end_length
+        own = engine_file.material.density * math.pi / 32.0 * d**4 * length
+    # The chain does not know the stub at the free end. Masses of superelements are those of meshes,
+    # which have the solid's volume within 0.1 %.
+    assert about @ whole.crankshaft.shaft.mass @ about == pytest.approx(
+        torsional.chain.inertia.sum() + own, rel=1e-3
+    )
+    held = whole_shaft(engine_file, analysis, bearings=MainBearings(math.inf))
+    twist = lengthening(held.crankshaft, "section {} rz", held.crankshaft.point("section 0 rz"))
+    stretch = lengthening(held.crankshaft, "section {} uz", held.crankshaft.point("section 0 uz"))
+    # The static assembly of the same superelement, by another way; residuals of the solver are 1e-9.
+    assert twist == pytest.approx(shaft.torsional.sum(), rel=1e-6)
+    assert stretch == pytest.approx(shaft.axial.sum(), rel=1e-6)
+    by_pin = lengthening(held.crankshaft, "section {} uz", held.crankshaft.point("pin 2 radial"))
+    assert by_pin == pytest.approx(shaft.influence[:, 1].sum(), rel=1e-6)
+    assert any("assumed" in remark for remark in whole.remarks) == (engine_file.bearings is None)
+    assert np.all(whole.rotation_ratios[:3] > 0.01)
+    # Everything at once: forces of the engine, whole shaft, chains, pictures.
+    found = engine_vibration(engine_file, analysis=analysis, coupled=True).comparison
+    split = found.coupled.split("section 0 uz")
+    assert split.both_sum.max() > 1e-6
+    # Torsion shows in axial motion: tangential forces alone move the free end along the shaft.
+    assert split.tangential_sum.max() > 0.1 * split.both_sum.max()
+    for verdict in (found.axial, found.torsional):
+        assert verdict.suffices == (not verdict.reasons)
+        assert verdict.response is not None
+    plot_shaft_modes(tmp_path / "modes.svg", modes, engine_file.throw.crank_radius)
+    plot_axial_split(tmp_path / "split.svg", found.coupled)
+    plot_mode_shares(tmp_path / "shares.svg", modes)
+    for name in ("modes", "split", "shares"):
+        assert (tmp_path / f"{name}.svg").read_text(encoding="utf-8").startswith("<?xml")
+    with pytest.raises(InputError, match=r"^count: given 0"):
+        plot_shaft_modes(tmp_path / "none.svg", modes, 0.1, count=0)
+
+
+@pytest.mark.slow
+def test_leaving_modes_out_changes_no_answer(engine):
+    """Static correction: the response within 1e-3, though most of the modes are gone."""
+    engine_file, _, whole = engine
+    mechanism = load_mechanism(engine_file.path)
+    harmonics = cylinder_harmonics(
+        mechanism.layout, ORDERS, mechanism.pressure, throws=mechanism.throws
+    )
+    engine_speeds = np.linspace(
+        engine_file.engine.lowest_speed, engine_file.engine.highest_speed, 20
+    )
+    forces = forces_at_speeds(harmonics, engine_speeds)
+    complete = crankshaft_system(whole.crankshaft.shaft)
+    assert len(complete.system.mass) > len(whole.crankshaft.system.mass)
+    answers = [
+        shaft_response(engine_file, replace(whole, crankshaft=each), forces)
+        for each in (whole.crankshaft, complete)
+    ]
+    for point in ("section 0 uz", "section 0 rz", "pin 2 tangential"):
+        fewer, every = (answer.motion(point) for answer in answers)
+        assert np.abs(fewer - every).max() < 1e-3 * np.abs(every).max()
+    assert whole.highest_frequency == highest_exciting_frequency(engine_file)

@@ -1,0 +1,216 @@
+"""Forced vibration of a whole crankshaft of simple throws, and the comparison with chains.
+
+A throw here is a spring of six components between two masses at its ends; its pin moves as the mean of
+what both ends carry there. So it is known what every force does.
+"""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from dynamics.chains.engine_chains import axial_chain, torsional_chain
+from dynamics.crankshaft.assembly import assemble_crankshaft
+from dynamics.crankshaft.chain_comparison import (
+    ModeMatch,
+    ResponseMatch,
+    chain_verdict,
+    matching_modes,
+    matching_response,
+)
+from dynamics.crankshaft.coupled_response import coupled_response
+from dynamics.crankshaft.pin_excitation import pins_of_cylinders, shaft_excitation
+from dynamics.crankshaft.shaft_system import crankshaft_system
+from dynamics.crankshaft.shaft_throw import ShaftThrow
+from dynamics.crankshaft.surroundings import (
+    AxialSupport,
+    EndBody,
+    MainBearings,
+    ShaftSurroundings,
+)
+from dynamics.response.excitation import OrderExcitation
+from dynamics.response.forced import forced_response
+from geometry.errors import InputError
+
+RADIUS, LENGTH = 0.15, 0.4
+AXIAL, TWIST, MASS, INERTIA = 1e9, 2e7, 100.0, 3.0
+# Share of a throw's inertia left at its ends where the rest is at the pin.
+LEFT = 1e-6
+
+
+def carried(arm):
+    """Motion (6, 6) of a place at an arm from a section, rigidly joined."""
+    x, y, z = arm
+    moved = np.eye(6)
+    moved[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+    return moved
+
+
+def spring_throw(angle=0.0, coupling=0.0):
+    """A throw with half of its mass at either end, whose twist stretches it by `coupling`."""
+    relative = np.hstack((-carried((0, 0, LENGTH / 2)), carried((0, 0, -LENGTH / 2))))
+    springs = np.diag([5e9, 5e9, AXIAL, 5e7, 5e7, TWIST])
+    springs[2, 5] = springs[5, 2] = coupling * math.sqrt(AXIAL * TWIST)
+    body = np.diag([MASS, MASS, MASS, 3.0, 3.0, INERTIA]) / 2.0
+    pin = np.hstack([0.5 * carried((0, RADIUS, side * LENGTH / 2)) for side in (1, -1)])
+    return ShaftThrow(
+        stiffness=relative.T @ springs @ relative,
+        mass=np.kron(np.eye(2), body),
+        pin_loads=pin.T[None],
+        pins=[[0, RADIUS, LENGTH / 2]],
+        length=LENGTH,
+        crank_angle=angle,
+    )
+
+
+AROUND = ShaftSurroundings(
+    bearings=MainBearings(math.inf),
+    axial_supports=(AxialSupport(3, 5e8),),
+    flywheel=EndBody(400.0, 50.0),
+)
+ANGLES = np.radians([0.0, 120.0, 240.0])
+
+
+def straight(coupling=0.0):
+    """Three throws without offset mass: nothing is coupled unless `coupling` says so."""
+    throws = [spring_throw(angle, coupling) for angle in ANGLES]
+    return crankshaft_system(assemble_crankshaft(throws, AROUND))
+
+
+@pytest.fixture(scope="module")
+def forces():
+    rng = np.random.default_rng(7)
+    shape = (6, 40, 3)
+    tangential, radial = (
+        1e4 * (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) for _ in range(2)
+    )
+    return SimpleNamespace(
+        orders=np.arange(1, 7) * 0.5,
+        speeds=np.linspace(100.0, 700.0, 40),
+        tangential=tangential,
+        radial=radial,
+        throws=(0, 1, 2),
+    )
+
+
+def chains():
+    """Of the straight shaft: masses at the sections, half inertias at both ends of a throw."""
+    axial = axial_chain([1.0 / AXIAL] * 3, [MASS] * 3, 400.0, 3, 5e8)
+    torsional = torsional_chain([1.0 / TWIST] * 3, [INERTIA] * 3, 50.0)
+    return axial, torsional
+
+
+def test_axial_chain_is_the_straight_shaft():
+    shaft, (axial, _) = straight(), chains()
+    matches = matching_modes(shaft, axial, 1e4)
+    assert len(matches) == 4
+    for match in matches:
+        assert match.difference == pytest.approx(0.0, abs=1e-9)
+        assert (match.share, match.likeness) == pytest.approx((1.0, 1.0), abs=1e-9)
+    assert chain_verdict(matches).suffices
+
+
+def test_coupling_makes_chains_insufficient():
+    axial, _ = chains()
+    matches = matching_modes(straight(0.3), axial, 1e4)
+    verdict = chain_verdict(matches)
+    assert not verdict.suffices
+    assert any("%" in reason for reason in verdict.reasons)
+    nothing = chain_verdict([ModeMatch("axial", 0, 50.0, None, None, 0.0, 0.0)])
+    assert nothing.reasons == (
+        "The axial mode of the chain at 50.0 Hz has none like it in the whole shaft.",
+    )
+
+
+def test_tangential_forces_move_the_free_end_only_where_torsion_is_coupled(forces):
+    """The torque of a straight shaft stays in torsion; with a coupled spring it shows at the end."""
+    plain = coupled_response(straight(), forces)
+    split = plain.split("section 0 uz")
+    # Nothing but rounding: the pin of a straight shaft has no way to push along it.
+    assert split.both_sum.max() < 1e-15
+    coupled = coupled_response(straight(0.3), forces).split("section 0 uz")
+    assert coupled.tangential_sum.min() > 1e-8
+    assert np.all(coupled.both <= coupled.tangential + coupled.radial + 1e-18)
+
+
+def test_both_kinds_of_force_together_are_their_sum(forces):
+    shaft = straight(0.3)
+    answer = coupled_response(shaft, forces, modal_damping=0.02)
+    whole = forced_response(
+        shaft.system.with_modal_damping(0.02), shaft_excitation(shaft, forces), method="direct"
+    )
+    row = shaft.point("pin 2 tangential")
+    # Modal against direct: what is allowed of the modal answer's residual, times the peak's magnifier.
+    largest = np.abs(whole.motion[:, :, row]).max()
+    assert (
+        np.abs(answer.motion("pin 2 tangential") - whole.motion[:, :, row]).max() < 1e-8 * largest
+    )
+    assert not answer.unbounded.any()
+
+
+def test_torque_of_the_chain_is_that_of_the_pins(forces):
+    """With the inertia at its throws' middles, the shaft in torsion is the chain.
+
+    The shape is the pin's turning beyond the mean of both ends: two springs of 2 k with the pin between
+    are one spring k of the ends and one of 4 k of the shape.
+    """
+    throws = []
+    for angle in ANGLES:
+        base = spring_throw(angle)
+        stiffness, mass = np.zeros((2, 13, 13))
+        stiffness[:12, :12], mass[:12, :12] = base.stiffness, base.mass
+        stiffness[12, 12] = 4.0 * TWIST
+        mass[[5, 11], [5, 11]] = LEFT * INERTIA
+        turning = np.zeros(13)
+        turning[[5, 11, 12]] = 0.5, 0.5, 1.0
+        mass += INERTIA * np.outer(turning, turning)
+        own = np.array([[-RADIUS, 0.0, 0.0, 0.0, 0.0, 1.0]])
+        pins = np.concatenate((base.pin_loads, own[None]), axis=1)
+        throws.append(ShaftThrow(stiffness, mass, pins, base.pins, LENGTH, float(angle)))
+    shaft = crankshaft_system(assemble_crankshaft(throws, AROUND), 2000.0)
+    _, torsional = chains()
+    matches = matching_modes(shaft, torsional, 300.0)
+    assert len(matches) == 1
+    # The ends' share of the inertia is what both differ by.
+    assert abs(matches[0].difference) < 5.0 * LEFT
+    assert matches[0].share == pytest.approx(1.0, abs=1e-9)
+    assert matches[0].likeness == pytest.approx(1.0, abs=1e-6)
+    torques = np.zeros((6, 40, 4), dtype=complex)
+    torques[:, :, :3] = RADIUS * forces.tangential
+    by_chain = forced_response(
+        torsional.chain, OrderExcitation(forces.orders, forces.speeds, torques), modal_damping=0.05
+    )
+    coupled = coupled_response(shaft, forces, modal_damping=0.05)
+    found = matching_response(coupled, torsional, by_chain)
+    assert found.chain == pytest.approx(found.shaft, rel=100.0 * LEFT)
+    assert chain_verdict(matches, found).suffices
+    other = OrderExcitation(forces.orders[:2], forces.speeds, torques[:2])
+    shorter = forced_response(torsional.chain, other)
+    with pytest.raises(InputError, match="answer: given"):
+        matching_response(coupled, torsional, shorter)
+
+
+def test_an_undamped_resonance_is_unbounded(forces):
+    shaft = straight(0.3)
+    natural = shaft.system.natural[1]
+    at_resonance = SimpleNamespace(
+        orders=np.array([2.0]),
+        speeds=np.array([0.4 * natural, 0.5 * natural]),
+        tangential=forces.tangential[:1, :2],
+        radial=forces.radial[:1, :2],
+        throws=(0, 1, 2),
+    )
+    answer = coupled_response(shaft, at_resonance, magnifier=None)
+    assert answer.unbounded.tolist() == [[False, True]]
+    assert answer.split("section 0 uz").both_sum.tolist()[1] == math.inf
+    match = ResponseMatch("axial", at_resonance.speeds, np.ones(2), np.array([1.0, np.inf]))
+    assert match.difference == math.inf
+
+
+def test_pins_of_cylinders():
+    assert pins_of_cylinders((0, 1), (0, 1, 0, 1)) == (0, 1, 0, 1)
+    assert pins_of_cylinders((0, 0, 1, 1), (0, 0, 1, 1), (0, 1, 2, 3)) == (0, 1, 2, 3)
+    for arguments in (((0, 0), (0, 0)), ((0, 1), (0, 2)), ((0, 1), (0, 1), (0,))):
+        with pytest.raises(InputError, match=r"^pins: given .*; allowed .*because"):
+            pins_of_cylinders(*arguments)
