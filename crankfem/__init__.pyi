@@ -312,6 +312,7 @@ from geometry.imported import import_throw as import_throw
 from geometry.mass import MassProperties as MassProperties
 from geometry.mesh import ThrowMesh as ThrowMesh
 from geometry.mesh_files import write_mesh as write_mesh
+from geometry.mesher import mesh_isolated as mesh_throw  # noqa: F401
 from geometry.shaft_ends import ShaftEnds as ShaftEnds
 from geometry.solid_files import write_step as write_step
 from geometry.throw import CrankThrow as CrankThrow
