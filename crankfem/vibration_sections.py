@@ -21,7 +21,11 @@ class Damping(InputModel):
         default=None,
     )
     axial_magnifier: float | None = quantity_field(
-        "the same of every axial mode", "", minimum=1.0, maximum=1000.0, default=None
+        "amplitude of every axial mode at resonance beside its static one",
+        "",
+        minimum=1.0,
+        maximum=1000.0,
+        default=None,
     )
     cylinder_damping: float | None = quantity_field(
         "absolute torsional damping at each cylinder",
@@ -31,7 +35,7 @@ class Damping(InputModel):
         default=None,
     )
     loss_factor: float | None = quantity_field(
-        "of the throws in torsion: their stiffness is k (1 + i loss_factor)",
+        "loss factor of the throws in torsion: their stiffness is k (1 + i loss_factor)",
         "",
         minimum=0.0,
         maximum=0.5,
@@ -50,23 +54,23 @@ class TorsionalDamper(InputModel):
     section: ClassVar[str] = "torsional_damper"
 
     kind: Literal["viscous", "rubber"] = Field(description="viscous or rubber")
-    ring_inertia: float = quantity_field("of the ring", "kg m^2", minimum=1e-6, maximum=1e6)
+    ring_inertia: float = quantity_field("inertia of the ring", "kg m^2", minimum=1e-6, maximum=1e6)
     damping: float | None = quantity_field(
-        "of a viscous damper: torque per relative speed of ring and hub",
+        "torque per relative speed of ring and hub, of kind viscous",
         "N m s/rad",
         minimum=1e-6,
         maximum=1e8,
         default=None,
     )
     stiffness: float | None = quantity_field(
-        "of a rubber damper: torsional stiffness of the rubber",
+        "torsional stiffness of the rubber, of kind rubber",
         "N m/rad",
         minimum=1e-3,
         maximum=1e10,
         default=None,
     )
     loss_factor: float | None = quantity_field(
-        "of a rubber damper: loss factor of the rubber",
+        "loss factor of the rubber, of kind rubber",
         "",
         minimum=0.0,
         maximum=2.0,
@@ -97,7 +101,7 @@ class AxialDamper(InputModel):
         "force per speed of the free end", "N s/m", minimum=1.0, maximum=1e10
     )
     stiffness: float = quantity_field(
-        "of its oil to ground", "N/m", minimum=0.0, maximum=1e12, default=0.0
+        "stiffness of its oil to ground", "N/m", minimum=0.0, maximum=1e12, default=0.0
     )
 
 
@@ -107,7 +111,10 @@ class Driven(InputModel):
     section: ClassVar[str] = "driven"
 
     inertia: float = quantity_field(
-        "of the driven machine, referred to the crankshaft", "kg m^2", minimum=1e-5, maximum=1e8
+        "inertia of the driven machine, referred to the crankshaft",
+        "kg m^2",
+        minimum=1e-5,
+        maximum=1e8,
     )
     coupling_stiffness: float = quantity_field(
         "torsional stiffness of the coupling", "N m/rad", minimum=1.0, maximum=1e12

@@ -1,0 +1,257 @@
+"""Forced vibration, verdict and command of engines, from their files."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from crankfem.data_files import engine_path
+from crankfem.engine_file import load_engine
+from crankfem.mechanism_file import load_mechanism
+from crankfem.pictures.vibration_pictures import picture_vibration
+from crankfem.vibration.chains import damped_engine_chain, engine_torsional_chain
+from crankfem.vibration.forced import nominal_section_modulus
+from crankfem.vibration.forced_records import forced_record, write_forced
+from crankfem.vibration.records import run_record
+from crankfem.vibration.run import engine_vibration
+from dynamics.excitation.on_chains import axial_excitation
+from dynamics.response.forced import forced_response
+from dynamics.torque.torque import engine_torque
+from fem.analysis import analyze_throw
+from geometry.errors import InputError
+
+ADDED = """
+[driven]
+inertia = "200 kg m^2"
+coupling_stiffness = "3e6 N m/rad"
+
+[limits]
+crankshaft_stress = { value = "30 MPa", source = "maker" }
+coupling_torque = "20 kN m"
+axial_amplitude = "0.4 mm"
+
+[gas]
+"""
+
+
+def written(tmp_path, text, name="6chn25-34"):
+    """A shipped engine with further sections before [gas]."""
+    path = tmp_path / "engine.toml"
+    path.write_text(
+        engine_path(name).read_text(encoding="utf-8").replace("[gas]\n", text), encoding="utf-8"
+    )
+    return path
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    """Throw of the shipped six, as coarse as it may be."""
+    engine = load_engine("6chn25-34")
+    return analyze_throw(engine.throw, engine.material, 0.1)
+
+
+@pytest.fixture(scope="module")
+def run(coarse):
+    return engine_vibration("6chn25-34", analysis=coarse)
+
+
+@pytest.mark.parametrize(
+    ("added", "message"),
+    [
+        (
+            '[torsional_damper]\nkind = "viscous"\nring_inertia = "4 kg m^2"\n\n[gas]\n',
+            r"torsional_damper\.damping: not given with kind viscous; allowed are damping for viscous",
+        ),
+        (
+            '[torsional_damper]\nkind = "rubber"\nring_inertia = "4 kg m^2"\nstiffness = "0 N m/rad"\n'
+            "loss_factor = 0.1\n\n[gas]\n",
+            r"torsional_damper\.stiffness: given 0 N m/rad; allowed is 0\.001 N m/rad to",
+        ),
+        (
+            "[misfire]\ncylinders = [7]\n\n[gas]\n",
+            r"misfire\.cylinders: given 7; allowed is 1 to 6",
+        ),
+        (
+            '[shaft_line]\naxial = "mwm-six"\n\n[gas]\n',
+            r"shaft_line\.axial: given 'mwm-six', a chain of kind torsional; allowed is one of kind axial",
+        ),
+        (
+            '[damping]\ntorsional_magnifier = "much"\n\n[gas]\n',
+            r"damping\.torsional_magnifier: given 'much'",
+        ),
+        ("[limits]\naxial_amplitude = 0.4\n\n[gas]\n", r"a bare number that could be in any unit"),
+    ],
+)
+def test_wrong_sections_are_refused(tmp_path, added, message):
+    with pytest.raises(InputError, match=message):
+        load_engine(written(tmp_path, added))
+
+
+def test_a_damper_needs_a_free_end(tmp_path):
+    text = engine_path("6chn25-34").read_text(encoding="utf-8")
+    start, end = text.index("[free_end]"), text.index("[thrust_bearing]")
+    damper = (
+        '[torsional_damper]\nkind = "viscous"\nring_inertia = "4 kg m^2"\ndamping = "9 N m s"\n\n'
+    )
+    path = tmp_path / "engine.toml"
+    path.write_text(text[:start] + damper + text[end:], encoding="utf-8")
+    engine = load_engine(path)
+    with pytest.raises(
+        InputError, match=r"torsional_damper: given without the section \[free_end\]"
+    ):
+        engine_torsional_chain(engine, np.full(6, 1e-9), np.full(6, 8.0))
+
+
+def test_damping_of_its_own_takes_the_magnifiers_place(tmp_path):
+    def record(text):
+        engine = load_engine(written(tmp_path, text))
+        chain = engine_torsional_chain(engine, np.full(6, 1e-9), np.full(6, 8.0))
+        return damped_engine_chain(engine, chain).record
+
+    (assumed,) = record("[gas]\n")
+    assert "magnifier 40 of every elastic mode: assumed" in assumed
+    assert record('[damping]\ncylinder_damping = "20 N m s/rad"\n\n[gas]\n') == (
+        "damping of the chain itself, as its description gives it",
+    )
+    (given,) = record("[damping]\ntorsional_magnifier = 25\n\n[gas]\n")
+    assert given == "magnifier 25 of every elastic mode: engine file"
+
+
+@pytest.mark.slow
+def test_forced_vibration_of_an_engine(run):
+    torsional, axial = run.forced_torsional, run.forced_axial
+    # What goes in becomes heat, at every speed; 1e-6 is promised.
+    assert torsional.power.error < 1e-6
+    assert axial.power.error < 1e-6
+    # Torques of all cylinders together are the engine's, at the speed nearest to the rated one.
+    engine, mechanism = run.engine_file.engine, load_mechanism(run.engine_file.path)
+    place = int(np.argmin(np.abs(torsional.forces.speeds - engine.rated_speed)))
+    speed = float(torsional.forces.speeds[place])
+    whole = engine_torque(mechanism.layout, speed, mechanism.pressure).harmonics()
+    own = np.abs(torsional.forces.torque[:, place].sum(axis=1))
+    assert own == pytest.approx(whole.amplitude[: own.size], rel=1e-6, abs=1e-6 * own.max())
+    # Stress is torque over the weaker section, whose pin of 180 mm is solid.
+    modulus = math.pi * 0.18**3 / 16.0
+    assert nominal_section_modulus(run.engine_file.throw) == pytest.approx(modulus)
+    elastic = torsional.loads.elastic.amplitude[:, :, :7]
+    assert torsional.stress.amplitude == pytest.approx(elastic / modulus)
+    # Far below all resonances the engine's torque twists the chain statically; order 3 leads there.
+    assert {one.mode for one in torsional.resonances} == {1}
+    assert max(torsional.resonances, key=lambda one: one.severity).order == 12.0
+    # In phase on a rigid shaft, which the first mode resembles but is not.
+    assert [one.order for one in torsional.resonances if one.kind == "major"] == [12.0]
+
+
+@pytest.mark.slow
+def test_torsion_excites_axial_vibration(run):
+    """Without the tangential forces' torques the axial amplitude of order 9 is far smaller."""
+    axial = run.forced_axial
+    (worst,) = (one for one in axial.resonances if one.order == 9.0)
+    assert worst.severity == 1.0
+    chosen, pins = run.axial.chosen, run.engine_file.pins
+    influence = run.shaft.influence * (chosen.compliances / run.shaft.axial)[:, None]
+    by_radial = axial_excitation(axial.forces, chosen.chain, chosen.compliances, influence, pins)
+    alone = forced_response(damped_engine_chain(run.engine_file, chosen.chain), by_radial)
+    near = np.argmin(np.abs(alone.speeds - worst.speed))
+    assert worst.amplitude > 2.0 * alone.amplitude[17, near, 0]
+
+
+@pytest.mark.slow
+def test_records_pictures_and_columns(run, tmp_path):
+    record = run_record(run)
+    text = json.dumps(record, allow_nan=False)
+    assert json.loads(text)["assessment"]["status"] == run.assessment.verdict.status
+    assert record["whole"] is None
+    assert [limit["assumed"] for limit in record["assessment"]["limits"]] == [True]
+    made = picture_vibration(tmp_path / "pictures", run)
+    assert {path.stem for path in made} == {
+        *(f"{kind}_{what}" for kind in ("axial", "torsional") for what in ("modes", "campbell")),
+        "axial_amplitude",
+        "torsional_amplitude",
+        "torsional_stress",
+    }
+    assert all(path.read_text(encoding="utf-8").startswith("<?xml") for path in made)
+    write_forced(tmp_path / "torsional.csv", run.forced_torsional)
+    head, names, first = (tmp_path / "torsional.csv").read_text("utf-8").splitlines()[:3]
+    assert head.startswith("# torsional vibration")
+    assert len(names.split(",")) == len(first.split(",")) == 3 + 24 + 7
+
+
+@pytest.mark.slow
+def test_unbounded_vibration_is_null_in_records(run):
+    forced = run.forced_torsional
+    nothing = np.zeros_like(forced.response.unbounded)
+    nothing[23, 10] = True
+    response = replace(forced.response, unbounded=nothing)
+    record = forced_record(replace(forced, response=response))
+    assert record["free_end"]["synthesis"][10] is None
+    assert record["free_end"]["orders"][23]["amplitude"] is None
+    assert record["free_end"]["synthesis"][11] is not None
+
+
+@pytest.mark.slow
+def test_limits_of_a_file_are_judged(coarse, tmp_path):
+    given = engine_vibration(written(tmp_path, ADDED), analysis=coarse)
+    checks = {check.limit.name: check for check in given.assessment.verdict.checks}
+    assert set(checks) == {
+        "torsional stress of crankshaft",
+        "torque of coupling",
+        "axial amplitude of free end",
+    }
+    assert checks["torsional stress of crankshaft"].limit.source == "maker"
+    assert checks["torque of coupling"].curve.name == "flywheel - driven machine"
+    assert not given.assessment.remarks
+    alone = ADDED[ADDED.index("[limits]") :]
+    with pytest.raises(
+        InputError, match=r"limits\.coupling_torque: given without the section \[driven"
+    ):
+        engine_vibration(written(tmp_path, alone), analysis=coarse)
+
+
+@pytest.mark.slow
+def test_uncertain_values_widen_the_critical_speeds(coarse, tmp_path):
+    text = "[ranges]\ninertia = [0.9, 1.1]\nsamples = 4\n\n[gas]\n"
+    found = engine_vibration(written(tmp_path, text), analysis=coarse).assessment
+    torsional = found.torsional
+    # The flywheel's inertia matters little to the first mode: nearly the root of the factor.
+    assert torsional.nominal[0] / torsional.lowest[0] == pytest.approx(1.1**0.5, rel=0.06)
+    assert torsional.amplitudes.values.shape == (4,)
+    assert found.axial.amplitudes is not None
+    assert all(own.low <= own.nominal <= own.high for own in torsional.critical)
+
+
+@pytest.mark.slow
+def test_a_failing_cylinder_wakes_the_half_orders(coarse, run, tmp_path):
+    failing = engine_vibration(
+        written(tmp_path, "[misfire]\ncylinders = [3]\n\n[gas]\n"), analysis=coarse
+    )
+
+    def half(which):
+        return which.forced_torsional.forces.torque[0].sum(axis=1)
+
+    assert np.abs(half(run)).max() < 1e-9 * np.abs(half(failing)).max()
+
+
+@pytest.mark.slow
+def test_vibration_command(call, tmp_path):
+    answer = call("vibration", "8chn13-14", "--csv", tmp_path / "csv", "--pictures", tmp_path / "p")
+    words = " ".join(answer.out.split())
+    assert "Torsional resonances in the running range" in words
+    assert "Verdict: Not acceptable: torsional stress of crankshaft" in words
+    assert (tmp_path / "csv" / "axial.csv").is_file()
+    assert (tmp_path / "p" / "torsional_stress.svg").is_file()
+
+
+def test_vibration_command_of_a_chain(call, tmp_path):
+    answer = call("vibration", "mwm-six")
+    assert "216.584" in answer.out
+    content = call("vibration", "mwm-six", "--json").json()
+    assert content["modes"][1]["frequency"] == pytest.approx(216.584, abs=1e-3)
+    assert sum(content["modes"][1]["strain_shares"].values()) == pytest.approx(1.0)
+    answer = call("vibration", "mwm-six", "--coupled")
+    assert answer.code == 2
+    assert "mwm-six: is a chain file, which has no cylinders" in answer.err
+    (tmp_path / "line.txt").write_text("nonsense", encoding="utf-8")
+    assert call("vibration", tmp_path / "line.txt").code == 2
