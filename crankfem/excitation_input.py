@@ -7,8 +7,8 @@ from typing import ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from crankfem.data_files import find_table
-from crankfem.gas_pressure import motored_pressures
 from crankfem.mechanism_sections import Gas
+from crankfem.pressure_input import motored_pressures
 from dynamics.engine.gas_forces import piston_position
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.engine_load import Load, propeller_load

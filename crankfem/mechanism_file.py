@@ -14,7 +14,6 @@ from crankfem.engine_file import (
     load_engine_or_throw,
 )
 from crankfem.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
-from crankfem.gas_pressure import cylinder_pressures
 from crankfem.mechanism_cylinders import (
     angles_of_throws,
     check_sizes,
@@ -24,6 +23,7 @@ from crankfem.mechanism_cylinders import (
     throws_of,
 )
 from crankfem.mechanism_sections import Gas, HingedRods, Piston, Rod
+from crankfem.pressure_input import cylinder_pressures
 from crankfem.toml_file import InputRecord, read_toml
 from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout

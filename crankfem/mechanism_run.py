@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from crankfem.gas_pressure import motored_pressures
 from crankfem.mechanism_file import MechanismFile, with_throws
+from crankfem.pressure_input import motored_pressures
 from dynamics.balance.balance import Balance, balance
 from dynamics.balance.hinged_rods import HingedRodEffects, hinged_rod_effects
 from dynamics.engine.forces import MechanismForces, mechanism_forces, pin_groups

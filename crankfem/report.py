@@ -45,7 +45,7 @@ def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path
         "percent": lambda value, digits=2: f"{value * 100.0:.{digits}g}",
         "mm": lambda value: show_quantity(value, "m"),
         "quantity": lambda value, unit: show_quantity(value, unit) if unit else f"{value:g}",
-        "capital": lambda text: text[:1].upper() + text[1:],
+        "sentence": lambda text: f"{text[:1].upper()}{text[1:].removesuffix('.')}.",
         "words": lambda name: name.replace("_", " "),
         "signs": lambda text: text.replace(" * ", " · ").replace(" - ", " − "),
     }

@@ -95,7 +95,7 @@ def plot_transient(
         add_title((top, bottom), title)
 
 
-def plot_over_speed(
+def plot_transient_over_speed(
     path: Path,
     speeds: ArrayLike,
     amplitudes: Mapping[str, ArrayLike],

@@ -10,7 +10,7 @@ from crankfem.vibration.chains import damped_engine_chain
 from crankfem.vibration.forced import ForcedVibration
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import crankshaft_limit
-from dynamics.assessment.limits import SpeedCurve, VibrationLimit
+from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
 from dynamics.assessment.response_curves import curves_of, with_resonances
 from dynamics.assessment.separation import CriticalRange, critical_ranges
 from dynamics.assessment.spreads import Spread
@@ -154,7 +154,7 @@ def _limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], tuple[s
 
 def _curves(
     name: str, engine_file: EngineFile, axial: ForcedVibration, torsional: ForcedVibration
-) -> tuple[SpeedCurve, ...]:
+) -> tuple[AmplitudeCurve, ...]:
     """Curves over the speed that a limit applies to.
 
     Raises

@@ -21,6 +21,10 @@ MOTION = {"torsional": ("mrad", 1e3), "axial": ("um", 1e6)}
 LOAD = {"torsional": ("kN m", 1e-3), "axial": ("kN", 1e-3)}
 
 
+# Shares below this are round-off: the cylinders cancel.
+ROUND_OFF = 1e-12
+
+
 def forced_record(forced: ForcedVibration) -> Record:
     """Return curves and peaks of a forced vibration in SI units; null where it is unbounded."""
     free_end = forced.free_end
@@ -47,8 +51,8 @@ def forced_record(forced: ForcedVibration) -> Record:
                 "frequency": one.frequency,
                 "order": one.order,
                 "speed_rpm": one.speed_rpm,
-                "amplitude": finite_or_none(one.amplitude),
-                "estimate": finite_or_none(one.estimate),
+                "amplitude": finite_or_none(one.amplitude if one.severity > ROUND_OFF else 0.0),
+                "estimate": finite_or_none(one.estimate if one.severity > ROUND_OFF else 0.0),
                 "magnifier": finite_or_none(one.magnifier),
                 "share": one.share,
                 "severity": one.severity,
@@ -182,15 +186,18 @@ def _power(forced: ForcedVibration) -> Record:
 
 def _axial_forces(compared: AxialForceComparison, forced: ForcedVibration) -> list[Record]:
     """Largest axial force of any throw at the highest speed, two ways, by order."""
-    alone = np.abs(compared.alone[:, -1]).max(axis=1)
-    in_shaft = np.abs(compared.in_shaft[:, -1]).max(axis=1)
+    alone, in_shaft = (
+        np.abs(forces[:, -1]).max(axis=1) for forces in (compared.alone, compared.in_shaft)
+    )
+    none = alone <= ROUND_OFF * alone.max()
+    alone[none] = in_shaft[none] = 0.0
     return [
         {"order": order, "alone": own, "in_shaft": shaft, "difference": difference}
         for order, own, shaft, difference in zip(
             forced.response.orders.tolist(),
             alone.tolist(),
             in_shaft.tolist(),
-            compared.difference[:, -1].tolist(),
+            np.where(none, 0.0, compared.difference[:, -1]).tolist(),
             strict=True,
         )
     ]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dynamics.assessment.limits import (
-    SpeedCurve,
+    AmplitudeCurve,
     VibrationLimit,
     checked_rated_speed,
     shown_range,
@@ -135,14 +135,14 @@ class BarredRange:
 
 
 def exceeded_ranges(
-    limit: VibrationLimit, curve: SpeedCurve, highest: float = np.inf
+    limit: VibrationLimit, curve: AmplitudeCurve, highest: float = np.inf
 ) -> tuple[ExceededRange, ...]:
     """Find the ranges of speed in which a limit is exceeded.
 
     Parameters
     ----------
     limit : VibrationLimit
-    curve : SpeedCurve
+    curve : AmplitudeCurve
     highest : float
         Speeds above are not looked at [rad/s].
 
@@ -174,7 +174,7 @@ def exceeded_ranges(
 
 
 def barred_ranges(
-    findings: Sequence[tuple[VibrationLimit, SpeedCurve]],
+    findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]],
     rule: BarredRangeRule,
     running_range: tuple[float, float],
 ) -> tuple[BarredRange, ...]:
@@ -182,7 +182,7 @@ def barred_ranges(
 
     Parameters
     ----------
-    findings : sequence of pairs of VibrationLimit and SpeedCurve
+    findings : sequence of pairs of VibrationLimit and AmplitudeCurve
     rule : BarredRangeRule
     running_range : tuple of two floats
         Lowest and highest speed at which the engine runs [rad/s]. Ranges that end below the lowest
@@ -223,7 +223,7 @@ def judged_to(limit: VibrationLimit, running_range: tuple[float, float]) -> floa
 
 def _barred(
     group: Sequence[tuple[float, float, ExceededRange, VibrationLimit]],
-    findings: Sequence[tuple[VibrationLimit, SpeedCurve]],
+    findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]],
     rule: BarredRangeRule,
 ) -> BarredRange:
     low, high = min(item[0] for item in group), max(item[1] for item in group)

@@ -13,7 +13,7 @@ from dynamics.assessment.damper_search import (
     picked,
     search_sizes,
 )
-from dynamics.assessment.limits import SpeedCurve, VibrationLimit, usage
+from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, usage
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.chains.editing import find_node
@@ -22,7 +22,7 @@ from geometry.errors import InputError
 from geometry.quantity import show_quantity
 
 Damper = ViscousDamper | RubberDamper | AxialDamper
-Result = Callable[[Chain], SpeedCurve]
+Result = Callable[[Chain], AmplitudeCurve]
 Range = float | tuple[float, float]
 # Ranges searched if none are given. A ring's damping: c / (2 I w_1), w_1 the chain's first elastic
 # frequency; a rubber ring's own frequency over w_1; a loss factor from stiff to very soft rubber.
@@ -46,7 +46,7 @@ class SizedDamper:
     reached : bool
         Whether the limit is kept.
     limit : VibrationLimit
-    curve, without : SpeedCurve
+    curve, without : AmplitudeCurve
         The limited quantity with the damper and without one.
     used, used_without : float
         Largest share of the permitted amplitude over the speeds.
@@ -62,8 +62,8 @@ class SizedDamper:
     chain: Chain
     reached: bool
     limit: VibrationLimit
-    curve: SpeedCurve
-    without: SpeedCurve
+    curve: AmplitudeCurve
+    without: AmplitudeCurve
     used: float
     used_without: float
     sizes: FloatArray

@@ -143,7 +143,7 @@ def constant_curve(value: float, low: float = 0.0, high: float = np.inf) -> Limi
 
 
 @dataclass(frozen=True, eq=False)
-class SpeedCurve:
+class AmplitudeCurve:
     """An amplitude over the speed, to be held against a limit.
 
     Parameters
@@ -189,7 +189,7 @@ class SpeedCurve:
         return float(np.max(self.values))
 
 
-def usage(limit: VibrationLimit, curve: SpeedCurve) -> FloatArray:
+def usage(limit: VibrationLimit, curve: AmplitudeCurve) -> FloatArray:
     """Return how much of the permitted amplitude is used at each speed, (S,).
 
     Returns

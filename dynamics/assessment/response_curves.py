@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from dynamics.assessment.limits import SpeedCurve
+from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
 from dynamics.checks import FloatArray, positive_number
@@ -16,17 +16,17 @@ from dynamics.response.series import OrderSeries
 from geometry.errors import InputError
 
 
-def curves_of(series: OrderSeries) -> tuple[SpeedCurve, ...]:
+def curves_of(series: OrderSeries) -> tuple[AmplitudeCurve, ...]:
     """Return the amplitude of the sum of all orders at each place of a series, over the speed.
 
     Returns
     -------
-    tuple of p SpeedCurve
+    tuple of p AmplitudeCurve
         Half of the range from lowest to highest value over the cycle; inf where unbounded.
     """
     amplitudes = series.synthesis.amplitude
     return tuple(
-        SpeedCurve(name, series.speeds, amplitudes[:, place])
+        AmplitudeCurve(name, series.speeds, amplitudes[:, place])
         for place, name in enumerate(series.names)
     )
 
@@ -36,7 +36,7 @@ def node_amplitude(
     node: int | str,
     *,
     magnifier: float | None = None,
-) -> Callable[[Chain], SpeedCurve]:
+) -> Callable[[Chain], AmplitudeCurve]:
     """Make a function that finds the amplitude of one node of a chain over the speed.
 
     Parameters
@@ -50,11 +50,11 @@ def node_amplitude(
     Returns
     -------
     callable
-        Chain to SpeedCurve [rad or m]: for `size_viscous_damper` and the like. To the speeds of the
+        Chain to AmplitudeCurve [rad or m]: for `size_viscous_damper` and the like. To the speeds of the
         excitation it adds those of the chain's resonances, so that none hides between two of them.
     """
 
-    def curve(chain: Chain) -> SpeedCurve:
+    def curve(chain: Chain) -> AmplitudeCurve:
         place = find_node(chain, node)
         response = _response(chain, excitation, magnifier)
         return _curve(response, response.motion[:, :, place], chain.names[place])
@@ -68,7 +68,7 @@ def element_load(
     *,
     section: float = 1.0,
     magnifier: float | None = None,
-) -> Callable[[Chain], SpeedCurve]:
+) -> Callable[[Chain], AmplitudeCurve]:
     """Make a function that finds the load or the nominal stress of one element over the speed.
 
     Parameters
@@ -84,7 +84,7 @@ def element_load(
     Returns
     -------
     callable
-        Chain to SpeedCurve.
+        Chain to AmplitudeCurve.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def element_load(
     """
     size = positive_number("section", section, "m^3 or m^2", "stress is load over section")
 
-    def curve(chain: Chain) -> SpeedCurve:
+    def curve(chain: Chain) -> AmplitudeCurve:
         if not 0 <= element < len(chain.elements):
             raise InputError(
                 f"element: given {element}; allowed are the whole numbers 0 to "
@@ -177,7 +177,7 @@ def _response(chain: Chain, excitation: OrderExcitation, magnifier: float | None
     return forced_response(chain, with_resonances(excitation, chain), magnifier=magnifier)
 
 
-def _curve(response: ForcedResponse, values: NDArray[np.complex128], name: str) -> SpeedCurve:
+def _curve(response: ForcedResponse, values: NDArray[np.complex128], name: str) -> AmplitudeCurve:
     series = OrderSeries(
         response.orders, response.speeds, values[:, :, np.newaxis], response.unbounded, (name,)
     )

@@ -13,7 +13,7 @@ from dynamics.assessment.barred_ranges import (
     judged_to,
 )
 from dynamics.assessment.limits import (
-    SpeedCurve,
+    AmplitudeCurve,
     VibrationLimit,
     checked_running_range,
     shown_range,
@@ -32,7 +32,7 @@ class LimitCheck:
     Parameters
     ----------
     limit : VibrationLimit
-    curve : SpeedCurve
+    curve : AmplitudeCurve
     running : bool
         Whether any speed at which the engine runs was judged.
     worst_speed : float
@@ -44,7 +44,7 @@ class LimitCheck:
     """
 
     limit: VibrationLimit
-    curve: SpeedCurve
+    curve: AmplitudeCurve
     worst_speed: float
     worst_value: float
     permitted: float
@@ -129,7 +129,7 @@ class Verdict:
 
 
 def judge(
-    findings: Sequence[tuple[VibrationLimit, SpeedCurve]],
+    findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]],
     running_range: tuple[float, float],
     rule: BarredRangeRule,
 ) -> Verdict:
@@ -137,7 +137,7 @@ def judge(
 
     Parameters
     ----------
-    findings : sequence of pairs of VibrationLimit and SpeedCurve
+    findings : sequence of pairs of VibrationLimit and AmplitudeCurve
         Amplitudes over the speed with what they may reach; one limit may stand in many pairs.
     running_range : tuple of two floats
         Lowest and highest speed at which the engine runs [rad/s]; every curve must cover it. A limit
@@ -181,7 +181,7 @@ def judge(
 
 
 def _check(
-    limit: VibrationLimit, curve: SpeedCurve, running_range: tuple[float, float]
+    limit: VibrationLimit, curve: AmplitudeCurve, running_range: tuple[float, float]
 ) -> LimitCheck:
     low, high = running_range
     if curve.speeds[0] > low or curve.speeds[-1] < high:

@@ -1,3 +1,4 @@
+import pkgutil
 import sys
 
 import pytest
@@ -17,6 +18,12 @@ def test_names_stand_once_and_all_of_them():
     assert len(set(cf.__all__)) == len(cf.__all__)
     assert set(cf.__all__) == set(cf._HOMES)
     assert set(cf.__all__) <= set(dir(cf))
+
+
+def test_no_module_of_the_package_takes_a_public_name():
+    """Importing a submodule would put it in the place of the name."""
+    modules = {found.name for found in pkgutil.iter_modules(cf.__path__)}
+    assert not modules & set(cf.__all__)
 
 
 def test_the_promised_names():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dynamics.assessment.barred_ranges import BarredRangeRule, barred_ranges, exceeded_ranges
-from dynamics.assessment.limits import SpeedCurve, given_limit
+from dynamics.assessment.limits import AmplitudeCurve, given_limit
 
 LIMIT = given_limit(
     "torsional stress", 10.0, "Pa", applies_to="shaft", source="maker", passing=100.0
@@ -19,7 +19,7 @@ def resonance(speeds, critical, magnifier=40.0):
 
 def test_edges_lie_where_the_limit_is_met_and_never_too_narrow():
     speeds = np.linspace(20.0, 90.0, 701)
-    curve = SpeedCurve("shaft", speeds, resonance(speeds, 50.0))
+    curve = AmplitudeCurve("shaft", speeds, resonance(speeds, 50.0))
     (found,) = exceeded_ranges(LIMIT, curve)
     # Of r^4 - (2 - 1/M^2) r^2 + 1 - 1/10^2 = 0, the speeds at which the amplitude is 10.
     squares = np.sort(np.roots([1.0, -(2.0 - 1.0 / 40.0**2), 1.0 - 1e-2]))
@@ -35,7 +35,7 @@ def test_ranges_are_widened_to_the_rule_and_merged_where_they_meet():
     speeds = np.linspace(5.0, 120.0, 2301)
     values = 0.7 * sum(resonance(speeds, critical) for critical in (40.0, 44.0, 65.0))
     first, second = barred_ranges(
-        [(LIMIT, SpeedCurve("shaft", speeds, values))], RULE, (20.0, 100.0)
+        [(LIMIT, AmplitudeCurve("shaft", speeds, values))], RULE, (20.0, 100.0)
     )
     assert first.peaks == pytest.approx((40.0, 44.0), abs=0.06)
     assert first.low == pytest.approx(RULE.bounds(first.peaks[0])[0])
@@ -47,7 +47,7 @@ def test_ranges_are_widened_to_the_rule_and_merged_where_they_meet():
 
 
 def test_beside_an_unbounded_value_the_range_reaches_the_next_speed():
-    curve = SpeedCurve("shaft", [10.0, 11.0, 12.0, 13.0], [1.0, np.inf, 1.0, 1.0])
+    curve = AmplitudeCurve("shaft", [10.0, 11.0, 12.0, 13.0], [1.0, np.inf, 1.0, 1.0])
     (found,) = exceeded_ranges(LIMIT, curve)
     assert (found.low, found.high) == (10.0, 12.0)
     (barred,) = barred_ranges([(LIMIT, curve)], RULE, (10.0, 13.0))
@@ -55,7 +55,7 @@ def test_beside_an_unbounded_value_the_range_reaches_the_next_speed():
 
 
 def test_range_that_leaves_the_calculated_speeds_says_so():
-    curve = SpeedCurve("shaft", [10.0, 11.0, 12.0], [20.0, 15.0, 5.0])
+    curve = AmplitudeCurve("shaft", [10.0, 11.0, 12.0], [20.0, 15.0, 5.0])
     (found,) = exceeded_ranges(LIMIT, curve)
     assert found.cut_off
     assert found.low == 10.0
@@ -66,10 +66,12 @@ def test_range_that_leaves_the_calculated_speeds_says_so():
 def test_nothing_is_barred_above_the_share_of_the_rated_speed_or_the_limit_for_passing():
     speeds = np.linspace(20.0, 110.0, 1801)
     (high,) = barred_ranges(
-        [(LIMIT, SpeedCurve("shaft", speeds, resonance(speeds, 78.0)))], RULE, (20.0, 100.0)
+        [(LIMIT, AmplitudeCurve("shaft", speeds, resonance(speeds, 78.0)))], RULE, (20.0, 100.0)
     )
     assert "nothing may be barred above 0.80" in high.refusals[0]
     (strong,) = barred_ranges(
-        [(LIMIT, SpeedCurve("shaft", speeds, 3.0 * resonance(speeds, 50.0)))], RULE, (20.0, 100.0)
+        [(LIMIT, AmplitudeCurve("shaft", speeds, 3.0 * resonance(speeds, 50.0)))],
+        RULE,
+        (20.0, 100.0),
     )
     assert "0.00012 MPa at 477.5 1/min, where 0.0001 MPa may be passed" in strong.refusals[0]

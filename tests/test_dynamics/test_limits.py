@@ -7,7 +7,7 @@ from dynamics.assessment.limit_rules import (
     generator_set_limit,
     propulsion_shaft_limit,
 )
-from dynamics.assessment.limits import SpeedCurve, axial_force_limit, given_limit, usage
+from dynamics.assessment.limits import AmplitudeCurve, axial_force_limit, given_limit, usage
 from geometry.errors import InputError
 
 
@@ -34,7 +34,7 @@ def test_impossible_limits_are_refused(values, message):
 
 def test_usage_counts_unbounded_and_leaves_out_speeds_without_a_limit():
     limit = crankshaft_limit(100.0, strokes=4)
-    curve = SpeedCurve("shaft", [50.0, 100.0, 116.0], [39e6 / 2, np.inf, 1e9])
+    curve = AmplitudeCurve("shaft", [50.0, 100.0, 116.0], [39e6 / 2, np.inf, 1e9])
     assert usage(limit, curve) == pytest.approx([0.5, np.inf, 0.0])
 
 
@@ -49,7 +49,7 @@ def test_usage_counts_unbounded_and_leaves_out_speeds_without_a_limit():
 )
 def test_impossible_curves_are_refused(speeds, values, message):
     with pytest.raises(InputError, match=message):
-        SpeedCurve("shaft", speeds, values)
+        AmplitudeCurve("shaft", speeds, values)
 
 
 def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so():

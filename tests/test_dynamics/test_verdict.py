@@ -3,7 +3,7 @@ import pytest
 
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import crankshaft_limit
-from dynamics.assessment.limits import SpeedCurve, given_limit
+from dynamics.assessment.limits import AmplitudeCurve, given_limit
 from dynamics.assessment.verdict import judge
 from geometry.errors import InputError
 
@@ -15,7 +15,7 @@ TORQUE = given_limit("torque", 2e3, "N m", applies_to="coupling", source="maker'
 
 
 def peak(at, height, width=1.0):
-    return SpeedCurve("shaft 6 - 7", SPEEDS, height / (1.0 + ((SPEEDS - at) / width) ** 2))
+    return AmplitudeCurve("shaft 6 - 7", SPEEDS, height / (1.0 + ((SPEEDS - at) / width) ** 2))
 
 
 def test_fine_tells_the_worst_of_all_with_its_numbers_and_source():
@@ -56,7 +56,7 @@ def test_not_acceptable(curve, why):
 
 def test_unbounded_without_a_limit_for_passing_is_not_acceptable():
     values = np.where(np.arange(SPEEDS.size) == 800, np.inf, 1.0)
-    verdict = judge([(TORQUE, SpeedCurve("coupling", SPEEDS, values))], RUNNING, RULE)
+    verdict = judge([(TORQUE, AmplitudeCurve("coupling", SPEEDS, values))], RUNNING, RULE)
     assert verdict.status == "not acceptable"
     assert "the torque of coupling is unbounded in it" in verdict.sentence
 
@@ -77,7 +77,9 @@ def test_below_the_lowest_running_speed_it_is_only_started_through():
 def test_rule_is_held_above_the_running_range_as_far_as_it_goes():
     assert judge([(CRANKSHAFT, peak(104.0, 60e6))], RUNNING, RULE).status == "not acceptable"
     assert judge([(TORQUE, peak(110.0, 9e3))], RUNNING, RULE).status == "fine"
-    short = SpeedCurve("shaft", SPEEDS[SPEEDS < 101.0], np.ones(np.count_nonzero(SPEEDS < 101.0)))
+    short = AmplitudeCurve(
+        "shaft", SPEEDS[SPEEDS < 101.0], np.ones(np.count_nonzero(SPEEDS < 101.0))
+    )
     (remark,) = judge([(CRANKSHAFT, short)], RUNNING, RULE).remarks
     assert "the limit goes on to 1098 1/min, the calculation to" in remark
 

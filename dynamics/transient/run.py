@@ -1,0 +1,272 @@
+"""Motion through time while the speed changes, cylinders fail or loads come and go."""
+
+import contextlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.chains.chain import Chain
+from dynamics.checks import (
+    FloatArray,
+    positive_number,
+)
+from dynamics.response.excitation import OrderExcitation
+from dynamics.response.linear_system import LinearSystem
+from dynamics.transient.acting import ActingForces, LoadStep, Piece, even_pieces
+from dynamics.transient.envelope import Envelope, envelope_over
+from dynamics.transient.order_forces import (
+    USUAL_REACH,
+    checked_step,
+    cycle_turns,
+    missed_at_middle,
+    sampling_note,
+)
+from dynamics.transient.propagator import PLACES, Propagator, StateSpace
+from dynamics.transient.speed_curve import SpeedCurve
+from dynamics.transient.steady import spring_torques, steady_from
+from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
+from geometry.errors import InputError
+
+# Steps between two reports of progress.
+STRETCH = 2000
+# Most numbers in the results of one run: 1.6 GB.
+MOST_NUMBERS = 2e8
+# Steps that differ by round-off only are one.
+SAME_STEP = 1e-11
+
+
+@dataclass(frozen=True, eq=False)
+class TransientMotion:
+    """How a chain or system moved.
+
+    Parameters
+    ----------
+    time, shaft_speed, shaft_angle : ndarray of shape (m,)
+        [s, rad/s, rad]
+    motion : ndarray of shape (m, n)
+        Of the nodes, beside the even turning [rad or m]; in a free system less its rigid-body
+        motion.
+    rigid_motion : ndarray of shape (m, n)
+        Of a free system, due to the forces alone [rad or m]; zero where the system is held.
+    torque : ndarray of shape (m, e)
+        Of the spring of each element of a chain [N m or N]; e is 0 for other systems.
+    complete : bool
+        False if the run was interrupted; the arrays then end there.
+    step : float
+        The longest [s].
+    force_error : float
+        Largest difference between the forces and the polynomials that stand for them within steps,
+        beside the largest force on each mode. All else is exact.
+    turns : int
+        After which the orders repeat.
+    system : ViscousSystem
+        What vibrates.
+    notes : tuple of str
+    """
+
+    time: FloatArray
+    shaft_speed: FloatArray
+    shaft_angle: FloatArray
+    motion: FloatArray
+    rigid_motion: FloatArray
+    torque: FloatArray
+    complete: bool
+    step: float
+    force_error: float
+    turns: int
+    system: ViscousSystem
+    notes: tuple[str, ...]
+
+    def envelope(self, turns: int | None = None, *, rigid: bool = False) -> Envelope:
+        """Return the amplitudes in windows of so many turns; by default as the orders repeat.
+
+        Parameters
+        ----------
+        turns : int, optional
+            Of the shaft in one window.
+        rigid : bool, optional
+            Whether rigid-body motion counts, as it does in `SteadyMotion` and `forced_response`.
+
+        Raises
+        ------
+        InputError
+            If the run is shorter than one window.
+        """
+        return envelope_over(
+            self.time,
+            self.shaft_speed,
+            self.shaft_angle,
+            self.motion + self.rigid_motion if rigid else self.motion,
+            self.torque,
+            self.turns if turns is None else turns,
+        )
+
+
+def transient_motion(
+    chain_or_system: Chain | LinearSystem,
+    excitation: OrderExcitation,
+    speed: SpeedCurve,
+    *,
+    changes: Sequence[tuple[float, OrderExcitation]] = (),
+    loads: Sequence[LoadStep] = (),
+    start: Literal["steady", "rest"] = "steady",
+    loss_as: LossAs = "viscous",
+    loss_frequency: float | None = None,
+    magnifier: float | None = None,
+    modal_damping: ArrayLike | None = None,
+    step: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> TransientMotion:
+    """Follow the vibration through time while the shaft turns at a given, changing speed.
+
+    Parameters
+    ----------
+    chain_or_system : Chain or LinearSystem
+    excitation : OrderExcitation
+        Its forces follow the shaft angle, the integral of the speed; between its speeds they are
+        interpolated by a cubic spline.
+    speed : SpeedCurve
+        Within the speeds of the excitation.
+    changes : sequence of (float, OrderExcitation), optional
+        Excitations that take over at given times [s], ascending, as after a cylinder has failed.
+    loads : sequence of LoadStep, optional
+        Torques or forces that come in addition. The speed is given: it does not answer to them.
+    start : {"steady", "rest"}
+        Whether the motion begins as that at the first speed, kept forever, or from no motion.
+    loss_as, loss_frequency, magnifier, modal_damping
+        As for `viscous_system`.
+    step : float, optional
+        Longest step, which is also that of the results [s]; by default each covers half a radian of
+        the highest order at the highest speed.
+    progress : callable, optional
+        Told the share that is done, between 0 and 1, every 2000 steps.
+
+    Returns
+    -------
+    TransientMotion
+        On KeyboardInterrupt, from the keyboard or from `progress`, what was finished until then.
+
+    Raises
+    ------
+    InputError
+        If speeds, times, nodes or steps do not fit, results would be too large, damping is out of
+        range, or there is no steady motion to start from.
+
+    Notes
+    -----
+    Each step is exact for forces that are polynomials of the fifth degree within it, met at six
+    Gauss points; changes, points of the speed curve and loads' beginnings and ends lie between
+    steps. How stiff the chain is does not bound the step.
+    """
+    system = viscous_system(
+        chain_or_system,
+        loss_as=loss_as,
+        loss_frequency=loss_frequency,
+        magnifier=magnifier,
+        modal_damping=modal_damping,
+    )
+    space = StateSpace.of(system.system)
+    if start not in ("steady", "rest"):
+        raise InputError(
+            f"start: given {start!r}; allowed are 'steady' and 'rest', because these starts are known."
+        )
+    acting = ActingForces.of(speed, excitation, changes, loads, space.inputs)
+    orders = acting.orders
+    fastest = float(speed.speeds.max())
+    if step is None:
+        longest = USUAL_REACH / (float(orders[-1]) * fastest)
+    else:
+        given = positive_number("step", step, "s", "time runs forward")
+        longest = checked_step(given, orders, fastest)
+    pieces = even_pieces(acting, longest)
+    _check_size(sum(piece.steps for piece in pieces), len(space.matrix) + 3 * len(space.inputs))
+    state = np.zeros(len(space.matrix))
+    if start == "steady":
+        state = _steady_start(system, excitation, speed)
+    times, states, error, complete = _march(space, acting, pieces, state, progress)
+    motion, rigid = space.motion(states)
+    rigid_motion = rigid @ space.inputs[:, : space.rigid].T
+    elastic = motion - rigid_motion
+    notes = (
+        system.note,
+        sampling_note(system.system.natural[space.rigid :], longest),
+        "" if complete else f"Interrupted at {times[-1]:.6g} s of {speed.times[-1]:.6g} s.",
+    )
+    return TransientMotion(
+        time=times,
+        shaft_speed=speed.speed(times),
+        shaft_angle=speed.angle(times),
+        motion=elastic,
+        rigid_motion=rigid_motion,
+        torque=spring_torques(system.chain, elastic),
+        complete=complete,
+        step=longest,
+        force_error=error,
+        turns=cycle_turns(orders),
+        system=system,
+        notes=tuple(note for note in notes if note),
+    )
+
+
+def _march(
+    space: StateSpace,
+    acting: ActingForces,
+    pieces: Sequence[Piece],
+    start: FloatArray,
+    progress: Callable[[float], None] | None,
+) -> tuple[FloatArray, FloatArray, float, bool]:
+    """Return times (m,), states (m, 2 q), the error of the forces, and whether all is done."""
+    count = 1 + sum(piece.steps for piece in pieces)
+    times, states = np.empty(count), np.empty((count, start.size))
+    times[0], states[0] = pieces[0].start, start
+    done, error, largest = 1, 0.0, np.full(space.velocities.size, np.finfo(np.float64).tiny)
+    complete = False
+    propagator = Propagator.of(space, pieces[0].step)
+    with contextlib.suppress(KeyboardInterrupt):
+        for step, starts in _stretches(pieces):
+            if abs(step - propagator.step) > SAME_STEP * step:
+                propagator = Propagator.of(space, step)
+            forces = acting.at(starts, step, PLACES)
+            places = slice(done, done + starts.size)
+            states[places] = propagator.march(states[done - 1], forces)
+            times[places] = starts + step
+            missed, chosen = missed_at_middle(forces)
+            true = acting.at(starts[chosen], step, np.array([0.5]))[:, 0]
+            largest = np.maximum(largest, np.max(np.abs(forces), axis=(0, 1)))
+            error = max(error, float(np.max(np.abs(missed - true) / largest)))
+            done += starts.size
+            if progress is not None:
+                progress((done - 1) / (count - 1))
+        complete = True
+    return times[:done], states[:done], error, complete
+
+
+def _stretches(pieces: Sequence[Piece]) -> Iterator[tuple[float, FloatArray]]:
+    """Yield the length of steps and their starts, so many at a time."""
+    for piece in pieces:
+        for first in range(0, piece.steps, STRETCH):
+            numbers = np.arange(first, min(first + STRETCH, piece.steps))
+            yield piece.step, np.asarray(piece.start + piece.step * numbers)
+
+
+def _check_size(count: int, each: int) -> None:
+    if count * each > MOST_NUMBERS:
+        raise InputError(
+            f"speed: given a curve that takes {count} steps; allowed are {int(MOST_NUMBERS / each)}, "
+            "because the results of all steps are kept in memory."
+        )
+
+
+def _steady_start(
+    system: ViscousSystem, excitation: OrderExcitation, speed: SpeedCurve
+) -> FloatArray:
+    found, state = steady_from(system, excitation, float(speed.speeds[0]), speed.start_angle)
+    if found.unbounded:
+        raise InputError(
+            f"start: given 'steady' at {speed.speeds[0]:g} rad/s; allowed is 'rest' there, because an "
+            "undamped mode is excited at its own frequency."
+        )
+    return state

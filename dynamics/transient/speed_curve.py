@@ -1,0 +1,208 @@
+"""The speed of a shaft over time, and the angle through which it has turned."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import (
+    FloatArray,
+    finite_array,
+    finite_vector,
+    positive_number,
+    positive_vector,
+    read_only,
+    whole_number,
+)
+from geometry.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedCurve:
+    """The speed over time, straight between the values given; the angle is its integral.
+
+    Parameters
+    ----------
+    times : array_like of shape (m,)
+        Ascending, two or more [s].
+    speeds : array_like of shape (m,)
+        Above zero [rad/s].
+    start_angle : float, optional
+        Shaft angle at the first time [rad].
+
+    Raises
+    ------
+    InputError
+        If times do not ascend, a speed is not above zero, or lengths differ.
+
+    Examples
+    --------
+    >>> curve = SpeedCurve.ramp(50.0, 150.0, acceleration=20.0)
+    >>> curve.duration, curve.angle(curve.duration)
+    (5.0, array(500.))
+    """
+
+    times: FloatArray
+    speeds: FloatArray
+    start_angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        times = finite_vector("times", self.times)
+        speeds = positive_vector("speeds", self.speeds, "rad/s", "the shaft turns forward")
+        if times.size < 2 or times.size != speeds.size:
+            raise InputError(
+                f"times: given {times.size} for {speeds.size} speeds; allowed are two or more, one for "
+                "each speed, because the curve runs from point to point."
+            )
+        back = np.flatnonzero(np.diff(times) <= 0.0)
+        if back.size:
+            place = int(back[0]) + 1
+            raise InputError(
+                f"times[{place}]: given {times[place]:g} s after {times[place - 1]:g} s; allowed are "
+                "ascending times, because time does not run back."
+            )
+        object.__setattr__(self, "times", read_only(times))
+        object.__setattr__(self, "speeds", read_only(speeds))
+        object.__setattr__(
+            self, "start_angle", float(finite_array("start_angle", self.start_angle))
+        )
+
+    @classmethod
+    def constant(cls, speed: float, duration: float, *, start_angle: float = 0.0) -> "SpeedCurve":
+        """Return a constant speed [rad/s] over a time [s]."""
+        end = positive_number("duration", duration, "s", "time runs forward")
+        return cls(np.array([0.0, end]), np.array([speed, speed]), start_angle)
+
+    @classmethod
+    def ramp(
+        cls,
+        start_speed: float,
+        end_speed: float,
+        *,
+        acceleration: float | None = None,
+        duration: float | None = None,
+        start_angle: float = 0.0,
+    ) -> "SpeedCurve":
+        """Return an even run-up, or run-down, from time zero.
+
+        Parameters
+        ----------
+        start_speed, end_speed : float
+            [rad/s]
+        acceleration : float, optional
+            Its size, whichever way the speed goes [rad/s^2].
+        duration : float, optional
+            In its place [s].
+        start_angle : float, optional
+            [rad]
+
+        Raises
+        ------
+        InputError
+            If a number is not above zero, the speeds are equal, or not exactly one of acceleration
+            and duration is given.
+        """
+        start = positive_number("start_speed", start_speed, "rad/s", "the shaft turns forward")
+        end = positive_number("end_speed", end_speed, "rad/s", "the shaft turns forward")
+        if (acceleration is None) == (duration is None):
+            raise InputError(
+                f"acceleration: given {acceleration} with a duration of {duration}; allowed is one of "
+                "both, because each follows from the other."
+            )
+        if start == end:
+            raise InputError(
+                f"end_speed: given {end:g} rad/s, that of the start; allowed is another, because a "
+                "ramp changes the speed."
+            )
+        if acceleration is not None:
+            rate = positive_number("acceleration", acceleration, "rad/s^2", "it is a size")
+            time = abs(end - start) / rate
+        else:
+            assert duration is not None
+            time = positive_number("duration", duration, "s", "time runs forward")
+        return cls(np.array([0.0, time]), np.array([start, end]), start_angle)
+
+    @classmethod
+    def sampled(
+        cls,
+        speed: Callable[[float], float],
+        duration: float,
+        *,
+        samples: int = 1001,
+        start_angle: float = 0.0,
+    ) -> "SpeedCurve":
+        """Return the straight pieces through a function time [s] -> speed [rad/s] from time zero."""
+        end = positive_number("duration", duration, "s", "time runs forward")
+        count = whole_number("samples", samples, 2, "start and end are among them")
+        times = np.linspace(0.0, end, count)
+        return cls(times, np.array([speed(time) for time in times.tolist()]), start_angle)
+
+    @property
+    def duration(self) -> float:
+        """From first to last time [s]."""
+        return float(self.times[-1] - self.times[0])
+
+    def speed(self, time: ArrayLike) -> FloatArray:
+        """Return the speed at times [s] within the curve [rad/s].
+
+        Raises
+        ------
+        InputError
+            If a time lies outside.
+        """
+        return np.asarray(np.interp(self._checked(time), self.times, self.speeds))
+
+    def angle(self, time: ArrayLike) -> FloatArray:
+        """Return the shaft angle at times [s] within the curve [rad].
+
+        Raises
+        ------
+        InputError
+            If a time lies outside.
+        """
+        times = self._checked(time)
+        piece = np.clip(np.searchsorted(self.times, times, "right") - 1, 0, self.times.size - 2)
+        since = times - self.times[piece]
+        rates = np.diff(self.speeds) / np.diff(self.times)
+        return np.asarray(
+            self._angles[piece] + since * (self.speeds[piece] + 0.5 * rates[piece] * since)
+        )
+
+    def time_at(self, angle: ArrayLike) -> FloatArray:
+        """Return when the shaft passes angles [rad], such as that at which a cylinder would fire.
+
+        Raises
+        ------
+        InputError
+            If an angle is not passed.
+        """
+        angles = finite_array("angle", angle)
+        known = self._angles
+        if np.any((angles < known[0]) | (angles > known[-1])):
+            raise InputError(
+                f"angle: given {float(np.min(angles)):g} to {float(np.max(angles)):g} rad; allowed are "
+                f"{known[0]:g} to {known[-1]:g} rad, because the shaft passes those."
+            )
+        piece = np.clip(np.searchsorted(known, angles, "right") - 1, 0, known.size - 2)
+        rate = (np.diff(self.speeds) / np.diff(self.times))[piece]
+        start, past = self.speeds[piece], angles - known[piece]
+        # Smaller root of rate t^2 / 2 + start t = past, in the form that holds for rate 0.
+        root = np.sqrt(np.maximum(start**2 + 2.0 * rate * past, 0.0))
+        return np.asarray(self.times[piece] + 2.0 * past / (start + root))
+
+    @property
+    def _angles(self) -> FloatArray:
+        """Shaft angle at the times given [rad], (m,)."""
+        means = 0.5 * (self.speeds[1:] + self.speeds[:-1])
+        return self.start_angle + np.concatenate(([0.0], np.cumsum(means * np.diff(self.times))))
+
+    def _checked(self, time: ArrayLike) -> FloatArray:
+        times = finite_array("time", time)
+        room = 1e-12 * self.duration
+        if np.any((times < self.times[0] - room) | (times > self.times[-1] + room)):
+            raise InputError(
+                f"time: given {float(np.min(times)):g} to {float(np.max(times)):g} s; allowed are "
+                f"{self.times[0]:g} to {self.times[-1]:g} s, because the speed is known there."
+            )
+        return times

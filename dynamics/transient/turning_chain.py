@@ -1,0 +1,291 @@
+"""A torsional chain that turns with its rods and pistons: the full equations of motion."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.chains.engine_chains import EngineChain
+from dynamics.checks import FloatArray, node_index
+from dynamics.engine.layout import EngineLayout
+from dynamics.excitation.cylinders import CylinderForces
+from dynamics.mechanism.rods import RodModelName
+from dynamics.response.excitation import checked_speed_index
+from dynamics.transient.throw_curves import ThrowCurves, throw_curves
+from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
+from geometry.errors import InputError
+
+# Ratios of speeds count as one within this; damping against even turning as none.
+EVEN = 1e-9
+# Torques count as large from this share of twice the kinetic energy on, even where none act.
+LEAST_SIZE = 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class TurningChain:
+    """Matrices and curves of M(theta) theta'' + ... = torques, on the q unknowns of a chain.
+
+    Parameters
+    ----------
+    system : ViscousSystem
+        The chain of constant inertia.
+    curves : ThrowCurves
+        Of its t throws.
+    throws : ndarray of shape (t, q)
+        Angle of each throw per unknown.
+    constant_mass : ndarray of shape (q, q)
+        Inertia without rods and pistons [kg m^2].
+    relative_damping, ground_damping : ndarray of shape (q, q)
+        [N m s/rad]
+    even : ndarray of shape (q,)
+        Even turning: motion of the unknowns per shaft angle.
+    load : ndarray of shape (q,)
+        Braking torques on the unknowns per torque of the load.
+    """
+
+    system: ViscousSystem
+    curves: ThrowCurves
+    throws: FloatArray
+    constant_mass: FloatArray
+    relative_damping: FloatArray
+    ground_damping: FloatArray
+    even: FloatArray
+    load: FloatArray
+
+    @cached_property
+    def separate(self) -> bool:
+        """Whether each unknown has its own inertia, with none between them."""
+        diagonal = np.array_equal(self.constant_mass, np.diag(np.diag(self.constant_mass)))
+        return diagonal and bool(np.all((self.throws == 0.0) | (self.throws == 1.0)))
+
+    @cached_property
+    def _momentum(self) -> FloatArray:
+        """Share of each unknown's speed in the mean speed, (q,)."""
+        momentum = self.mean_mass @ self.even
+        return np.asarray(momentum / (self.even @ momentum))
+
+    @property
+    def stiffness(self) -> FloatArray:
+        """K (q, q) [N m/rad]."""
+        return self.system.system.stiffness
+
+    @property
+    def mean_mass(self) -> FloatArray:
+        """The inertia with rods and pistons at their means (q, q) [kg m^2]."""
+        return self.system.system.mass
+
+    @property
+    def expand(self) -> FloatArray:
+        """Motion of the nodes per unknown, (n, q)."""
+        return self.system.system.expand
+
+    def with_constant_inertia(self) -> "TurningChain":
+        """Return the same chain with the inertia of rods and pistons at its mean."""
+        return replace(self, curves=self.curves.with_constant_inertia())
+
+    def mean_speed(self, speeds: FloatArray) -> FloatArray:
+        """Return the shaft speed of even turning with the same angular momentum, (...) of (..., q)."""
+        return np.asarray(speeds @ self._momentum)
+
+    def torques(
+        self, twist: FloatArray, speeds: FloatArray, angles: FloatArray, reference: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Return torques on the unknowns of springs, dampers and gas, and what accelerates.
+
+        Parameters
+        ----------
+        twist : ndarray of shape (c, q)
+            Unknowns less even turning [rad], of c copies of the chain.
+        speeds : ndarray of shape (c, q)
+            [rad/s]
+        angles : ndarray of shape (c,)
+            Even turning [rad].
+        reference : ndarray of shape (c,)
+            Shaft speed that dampers to ground turn with [rad/s].
+
+        Returns
+        -------
+        springs, dampers, gas : ndarray of shape (c, q)
+            [N m]
+        inertia : ndarray of shape (c, t, 2)
+            Inertia of rods and pistons on each throw [kg m^2], and the torque by its change that
+            brakes the throw, I' w^2 / 2 [N m].
+        """
+        at_throws = (angles[:, np.newaxis] * self.even + twist) @ self.throws.T
+        inertia, slope, torque = self.curves.at(at_throws)
+        springs = -twist @ self.stiffness
+        vibrating = speeds - reference[:, np.newaxis] * self.even
+        dampers = -speeds @ self.relative_damping - vibrating @ self.ground_damping
+        changing = 0.5 * slope * (speeds @ self.throws.T) ** 2
+        return springs, dampers, torque @ self.throws, np.stack((inertia, changing), axis=-1)
+
+    def accelerations(self, torques: FloatArray, inertia: FloatArray) -> FloatArray:
+        """Return the accelerations (c, q) under torques (c, q); inertia as from `torques`."""
+        given = torques - inertia[..., 1] @ self.throws
+        if self.separate:
+            return np.asarray(given / (np.diag(self.constant_mass) + inertia[..., 0] @ self.throws))
+        mass = self.constant_mass + np.einsum(
+            "ct,tp,tq->cpq", inertia[..., 0], self.throws, self.throws
+        )
+        return np.asarray(np.linalg.solve(mass, given[..., np.newaxis])[..., 0])
+
+    def energies(
+        self, twist: FloatArray, speeds: FloatArray, angles: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return kinetic and strain energy (c,) [J]; arguments as for `torques`."""
+        inertia, _, _ = self.curves.at((angles[:, np.newaxis] * self.even + twist) @ self.throws.T)
+        kinetic = np.sum(speeds @ self.constant_mass * speeds, axis=1)
+        kinetic += np.sum(inertia * (speeds @ self.throws.T) ** 2, axis=1)
+        return 0.5 * kinetic, 0.5 * np.sum(twist @ self.stiffness * twist, axis=1)
+
+    def torque_size(self, speed: float) -> float:
+        """Return how large the torques on one throw may be at a shaft speed [rad/s], in N m."""
+        curves = self.curves
+        gas = np.abs(curves.torque_mean) + np.sum(np.abs(curves.torque), axis=1)
+        changing = 0.5 * speed**2 * np.sum(np.abs(curves.inertia) * curves.orders, axis=1)
+        least = LEAST_SIZE * speed**2 * float(self.even @ self.mean_mass @ self.even)
+        return float(np.max(gas + changing)) + least
+
+
+def turning_chain(
+    engine: EngineLayout,
+    engine_chain: EngineChain,
+    gas: CylinderForces,
+    *,
+    speed_index: int = 0,
+    load_node: int | None = None,
+    model: RodModelName = "rigid",
+    loss_as: LossAs = "viscous",
+    loss_frequency: float | None = None,
+    magnifier: float | None = None,
+    modal_damping: ArrayLike | None = None,
+) -> TurningChain:
+    """Put the variable inertia of rods and pistons, and the gas, on the throws of a torsional chain.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    engine_chain : EngineChain
+        Torsional, not held by ground stiffness. The inertia of each throw in it stands for shaft,
+        rods and pistons together: the mean inertia of rods and pistons is taken off, and their exact
+        one by the throw's own angle put in its place.
+    gas : CylinderForces
+        From `cylinder_forces(..., inertia=False)`: inertia forces follow from the equations here.
+        Torques are taken as functions of the throw's own angle.
+    speed_index : int, optional
+        Which of its speeds, from 0.
+    load_node : int, optional
+        Where the load brakes, from 0; by default the last node.
+    model : str, optional
+        Of the rods: "rigid", "three-mass", "two-mass with inertia" or "two-mass".
+    loss_as, loss_frequency, magnifier, modal_damping
+        As for `viscous_system`. Absolute damping of the chain acts on the vibration only: its
+        dampers turn with the mean speed.
+
+    Returns
+    -------
+    TurningChain
+
+    Raises
+    ------
+    InputError
+        If the chain is not torsional or is held to ground, its throws differ in number or turn at
+        different speeds, a throw has no inertia left, or something else is out of range.
+
+    Notes
+    -----
+    With absolute angles theta of the unknowns, I_i the inertia of rods and pistons on throw i, and
+    M_0 what is left of the chain's inertia, Lagrange's equations of the energy
+    (theta' M_0 theta' + sum of I_i(theta_i) theta_i'^2) / 2 are M_0 theta'' + sum over the throws of
+    (I_i theta_i'' + I_i' theta_i'^2 / 2) = torques of springs, dampers, gas and load.
+    """
+    chain = engine_chain.chain
+    if engine_chain.kind != "torsional" or np.any(chain.ground):
+        raise InputError(
+            f"engine_chain: given {engine_chain.kind}"
+            f"{', held to ground' if np.any(chain.ground) else ''}; allowed is a torsional chain that "
+            "turns freely, because the angles are those of the turning shaft."
+        )
+    if len(engine_chain.throw_nodes) != gas.throw_count:
+        raise InputError(
+            f"engine_chain: given {len(engine_chain.throw_nodes)} throws; allowed are "
+            f"{gas.throw_count}, because that many carry cylinders."
+        )
+    place = checked_speed_index(speed_index, gas.speeds)
+    last = chain.inertia.size - 1
+    node = last if load_node is None else node_index("load_node", load_node, last + 1)
+    system = viscous_system(
+        chain,
+        loss_as=loss_as,
+        loss_frequency=loss_frequency,
+        magnifier=magnifier,
+        modal_damping=modal_damping,
+    )
+    return put_together(
+        system,
+        throw_curves(engine, gas, place, model),
+        np.array(engine_chain.throw_nodes),
+        node,
+    )
+
+
+def put_together(
+    system: ViscousSystem, curves: ThrowCurves, nodes: ArrayLike, load_node: int
+) -> TurningChain:
+    """Return the turning chain with curves on given nodes (t,).
+
+    Raises
+    ------
+    InputError
+        If a node of a throw has no inertia left beside rods and pistons, or turns at another speed.
+    """
+    chain, linear = system.chain, system.system
+    assert chain is not None
+    if linear.natural.size == linear.rigid.shape[1]:
+        raise InputError(
+            "engine_chain: given a chain without springs; allowed are one or more, because the nodes "
+            "vibrate against each other."
+        )
+    expand = linear.expand
+    throws = expand[np.asarray(nodes)]
+    ground = expand.T @ (chain.ground_damping[:, np.newaxis] * expand)
+    relative = linear.damping - ground
+    even = _even_turning(linear.rigid, relative)
+    even = even / (throws[0] @ even)
+    if np.any(np.abs(throws @ even - 1.0) > EVEN):
+        raise InputError(
+            f"engine_chain: given throws that turn {(throws @ even).round(6).tolist()} times as fast as "
+            "the first; allowed are equal speeds, because they are parts of one crankshaft."
+        )
+    constant = linear.mass - throws.T @ (curves.inertia_mean[:, np.newaxis] * throws)
+    left = chain.inertia[np.asarray(nodes)] - curves.inertia_mean
+    if np.any(left <= 0.0):
+        throw = int(np.argmin(left))
+        raise InputError(
+            f"engine_chain: given {chain.inertia[np.asarray(nodes)][throw]:g} kg m^2 at throw {throw}; "
+            f"allowed is more than {curves.inertia_mean[throw]:g} kg m^2, because rods and pistons alone "
+            "have that on average."
+        )
+    return TurningChain(
+        system, curves, throws, constant, relative, ground, even, expand[load_node].copy()
+    )
+
+
+def _even_turning(rigid: FloatArray, relative: FloatArray) -> FloatArray:
+    """Return the motion that neither springs nor relative damping resist, (q,).
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    if rigid.shape[1] == 1:
+        return rigid[:, 0]
+    values, vectors = np.linalg.eigh(rigid.T @ relative @ rigid)
+    if values[0] > EVEN * values[-1]:
+        raise InputError(
+            "engine_chain: given parts that dashpots hold back from turning together; allowed are "
+            "parts whose speeds the dashpots join are equal, because the shaft turns steadily."
+        )
+    return np.asarray(rigid @ vectors[:, 0])

@@ -1,0 +1,257 @@
+"""Steady running of a turning chain with variable inertia at a mean speed."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.checks import FloatArray, positive_number, whole_number
+from dynamics.cycle import even_angles
+from dynamics.mechanism.motion import ComplexArray
+from dynamics.transient.order_forces import cycle_turns
+from dynamics.transient.steady import half_over_cycle, spring_torques
+from dynamics.transient.turning_chain import TurningChain
+from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
+from geometry.errors import InputError
+
+# The cycle closes to this share of the sizes of motion, after so many trials at most.
+CLOSED = 1e-7
+TRIALS = 40
+# Step by which derivatives are taken, in sizes of the motion.
+DIFFERENCE = 1e-3
+# Directions that change nothing, such as the place of a ring that only a dashpot drives.
+NO_CHANGE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class TurningCycle:
+    """One cycle of steady running.
+
+    Parameters
+    ----------
+    mean_speed : float
+        [rad/s]
+    turns : int
+        Of the shaft in the cycle.
+    load : float
+        Constant moment that brakes [N m].
+    shaft_angle : ndarray of shape (m,)
+        Mean speed times time, even over the cycle, without its end [rad].
+    motion : ndarray of shape (m, n)
+        Angle of each node beside its even turning [rad]; the mean includes the twist by the torque
+        passed on.
+    speed : ndarray of shape (m, n)
+        Of each node [rad/s].
+    torque : ndarray of shape (m, e)
+        Of the spring of each element, mean included [N m].
+    gas_work, load_work, damping_work : float
+        Over the cycle, positive when it drives [J]; damping includes what its dampers to ground, which
+        turn evenly, bring in.
+    energy_error : float
+        Sum of the works, which should be zero, beside the largest of them and of the swing of energy.
+    closing_error : float
+        By what share of the largest motion the cycle does not close.
+    chain : TurningChain
+    note : str
+        How loss factors were replaced; empty if there are none.
+    """
+
+    mean_speed: float
+    turns: int
+    load: float
+    shaft_angle: FloatArray
+    motion: FloatArray
+    speed: FloatArray
+    torque: FloatArray
+    gas_work: float
+    load_work: float
+    damping_work: float
+    energy_error: float
+    closing_error: float
+    chain: TurningChain
+    note: str
+
+    @property
+    def amplitude(self) -> FloatArray:
+        """Half of the way between the extremes of each node [rad], (n,)."""
+        return half_over_cycle(self.motion)
+
+    @property
+    def torque_amplitude(self) -> FloatArray:
+        """Half of the way between the extremes of each element [N m], (e,)."""
+        return half_over_cycle(self.torque)
+
+    def torque_phasors(self, orders: ArrayLike) -> ComplexArray:
+        """Return those of the elements' torque by orders, shape (K, e) [N m]."""
+        return self._phasors(orders, self.torque)
+
+    def phasors(self, orders: ArrayLike) -> ComplexArray:
+        """Return X_k of the motion, mean + Re sum X_k exp(i k phi), shape (K, n)."""
+        return self._phasors(orders, self.motion)
+
+    def _phasors(self, orders: ArrayLike, values: FloatArray) -> ComplexArray:
+        waves = np.exp(-1j * np.outer(np.atleast_1d(orders), self.shaft_angle))
+        return np.asarray(waves @ values * (2.0 / self.shaft_angle.size))
+
+
+def steady_cycle(
+    chain: TurningChain,
+    mean_speed: float,
+    *,
+    method: IntegrationMethod = "DOP853",
+    samples: int | None = None,
+) -> TurningCycle:
+    """Find the cycle that repeats at a mean speed, and the constant load that keeps it.
+
+    Parameters
+    ----------
+    chain : TurningChain
+        As `turning_chain` makes it.
+    mean_speed : float
+        [rad/s]
+    method : {"DOP853", "Radau"}
+        Of `scipy.integrate.solve_ivp`: explicit of the eighth order, or implicit where a chain is so
+        stiff that its highest frequency, not the motion, would set the step.
+    samples : int, optional
+        Over the cycle; by default eight per period of the highest order, 360 at least.
+
+    Returns
+    -------
+    TurningCycle
+
+    Raises
+    ------
+    InputError
+        If the speed is not above zero, no steady running is found, or the method is unknown.
+
+    Notes
+    -----
+    Shooting: what is sought is the state at the start and the load for which the state is the same
+    after the cycle and the mean place of the shaft is that of even turning. Derivatives come from
+    disturbed copies of the chain, all integrated at once; from trial to trial they are corrected by
+    what the trial has shown (C. G. Broyden, Mathematics of Computation 19 (1965) 577-593).
+    """
+    speed = positive_number("mean_speed", mean_speed, "rad/s", "the shaft turns forward")
+    check_method(method)
+    used = chain.curves.orders
+    turns = cycle_turns(used) if used.size else 1
+    count = (
+        max(360, 8 * math.ceil(float(used.max(initial=1.0)) * turns))
+        if samples is None
+        else whole_number("samples", samples, 4, "they show the cycle")
+    )
+    shooting = _Shooting(chain, speed, 2.0 * np.pi * turns / speed, method)
+    unknowns, missed = shooting.solved()
+    return _told(shooting, unknowns, missed, turns, count)
+
+
+@dataclass(frozen=True, eq=False)
+class _Shooting:
+    """The conditions of a closed cycle; unknowns and misses count in sizes of the state."""
+
+    chain: TurningChain
+    speed: float
+    period: float
+    method: IntegrationMethod
+
+    @property
+    def count(self) -> int:
+        """Twists and their speeds."""
+        return 2 * self.chain.even.size
+
+    def state(self, loads: FloatArray) -> TurningState:
+        """Return the equations under constant loads (c,) [N m]."""
+        return TurningState(self.chain, self.speed, True, lambda _speeds, _time: loads, self.speed)
+
+    def starts(self, unknowns: FloatArray) -> tuple[TurningState, FloatArray]:
+        """Return equations and states (c, ...) at the start for unknowns (c, 2 q + 1)."""
+        loads = unknowns[:, -1] * self.chain.torque_size(self.speed)
+        state = self.state(loads)
+        states = np.zeros((len(unknowns), state.size))
+        states[:, : self.count] = unknowns[:, :-1] * state.sizes[: self.count]
+        return state, states
+
+    def missed(self, unknowns: FloatArray) -> FloatArray:
+        """Return what unknowns (c, 2 q + 1) miss, (c, 2 q + 1)."""
+        state, states = self.starts(unknowns)
+        found = state.integrate(states, (0.0, self.period), self.method, t_eval=[self.period])
+        self.check(found)
+        ends = found.y[:, -1].reshape(states.shape)
+        missed = (ends - states)[:, [*range(self.count), -1]]
+        missed[:, :-1] /= state.sizes[: self.count]
+        missed[:, -1] /= state.sizes[0] * self.period
+        return np.asarray(missed)
+
+    def check(self, found: object) -> None:
+        """Refuse a cycle that the integration did not get through."""
+        if not found.success:  # type: ignore[attr-defined]
+            raise InputError(self.unsteady())
+
+    def solved(self) -> tuple[FloatArray, float]:
+        """Return the unknowns (2 q + 1,) of the cycle that closes, and what it still misses."""
+        size = self.count + 1
+        unknowns = np.zeros(size)
+        mean = float(self.chain.curves.torque_mean.sum())
+        unknowns[-1] = mean / self.chain.torque_size(self.speed)
+        missed = self.missed(np.vstack((unknowns, unknowns + DIFFERENCE * np.eye(size))))
+        step = np.linalg.pinv((missed[1:] - missed[0]).T / DIFFERENCE, rcond=NO_CHANGE)
+        left = missed[0]
+        for _ in range(TRIALS):
+            scale = max(1.0, float(np.max(np.abs(unknowns))))
+            if np.max(np.abs(left)) <= CLOSED * scale:
+                return unknowns, float(np.max(np.abs(left))) / scale
+            moved = -step @ left
+            unknowns = unknowns + moved
+            after = self.missed(unknowns[np.newaxis])[0]
+            towards = step @ (after - left)
+            length = moved @ towards
+            if length == 0.0:
+                break
+            step = step + np.outer((moved - towards) / length, moved @ step)
+            left = after
+        raise InputError(self.unsteady())
+
+    def unsteady(self) -> str:
+        """Say that no cycle closes."""
+        return (
+            f"mean_speed: given {self.speed:g} rad/s; allowed is a speed at which the shaft runs steadily, "
+            "because no cycle was found that repeats."
+        )
+
+
+def _told(
+    shooting: _Shooting, unknowns: FloatArray, missed: float, turns: int, samples: int
+) -> TurningCycle:
+    """Return the cycle told at even angles."""
+    chain, speed = shooting.chain, shooting.speed
+    state, states = shooting.starts(unknowns[np.newaxis])
+    angles = even_angles(2.0 * np.pi * turns, samples)
+    times = np.append(angles / speed, shooting.period)
+    found = state.integrate(states, (0.0, shooting.period), shooting.method, t_eval=times)
+    shooting.check(found)
+    count = chain.even.size
+    values = found.y.T
+    works = values[-1, 2 * count : 2 * count + WORKS]
+    motion = values[:-1, :count] @ chain.expand.T
+    speeds = (values[:-1, count : 2 * count] + speed * chain.even) @ chain.expand.T
+    kinetic, strain = chain.energies(
+        values[:-1, :count], values[:-1, count : 2 * count] + speed * chain.even, angles
+    )
+    largest = max(float(np.max(np.abs(works))), float(np.ptp(kinetic + strain)))
+    return TurningCycle(
+        mean_speed=speed,
+        turns=turns,
+        load=float(state.load(np.array([speed]), 0.0)[0]),
+        shaft_angle=angles,
+        motion=motion,
+        speed=speeds,
+        torque=spring_torques(chain.system.chain, motion),
+        gas_work=float(works[0]),
+        load_work=float(works[1]),
+        damping_work=float(works[2]),
+        energy_error=abs(float(works.sum())) / largest if largest > 0.0 else 0.0,
+        closing_error=missed,
+        chain=chain,
+        note=chain.system.note,
+    )

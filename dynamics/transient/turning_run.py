@@ -1,0 +1,288 @@
+"""A turning chain with variable inertia left to gas and load: run-up, failing load, stopping."""
+
+import contextlib
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from dynamics.checks import FloatArray, finite_array, positive_number, whole_number
+from dynamics.transient.envelope import Envelope, envelope_over
+from dynamics.transient.order_forces import cycle_turns
+from dynamics.transient.steady import spring_torques
+from dynamics.transient.turning_chain import TurningChain
+from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
+from dynamics.transient.viscous import ViscousSystem
+from geometry.errors import InputError
+
+# The shaft stops where its speed has fallen to this share within about a turn.
+STOPPED = 1e-3
+# Moment that brakes [N m], of shaft speed [rad/s] and time [s].
+Load = Callable[[float, float], float]
+
+
+@dataclass(frozen=True, eq=False)
+class TurningRun:
+    """How a shaft turned by itself.
+
+    Parameters
+    ----------
+    time : ndarray of shape (m,)
+        [s]
+    shaft_angle, shaft_speed : ndarray of shape (m,)
+        Of even turning with the same angular momentum about the shaft [rad, rad/s].
+    motion : ndarray of shape (m, n)
+        Angle of each node beside that [rad], twist by mean torques included.
+    speed : ndarray of shape (m, n)
+        Of each node [rad/s].
+    torque : ndarray of shape (m, e)
+        Of the spring of each element [N m].
+    kinetic_energy, strain_energy : ndarray of shape (m,)
+        [J]
+    gas_work, load_work, damping_work : ndarray of shape (m,)
+        Since the start, positive when it drove [J].
+    turns : int
+        After which gas and inertia repeat.
+    complete : bool
+        False if the run was interrupted or the shaft stopped; the arrays then end there.
+    system : ViscousSystem
+        The chain of constant inertia.
+    notes : tuple of str
+    """
+
+    time: FloatArray
+    shaft_angle: FloatArray
+    shaft_speed: FloatArray
+    motion: FloatArray
+    speed: FloatArray
+    torque: FloatArray
+    kinetic_energy: FloatArray
+    strain_energy: FloatArray
+    gas_work: FloatArray
+    load_work: FloatArray
+    damping_work: FloatArray
+    turns: int
+    complete: bool
+    system: ViscousSystem
+    notes: tuple[str, ...]
+
+    @property
+    def energy_error(self) -> float:
+        """Largest difference of energy gained and work done, beside the largest energy."""
+        energy = self.kinetic_energy + self.strain_energy
+        done = self.gas_work + self.load_work + self.damping_work
+        return float(np.max(np.abs(energy - energy[0] - done)) / np.max(energy))
+
+    def envelope(self, turns: int | None = None) -> Envelope:
+        """Return the amplitudes in windows of so many turns; by default as gas and inertia repeat.
+
+        Raises
+        ------
+        InputError
+            If the run is shorter than one window.
+        """
+        return envelope_over(
+            self.time,
+            self.shaft_speed,
+            self.shaft_angle,
+            self.motion,
+            self.torque,
+            self.turns if turns is None else turns,
+        )
+
+
+def turn_under_gas(
+    chain: TurningChain,
+    start_speed: float,
+    duration: float,
+    *,
+    load: Load | float = 0.0,
+    changes: tuple[tuple[float, TurningChain], ...] = (),
+    method: IntegrationMethod = "DOP853",
+    samples_per_turn: int = 180,
+    progress: Callable[[float], None] | None = None,
+) -> TurningRun:
+    """Follow a shaft that gas and load turn, from even turning without twist at shaft angle zero.
+
+    Parameters
+    ----------
+    chain : TurningChain
+        As `turning_chain` makes it.
+    start_speed : float
+        [rad/s]
+    duration : float
+        [s]
+    load : float or callable, optional
+        Moment that brakes at the load's node [N m], or a callable (shaft speed [rad/s], time [s]) ->
+        moment: a governor is load = mean + gain (speed - wanted speed).
+    changes : tuple of (float, TurningChain), optional
+        Chains of the same matrices with other gas that take over at given times [s], ascending, as
+        after a cylinder has failed.
+    method : {"DOP853", "Radau"}
+        As for `steady_cycle`.
+    samples_per_turn : int, optional
+        Of the results.
+    progress : callable, optional
+        Told the share that is done after each turn, between 0 and 1.
+
+    Returns
+    -------
+    TurningRun
+        On KeyboardInterrupt, from the keyboard or from `progress`, the turns finished until then.
+
+    Raises
+    ------
+    InputError
+        If a number is out of range, changes do not ascend within the run or have other matrices, or
+        the load gives no finite moment.
+    """
+    speed = positive_number("start_speed", start_speed, "rad/s", "the shaft turns forward")
+    end = positive_number("duration", duration, "s", "time runs forward")
+    told = whole_number("samples_per_turn", samples_per_turn, 4, "they show the motion")
+    check_method(method)
+    braking = _checked_load(load)
+    in_turn = _checked_changes(chain, changes, end)
+    state = TurningState(chain, 0.0, False, braking, speed)
+    now = np.zeros(state.size)
+    count = chain.even.size
+    now[count : 2 * count] = speed * chain.even
+    done = [(np.zeros(1), now[np.newaxis])]
+    time, stopped, finished = 0.0, False, False
+    with contextlib.suppress(KeyboardInterrupt):
+        for place, (begins, own) in enumerate(in_turn):
+            state = TurningState(own, 0.0, False, braking, speed)
+            last = in_turn[place + 1][0] if place + 1 < len(in_turn) else end
+            time = begins
+            while time < last and not stopped:
+                until, passed, rows, stopped = _turn(state, time, last, now, method, told)
+                done.append((passed, rows))
+                time, now = until, rows[-1]
+                if progress is not None:
+                    progress(min(time / end, 1.0))
+        finished = not stopped
+    orders = np.unique(np.concatenate([own.curves.orders for _, own in in_turn]))
+    return _assembled(
+        in_turn,
+        np.concatenate([times for times, _ in done]),
+        np.concatenate([states for _, states in done]),
+        cycle_turns(orders) if orders.size else 1,
+        finished,
+        "" if finished else _ended(stopped, float(done[-1][0][-1]), end),
+    )
+
+
+def _turn(
+    state: TurningState,
+    time: float,
+    last: float,
+    now: FloatArray,
+    method: IntegrationMethod,
+    told: int,
+) -> tuple[float, FloatArray, FloatArray, bool]:
+    """Follow about one turn; return its end, times (m,), states there (m, ...), whether it stops."""
+    chain, count = state.chain, state.chain.even.size
+    speed = float(chain.mean_speed(now[count : 2 * count]))
+    span = 2.0 * np.pi / speed
+    # What is left of the time in even parts, so that no sliver remains at the end.
+    until = time + (last - time) / max(1, math.ceil((last - time) / span * (1.0 - 1e-9)))
+    if last - until < 1e-9 * span:
+        until = last
+
+    def stops(_time: float, values: FloatArray) -> float:
+        return float(chain.mean_speed(values[count : 2 * count])) - STOPPED * speed
+
+    stops.terminal = True  # type: ignore[attr-defined]
+    times = np.linspace(time, until, told + 1)[1:]
+    found = state.integrate(now[np.newaxis], (time, until), method, t_eval=times, events=[stops])
+    if found.status < 0:
+        raise InputError(
+            f"duration: given times up to {last:g} s; allowed is {time:.6g} s or less, because the motion "
+            f"cannot be followed any longer ({str(found.message).rstrip('.')})."
+        )
+    passed, rows = np.asarray(found.t), np.asarray(found.y).reshape(now.size, -1).T
+    if found.status == 1:
+        ended = float(found.t_events[0][0])
+        if not passed.size or passed[-1] < ended:
+            passed, rows = np.append(passed, ended), np.vstack((rows, found.y_events[0][0]))
+        return ended, passed, rows, True
+    return until, passed, rows, False
+
+
+def _assembled(
+    in_turn: tuple[tuple[float, TurningChain], ...],
+    times: FloatArray,
+    states: FloatArray,
+    turns: int,
+    complete: bool,
+    note: str,
+) -> TurningRun:
+    chain = in_turn[0][1]
+    count = chain.even.size
+    absolute, speeds = states[:, :count], states[:, count : 2 * count]
+    angle = chain.mean_speed(absolute)
+    kinetic, strain = chain.energies(absolute, speeds, np.zeros(times.size))
+    motion = (absolute - angle[:, np.newaxis] * chain.even) @ chain.expand.T
+    works = states[:, 2 * count : 2 * count + WORKS].T
+    return TurningRun(
+        time=times,
+        shaft_angle=angle,
+        shaft_speed=chain.mean_speed(speeds),
+        motion=motion,
+        speed=speeds @ chain.expand.T,
+        torque=spring_torques(chain.system.chain, motion),
+        kinetic_energy=kinetic,
+        strain_energy=strain,
+        gas_work=works[0],
+        load_work=works[1],
+        damping_work=works[2],
+        turns=turns,
+        complete=complete,
+        system=chain.system,
+        notes=tuple(text for text in (chain.system.note, note) if text),
+    )
+
+
+def _ended(stopped: bool, reached: float, end: float) -> str:
+    how = "The shaft all but stops" if stopped else "Interrupted"
+    return f"{how} at {reached:.6g} s of {end:.6g} s."
+
+
+def _checked_load(load: Load | float) -> Callable[[FloatArray, float], FloatArray]:
+    if not callable(load):
+        constant = float(finite_array("load", load))
+        return lambda speeds, _time: np.full(speeds.shape, constant)
+    given = load
+
+    def braking(speeds: FloatArray, time: float) -> FloatArray:
+        moments = np.array([given(speed, time) for speed in speeds.tolist()], dtype=np.float64)
+        if not np.all(np.isfinite(moments)):
+            raise InputError(
+                f"load: given a moment of {moments[0]} N m at {speeds[0]:.6g} rad/s and {time:.6g} s; "
+                "allowed are finite numbers, because the speed follows from the moments."
+            )
+        return moments
+
+    return braking
+
+
+def _checked_changes(
+    chain: TurningChain, changes: tuple[tuple[float, TurningChain], ...], end: float
+) -> tuple[tuple[float, TurningChain], ...]:
+    in_turn = [(0.0, chain)]
+    for place, (time, other) in enumerate(changes):
+        value = float(finite_array(f"changes[{place}]", time))
+        if not in_turn[-1][0] < value < end:
+            raise InputError(
+                f"changes[{place}]: given a time of {value:g} s; allowed are ascending times above "
+                f"{in_turn[-1][0]:g} s and below {end:g} s, because each gas takes over from the one "
+                "before within the run."
+            )
+        same = np.array_equal(other.mean_mass, chain.mean_mass)
+        if not same or not np.array_equal(other.stiffness, chain.stiffness):
+            raise InputError(
+                f"changes[{place}]: given a chain of other inertias or stiffnesses; allowed is the same "
+                "chain with other gas, because the shaft stays what it is."
+            )
+        in_turn.append((value, other))
+    return tuple(in_turn)

@@ -1,0 +1,129 @@
+"""A system with viscous damping in place of loss factors, which have no meaning over time."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dynamics.chains.chain import Chain
+from dynamics.checks import positive_number
+from dynamics.response.linear_system import LinearSystem, chain_system
+from geometry.errors import InputError
+
+LossAs = Literal["viscous", "modal"]
+LOSS_AS = ("viscous", "modal")
+
+
+@dataclass(frozen=True, eq=False)
+class ViscousSystem:
+    """A linear system that can be followed through time.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        Without hysteretic damping.
+    chain : Chain or None
+        What it was made from.
+    note : str
+        How loss factors were replaced; empty if there are none.
+    """
+
+    system: LinearSystem
+    chain: Chain | None
+    note: str
+
+
+def viscous_system(
+    chain_or_system: Chain | LinearSystem,
+    *,
+    loss_as: LossAs = "viscous",
+    loss_frequency: float | None = None,
+    magnifier: float | None = None,
+    modal_damping: ArrayLike | None = None,
+) -> ViscousSystem:
+    """Return the system with loss factors replaced by viscous damping, and modal damping added.
+
+    Parameters
+    ----------
+    chain_or_system : Chain or LinearSystem
+    loss_as : {"viscous", "modal"}
+        "viscous": each element of loss factor eta and stiffness k gets a damper of
+        eta k / w, right at one angular frequency w. "modal": each elastic mode gets half of its own
+        loss factor as share of critical damping, right at the frequency of each mode, the coupling
+        of modes by damping being left out.
+    loss_frequency : float, optional
+        w for "viscous" [rad/s]; the lowest elastic mode's by default.
+    magnifier : float, optional
+        Adds to each elastic mode the damping of this magnifier, 1 / (2 magnifier) of critical.
+    modal_damping : float or array_like, optional
+        Adds to each elastic mode this share of critical damping.
+
+    Returns
+    -------
+    ViscousSystem
+
+    Raises
+    ------
+    InputError
+        If a number is out of range, the way is unknown, both magnifier and modal damping are given,
+        or a loss frequency is given that is not used.
+
+    Notes
+    -----
+    Under harmonic motion of angular frequency W a loss factor brings the force i eta k x, a damper
+    i W c x: with c = eta k / w the energy lost in a cycle is right at W = w and off by W / w
+    elsewhere. The mode of natural frequency w_r and shape x_r has the loss factor
+    x_r' H x_r / (w_r^2 x_r' M x_r).
+    """
+    chain = chain_or_system if isinstance(chain_or_system, Chain) else None
+    system = (
+        chain_system(chain_or_system) if isinstance(chain_or_system, Chain) else chain_or_system
+    )
+    if loss_as not in LOSS_AS:
+        raise InputError(
+            f"loss_as: given {loss_as!r}; allowed are {' and '.join(LOSS_AS)}, because these are the ways "
+            "to put viscous damping in the place of loss factors."
+        )
+    if magnifier is not None and modal_damping is not None:
+        raise InputError(
+            f"magnifier: given {magnifier!r} together with modal_damping; allowed is one of both, "
+            "because they say the same thing in two ways."
+        )
+    frequency = None
+    if loss_frequency is not None:
+        frequency = positive_number(
+            "loss_frequency", loss_frequency, "rad/s", "damping is right at one frequency"
+        )
+        if loss_as == "modal":
+            raise InputError(
+                f"loss_frequency: given {frequency:g} rad/s; allowed is none with loss_as='modal', "
+                "because there each mode takes its own frequency."
+            )
+    replaced, note = _without_loss(system, loss_as, frequency)
+    if magnifier is not None:
+        replaced = replaced.with_magnifier(magnifier)
+    if modal_damping is not None:
+        replaced = replaced.with_modal_damping(modal_damping)
+    return ViscousSystem(replaced, chain, note)
+
+
+def _without_loss(
+    system: LinearSystem, loss_as: LossAs, frequency: float | None
+) -> tuple[LinearSystem, str]:
+    if not np.any(system.loss):
+        return system, ""
+    count = system.rigid.shape[1]
+    plain = replace(system, loss=np.zeros_like(system.loss))
+    natural, shapes = system.natural[count:], system.shapes[:, count:]
+    if loss_as == "modal":
+        losses = np.sum(shapes * (system.loss @ shapes), axis=0) / natural**2
+        note = "Loss factors as modal damping, half the loss factor of each mode."
+        return plain.with_modal_damping(0.5 * losses), note
+    right_at = float(natural[0]) if frequency is None else frequency
+    which = ", that of the lowest elastic mode" if frequency is None else ""
+    note = (
+        f"Loss factors as viscous damping of the elements, equal at {right_at / (2.0 * np.pi):.6g} Hz"
+        f"{which}."
+    )
+    return replace(plain, damping=plain.damping + system.loss / right_at), note
