@@ -23,6 +23,13 @@ def vibration(
         bool,
         typer.Option("--coupled", help="Calculate the whole crankshaft too, seconds more."),
     ] = False,
+    run_up: Annotated[
+        str | None,
+        typer.Option(
+            metavar='"10 s"',
+            help="Follow the torsional vibration while the speed rises to the highest in this time.",
+        ),
+    ] = None,
     csv: Annotated[
         str | None,
         typer.Option(
@@ -39,15 +46,19 @@ def vibration(
     from crankfem.chain_file import is_chain_file
 
     if is_chain_file(engine):
-        _of_chain(engine, json, only_engines=coupled or csv is not None or pictures is not None)
+        others = coupled or any(given is not None for given in (run_up, csv, pictures))
+        _of_chain(engine, json, only_engines=others)
         return
     from crankfem.engine_file import load_engine
     from crankfem.pictures.style import make_folder
-    from crankfem.pictures.vibration_pictures import picture_vibration
+    from crankfem.pictures.vibration_pictures import picture_run_up, picture_vibration
     from crankfem.vibration.forced_records import write_forced
     from crankfem.vibration.records import print_run, run_record
     from crankfem.vibration.run import engine_vibration
+    from crankfem.vibration.run_up import parse_duration, print_run_up, run_up_record
+    from crankfem.vibration.run_up import run_up as turned_up
 
+    duration = None if run_up is None else parse_duration(run_up)
     read = load_engine(engine)
     folders = [None if given is None else Path(given) for given in (csv, pictures)]
     for folder in folders:
@@ -55,6 +66,10 @@ def vibration(
             make_folder(folder)
     with console.RunProgress() as progress:
         run = engine_vibration(read, coupled=coupled, step=progress.step)
+        found = None
+        if duration is not None:
+            progress.step("Running up")
+            found = turned_up(run, duration)
         progress.finish()
     written = []
     if folders[0] is not None:
@@ -64,11 +79,18 @@ def vibration(
                 write_forced(written[-1], forced)
     if folders[1] is not None:
         written += picture_vibration(folders[1], run)
+        if found is not None:
+            written.append(folders[1] / "run_up.svg")
+            picture_run_up(written[-1], run, found)
     record = run_record(run)
+    if found is not None and run.forced_torsional is not None:
+        record["run_up"] = run_up_record(found, run.forced_torsional)
     if json:
         print_json(record | {"files": [str(path) for path in written]})
         return
     print_run(record)
+    if found is not None:
+        print_run_up(record["run_up"])
     for path in written:
         console.output.print(f"Written: {path}", soft_wrap=True, highlight=False)
 
@@ -87,7 +109,7 @@ def _of_chain(path: str, json: bool, *, only_engines: bool) -> None:
     if only_engines:
         raise InputError(
             f"{path}: is a chain file, which has no cylinders; allowed with it is --json alone, because "
-            "--coupled, --csv and --pictures show what the engine excites."
+            "the other options show what an engine excites."
         )
     record = chain_record(load_chain(path))
     if json:

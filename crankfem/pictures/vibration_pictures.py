@@ -7,10 +7,12 @@ import numpy as np
 from crankfem.pictures.response_plots import plot_over_speed, plot_response_campbell
 from crankfem.pictures.shaft_mode_plots import plot_axial_split, plot_mode_shares, plot_shaft_modes
 from crankfem.pictures.style import COLORS, GRAY, figure, make_folder
+from crankfem.pictures.transient_plots import plot_transient
 from crankfem.vibration.assessment import Assessment
 from crankfem.vibration.forced import ForcedVibration
 from crankfem.vibration.modes import SourceResult
 from crankfem.vibration.run import EngineVibration
+from crankfem.vibration.run_up import RunUp
 from dynamics.checks import FloatArray
 from dynamics.critical import engine_orders
 
@@ -60,6 +62,21 @@ def picture_vibration(folder: Path, run: EngineVibration) -> list[Path]:
         made.append(folder / "axial_split.svg")
         plot_axial_split(made[-1], run.comparison.coupled)
     return made
+
+
+def picture_run_up(path: Path, run: EngineVibration, found: RunUp) -> None:
+    """Plot the torque of a run-up in the spring where it is largest, as SVG."""
+    forced = run.forced_torsional
+    assert forced is not None
+    worst = int(np.argmax(found.largest))
+    elastic = forced.loads.elastic
+    plot_transient(
+        path,
+        found.motion,
+        worst,
+        steady=(elastic.speeds, elastic.synthesis.amplitude[:, worst]),
+        title=f"{run.engine_file.engine.name}, run-up in {found.duration:g} s",
+    )
 
 
 def plot_mode_shapes(path: Path, result: SourceResult) -> None:

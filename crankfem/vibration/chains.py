@@ -7,7 +7,7 @@ from crankfem.engine_file import EngineFile
 from crankfem.mechanism_file import load_mechanism
 from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
-from dynamics.chains.engine_chains import EngineChain, axial_chain, torsional_chain
+from dynamics.chains.engine_chains import EngineChain, Kind, axial_chain, torsional_chain
 from dynamics.chains.throw_inertias import throw_inertias
 from dynamics.response.damping import DampedChain, damped
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
@@ -124,19 +124,25 @@ def torsional_damper(engine_file: EngineFile) -> TorsionalDamper | None:
     return RubberDamper(given.ring_inertia, given.stiffness, given.loss_factor)
 
 
-def damped_engine_chain(engine_file: EngineFile, chain: EngineChain) -> DampedChain:
-    """Return the chain with the damping of engine and shaft.
+def magnifier_of(engine_file: EngineFile, kind: Kind) -> tuple[float | None, str]:
+    """Return the magnifier of the elastic modes and its source.
 
-    Without any in the file every elastic mode has a measured magnifier, said to be assumed; dampers,
-    couplings and bearings add theirs.
+    Without any damping in the file it is a measured one, said to be assumed; none where cylinders or
+    throws have damping of their own.
     """
-    given, axial = engine_file.damping, chain.kind == "axial"
-    magnifier = None
+    given = engine_file.damping
     if given is not None:
-        magnifier = given.axial_magnifier if axial else given.torsional_magnifier
-    source = "engine file"
-    if magnifier is None and (axial or given is None or not given.damps_torsion):
-        magnifier, source = DEFAULT_MAGNIFIER, ASSUMED
+        magnifier = given.axial_magnifier if kind == "axial" else given.torsional_magnifier
+        if magnifier is not None:
+            return magnifier, "engine file"
+        if kind == "torsional" and given.damps_torsion:
+            return None, ""
+    return DEFAULT_MAGNIFIER, ASSUMED
+
+
+def damped_engine_chain(engine_file: EngineFile, chain: EngineChain) -> DampedChain:
+    """Return the chain with the damping of engine and shaft; dampers and couplings add theirs."""
+    magnifier, source = magnifier_of(engine_file, chain.kind)
     if magnifier is None:
         return damped(chain.chain)
     return damped(chain.chain, magnifier=magnifier, source=source)

@@ -45,6 +45,8 @@ class CylinderForces:
         Throw of each cylinder, from 0 at the free end.
     remarks : tuple of str
         What was assumed, a sentence each.
+    of_inertia : bool
+        Whether forces of moving masses are among them.
     """
 
     orders: FloatArray
@@ -56,6 +58,7 @@ class CylinderForces:
     crank_radius: float
     throws: tuple[int, ...]
     remarks: tuple[str, ...] = ()
+    of_inertia: bool = True
 
     @property
     def torque(self) -> ComplexArray:
@@ -226,4 +229,5 @@ def forces_at_speeds(
         crank_radius=harmonics.crank_radius,
         throws=harmonics.throws,
         remarks=remarks,
+        of_inertia=bool(np.any(harmonics.inertia)),
     )

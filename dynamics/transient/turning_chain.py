@@ -212,6 +212,11 @@ def turning_chain(
             f"engine_chain: given {len(engine_chain.throw_nodes)} throws; allowed are "
             f"{gas.throw_count}, because that many carry cylinders."
         )
+    if gas.of_inertia:
+        raise InputError(
+            "gas: given forces that hold those of moving masses; allowed is cylinder_forces with "
+            "inertia=False, because the varying inertia brings them itself."
+        )
     place = checked_speed_index(speed_index, gas.speeds)
     last = chain.inertia.size - 1
     node = last if load_node is None else node_index("load_node", load_node, last + 1)

@@ -16,6 +16,7 @@ from crankfem.vibration.forced import nominal_section_modulus
 from crankfem.vibration.forced_records import forced_record, write_forced
 from crankfem.vibration.records import run_record
 from crankfem.vibration.run import engine_vibration
+from crankfem.vibration.run_up import parse_duration, run_up, run_up_record
 from dynamics.excitation.on_chains import axial_excitation
 from dynamics.response.forced import forced_response
 from dynamics.torque.torque import engine_torque
@@ -255,3 +256,20 @@ def test_vibration_command_of_a_chain(call, tmp_path):
     assert "mwm-six: is a chain file, which has no cylinders" in answer.err
     (tmp_path / "line.txt").write_text("nonsense", encoding="utf-8")
     assert call("vibration", tmp_path / "line.txt").code == 2
+
+
+@pytest.mark.slow
+def test_a_slow_run_up_comes_near_the_steady_amplitudes(run):
+    found = run_up(run, 60.0)
+    assert found.motion.complete
+    # The run-up passes resonances, where it stays below the steady amplitudes; slowly enough by little.
+    assert np.all(found.largest < found.steady * 1.001)
+    assert np.all(found.largest > 0.9 * found.steady)
+    record = run_up_record(found, run.forced_torsional)
+    assert json.loads(json.dumps(record, allow_nan=False))["to_rpm"] == pytest.approx(515.0)
+
+
+@pytest.mark.parametrize("text", ["20", "20 mm", "0 s", "1 h"])
+def test_wrong_durations_are_refused(text):
+    with pytest.raises(InputError, match=r"^--run-up: given"):
+        parse_duration(text)

@@ -219,6 +219,9 @@ def bad(message):
         "engine_chain: given 0.1 kg m^2": lambda: turning_chain(own, heavy, forces),
         "engine_chain: given torsional, held": lambda: turning_chain(own, held, forces),
         "engine_chain: given 1 throws": lambda: turning_chain(own, fewer, forces),
+        "gas: given forces that hold": lambda: turning_chain(
+            own, ends, cylinder_forces(own, [SPEED], HIGHEST)
+        ),
         "load_node: given": lambda: turning_chain(own, ends, forces, load_node=3),
     }[message]
 
@@ -235,6 +238,7 @@ def bad(message):
         "engine_chain: given 0.1 kg m^2",
         "engine_chain: given torsional, held",
         "engine_chain: given 1 throws",
+        "gas: given forces that hold",
         "load_node: given",
     ],
 )

@@ -1,0 +1,164 @@
+"""An engine's torsional vibration while its speed rises through all resonances."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from crankfem.console import output, print_table
+from crankfem.record import RPM, Record
+from crankfem.vibration.chains import magnifier_of
+from crankfem.vibration.forced import ForcedVibration
+from crankfem.vibration.run import EngineVibration
+from dynamics.checks import FloatArray
+from dynamics.transient.envelope import Envelope
+from dynamics.transient.run import TransientMotion, transient_motion
+from dynamics.transient.speed_curve import SpeedCurve
+from geometry.errors import InputError
+from geometry.quantity import parse_quantity
+
+SHORTEST, LONGEST = 0.1, 600.0  # s
+
+
+@dataclass(frozen=True, eq=False)
+class RunUp:
+    """A run-up from the lowest speed calculated to the highest running speed.
+
+    Attributes
+    ----------
+    motion : TransientMotion
+        Of the torsional chain; cut short where it was interrupted.
+    duration : float
+        Asked for [s].
+    envelope : Envelope
+        Amplitudes over each working cycle, half of the range.
+    largest : (e,) array
+        Largest of these amplitudes of the torque in each spring [N m].
+    steady : (e,) array
+        Largest amplitude at constant speeds, of those that were passed [N m].
+    """
+
+    motion: TransientMotion
+    duration: float
+    envelope: Envelope
+    largest: FloatArray
+    steady: FloatArray
+
+
+def parse_duration(text: str) -> float:
+    """Return the duration of --run-up [s].
+
+    Raises
+    ------
+    InputError
+        If it is no time, or out of range.
+    """
+    duration = parse_quantity(text, "s", "--run-up")
+    if not SHORTEST <= duration <= LONGEST:
+        raise InputError(
+            f"--run-up: given {text!r}; allowed is {SHORTEST:g} s to {LONGEST:g} s, because engines take "
+            "that long from idling to full speed."
+        )
+    return duration
+
+
+def run_up(
+    run: EngineVibration, duration: float, progress: Callable[[float], None] | None = None
+) -> RunUp:
+    """Follow the torsional vibration of an engine while its speed rises evenly.
+
+    Parameters
+    ----------
+    run : EngineVibration
+        With forced vibration.
+    duration : float
+        From the lowest speed calculated to the highest running speed [s].
+    progress : callable, optional
+        Told the share that is done.
+
+    Returns
+    -------
+    RunUp
+        What was finished, if it is interrupted.
+
+    Raises
+    ------
+    InputError
+        If there is no gas pressure, or a step of the calculation is refused.
+    """
+    forced = run.forced_torsional
+    if forced is None:
+        raise InputError(
+            "run_up: given an engine without gas pressure; allowed is one with it, because a run-up shows "
+            "what the cylinders excite."
+        )
+    low, high = float(forced.response.speeds[0]), run.engine_file.engine.highest_speed
+    magnifier, _ = magnifier_of(run.engine_file, "torsional")
+    assert forced.response.chain is not None
+    motion = transient_motion(
+        forced.response.chain,
+        forced.response.excitation,
+        SpeedCurve.ramp(low, high, duration=duration),
+        magnifier=magnifier,
+        progress=progress,
+    )
+    passed = forced.response.speeds <= motion.shaft_speed[-1]
+    envelope = motion.envelope()
+    return RunUp(
+        motion=motion,
+        duration=duration,
+        envelope=envelope,
+        largest=np.max(envelope.torque, axis=0),
+        steady=np.max(forced.loads.elastic.synthesis.amplitude[passed], axis=0),
+    )
+
+
+def run_up_record(found: RunUp, forced: ForcedVibration) -> Record:
+    """Return the largest torques beside those at constant speeds, in SI units."""
+    motion = found.motion
+    return {
+        "duration": found.duration,
+        "complete": motion.complete,
+        "from_rpm": float(motion.shaft_speed[0] * RPM),
+        "to_rpm": float(motion.shaft_speed[-1] * RPM),
+        "notes": list(motion.notes),
+        "elements": [
+            {
+                "element": name,
+                "largest": largest,
+                "at_rpm": float(
+                    found.envelope.speed[int(np.argmax(found.envelope.torque[:, place]))] * RPM
+                ),
+                "steady": steady if np.isfinite(steady) else None,
+            }
+            for place, (name, largest, steady) in enumerate(
+                zip(
+                    forced.loads.elastic.names,
+                    found.largest.tolist(),
+                    found.steady.tolist(),
+                    strict=True,
+                )
+            )
+        ],
+    }
+
+
+def print_run_up(record: Record) -> None:
+    """Print the largest torques of a run-up."""
+    cut = "" if record["complete"] else ", interrupted"
+    print_table(
+        f"Run-up from {record['from_rpm']:.0f} to {record['to_rpm']:.0f} 1/min in "
+        f"{record['duration']:g} s{cut}: amplitude of the torque in the springs",
+        ["element", "largest [kN m]", "at [1/min]", "at constant speeds [kN m]"],
+        [
+            [
+                one["element"],
+                f"{1e-3 * one['largest']:.4g}",
+                f"{one['at_rpm']:.0f}",
+                "unbounded" if one["steady"] is None else f"{1e-3 * one['steady']:.4g}",
+            ]
+            for one in record["elements"]
+        ],
+    )
+    for note in record["notes"]:
+        output.print(f"Note: {note}", soft_wrap=True, highlight=False)
