@@ -6,9 +6,7 @@ from crankfem.chain_text import ChainText as ChainText
 from crankfem.chain_text import read_chain_text as read_chain_text
 from crankfem.chain_text import write_chain_text as write_chain_text
 from crankfem.engine_file import EngineFile as EngineFile
-from crankfem.engine_file import load_crankshaft as load_crankshaft
 from crankfem.engine_file import load_engine as load_engine
-from crankfem.engine_file import load_throw as load_throw
 from crankfem.hinge_file import HingeFile as HingeFile
 from crankfem.hinge_file import load_hinge as load_hinge
 from crankfem.mechanism_file import MechanismFile as MechanismFile
@@ -37,6 +35,8 @@ from crankfem.pipeline import RunResult as RunResult
 from crankfem.pipeline import run_engine as run_engine
 from crankfem.studies import StudyResult as StudyResult
 from crankfem.studies import run_study as run_study
+from crankfem.throw_file import load_crankshaft as load_crankshaft
+from crankfem.throw_file import load_throw as load_throw
 from crankfem.vibration.assessment import Assessment as Assessment
 from crankfem.vibration.assessment import Uncertainty as Uncertainty
 from crankfem.vibration.forced import ForcedVibration as ForcedVibration

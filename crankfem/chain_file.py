@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from crankfem.chain_build import Section, chain_of
 from crankfem.chain_sections import AxialChainSection, TorsionalChainSection
 from crankfem.chain_text import read_chain_text
@@ -12,6 +14,10 @@ from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_elements import Motion
 from fem.material import STEEL, Material
 from geometry.errors import InputError
+
+# Sizes within which all calculations keep their digits.
+SMALLEST, LARGEST = 1e-20, 1e20
+SIZES = ("inertia", "stiffness", "ground", "damping", "ground_damping", "distributed_inertia")
 
 KINDS: dict[str, type[Section]] = {
     "torsional": TorsionalChainSection,
@@ -73,6 +79,7 @@ def load_chain(path: str | Path) -> ChainFile:
                 f"{found}: cannot be read as text ({error}); allowed is a text file."
             ) from None
         read = read_chain_text(text, found.name)
+        _check_sizes(found.name, read.chain)
         return ChainFile(found, read.name or found.stem, read.kind, read.chain, (), {})
     content = read_toml(found)
     content.check_sections({"chain": True, "material": False})
@@ -88,6 +95,26 @@ def load_chain(path: str | Path) -> ChainFile:
         chain = chain_of(section, material)
     except InputError as error:
         raise InputError(f"{found.name}: {error}") from None
+    _check_sizes(found.name, chain)
     return ChainFile(
         found, section.name, section.kind, chain, tuple(content.records), content.sources
     )
+
+
+def _check_sizes(file: str, chain: Chain) -> None:
+    """Refuse numbers so small or large that their squares are none.
+
+    Raises
+    ------
+    InputError
+    """
+    sizes = {name: np.abs(getattr(chain, name)) for name in SIZES}
+    sizes["dashpots"] = np.array([dashpot.damping for dashpot in chain.dashpots])
+    sizes["gears"] = np.abs([gear.ratio for gear in chain.gears])
+    for name, values in sizes.items():
+        wrong = values[(values != 0.0) & ~((values >= SMALLEST) & (values <= LARGEST))]
+        if wrong.size:
+            raise InputError(
+                f"{file}: {name}: given {wrong[0]:g}; allowed are sizes from {SMALLEST:g} to {LARGEST:g}, "
+                "because no machine has others."
+            )

@@ -16,10 +16,12 @@ from crankfem.engine_sections import (
     VibrationSettings,
 )
 from crankfem.excitation_input import GasMap, Misfire, PropellerForcesSection
+from crankfem.file_kinds import REQUIRED, describes_a_throw, describes_mechanism
 from crankfem.limits_sections import LimitsInput, RangesInput
 from crankfem.mechanism_cylinders import angles_of_throws, check_sizes, pins_of, throws_of
 from crankfem.mechanism_sections import Gas, HingedRods, Piston, Rod
 from crankfem.study_file import study_plan
+from crankfem.throw_file import ThrowFile
 from crankfem.toml_file import InputRecord, TomlFile, read_toml
 from crankfem.vibration_sections import (
     AxialDamper,
@@ -31,8 +33,8 @@ from crankfem.vibration_sections import (
 )
 from dynamics.chains.chain import Chain
 from fem.material import STEEL, Material
-from geometry.crankshaft import Crankshaft
 from geometry.errors import InputError
+from geometry.quantity import show_quantity
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
@@ -107,37 +109,6 @@ propeller_forces, limits, ranges, torque_table, two_mass, study
         return tuple(record for record in self.records if record.assumed)
 
 
-REQUIRED = {
-    "engine": True,
-    "throw": True,
-    "shaft": False,
-    "shaft_ends": False,
-    "material": False,
-    "rod": True,
-    "piston": True,
-    "hinged_rods": False,
-    "flywheel": True,
-    "free_end": False,
-    "thrust_bearing": True,
-    "damping": False,
-    "torsional_damper": False,
-    "axial_damper": False,
-    "driven": False,
-    "bearings": False,
-    "shaft_line": False,
-    "gas": False,
-    "gas_map": False,
-    "misfire": False,
-    "propeller_forces": False,
-    "limits": False,
-    "ranges": False,
-    "vibration": False,
-    "torque": False,
-    "two_mass_check": False,
-    "study": False,
-}
-
-
 def load_engine(path: str | Path) -> EngineFile:
     """Read and check an engine file.
 
@@ -152,7 +123,7 @@ def load_engine(path: str | Path) -> EngineFile:
         With one sentence that names the field, what was given and what is allowed.
     """
     content = read_toml(engine_path(path))
-    if _describes_a_throw(content):
+    if describes_a_throw(content):
         raise InputError(
             f"{content.path.name}: describes a throw, not an engine; add the sections "
             f"{', '.join(f'[{name}]' for name, needed in REQUIRED.items() if needed and name != 'throw')}, "
@@ -181,15 +152,16 @@ def load_engine(path: str | Path) -> EngineFile:
     gas, gas_map = content.model("gas", Gas), content.model("gas_map", GasMap)
     misfire = content.model("misfire", Misfire)
     _check_misfire(misfire, gas, engine)
+    _check_gas_map(gas_map, engine)
     torque = content.model("torque", TorqueTable)
     study = study_plan(content, throw, material)
     vibration = content.model("vibration", VibrationSettings) or VibrationSettings()
     _check_sources(vibration, study)
     lowest_order = 2.0 / engine.strokes
-    if vibration.highest_order < lowest_order:
+    if vibration.highest_order < lowest_order or vibration.highest_order % lowest_order:
         raise InputError(
-            f"vibration.highest_order: given {vibration.highest_order:g}; allowed is "
-            f"{lowest_order:g} or more, the lowest order of a {engine.strokes}-stroke engine."
+            f"vibration.highest_order: given {vibration.highest_order:g}; allowed are multiples of "
+            f"{lowest_order:g}, because these are the orders of a {engine.strokes}-stroke engine."
         )
     return EngineFile(
         path=content.path,
@@ -229,55 +201,6 @@ def load_engine(path: str | Path) -> EngineFile:
     )
 
 
-def load_throw(path: str | Path) -> tuple[CrankThrow, Material]:
-    """Read only the throw and its material from an engine or study file.
-
-    Raises
-    ------
-    InputError
-    """
-    content = read_toml(engine_path(path))
-    content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
-    throw = content.required("throw", CrankThrow)
-    return throw, content.model("material", Material) or STEEL
-
-
-@dataclass(frozen=True)
-class ThrowFile:
-    """A file that describes a throw alone, read and checked.
-
-    Attributes
-    ----------
-    path : Path
-    throw, material
-        Its sections.
-    records : tuple of InputRecord
-        Every value with its source.
-    """
-
-    path: Path
-    throw: CrankThrow
-    material: Material
-    records: tuple[InputRecord, ...]
-
-
-# A file with none of these is not meant as a whole engine.
-ENGINE_SECTIONS = ("rod", "piston", "flywheel", "thrust_bearing")
-
-
-def _describes_a_throw(content: TomlFile) -> bool:
-    sections = content.sections
-    return "throw" in sections and not any(name in sections for name in ENGINE_SECTIONS)
-
-
-def describes_mechanism(content: TomlFile) -> bool:
-    """Tell whether a file describes cranks, rods and pistons, but no engine for the chains."""
-    sections = content.sections
-    return {"engine", "rod", "piston"} <= set(sections) and not any(
-        name in sections for name in ("flywheel", "thrust_bearing")
-    )
-
-
 def load_engine_or_throw(path: str | Path) -> EngineFile | ThrowFile:
     """Read and check a file: as an engine if it has any of its sections, else as a throw.
 
@@ -286,7 +209,7 @@ def load_engine_or_throw(path: str | Path) -> EngineFile | ThrowFile:
     InputError
     """
     content = read_toml(engine_path(path))
-    if not _describes_a_throw(content):
+    if not describes_a_throw(content):
         return load_engine(path)
     content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
     throw = content.required("throw", CrankThrow)
@@ -296,54 +219,6 @@ def load_engine_or_throw(path: str | Path) -> EngineFile | ThrowFile:
     content.model("shaft_ends", ShaftEnds)
     study_plan(content, throw, material)
     return ThrowFile(content.path, throw, material, tuple(content.records))
-
-
-def load_crankshaft(path: str | Path) -> Crankshaft:
-    """Read the whole crankshaft of an engine file: equal throws at their angles, and the ends.
-
-    The angles are ``throw_angles`` of the section [shaft], or the crank angles of [engine].
-
-    Raises
-    ------
-    InputError
-        Also if the file has neither.
-    """
-    content = read_toml(engine_path(path))
-    content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
-    throw = content.required("throw", CrankThrow)
-    layout = content.model("shaft", ShaftLayout)
-    if layout is not None:
-        angles = layout.throw_angles
-    else:
-        engine = content.model("engine", Engine)
-        if engine is None:
-            raise InputError(
-                f"{content.path.name}: the angles of the throws are missing; allowed is throw_angles in a "
-                "section [shaft], or crank_angles in [engine]."
-            )
-        if throw.further_pins:
-            raise InputError(
-                f"{content.path.name}: a throw has {1 + len(throw.further_pins)} pins, so the crank angles "
-                "of [engine] are not those of the throws; give throw_angles in a section [shaft]."
-            )
-        angles = engine.crank_angles
-    ends = content.model("shaft_ends", ShaftEnds) or ShaftEnds()
-    return Crankshaft([throw] * len(angles), angles, ends)
-
-
-def load_study(path: str | Path) -> StudyPlan:
-    """Read the plan of a study from a file with the sections [throw] and [study].
-
-    Raises
-    ------
-    InputError
-    """
-    content = read_toml(engine_path(path))
-    content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True, "study": True})
-    throw = content.required("throw", CrankThrow)
-    plan = study_plan(content, throw, content.model("material", Material) or STEEL)
-    assert plan is not None  # the section has been made sure of
-    return plan
 
 
 def _shaft_lines(content: TomlFile) -> dict[str, Chain]:
@@ -390,6 +265,30 @@ def _check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> 
         raise InputError(
             "misfire: given without the section [gas]; allowed are both, because the pressure without "
             "combustion follows from it."
+        )
+
+
+def _check_gas_map(gas_map: GasMap | None, engine: Engine) -> None:
+    """Refuse a pressure map that does not cover the running range.
+
+    Raises
+    ------
+    InputError
+    """
+    if gas_map is None:
+        return
+    speeds = [point.speed for point in gas_map.points]
+    if min(speeds) > engine.lowest_speed or max(speeds) < engine.highest_speed:
+        given, allowed = (
+            f"{show_quantity(low, 'rad/s', 5)} to {show_quantity(high, 'rad/s', 5)}"
+            for low, high in (
+                (min(speeds), max(speeds)),
+                (engine.lowest_speed, engine.highest_speed),
+            )
+        )
+        raise InputError(
+            f"gas_map.points: given speeds from {given}; allowed are ones that cover the running range of "
+            f"{allowed}, because nothing is guessed beyond the diagrams."
         )
 
 

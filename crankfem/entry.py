@@ -45,6 +45,10 @@ def _interrupts_end_at_once() -> Iterator[None]:
 
 def main() -> None:
     """Run the command line."""
+    # Dense matrices are small here. With more threads numpy's own library spends most of its time in
+    # waiting: twice the processor time on two cores, and several times as long where others work too.
+    # Finite elements are solved by another library, which is not bound by this.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         with _interrupts_end_at_once():
             from crankfem import cli

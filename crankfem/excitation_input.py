@@ -83,6 +83,15 @@ class Misfire(InputModel):
         "share of the combustion that is missing in each", "", minimum=0.0, maximum=1.0, default=1.0
     )
 
+    @model_validator(mode="after")
+    def _names_some_once(self) -> Self:
+        if not self.cylinders or len(set(self.cylinders)) < len(self.cylinders):
+            raise InputError(
+                f"misfire.cylinders: given {list(self.cylinders)}; allowed are one or more numbers, each "
+                "once, because these cylinders fail."
+            )
+        return self
+
 
 class PropellerForcesSection(InputModel):
     """Thrust and torque of a propeller that vary with the passing of its blades."""
@@ -117,6 +126,22 @@ class PropellerForcesSection(InputModel):
         maximum=100.0,
         default=None,
     )
+
+    @model_validator(mode="after")
+    def _has_shares(self) -> Self:
+        shares = (*self.thrust_shares, *self.torque_shares)
+        if not shares or not all(0.0 <= share <= 1.0 for share in shares):
+            raise InputError(
+                f"propeller_forces.thrust_shares: given {list(self.thrust_shares)}, with torque_shares "
+                f"{list(self.torque_shares)}; allowed are shares from 0 to 1 in one of them or both, because "
+                "a steady propeller excites nothing."
+            )
+        if self.ratio == 0.0:
+            raise InputError(
+                "propeller_forces.ratio: given 0; allowed is -100 to 100 but not 0, because the propeller "
+                "turns."
+            )
+        return self
 
     @property
     def forces(self) -> PropellerForces:

@@ -6,14 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from crankfem.data_files import engine_path
-from crankfem.engine_file import (
-    REQUIRED,
-    EngineFile,
-    ThrowFile,
-    describes_mechanism,
-    load_engine_or_throw,
-)
+from crankfem.engine_file import EngineFile, load_engine_or_throw
 from crankfem.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
+from crankfem.file_kinds import REQUIRED, describes_mechanism
 from crankfem.mechanism_cylinders import (
     angles_of_throws,
     check_sizes,
@@ -24,6 +19,7 @@ from crankfem.mechanism_cylinders import (
 )
 from crankfem.mechanism_sections import Gas, HingedRods, Piston, Rod
 from crankfem.pressure_input import cylinder_pressures
+from crankfem.throw_file import ThrowFile
 from crankfem.toml_file import InputRecord, read_toml
 from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout

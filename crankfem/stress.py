@@ -4,8 +4,8 @@ from pathlib import Path
 
 from crankfem import console
 from crankfem.console import number, print_json, print_table
-from crankfem.engine_file import load_throw
 from crankfem.record import Record
+from crankfem.throw_file import load_throw
 from fem.condensation import EndSections
 from fem.fillet_stress import FilletPeak, FilletStresses, fillet_stresses
 from geometry.errors import InputError

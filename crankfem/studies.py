@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from crankfem.engine_file import load_study
 from crankfem.fitting import ResponseFits, compliance_model, fit_study
+from crankfem.throw_file import load_study
 from regression.models.compliance_model import ComplianceModel
 from regression.runs.study import Progress, StudyTable, run_plan
 

@@ -146,3 +146,12 @@ class ShaftLineFiles(InputModel):
     axial: str | None = Field(
         None, description="chain file of kind axial, beside the engine file or shipped"
     )
+
+    @model_validator(mode="after")
+    def _names_a_file(self) -> Self:
+        if not self.torsional and not self.axial:
+            raise InputError(
+                "shaft_line.torsional: given neither it nor axial; allowed is the name of a chain file in "
+                "one of them or both, because they describe what follows the flywheel."
+            )
+        return self

@@ -55,7 +55,7 @@ def doe(
     json: JsonOption = False,
 ) -> None:
     """Run a design of experiments, or continue it where it stopped."""
-    from crankfem.engine_file import load_study
+    from crankfem.throw_file import load_study
     from regression.runs.export_table import check_export, export_table
 
     limits = {

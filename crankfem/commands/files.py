@@ -40,8 +40,8 @@ def new(
 
 def _next_command(file: Path) -> str:
     """What serves a file best: run takes whole engines only."""
-    from crankfem.engine_file import ThrowFile
     from crankfem.mechanism_file import MechanismFile, load_any
+    from crankfem.throw_file import ThrowFile
 
     kind = type(load_any(file))
     return {MechanismFile: "mechanism", ThrowFile: "throw"}.get(kind, "run")

@@ -87,8 +87,8 @@ def _one_throw(
     fe: bool,
     json: bool,
 ) -> None:
-    from crankfem.engine_file import load_throw
     from crankfem.formula_records import fe_record, formula_records
+    from crankfem.throw_file import load_throw
     from fem.analysis import analyze_throw
 
     dimensions, material = load_throw(engine)
@@ -106,8 +106,8 @@ def _all_engines(
     gamma: float, variant: str, constants: Mapping[str, float], fe: bool, json: bool
 ) -> None:
     from crankfem.data_files import shipped_engines
-    from crankfem.engine_file import load_throw
     from crankfem.formula_spread import engine_spread, spread_of_engines, spread_record
+    from crankfem.throw_file import load_throw
 
     if not fe:
         raise InputError(

@@ -43,7 +43,7 @@ def lookup(
     loaded = ComplianceModel.load(model)
     asked: dict[str, Any] = {}
     if throw is not None:
-        from crankfem.engine_file import load_throw
+        from crankfem.throw_file import load_throw
 
         asked |= loaded.dimensions_of(load_throw(throw)[0])
     asked |= model_dimensions(loaded, dimensions or [])

@@ -34,7 +34,7 @@ def export(
     json: JsonOption = False,
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
-    from crankfem.engine_file import load_crankshaft, load_throw
+    from crankfem.throw_file import load_crankshaft, load_throw
     from fem.calculix import write_calculix
     from geometry.mesh_files import ENDINGS as MESH_ENDINGS
     from geometry.mesh_files import SOLID_ENDINGS, SURFACE_ENDINGS, write_mesh
@@ -99,9 +99,9 @@ def draw(
     json: JsonOption = False,
 ) -> None:
     """Draw a throw to scale with its dimensions, and picture the solid of throw and crankshaft."""
-    from crankfem.engine_file import load_crankshaft, load_throw
     from crankfem.pictures.drawing import check_drawing_ending, write_drawing
     from crankfem.pictures.solid_picture import check_picture_ending, picture_shaft, picture_throw
+    from crankfem.throw_file import load_crankshaft, load_throw
 
     name = engine_path(engine).stem
     drawing = output or Path(f"{name}-throw.svg")

@@ -34,9 +34,9 @@ def throw(
     A STEP file is a CAD part of steel: z along the shaft, faces named "left end", "right end" and
     "pin", or none named at all.
     """
-    from crankfem.engine_file import load_throw
     from crankfem.pipeline import UNIT_RADIAL_FORCE
     from crankfem.results import mode_records, throw_record
+    from crankfem.throw_file import load_throw
     from fem.analysis import analyze_throw
     from fem.material import STEEL
     from fem.modes import MOST_MODES

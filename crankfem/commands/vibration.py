@@ -55,8 +55,9 @@ def vibration(
     from crankfem.vibration.forced_records import write_forced
     from crankfem.vibration.records import print_run, run_record
     from crankfem.vibration.run import engine_vibration
-    from crankfem.vibration.run_up import parse_duration, print_run_up, run_up_record
+    from crankfem.vibration.run_up import parse_duration
     from crankfem.vibration.run_up import run_up as turned_up
+    from crankfem.vibration.run_up_records import print_run_up, run_up_record
 
     duration = None if run_up is None else parse_duration(run_up)
     read = load_engine(engine)

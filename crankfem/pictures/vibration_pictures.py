@@ -17,6 +17,8 @@ from dynamics.checks import FloatArray
 from dynamics.critical import engine_orders
 
 SHAPES_SHOWN = 3
+# Letters that stand side by side under the axis.
+ROOM = 90
 
 
 def picture_vibration(folder: Path, run: EngineVibration) -> list[Path]:
@@ -102,7 +104,15 @@ def plot_mode_shapes(path: Path, result: SourceResult) -> None:
             )
             still = _between(modes.node_positions[mode], chain.connections)
             axes.plot(still, np.zeros(nodes), "x", color=color, markersize=7)
-        axes.set_xticks(places, [_short(name) for name in result.chain.nodes], fontsize=8)
+        labels = [_short(name) for name in result.chain.nodes]
+        crowded = sum(len(label) for label in labels) > ROOM
+        axes.set_xticks(
+            places,
+            [label.replace("\n", " ") for label in labels] if crowded else labels,
+            fontsize=8,
+            rotation=40 if crowded else 0,
+            ha="right" if crowded else "center",
+        )
         axes.set_ylabel("relative " + ("displacement" if result.chain.kind == "axial" else "twist"))
         axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
 
