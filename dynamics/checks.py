@@ -2,7 +2,7 @@
 
 import math
 import operator
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import SupportsIndex
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from geometry.errors import InputError
 
 FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
 
 
 def finite_array(field: str, values: ArrayLike) -> FloatArray:
@@ -185,6 +186,93 @@ def values_at_nodes(
             "because there is one for each node."
         )
     return array
+
+
+def one_for_each(
+    field: str,
+    values: ArrayLike,
+    count: int,
+    of: str,
+    unit: str,
+    reason: str,
+    *,
+    zero_allowed: bool = True,
+) -> FloatArray:
+    """Return one value for each of what there are `count`; a single number stands for all.
+
+    Parameters
+    ----------
+    field, of, unit, reason : str
+        What to call the values and what they belong to in messages, their unit, and why none may be
+        negative.
+    values : float or array_like of shape (count,)
+    count : int
+    zero_allowed : bool, optional
+
+    Raises
+    ------
+    InputError
+        As `nonnegative_vector` or `positive_vector`, and if the length does not fit.
+    """
+    given = finite_array(field, values)
+    array = np.full(count, given) if given.ndim == 0 else given
+    checked = _bounded_vector(field, array, unit, reason, zero_allowed=zero_allowed)
+    if checked.size != count:
+        raise InputError(
+            f"{field}: given {checked.size} values for {count} {of}; allowed is one for each, or a "
+            "single number for all, because each has its own."
+        )
+    return checked
+
+
+def complex_array(field: str, values: ArrayLike) -> ComplexArray:
+    """Return values as a new complex array of any shape, finite or not.
+
+    Raises
+    ------
+    InputError
+        If a value is no number, or the rows are of unequal length.
+    """
+    try:
+        raw = np.asarray(values)
+    except ValueError:
+        raise InputError(
+            f"{field}: given rows of unequal length; allowed is one regular array of numbers, "
+            "because every value is used at its place."
+        ) from None
+    if raw.dtype.kind not in "iufc":
+        raise InputError(
+            f"{field}: given values of type {raw.dtype.name}; allowed are real and complex numbers, "
+            "because text and other types carry no value in SI units."
+        )
+    return np.array(raw, dtype=np.complex128)
+
+
+def place_of(field: str, given: object, names: Sequence[str], what: str, reason: str) -> int:
+    """Return the place among names, 0 the first, of what is given by its name or that number.
+
+    Parameters
+    ----------
+    field : str
+        What to call it in the message.
+    given : object
+    names : sequence of str
+    what, reason : str
+        What the names are those of, and why it has to be one of them.
+
+    Raises
+    ------
+    InputError
+        If there is no such name or number.
+    """
+    if isinstance(given, str) and given in names:
+        return names.index(given)
+    if isinstance(given, int | np.integer) and is_whole(given) and 0 <= given < len(names):
+        return int(given)
+    raise InputError(
+        f"{field}: given {given!r}; allowed are the whole numbers 0 to {len(names) - 1} and the names of "
+        f"{what}, because {reason}."
+    )
 
 
 def read_only(array: FloatArray) -> FloatArray:

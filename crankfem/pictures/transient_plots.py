@@ -27,6 +27,7 @@ def plot_transient(
     *,
     quantity: Literal["torque", "motion"] = "torque",
     steady: tuple[ArrayLike, ArrayLike] | None = None,
+    turns: int | None = None,
     title: str = "",
 ) -> None:
     """Plot what one element or node does over time, its amplitude, and the speed below.
@@ -43,13 +44,15 @@ def plot_transient(
         Torque in the spring of the element, or twist of the node.
     steady : (speeds [rad/s], amplitudes), optional
         Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
+    turns : int, optional
+        Of the shaft for which one amplitude is taken; by default after which the run repeats.
     title : str, optional
 
     Raises
     ------
     InputError
-        If the run is not that of a chain, there is no such element or node, or the run is shorter
-        than one window of its envelope.
+        If the run is not that of a chain, there is no such element or node, the run is shorter
+        than one window of its envelope, or its orders have no common cycle and no turns are given.
     """
     chain = run.system.chain
     if chain is None or quantity not in ("torque", "motion"):
@@ -61,7 +64,7 @@ def plot_transient(
     names, unit, factor = (chain.elements, "kN m", 1e-3) if torque else (chain.names, "mrad", 1e3)
     index = node_index("place", place, len(names))
     values = (run.torque if torque else run.motion)[:, index] * factor
-    envelope = run.envelope()
+    envelope = run.envelope(turns)
     amplitude = (envelope.torque if torque else envelope.motion)[:, index] * factor
     with figure(path, width=7.6, height=5.0) as axes:
         top, bottom = _two_rows(axes)

@@ -21,6 +21,7 @@ from dynamics.chains.tails import with_accurate_tails
 from dynamics.checks import (
     FloatArray,
     nonnegative_vector,
+    one_for_each,
     positive_vector,
     read_only,
     values_at_nodes,
@@ -311,16 +312,7 @@ def _checked_inertias(inertia: ArrayLike, *, zero_allowed: bool) -> FloatArray:
 def _of_elements(field: str, values: ArrayLike, count: int, unit: str) -> FloatArray:
     """Return one value per element, none negative; a single number stands for all."""
     why = "it is that of a passive element"
-    if np.ndim(values) == 0:
-        given = nonnegative_vector(field, np.full(count, values), unit, why)
-    else:
-        given = nonnegative_vector(field, values, unit, why)
-    if given.size != count:
-        raise InputError(
-            f"{field}: given {given.size} values for {count} elements; allowed is one for each, or a "
-            "single number for all, because each element has its own."
-        )
-    return read_only(given)
+    return read_only(one_for_each(field, values, count, "elements", unit, why))
 
 
 def _to_ground(

@@ -18,16 +18,17 @@ from dynamics.chains.dampers import (
 from dynamics.chains.editing import add_node, join_chains, with_damper, with_ground
 from dynamics.checks import (
     FloatArray,
-    finite_array,
     node_index,
     nonnegative_number,
-    nonnegative_vector,
+    one_for_each,
     positive_number,
     positive_vector,
     values_at_nodes,
     whole_number,
 )
 from geometry.errors import InputError
+
+PASSIVE = "damping takes energy away"
 
 Kind = Literal["axial", "torsional"]
 FREE_END, FLYWHEEL = "free end", "flywheel"
@@ -166,7 +167,9 @@ def axial_chain(
         1.0 / compliances,
         damping=damping,
         loss_factor=loss_factor,
-        ground_damping=_of_each("section_damping", section_damping, count + 1, "N s/m"),
+        ground_damping=one_for_each(
+            "section_damping", section_damping, count + 1, "sections", "N s/m", PASSIVE
+        ),
         names=names,
     )
     held = nonnegative_number("thrust_damping", thrust_damping, "N s/m", "oil resists motion")
@@ -261,7 +264,7 @@ def torsional_chain(
             )
     count = compliances.size
     names = _throw_names(cylinders, count)
-    absolute = _of_each("throw_damping", throw_damping, count, "N m s/rad")
+    absolute = one_for_each("throw_damping", throw_damping, count, "throws", "N m s/rad", PASSIVE)
     halves = compliances / 2.0
     joined = np.array([*(halves[:-1] + halves[1:]), halves[-1]])
     if damper is not None:
@@ -303,7 +306,7 @@ def _with_machine(chain: Chain, machine: DrivenMachine) -> Chain:
 
 
 def _throw_names(cylinders: int | Sequence[int], count: int) -> list[str]:
-    given = [cylinders] * count if isinstance(cylinders, int) else list(cylinders)
+    given = [cylinders] * count if isinstance(cylinders, int | np.integer) else list(cylinders)
     if len(given) != count:
         raise InputError(
             f"cylinders: given {len(given)} values; allowed are {count}, or one for all, because "
@@ -312,19 +315,6 @@ def _throw_names(cylinders: int | Sequence[int], count: int) -> list[str]:
     on_each = [whole_number("cylinders", value, 1, "a throw carries cylinders") for value in given]
     word = "cylinder" if max(on_each) == 1 else "throw"
     return [f"{word} {number}" for number in range(1, count + 1)]
-
-
-def _of_each(field: str, values: ArrayLike, count: int, unit: str) -> FloatArray:
-    """Return one value for each of `count`, none negative; a single number stands for all."""
-    given = finite_array(field, values)
-    array = np.full(count, given) if given.ndim == 0 else given
-    checked = nonnegative_vector(field, array, unit, "damping takes energy away")
-    if checked.size != count:
-        raise InputError(
-            f"{field}: given {checked.size} values; allowed are {count}, or one for all, because "
-            "each place has its own."
-        )
-    return checked
 
 
 def _checked_compliances(throw_compliances: ArrayLike, unit: str) -> FloatArray:

@@ -11,12 +11,13 @@ from dynamics.checks import (
     finite_array,
     nonnegative_number,
     nonnegative_vector,
+    one_for_each,
     positive_number,
-    positive_vector,
 )
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
+from dynamics.mechanism.rods import ConnectingRod, RodModel
 from dynamics.torque.throws import checked_throws, throws_along_shaft
 from geometry.errors import InputError
 
@@ -118,21 +119,45 @@ def throw_inertias(
             "constants that stand for the inertia of pistons."
         )
     groups = throws_along_shaft(engine) if throws is None else checked_throws(engine, throws)
-    given = finite_array("solid_inertias", solid_inertias)
-    solids = positive_vector(
+    solids = one_for_each(
         "solid_inertias",
-        np.full(len(groups), given) if given.ndim == 0 else given,
+        solid_inertias,
+        len(groups),
+        "throws",
         "kg m^2",
         "every throw has inertia",
+        zero_allowed=False,
     )
-    if solids.size != len(groups):
-        raise InputError(
-            f"solid_inertias: given {solids.size} values; allowed are {len(groups)}, or one for all, "
-            "because there is one for each throw."
-        )
     own = _half_shares(engine) if reciprocating == "half" else _means(engine)
     shares = [sum(own[number - 1] for number in group) for group in groups]
     return np.asarray(solids + np.array(shares))
+
+
+def cylinder_inertia(
+    engine: EngineLayout, number: int, rod: ConnectingRod | RodModel, angles: FloatArray
+) -> FloatArray:
+    """Return the inertia of a cylinder's piston and rod, reduced to the crank, over its angle.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    number : int
+        Of the cylinder, from 1.
+    rod : ConnectingRod or RodModel
+        What stands for its rod.
+    angles : ndarray of shape (m,)
+        Of the shaft [rad].
+
+    Returns
+    -------
+    ndarray of shape (m,)
+        m_p |x_p'|^2 + m |x_c'|^2 + J beta'^2, primes being derivatives by the shaft angle: piston,
+        rod's center, rod's turning [kg m^2].
+    """
+    motion = cylinder_motion(engine, number, angles)
+    inertia = engine.cylinders[number - 1].piston_mass * np.abs(motion.piston.first) ** 2
+    inertia += rod.mass * np.abs(motion.rod_point(rod.center).first) ** 2
+    return np.asarray(inertia + rod.inertia * motion.rod.first**2)
 
 
 def _half_shares(engine: EngineLayout) -> list[float]:
@@ -149,11 +174,7 @@ def _means(engine: EngineLayout) -> list[float]:
     angles = even_angles(2.0 * np.pi, MEAN_ANGLES)
     means = []
     for number, cylinder in enumerate(engine.cylinders, start=1):
-        motion, rod = cylinder_motion(engine, number, angles), cylinder.rod
-        inertia = cylinder.piston_mass * np.abs(motion.piston.first) ** 2
-        inertia += rod.mass * np.abs(motion.rod_point(rod.center).first) ** 2
-        inertia += rod.inertia * motion.rod.first**2
-        means.append(float(np.mean(inertia)))
+        means.append(float(np.mean(cylinder_inertia(engine, number, cylinder.rod, angles))))
     return means
 
 

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_array
-from dynamics.excitation.cylinder_harmonics import ComplexArray
+from dynamics.checks import ComplexArray, FloatArray, finite_array
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.on_chains import axial_throw_forces
 from dynamics.response.excitation import checked_speed_index

@@ -5,23 +5,31 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_vector, nonnegative_number, read_only, whole_number
+from dynamics.checks import (
+    ComplexArray,
+    FloatArray,
+    finite_vector,
+    nonnegative_number,
+    read_only,
+    whole_number,
+)
 from dynamics.cycle import even_angles
 from dynamics.engine.forces import MechanismForces, mechanism_forces, over_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.engine_load import Load
 from dynamics.excitation.gas_sources import GasSource, Pressures, Weights, gas_sources
-from dynamics.excitation.samples import asked_orders, order_places, phasors_of
+from dynamics.excitation.samples import asked_orders, order_places, phasors_of_samples
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rods import RodModelName
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
 from dynamics.torque.throws import checked_throws, throws_along_shaft
 from geometry.errors import InputError
 
-ComplexArray = NDArray[np.complex128]
 TURN = 2.0 * math.pi
+# The forces of moving masses are smooth: so many samples of a turn tell all harmonics that matter.
+INERTIA_SAMPLES = 720
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,11 +187,11 @@ def cylinder_harmonics(
         throws=throw_of_each(engine, throws),
         gas=gas,
         weights=weights,
-        inertia=_inertia_phasors(engine, asked, count, model)
+        inertia=_inertia_phasors(engine, asked, model)
         if inertia
         else np.zeros((kept.size, cylinders, 2), dtype=np.complex128),
         takes_load=any(source.takes_load for source in sources),
-        one_diagram="pressure diagram" if any(not own.takes_load for own in sources) else "",
+        one_diagram="pressure diagram" if any(own.at_all_speeds for own in sources) else "",
         remarks=tuple(dict.fromkeys(text for source in sources for text in source.remarks)),
     )
 
@@ -222,16 +230,16 @@ def _gas_phasors(
     since_firing = angles - engine.firing[place]
     above = np.array([diagram.at(since_firing) - under for diagram in source.diagrams])
     forces = engine.cylinders[place].area * above[:, np.newaxis] * per_force
-    return np.asarray(phasors_of(forces).swapaxes(1, 2))
+    return np.asarray(phasors_of_samples(forces).swapaxes(1, 2))
 
 
-def _inertia_phasors(
-    engine: EngineLayout, orders: FloatArray, count: int, model: RodModelName
-) -> ComplexArray:
+def _inertia_phasors(engine: EngineLayout, orders: FloatArray, model: RodModelName) -> ComplexArray:
     """Return mean and phasors of T and Z per square of the speed; masses repeat every turn."""
     whole = np.flatnonzero(orders == np.round(orders))
-    angles = even_angles(TURN, max(count // (engine.strokes // 2), 2 * int(orders[-1]) + 3))
-    forces = phasors_of(_pin_forces(mechanism_forces(engine, angles, 1.0, 0.0, model=model)))
+    angles = even_angles(TURN, max(INERTIA_SAMPLES, 2 * int(orders[-1]) + 3))
+    forces = phasors_of_samples(
+        _pin_forces(mechanism_forces(engine, angles, 1.0, 0.0, model=model))
+    )
     found = np.zeros((orders.size + 1, len(engine.cylinders), 2), dtype=np.complex128)
     found[0] = forces[..., 0]
     found[1 + whole] = np.moveaxis(forces[..., orders[whole].astype(np.int64)], -1, 0)

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_vector, read_only
+from dynamics.checks import ComplexArray, FloatArray, finite_vector, read_only
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinder_harmonics import (
-    ComplexArray,
     CylinderHarmonics,
     cylinder_harmonics,
 )
@@ -151,7 +150,8 @@ def cylinder_forces(
         Whether moving masses excite, by the square of the speed. Leave them out where the equations
         of motion hold the variable inertia itself.
     samples : int, optional
-        Over the working cycle; they resolve orders below half their number per revolution.
+        Of the gas over the working cycle; they resolve orders below half their number per
+        revolution.
     throws : sequence of n int, optional
         Throw of each cylinder, 0 next to the free end; by default cylinders of different banks with
         equal crank angles and nearly equal positions share one.

@@ -31,12 +31,15 @@ class GasSource:
     weights : callable
         Speeds (S,) [rad/s] and load to the weight of each diagram (S, D).
     takes_load : bool
-        Whether it is a map.
+        Whether a map is among them.
+    at_all_speeds : bool
+        Whether a single diagram that serves every speed is among them.
     """
 
     diagrams: tuple[Pressure, ...]
     weights: Weights
     takes_load: bool
+    at_all_speeds: bool
 
     @property
     def samples(self) -> int | None:
@@ -115,8 +118,8 @@ def _one_for_each(field: str, pressure: Pressures, engine: EngineLayout) -> list
 
 def _source(pressure: AnyPressure) -> GasSource:
     if isinstance(pressure, PressureMap):
-        return GasSource(pressure.diagrams, pressure.weights, True)
-    return GasSource((pressure,), _always, False)
+        return GasSource(pressure.diagrams, pressure.weights, True, False)
+    return GasSource((pressure,), _always, False, True)
 
 
 def _always(speeds: FloatArray, _load: Load | None) -> FloatArray:
@@ -140,6 +143,7 @@ def _mixed(fired: GasSource, cold: GasSource, share: float) -> GasSource:
         fired.diagrams + cold.diagrams,
         partial(_mixed_weights, fired, cold, share),
         fired.takes_load or cold.takes_load,
+        fired.at_all_speeds or cold.at_all_speeds,
     )
 
 

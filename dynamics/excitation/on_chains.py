@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dynamics.checks import FloatArray, finite_array, is_whole, positive_vector
-from dynamics.excitation.cylinder_harmonics import ComplexArray, CylinderHarmonics
+from dynamics.checks import ComplexArray, FloatArray, finite_array, is_whole, positive_vector
+from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.engine_load import Load
 from dynamics.response.excitation import OrderExcitation

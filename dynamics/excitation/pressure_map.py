@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from dynamics.checks import FloatArray, finite_array, nonnegative_number, positive_number, read_only
 from dynamics.cycle import even_angles
 from dynamics.excitation.engine_load import Load, load_at, per_minute
-from dynamics.excitation.samples import order_places, phasors_of
+from dynamics.excitation.samples import order_places, phasors_of_samples
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from geometry.errors import InputError
 
@@ -92,14 +93,15 @@ class PressureMap:
                     "load: given for a pressure map with one diagram at each speed; allowed is none, "
                     "because the speed says the load there."
                 )
-            return along
+            return self._positive(along, asked)
         if load is None:
             raise InputError(
                 f"load: given none; allowed are {self.loads[0]:g} to {self.loads[-1]:g}, because the "
                 "pressure map has diagrams of several loads."
             )
         across = _axis_weights("load", self.loads, load_at(load, asked), self.method)
-        return np.asarray((along[:, :, np.newaxis] * across[:, np.newaxis]).reshape(asked.size, -1))
+        both = (along[:, :, np.newaxis] * across[:, np.newaxis]).reshape(asked.size, -1)
+        return self._positive(both, asked)
 
     def phasors(
         self, orders: ArrayLike, speeds: ArrayLike, load: Load | None = None
@@ -124,7 +126,7 @@ class PressureMap:
             As `weights`, and if the diagrams do not resolve an order.
         """
         places = order_places(orders, self.strokes, self.samples, "the pressure map's diagrams")
-        of_diagrams = phasors_of(self._sampled())[:, places]
+        of_diagrams = phasors_of_samples(self._sampled)[:, places]
         return np.asarray((self.weights(speeds, load) @ of_diagrams).T)
 
     def at(self, speed: float, load: float | None = None) -> GasPressure:
@@ -136,7 +138,7 @@ class PressureMap:
             As `weights`, and if a spline through uneven diagrams falls below zero.
         """
         running = positive_number("speed", speed, "rad/s", "the engine runs")
-        mixed = (self.weights([running], load) @ self._sampled())[0]
+        mixed = (self.weights([running], load) @ self._sampled)[0]
         at_load = "" if load is None else f" and load {load:g}"
         return gas_pressure(
             self._angles(),
@@ -146,10 +148,25 @@ class PressureMap:
             remarks=self.remarks,
         )
 
+    def _positive(self, weights: FloatArray, speeds: FloatArray) -> FloatArray:
+        """Return weights (S, D), refusing those by which a spline falls below zero pressure."""
+        uneven = np.flatnonzero(np.any(weights < 0.0, axis=1))  # others lie between diagrams
+        lowest = np.min(weights[uneven] @ self._sampled, axis=1)
+        if np.any(lowest <= 0.0):
+            worst = int(np.argmin(lowest))
+            place = int(uneven[worst])
+            raise InputError(
+                f"speed: given {per_minute(float(speeds[place]))}, where the {self.method} between "
+                f"diagrams falls to {lowest[worst]:g} Pa; allowed are speeds and loads at which the pressure "
+                'stays above zero (method="linear" keeps it so), because it is absolute pressure.'
+            )
+        return weights
+
     def _angles(self) -> FloatArray:
         finest = max(diagram.angles.size for diagram in self.diagrams)
         return even_angles(self.diagrams[0].cycle, finest)
 
+    @cached_property
     def _sampled(self) -> FloatArray:
         """Return all diagrams at the samples of the finest (a * b, m) [Pa]."""
         angles = self._angles()

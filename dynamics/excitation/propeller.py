@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.chains.chain import Chain
+from dynamics.chains.links import speed_ratios
 from dynamics.checks import (
+    ComplexArray,
     FloatArray,
     finite_array,
     finite_vector,
@@ -16,7 +18,7 @@ from dynamics.checks import (
     positive_number,
     whole_number,
 )
-from dynamics.response.excitation import ComplexArray, OrderExcitation, checked_speeds
+from dynamics.response.excitation import OrderExcitation, checked_speeds
 from geometry.errors import InputError
 
 
@@ -130,8 +132,8 @@ def propeller_excitation(
         Of the chain: its torque or its thrust acts.
     ratio : float, optional
         Speed of the propeller over that of the crankshaft, negative where it turns the other way.
-        By default that of the node by the chain's gears; an axial chain knows none, so that a geared
-        propeller's must be given there.
+        By default that of the node by the chain's gears. It must be given where an axial chain knows
+        of no gears, and in a geared chain where only dashpots join the propeller to the crankshaft.
 
     Returns
     -------
@@ -142,8 +144,8 @@ def propeller_excitation(
     Raises
     ------
     InputError
-        If the node does not exist, the ratio is zero, speeds do not ascend, or the propeller has no
-        harmonics of this kind.
+        If the node does not exist, the ratio is zero or missing, speeds do not ascend, or the
+        propeller has no harmonics of this kind.
     """
     place = node_index("propeller node", node, chain.inertia.size)
     running = checked_speeds(speeds)
@@ -152,7 +154,7 @@ def propeller_excitation(
             f'kind: given {kind!r}; allowed are "torsional" and "axial", because a propeller has torque '
             "and thrust."
         )
-    turning = float(chain.speed_ratios[place]) if ratio is None else float(ratio)
+    turning = _own_ratio(chain, place) if ratio is None else float(ratio)
     if not np.isfinite(turning) or turning == 0.0:
         raise InputError(
             f"ratio: given {turning:g}; allowed is a finite number other than zero, because the "
@@ -179,3 +181,15 @@ def propeller_excitation(
     forces = np.zeros((sizes.size, running.size, chain.inertia.size), dtype=np.complex128)
     forces[:, :, place] = sense * phasors[:, np.newaxis] * mean
     return OrderExcitation(orders, running, forces)
+
+
+def _own_ratio(chain: Chain, node: int) -> float:
+    """Return the speed of a node over that of node 0 by the gears between them."""
+    parts, ratios = speed_ratios(chain.connections, chain.gears, chain.inertia.size)
+    if chain.gears and parts[node] != parts[0]:
+        raise InputError(
+            f"ratio: given none for {chain.names[node]}; allowed is its speed over that of the crankshaft, "
+            "because gears and springs do not join the two, and the speed behind a dashpot follows from no "
+            "ratio of gears."
+        )
+    return float(ratios[node])

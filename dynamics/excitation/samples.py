@@ -13,7 +13,7 @@ from geometry.errors import InputError
 ON_STEP = 1e-9
 
 
-def phasors_of(samples: FloatArray) -> NDArray[np.complex128]:
+def phasors_of_samples(samples: FloatArray) -> NDArray[np.complex128]:
     """Return mean and phasors of even samples over a cycle, angles counted from the first.
 
     Parameters

@@ -5,13 +5,13 @@ from numpy.typing import ArrayLike
 
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.checks import (
+    ComplexArray,
     FloatArray,
     finite_array,
     finite_vector,
     positive_number,
     positive_vector,
 )
-from dynamics.excitation.cylinder_harmonics import ComplexArray
 from dynamics.excitation.on_chains import axial_section_forces
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import ForcedResponse
@@ -149,18 +149,11 @@ def axial_excitation_of_torsion(
 
 def _of_parts(torques: ComplexArray, torsional: EngineChain) -> ComplexArray:
     """Return the torque of each part of the crankshaft (K, S, n + 1), zero where there is none."""
-    cranks, pairs = torsional.throw_nodes, torsional.chain.connections
-    found = np.zeros((*torques.shape[:2], len(cranks) + 1), dtype=np.complex128)
-    for place in range(len(cranks) + 1):
-        before = cranks[place - 1] if place > 0 else None
-        after = cranks[place] if place < len(cranks) else None
-        for element, (left, right) in enumerate(pairs):
-            if before is None:
-                fits = right == after and left not in cranks
-            elif after is None:
-                fits = left == before and right not in cranks
-            else:
-                fits = (left, right) == (before, after)
-            if fits:
-                found[:, :, place] += torques[:, :, element]
+    first, last = torsional.throw_nodes[0], torsional.throw_nodes[-1]
+    pairs = torsional.chain.connections
+    found = np.zeros((*torques.shape[:2], last - first + 2), dtype=np.complex128)
+    # A crankshaft is a row of nodes; what else sits on a crank passes no torque along it.
+    for place, left in enumerate(range(first - 1, last + 1)):
+        if (left, left + 1) in pairs:
+            found[:, :, place] = torques[:, :, pairs.index((left, left + 1))]
     return found

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 from dynamics.chains.chain import Chain
 from dynamics.checks import (
     FloatArray,
-    finite_array,
     node_index,
     nonnegative_vector,
+    one_for_each,
     positive_number,
     values_at_nodes,
 )
@@ -23,6 +23,7 @@ from dynamics.response.linear_system import (
 )
 from geometry.errors import InputError
 
+ByPlace = ArrayLike | Mapping[int, float]
 UNIT = "N m s/rad (torsional) or N s/m (axial)"
 PASSIVE = "it is that of a passive element"
 
@@ -96,7 +97,7 @@ def damped(
     chain : Chain
     magnifier : float, optional
         Of every elastic mode: amplitude at resonance over the static one of that mode. Where
-        nothing is given and the chain has no damping, `DEFAULT_MAGNIFIER`.
+        nothing is given (an empty mapping is nothing) and the chain has no damping, `DEFAULT_MAGNIFIER`.
     modal_damping : float or array_like of shape (q - r,), optional
         Share of critical damping of each elastic mode, or of all.
     absolute : array_like of shape (n,) or mapping of int to float, optional
@@ -124,6 +125,8 @@ def damped(
         If a value is out of range, lengths do not fit, magnifier and modal damping are both given,
         or undamped goes with any damping.
     """
+    absolute, relative = _if_any(absolute), _if_any(relative)
+    loss_factor, element_magnifier = _if_any(loss_factor), _if_any(element_magnifier)
     given = {
         "magnifier": magnifier,
         "modal_damping": modal_damping,
@@ -143,19 +146,20 @@ def damped(
             "damped is not undamped."
         )
     said = ["damping of the chain itself, as its description gives it"] if own else []
-    damping = chain.damping + of_elements("relative", relative, chain)
-    ground = chain.ground_damping + values_at_nodes(
+    between = of_elements("relative", relative, chain)
+    at_nodes = values_at_nodes(
         "absolute", absolute, chain.inertia.size, UNIT, "damping takes energy away"
     )
-    loss = chain.loss_factor + of_elements("loss_factor", loss_factor, chain, unit="")
+    ground = chain.ground_damping + at_nodes
+    losses = of_elements("loss_factor", loss_factor, chain, unit="")
     inverse = _inverse_magnifiers(element_magnifier, chain)
     if absolute is not None:
-        said.append(f"absolute damping at nodes, up to {np.max(ground):g} {UNIT}: {source}")
+        said.append(f"absolute damping at nodes, up to {_largest(at_nodes):g} {UNIT}: {source}")
     if relative is not None:
-        said.append(f"relative damping of elements, up to {np.max(damping):g} {UNIT}: {source}")
+        said.append(f"relative damping of elements, up to {_largest(between):g} {UNIT}: {source}")
     if loss_factor is not None:
-        said.append(f"loss factor of elements, up to {np.max(loss):g}: {source}")
-    if element_magnifier is not None:
+        said.append(f"loss factor of elements, up to {_largest(losses):g}: {source}")
+    if np.any(inverse):
         said.append(
             f"magnifier of elements, least {1.0 / np.max(inverse):g} (loss factor 1/magnifier): "
             f"{source}"
@@ -166,12 +170,17 @@ def damped(
             f"magnifier {engine_magnifier.magnifier:g} of cylinders (absolute damping, taken at "
             f"{engine_magnifier.frequency:g} Hz): {source}"
         )
-    whole = replace(chain, damping=damping, loss_factor=loss + inverse, ground_damping=ground)
+    whole = replace(
+        chain,
+        damping=chain.damping + between,
+        loss_factor=chain.loss_factor + losses + inverse,
+        ground_damping=ground,
+    )
     system = chain_system(whole)
     if modal_damping is not None:
         system = system.with_modal_damping(modal_damping)
         said.append(
-            f"modal damping, up to {np.max(np.asarray(modal_damping)):g} of critical: {source}"
+            f"modal damping, up to {_largest(np.asarray(modal_damping)):g} of critical: {source}"
         )
     if magnifier is not None:
         system = system.with_magnifier(magnifier)
@@ -227,16 +236,16 @@ def of_elements(
                 f"{field}[{key}]", [value], unit, PASSIVE
             )[0]
         return full
-    array = finite_array(field, values)
-    checked = nonnegative_vector(
-        field, np.full(count, array) if array.ndim == 0 else array, unit, PASSIVE
-    )
-    if checked.size != count:
-        raise InputError(
-            f"{field}: given {checked.size} values for {count} elements; allowed is one for each, a "
-            "single number for all, or some by their numbers, because each element has its own."
-        )
-    return checked
+    return one_for_each(field, values, count, "elements", unit, PASSIVE)
+
+
+def _if_any(values: ByPlace | None) -> ByPlace | None:
+    """Return values, a mapping that names nothing counting as not given."""
+    return None if isinstance(values, Mapping) and not values else values
+
+
+def _largest(values: FloatArray) -> float:
+    return float(np.max(values, initial=0.0))
 
 
 def _element_index(field: str, key: object, count: int) -> int:

@@ -5,11 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dynamics.checks import FloatArray, finite_vector, is_whole, positive_vector, read_only
+from dynamics.checks import (
+    ComplexArray,
+    FloatArray,
+    complex_array,
+    finite_vector,
+    is_whole,
+    positive_vector,
+    read_only,
+)
 from dynamics.harmonics import Harmonics
+from dynamics.response.over_speed import OverSpeed
 from geometry.errors import InputError
 
-ComplexArray = NDArray[np.complex128]
 # Room for the round-off of a speed at the end of a range.
 ROOM = 1e-12
 
@@ -45,7 +53,7 @@ class OrderExcitation:
     def __post_init__(self) -> None:
         orders = checked_orders(self.orders)
         speeds = checked_speeds(self.speeds)
-        forces = np.array(self.forces, dtype=np.complex128)
+        forces = complex_array("forces", self.forces)
         if forces.ndim != 3 or forces.shape[:2] != (orders.size, speeds.size):
             raise InputError(
                 f"forces: given an array of shape {forces.shape}; allowed is ({orders.size}, "
@@ -93,8 +101,9 @@ class OrderExcitation:
     def at_speeds(self, speeds: ArrayLike) -> "OrderExcitation":
         """Return the excitation at other speeds within the range, interpolated.
 
-        Between two speeds the amplitudes change linearly with the squared speed, as forces of
-        inertia do; forces that do not depend on speed stay what they are.
+        Through the amplitudes of three or more speeds goes a cubic spline; between two alone they
+        change linearly with the squared speed. Both meet exactly what is constant or, as forces of
+        inertia, grows with the square of the speed.
 
         Raises
         ------
@@ -120,14 +129,7 @@ class OrderExcitation:
                 f"speeds: given {speeds[outside][0]:g} rad/s; allowed are {low:g} to {high:g} rad/s, "
                 "because the excitation is known between them."
             )
-        right = np.clip(np.searchsorted(self.speeds, speeds), 1, max(1, self.speeds.size - 1))
-        right = np.minimum(right, self.speeds.size - 1)
-        left = np.maximum(right - 1, 0)
-        step = self.speeds[right] ** 2 - self.speeds[left] ** 2
-        gap = np.clip(speeds, low, high) ** 2 - self.speeds[left] ** 2
-        share = np.divide(gap, step, out=np.zeros_like(gap), where=step > 0.0)[..., np.newaxis]
-        below, above = self.forces[order_index, left], self.forces[order_index, right]
-        return np.asarray((1.0 - share) * below + share * above)
+        return OverSpeed.of(self.speeds, self.forces).at(order_index, np.clip(speeds, low, high))
 
     def __add__(self, other: "OrderExcitation") -> "OrderExcitation":
         """Return both excitations acting together.

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray
+from dynamics.checks import ComplexArray, FloatArray
 from dynamics.response.damping import DampedChain, check_one_of
-from dynamics.response.excitation import ComplexArray, OrderExcitation
+from dynamics.response.excitation import OrderExcitation
 from dynamics.response.harmonic import Method, harmonic_answer
 from dynamics.response.linear_system import LinearSystem, chain_system
 from dynamics.response.series import OrderSeries

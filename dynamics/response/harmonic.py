@@ -7,11 +7,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dynamics.checks import FloatArray, positive_vector
+from dynamics.checks import ComplexArray, FloatArray, positive_vector
 from dynamics.response.linear_system import LinearSystem
 from geometry.errors import InputError
 
-ComplexArray = NDArray[np.complex128]
 Method = Literal["modal", "direct"]
 METHODS = ("modal", "direct")
 # A mode whose eigenvalue has a real part below this share of its size has no damping.
@@ -162,9 +161,9 @@ class _DampedModes:
         loss = shapes.T @ system.loss @ shapes
         loss[:rigid] = loss[:, :rigid] = 0.0  # no spring, no loss: only round-off is there
         scale = float(natural[-1]) or 1.0
-        reached = np.maximum(
-            np.max(np.abs(damping), axis=1) / scale, np.max(np.abs(loss), axis=1) / scale**2
-        )
+        # By each mode's own frequency: the highest may be a hundred thousand times as high.
+        own = np.where(natural > 0.0, natural, 1.0)
+        reached = np.maximum(_felt(system.damping, shapes), _felt(system.loss, shapes) / own) / own
         reached[:rigid] = 1.0
         elastic = rigid + np.flatnonzero(reached[rigid:] > UNDAMPED)
         alone = np.flatnonzero(reached <= UNDAMPED)
@@ -242,6 +241,13 @@ class _DampedModes:
 
 def _at(own: FloatArray | float, frequencies: FloatArray) -> NDArray[np.bool_]:
     return np.asarray(np.abs(frequencies - own) <= UNBOUNDED_WITHIN * own)
+
+
+def _felt(matrix: FloatArray, shapes: FloatArray) -> FloatArray:
+    """Return x' A x of each shape, zero where it is no more than the round-off of its terms."""
+    sizes = np.abs(np.sum(shapes * (matrix @ shapes), axis=0))
+    terms = np.sum(np.abs(shapes) * (np.abs(matrix) @ np.abs(shapes)), axis=0)
+    return np.where(sizes > len(matrix) * np.finfo(np.float64).eps * terms, sizes, 0.0)
 
 
 def _complex(values: ArrayLike) -> ComplexArray:

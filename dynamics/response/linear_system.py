@@ -8,8 +8,11 @@ from scipy.linalg import eigh, qr
 
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
-from dynamics.checks import FloatArray, finite_array, nonnegative_vector, positive_number
-from geometry.errors import InputError
+from dynamics.checks import (
+    FloatArray,
+    one_for_each,
+    positive_number,
+)
 
 # Magnifier (amplitude at resonance over the static one) of engine and shaft without a damper, as
 # measured on a 12-liter six-cylinder engine: Nippon Foundation, report 1997/01151.
@@ -84,18 +87,9 @@ class LinearSystem:
         """
         count = self.rigid.shape[1]
         elastic = self.natural.size - count
-        given = finite_array("modal_damping", ratios)
-        values = nonnegative_vector(
-            "modal_damping",
-            np.full(elastic, given) if given.ndim == 0 else given,
-            "",
-            "damping takes energy away",
+        values = one_for_each(
+            "modal_damping", ratios, elastic, "elastic modes", "", "damping takes energy away"
         )
-        if values.size != elastic:
-            raise InputError(
-                f"modal_damping: given {values.size} values; allowed are one number or {elastic}, "
-                "because there is one for each elastic mode."
-            )
         momenta = self.mass @ self.shapes[:, count:]
         added = (momenta * (2.0 * values * self.natural[count:])) @ momenta.T
         return replace(self, damping=self.damping + added)

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray, finite_array, positive_vector
-from dynamics.response.excitation import ComplexArray
+from dynamics.checks import ComplexArray, FloatArray, finite_array, place_of, positive_vector
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.series import OrderSeries
 from geometry.errors import InputError
@@ -134,7 +133,11 @@ def alternating_stress(
     """
     names = loads.elastic.names
     if isinstance(sections, Mapping):
-        by_place = {_place(key, names): float(value) for key, value in sections.items()}
+        why = "a stress is that of an element"
+        by_place = {
+            place_of("sections", key, names, "elements", why): float(value)
+            for key, value in sections.items()
+        }
         places = sorted(by_place)
         sizes = [by_place[place] for place in places]
     else:
@@ -184,15 +187,4 @@ def dashpot_names(chain: Chain) -> tuple[str, ...]:
     """Return the names of the dashpots by those of their nodes, (d,)."""
     return tuple(
         f"{chain.names[dashpot.left]} - {chain.names[dashpot.right]}" for dashpot in chain.dashpots
-    )
-
-
-def _place(key: object, names: tuple[str, ...]) -> int:
-    if isinstance(key, str) and key in names:
-        return names.index(key)
-    if isinstance(key, int | np.integer) and not isinstance(key, bool) and 0 <= key < len(names):
-        return int(key)
-    raise InputError(
-        f"sections: given element {key!r}; allowed are the whole numbers 0 to {len(names) - 1} and "
-        "the names of elements, because a stress is that of an element."
     )

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dynamics.checks import FloatArray
-from dynamics.response.excitation import ComplexArray
+from dynamics.checks import ComplexArray, FloatArray
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import dashpot_names, dashpot_rows
 from dynamics.response.series import with_unbounded
+
+# Heat below this share of the apparent power is lost in the round-off of that.
+NO_HEAT = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,12 +60,14 @@ class PowerBalance:
     def error(self) -> float:
         """Largest difference of power in and heat at any speed, all orders together, as a share.
 
-        Where nothing damps, as a share of the apparent power instead.
+        Where nothing damps, or so little that the heat is lost in round-off of the apparent power,
+        as a share of the apparent power instead.
         """
         bounded = ~np.any(self.unbounded, axis=0)
         heat = self.dissipated[:, bounded].sum(axis=0)
         left = np.abs(self.power_in[:, bounded].sum(axis=0) - heat)
-        whole = np.where(heat > 0.0, heat, self.apparent[:, bounded].sum(axis=0))
+        apparent = self.apparent[:, bounded].sum(axis=0)
+        whole = np.where(heat > NO_HEAT * apparent, heat, apparent)
         return float(np.max(left / np.where(whole > 0.0, whole, 1.0), initial=0.0))
 
 

@@ -7,9 +7,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from dynamics.checks import FloatArray, is_whole
+from dynamics.checks import ComplexArray, FloatArray, place_of
 from dynamics.critical import critical_speeds
-from dynamics.response.excitation import ComplexArray
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import NO_WORK, UNDAMPED, harmonic_answer
 from geometry.errors import InputError
@@ -99,7 +98,7 @@ def resonances(
         If there is no such node, or the range is upside down or exceeds the speeds of the response.
     """
     system, excitation = response.system, response.excitation
-    place = _node(node, response.names)
+    place = place_of("node", node, response.names, "nodes", "an amplitude is that of a node")
     if speed_range is None and response.speeds.size == 1:
         raise InputError(
             "speed_range: given none, for a response at one speed; allowed is a response at two "
@@ -164,14 +163,3 @@ def _severity(amplitude: float, largest: float, unbounded: bool) -> float:
     if unbounded:
         return 1.0
     return amplitude / largest if largest > 0.0 else 0.0
-
-
-def _node(node: int | str, names: tuple[str, ...]) -> int:
-    if isinstance(node, str) and node in names:
-        return names.index(node)
-    if not isinstance(node, str) and is_whole(node) and 0 <= node < len(names):
-        return int(node)
-    raise InputError(
-        f"node: given {node!r}; allowed are the whole numbers 0 to {len(names) - 1} and the names of "
-        "nodes, because an amplitude is that of a node."
-    )

@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dynamics.checks import FloatArray, finite_vector
-from dynamics.response.excitation import ComplexArray, at_angles, checked_speed_index
+from dynamics.checks import ComplexArray, FloatArray, finite_vector
+from dynamics.response.excitation import at_angles, checked_speed_index
 from dynamics.response.synthesis import Synthesis, synthesis
 from geometry.errors import InputError
 

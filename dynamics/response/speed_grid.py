@@ -3,9 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_array, nonnegative_vector, whole_number
+from dynamics.checks import FloatArray, nonnegative_vector, one_for_each, whole_number
 from dynamics.critical import critical_speeds
-from geometry.errors import InputError
 
 # Distances from a resonance in half bandwidths; then 1.5 times as far each, up to the even grid.
 NEAR = (0.125, 0.25, 0.375, 0.5, 0.75, 1.0)
@@ -58,15 +57,14 @@ def refined_speeds(
     1 - (1/16)^2 / 2 = 99.8 % of it is read. Beyond, the distance grows to that of the even grid.
     """
     natural = nonnegative_vector("frequencies", frequencies, "Hz", "they count vibrations in time")
-    ratios = finite_array("damping_ratios", damping_ratios)
-    if ratios.ndim == 0:
-        ratios = np.full(natural.size, float(ratios))
-    ratios = nonnegative_vector("damping_ratios", ratios, "", "damping takes energy away")
-    if ratios.size != natural.size:
-        raise InputError(
-            f"damping_ratios: given {ratios.size} values for {natural.size} frequencies; allowed is "
-            "one for each, or one for all, because each mode has its own."
-        )
+    ratios = one_for_each(
+        "damping_ratios",
+        damping_ratios,
+        natural.size,
+        "frequencies",
+        "",
+        "damping takes energy away",
+    )
     count = whole_number("points", points, 2, "the range has two ends")
     critical = critical_speeds(natural, orders, speed_range)
     low, high = (float(limit) for limit in speed_range)

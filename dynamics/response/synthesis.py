@@ -7,8 +7,7 @@ from math import gcd, lcm
 import numpy as np
 from numpy.typing import NDArray
 
-from dynamics.checks import FloatArray
-from dynamics.response.excitation import ComplexArray
+from dynamics.checks import ComplexArray, FloatArray
 from geometry.errors import InputError
 
 # Largest denominator of an order: 1/2 in a four-stroke engine, teeth of a gear behind it.

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from dynamics.checks import FloatArray
 from dynamics.response.excitation import OrderExcitation
+from dynamics.response.over_speed import OverSpeed
 from dynamics.transient.propagator import PLACES, POINTS
 from geometry.errors import InputError
 
@@ -29,43 +29,36 @@ class OrderForces:
     Parameters
     ----------
     orders : ndarray of shape (K,)
-    speeds : ndarray of shape (S,)
-        Those of the excitation [rad/s].
-    edges : ndarray of shape (pieces + 1,)
-        Speeds between which one polynomial holds.
+    over_speed : OverSpeed
+        Their amplitudes on the modes.
     coefficients : ndarray of shape (pieces, 2 K, powers, q)
-        Of the cosine, then of minus the sine of each order, by powers of the speed above the
-        piece's lower edge, the highest first.
+        The same for the cosine, then for the sine of each order.
     """
 
     orders: FloatArray
-    speeds: FloatArray
-    edges: FloatArray
+    over_speed: OverSpeed
     coefficients: FloatArray
 
     @classmethod
     def of(cls, excitation: OrderExcitation, inputs: FloatArray) -> "OrderForces":
         """Return the forces on modes, inputs (n, q) taking forces on nodes to those on modes.
 
-        Notes
-        -----
-        Between the speeds of the excitation a cubic spline holds (a lower polynomial for less than
-        four speeds): inertia forces, which grow with the square of the speed, are met exactly.
+        Between the speeds of the excitation they are interpolated as by `at_speeds`.
+
+        Raises
+        ------
+        InputError
+            If there is not one force for each node.
         """
         if excitation.forces.shape[2] != len(inputs):
             raise InputError(
                 f"excitation: given forces on {excitation.forces.shape[2]} nodes; allowed is one on "
                 f"each of {len(inputs)}, because the system has so many."
             )
-        phasors = excitation.forces @ inputs
-        both = np.concatenate((phasors.real, -phasors.imag))
-        speeds = excitation.speeds
-        if speeds.size == 1:
-            return cls(
-                excitation.orders, speeds, np.repeat(speeds, 2), both.transpose(1, 0, 2)[:, :, None]
-            )
-        powers = np.asarray(CubicSpline(speeds, both, axis=1).c)  # of (powers, pieces, 2 K, q)
-        return cls(excitation.orders, speeds, speeds, powers.transpose(1, 2, 0, 3).copy())
+        over_speed = OverSpeed.of(excitation.speeds, excitation.forces @ inputs)
+        powers = over_speed.coefficients.swapaxes(1, 2)
+        both = np.concatenate((powers.real, -powers.imag), axis=1)
+        return cls(excitation.orders, over_speed, np.ascontiguousarray(both))
 
     def check_speeds(self, lowest: float, highest: float) -> None:
         """Refuse speeds for which the forces are not known.
@@ -74,7 +67,7 @@ class OrderForces:
         ------
         InputError
         """
-        known = self.speeds[[0, -1]]
+        known = self.over_speed.speeds[[0, -1]]
         if lowest < known[0] * (1.0 - SAME_SPEED) or highest > known[1] * (1.0 + SAME_SPEED):
             asked = f"{lowest:g}" if lowest == highest else f"{lowest:g} to {highest:g}"
             allowed = f"{known[0]:g}" if known.size == 1 else f"{known[0]:g} to {known[1]:g}"
@@ -87,15 +80,14 @@ class OrderForces:
         """Return the forces (m, q) at shaft angles [rad] and speeds [rad/s], both (m,)."""
         turning = np.outer(angles, self.orders)
         waves = np.concatenate((np.cos(turning), np.sin(turning)), axis=1)
-        places = np.searchsorted(self.edges, speeds, "right") - 1
-        places = np.clip(places, 0, len(self.coefficients) - 1)
+        places = self.over_speed.pieces(speeds)
         forces = np.empty((angles.size, self.coefficients.shape[-1]))
         for piece in np.unique(places).tolist():
             own = np.flatnonzero(places == piece)
             coefficients = self.coefficients[piece]
             terms = waves[own] @ coefficients.reshape(len(coefficients), -1)
             terms = terms.reshape(own.size, *coefficients.shape[1:])
-            above = (speeds[own] - self.edges[piece])[:, np.newaxis]
+            above = (speeds[own] - self.over_speed.speeds[piece])[:, np.newaxis]
             total = terms[:, 0]
             for power in range(1, terms.shape[1]):
                 total = total * above + terms[:, power]

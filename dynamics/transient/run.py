@@ -60,8 +60,8 @@ class TransientMotion:
     force_error : float
         Largest difference between the forces and the polynomials that stand for them within steps,
         beside the largest force on each mode. All else is exact.
-    turns : int
-        After which the orders repeat.
+    orders : ndarray of shape (K,)
+        Of all excitations.
     system : ViscousSystem
         What vibrates.
     notes : tuple of str
@@ -76,9 +76,20 @@ class TransientMotion:
     complete: bool
     step: float
     force_error: float
-    turns: int
+    orders: FloatArray
     system: ViscousSystem
     notes: tuple[str, ...]
+
+    @property
+    def turns(self) -> int:
+        """After which the orders repeat.
+
+        Raises
+        ------
+        InputError
+            If they do not within 12 turns; `envelope` then has to be told how many to take.
+        """
+        return cycle_turns(self.orders)
 
     def envelope(self, turns: int | None = None, *, rigid: bool = False) -> Envelope:
         """Return the amplitudes in windows of so many turns; by default as the orders repeat.
@@ -127,7 +138,7 @@ def transient_motion(
     chain_or_system : Chain or LinearSystem
     excitation : OrderExcitation
         Its forces follow the shaft angle, the integral of the speed; between its speeds they are
-        interpolated by a cubic spline.
+        interpolated as by `OrderExcitation.at_speeds`.
     speed : SpeedCurve
         Within the speeds of the excitation.
     changes : sequence of (float, OrderExcitation), optional
@@ -205,7 +216,7 @@ def transient_motion(
         complete=complete,
         step=longest,
         force_error=error,
-        turns=cycle_turns(orders),
+        orders=orders,
         system=system,
         notes=tuple(note for note in notes if note),
     )

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray, positive_number, whole_number
+from dynamics.checks import ComplexArray, FloatArray, finite_array, positive_number, whole_number
 from dynamics.cycle import even_angles
-from dynamics.response.excitation import ComplexArray, OrderExcitation
+from dynamics.response.excitation import OrderExcitation
 from dynamics.response.linear_system import LinearSystem
 from dynamics.transient.envelope import half_between_extremes
 from dynamics.transient.order_forces import (
@@ -91,23 +91,34 @@ class SteadyMotion:
         InputError
             If an order does not repeat with the cycle, or the samples cannot show it.
         """
-        given = np.atleast_1d(np.asarray(orders, dtype=np.float64))
-        cycles = given * self.turns
-        whole = np.round(cycles)
-        count = self.shaft_angle.size
-        if np.any(np.abs(cycles - whole) > 1e-9 * whole) or np.any(2.0 * whole >= count):
-            raise InputError(
-                f"orders: given {given.tolist()}; allowed are multiples of {1.0 / self.turns:g} below "
-                f"{0.5 * count / self.turns:g}, because the cycle has {self.turns} turns and {count} "
-                "samples."
-            )
-        waves = np.exp(-1j * np.outer(given, self.shaft_angle))
-        return np.asarray(waves @ self.motion * (2.0 / count))
+        return phasors_over_cycle(orders, self.shaft_angle, self.motion, self.turns)
 
     def _half_way(self, values: FloatArray) -> FloatArray:
         if self.unbounded:
             return np.full(values.shape[1], np.inf)
         return half_over_cycle(values)
+
+
+def phasors_over_cycle(
+    orders: ArrayLike, angles: FloatArray, values: FloatArray, turns: int
+) -> ComplexArray:
+    """Return Y_k (K, n) of what repeats after turns, mean + Re sum Y_k exp(i k phi), at even angles.
+
+    Raises
+    ------
+    InputError
+        If an order is not above zero, does not repeat with the cycle, or the samples cannot show it.
+    """
+    given = np.atleast_1d(finite_array("orders", orders))
+    cycles = given * turns
+    whole = np.round(cycles)
+    count = angles.size
+    if np.any((np.abs(cycles - whole) > 1e-9 * whole) | (whole < 1) | (2.0 * whole >= count)):
+        raise InputError(
+            f"orders: given {given.tolist()}; allowed are multiples of {1.0 / turns:g} above zero and "
+            f"below {0.5 * count / turns:g}, because the cycle has {turns} turns and {count} samples."
+        )
+    return np.asarray(np.exp(-1j * np.outer(given, angles)) @ values * (2.0 / count))
 
 
 def half_over_cycle(values: FloatArray) -> FloatArray:
@@ -136,7 +147,7 @@ def steady_motion(
     ----------
     chain_or_system : Chain or LinearSystem
     excitation : OrderExcitation
-        Between its speeds forces are interpolated by a cubic spline.
+        Between its speeds forces are interpolated as by `OrderExcitation.at_speeds`.
     speed : float
         Within those of the excitation [rad/s].
     loss_as, loss_frequency, magnifier, modal_damping
@@ -197,6 +208,8 @@ def steady_from(
     given = forces.at(points, np.full(points.size, speed)).reshape(count, PLACES.size, -1)
     start, unbounded = _periodic_start(space, propagator, given, period)
     states = np.vstack((start, propagator.march(start, given)[:-1]))
+    if unbounded:
+        states[:] = 0.0
     places = slice(len(start) - space.rigid, len(start))
     mean = states[:, places].mean(axis=0)
     states[:, places] -= mean
@@ -237,8 +250,10 @@ def _periodic_start(
     right = gained * unit
     outward, singular, inward = np.linalg.svd(left, full_matrices=False)
     drive = outward.T @ right
-    fastest = float(space.scales.max())
-    lost = singular <= UNBOUNDED_WITHIN * fastest * period
+    # How fast what each singular value stands for vibrates; rigid motions do not.
+    elastic = space.scales[space.rigid :]
+    own = np.sqrt(inward**2 @ np.concatenate((elastic, elastic, np.zeros(space.rigid))) ** 2)
+    lost = singular <= UNBOUNDED_WITHIN * own * period
     largest = float(np.max(np.abs(right), initial=0.0))
     unbounded = bool(np.any(np.abs(drive[lost]) > NO_DRIVE * largest))
     start = np.zeros(size)

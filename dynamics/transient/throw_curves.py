@@ -6,12 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
-from dynamics.checks import FloatArray
+from dynamics.chains.throw_inertias import cylinder_inertia
+from dynamics.checks import ComplexArray, FloatArray
 from dynamics.engine.forces import rod_models
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.motions import cylinder_motion
 from dynamics.excitation.cylinders import CylinderForces
-from dynamics.mechanism.motion import ComplexArray
 from dynamics.mechanism.rods import RodModelName
 from dynamics.transient.order_forces import cycle_turns
 from dynamics.turning.curves import TurnCurves, turn_curves
@@ -113,22 +112,13 @@ def throw_inertia_curves(
     ------
     InputError
         If there is no such model, or a rod passes so barely that its harmonics do not fade out.
-
-    Notes
-    -----
-    A cylinder brings m_p |x_p'|^2 + m |x_c'|^2 + J beta'^2, primes being derivatives by the shaft
-    angle: piston, rod's center, rod's turning.
     """
     models = rod_models(engine, model)
 
     def sampled(angles: FloatArray) -> FloatArray:
         inertia = np.zeros((max(throws) + 1, angles.size))
         for place, (throw, rod) in enumerate(zip(throws, models, strict=True)):
-            motion = cylinder_motion(engine, place + 1, angles)
-            piston = engine.cylinders[place].piston_mass
-            inertia[throw] += piston * np.abs(motion.piston.first) ** 2
-            inertia[throw] += rod.mass * np.abs(motion.rod_point(rod.center).first) ** 2
-            inertia[throw] += rod.inertia * motion.rod.first**2
+            inertia[throw] += cylinder_inertia(engine, place + 1, rod, angles)
         return inertia
 
     return turn_curves(sampled)

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, positive_number, whole_number
+from dynamics.checks import ComplexArray, FloatArray, positive_number, whole_number
 from dynamics.cycle import even_angles
-from dynamics.mechanism.motion import ComplexArray
 from dynamics.transient.order_forces import cycle_turns
-from dynamics.transient.steady import half_over_cycle, spring_torques
+from dynamics.transient.steady import half_over_cycle, phasors_over_cycle, spring_torques
 from dynamics.transient.turning_chain import TurningChain
 from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
 from geometry.errors import InputError
@@ -91,8 +90,7 @@ class TurningCycle:
         return self._phasors(orders, self.motion)
 
     def _phasors(self, orders: ArrayLike, values: FloatArray) -> ComplexArray:
-        waves = np.exp(-1j * np.outer(np.atleast_1d(orders), self.shaft_angle))
-        return np.asarray(waves @ values * (2.0 / self.shaft_angle.size))
+        return phasors_over_cycle(orders, self.shaft_angle, values, self.turns)
 
 
 def steady_cycle(

@@ -221,8 +221,10 @@ def _assembled(
     count = chain.even.size
     absolute, speeds = states[:, :count], states[:, count : 2 * count]
     angle = chain.mean_speed(absolute)
-    kinetic, strain = chain.energies(absolute, speeds, np.zeros(times.size))
-    motion = (absolute - angle[:, np.newaxis] * chain.even) @ chain.expand.T
+    # Strain from what is left beside the even turning: of hundreds of turns it would lose its digits.
+    twist = absolute - angle[:, np.newaxis] * chain.even
+    kinetic, strain = chain.energies(twist, speeds, angle)
+    motion = twist @ chain.expand.T
     works = states[:, 2 * count : 2 * count + WORKS].T
     return TurningRun(
         time=times,

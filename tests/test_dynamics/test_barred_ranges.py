@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from dynamics.assessment.barred_ranges import BarredRangeRule, barred_ranges, exceeded_ranges
-from dynamics.assessment.limits import AmplitudeCurve, given_limit
+from dynamics.assessment.limits import (
+    AmplitudeCurve,
+    VibrationLimit,
+    constant_curve,
+    given_limit,
+)
 
 LIMIT = given_limit(
     "torsional stress", 10.0, "Pa", applies_to="shaft", source="maker", passing=100.0
@@ -75,3 +80,48 @@ def test_nothing_is_barred_above_the_share_of_the_rated_speed_or_the_limit_for_p
         (20.0, 100.0),
     )
     assert "0.00012 MPa at 477.5 1/min, where 0.0001 MPa may be passed" in strong.refusals[0]
+
+
+def test_a_range_that_leaves_no_speed_to_run_at_is_refused():
+    speeds = np.linspace(20.0, 110.0, 1801)
+    curve = AmplitudeCurve("shaft", speeds, resonance(speeds, 50.0))
+    (most,) = barred_ranges([(LIMIT, curve)], RULE, (48.0, 51.0))
+    assert most.refusals == ("it leaves no speed to run at",)
+    (part,) = barred_ranges([(LIMIT, curve)], RULE, (48.0, 60.0))
+    assert part.allowed
+
+
+def test_a_flank_at_the_highest_speed_belongs_to_the_peak_beyond():
+    speeds = np.linspace(20.0, 110.0, 1801)
+    curve = AmplitudeCurve("shaft", speeds, resonance(speeds, 50.0))
+    (found,) = exceeded_ranges(LIMIT, curve, 49.0)
+    assert found.high == 49.0
+    assert found.peaks == pytest.approx((50.0,))
+    assert not found.cut_off
+    (barred,) = barred_ranges([(LIMIT, curve)], RULE, (20.0, 49.0))
+    assert (barred.low, barred.high) == pytest.approx(RULE.bounds(50.0))
+    # On the falling side the peak lies within.
+    (found,) = exceeded_ranges(LIMIT, curve, 51.0)
+    assert (found.high, *found.peaks) == pytest.approx((51.0, 50.0))
+    assert exceeded_ranges(LIMIT, curve, 45.0) == ()
+
+
+def test_the_lower_of_the_shares_of_limit_and_rule_counts():
+    rule_end = VibrationLimit(
+        quantity="torsional stress",
+        applies_to="crankshaft",
+        unit="Pa",
+        continuous=LIMIT.continuous,
+        passing=constant_curve(100.0, high=90.0),
+        source="rule",
+    )
+    assert RULE.highest_by(LIMIT) == 80.0
+    assert RULE.highest_by(rule_end) == 90.0
+    assert BarredRangeRule(100.0, 0.7).highest_by(rule_end) == 70.0
+    assert BarredRangeRule(100.0, 1.0).highest_by(rule_end) == 90.0
+    speeds = np.linspace(20.0, 110.0, 1801)
+    curve = AmplitudeCurve("shaft", speeds, resonance(speeds, 78.0))
+    (allowed,) = barred_ranges([(rule_end, curve)], RULE, (20.0, 100.0))
+    assert allowed.allowed
+    (refused,) = barred_ranges([(rule_end, curve)], BarredRangeRule(100.0, 0.7), (20.0, 100.0))
+    assert "nothing may be barred above 0.70" in refused.refusals[0]

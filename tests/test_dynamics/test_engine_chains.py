@@ -200,7 +200,7 @@ def test_throw_inertias_of_several_cylinders(v_four):
 def test_unusable_throw_inertias_are_refused(v_four):
     with pytest.raises(InputError, match="reciprocating: given 'third'"):
         throw_inertias(v_four, 1.0, reciprocating="third")
-    with pytest.raises(InputError, match="solid_inertias: given 3 values; allowed are 2"):
+    with pytest.raises(InputError, match="solid_inertias: given 3 values for 2 throws"):
         throw_inertias(v_four, [1.0, 1.0, 1.0])
     with pytest.raises(InputError, match="throws: given 1"):
         throw_inertias(v_four, 1.0, throws=[0])
@@ -224,7 +224,7 @@ def test_unusable_throw_inertias_are_refused(v_four):
         (lambda: torsional_chain([1.0], [1.0], 1.0, damping=-1.0), r"damping\[0\]: given -1"),
         (
             lambda: torsional_chain([1.0], [1.0], 1.0, throw_damping=[1.0, 1.0]),
-            "throw_damping: given 2 values; allowed are 1",
+            "throw_damping: given 2 values for 1 throws",
         ),
         (lambda: torsional_chain([1.0], [1.0], 1.0, cylinders=0), "cylinders: given 0"),
         (lambda: torsional_chain([1.0], [1.0], 1.0, cylinders=[1, 1]), "cylinders: given 2 values"),

@@ -142,7 +142,7 @@ def test_excitation_refused(orders, speeds, forces, words):
         ),
         (
             lambda: alternating_stress(element_loads(forced_response(TWO, excitation())), {3: 1.0}),
-            "sections: given element 3",
+            "sections: given 3",
         ),
         (
             lambda: alternating_stress(element_loads(forced_response(TWO, excitation())), [0.0]),

@@ -90,6 +90,19 @@ def test_what_a_rule_does_not_cover_is_refused(call, message):
         call()
 
 
+@pytest.mark.parametrize(
+    ("interval", "stress"), [(45.0, 21e6), (60.0, 21e6), (90.0, 16e6), (None, 16e6)]
+)
+def test_v_engines_have_the_limits_of_engines_in_line_at_two_intervals(interval, stress):
+    limit = crankshaft_limit(100.0, strokes=4, kind="V", firing_interval_deg=interval)
+    assert limit.continuous.at(np.array([100.0])) == pytest.approx([stress])
+
+
+def test_the_limit_of_generator_sets_ends_at_a_tenth_above_the_rated_speed():
+    limit = generator_set_limit(100.0, part="crankshaft")
+    assert limit.continuous.at(np.array([109.9, 110.1])).tolist() == [21e6, np.inf]
+
+
 def test_axial_force_limit_makes_the_nominal_web_stress_the_permitted_one():
     """The stress of a bar of the web's section under the force at the lever of the crank radius."""
     limit = axial_force_limit(30e6, 0.17, 0.285, 0.068, source="maker's fatigue strength")

@@ -28,6 +28,8 @@ def test_pictures(tmp_path):
         )
         assert path.read_text(encoding="utf-8").startswith("<?xml")
         assert path.stat().st_size < 200_000
+    plot_transient(tmp_path / "turns.svg", found, turns=4)
+    assert "amplitude over 4 turns" in (tmp_path / "turns.svg").read_text(encoding="utf-8")
     plot_transient_over_speed(tmp_path / "s.svg", [1.0, 2.0, 3.0], {"one": [1.0, np.inf, 2.0]})
     with pytest.raises(InputError, match=r"^place: given 1; allowed"):
         plot_transient(tmp_path / "a.svg", found, 1)

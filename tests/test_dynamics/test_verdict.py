@@ -74,6 +74,14 @@ def test_below_the_lowest_running_speed_it_is_only_started_through():
     assert judge([(CRANKSHAFT, peak(20.0, 100e6))], RUNNING, RULE).status == "not acceptable"
 
 
+def test_a_range_that_reaches_into_the_running_range_is_barred():
+    verdict = judge([(CRANKSHAFT, peak(30.0, 70e6))], RUNNING, RULE)
+    assert verdict.status == "barred range needed"
+    assert verdict.started_through == ()
+    (barred,) = verdict.barred
+    assert barred.low < RUNNING[0] < barred.high
+
+
 def test_rule_is_held_above_the_running_range_as_far_as_it_goes():
     assert judge([(CRANKSHAFT, peak(104.0, 60e6))], RUNNING, RULE).status == "not acceptable"
     assert judge([(TORQUE, peak(110.0, 9e3))], RUNNING, RULE).status == "fine"
