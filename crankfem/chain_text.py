@@ -233,17 +233,17 @@ def write_chain_text(chain: Chain, kind: Motion, name: str = "") -> str:
     Raises
     ------
     InputError
-        If the kind is unknown, or a node's name cannot stand in the text.
+        If the kind is unknown, or a name cannot stand in the text.
     """
     if kind not in UNITS:
         raise InputError(
             f"kind: given {kind!r}; allowed are torsional and axial, because units follow from it."
         )
-    for own in chain.names:
-        if not own or own != own.strip() or "#" in own or COLUMNS.search(own) or "\n" in own:
+    for field_name, own in (("name", name), *(("names", own) for own in chain.names)):
+        if (field_name == "names" or own) and not _stands_on_a_line(own):
             raise InputError(
-                f"names: given {own!r}; allowed are names with single spaces and without #, because two "
-                "spaces separate columns and # begins a comment."
+                f"{field_name}: given {own!r}; allowed are names on one line, with single spaces and without "
+                "#, because two spaces separate columns and # begins a comment."
             )
     units = UNITS[kind]
     lines = [f"{kind}: {name}" if name else kind]
@@ -265,6 +265,15 @@ def write_chain_text(chain: Chain, kind: Motion, name: str = "") -> str:
     for (left, right), text in rest:
         lines.append(f"  {text}  from {chain.names[left]}  to {chain.names[right]}")
     return "\n".join(lines) + "\n"
+
+
+def _stands_on_a_line(name: str) -> bool:
+    return (
+        name == name.strip()
+        and name.splitlines() == [name]
+        and "#" not in name
+        and COLUMNS.search(name) is None
+    )
 
 
 def _node_line(chain: Chain, node: int, name: str, units: dict[str, str]) -> str:

@@ -161,12 +161,13 @@ class LimitsInput(InputModel):
         default=None,
     )
     alloy: bool = Field(False, description="whether the crankshaft is of low alloy steel")
-    highest_barred: float = quantity_field(
-        "share of the rated speed above which no speed range may be barred",
+    highest_barred: float | None = quantity_field(
+        "share of the rated speed above which no speed range may be barred; without it that of each "
+        "limit, else 0.8",
         "",
         minimum=0.1,
         maximum=1.0,
-        default=0.8,
+        default=None,
     )
     shafts: tuple[ShaftLimitInput, ...] = part_field(
         "propulsion shafts limited by the unified requirement M68", ShaftLimitInput, many=True

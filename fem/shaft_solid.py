@@ -127,12 +127,17 @@ def solid_modes(
     section_motions : (s, 6, count) array
         Mean motions of the sections: displacements, rotations, fitted to the nodes near them; modes are
         of unit modal mass.
+
+    Raises
+    ------
+    ValueError
+        If springs are given, but not one for each section.
     """
     stiffness = assemble_stiffness(mesh.points, mesh.elements, material)
     mass = assemble_mass(mesh.points, mesh.elements, material.density)
     fits = [_mean_motion(mesh, section) for section in mesh.sections]
     for springs, axes in ((lateral_stiffness, (0, 1)), (axial_stiffness, (2,))):
-        for fit, spring in zip(fits, springs, strict=False):
+        for fit, spring in zip(fits, springs or [0.0] * len(fits), strict=True):
             for axis in axes:
                 row = fit[[axis]]
                 stiffness = stiffness + sparse.triu(spring * (row.T @ row), format="csr")

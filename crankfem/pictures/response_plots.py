@@ -19,8 +19,8 @@ Array: TypeAlias = NDArray[np.float64]
 Quantity: TypeAlias = Literal["twist", "displacement", "torque", "force", "stress"]
 # Label of the axis, and what a value in SI is multiplied by.
 QUANTITIES: dict[str, tuple[str, float]] = {
-    "twist": ("amplitude [deg]", 180.0 / np.pi),
-    "displacement": ("amplitude [mm]", 1e3),
+    "twist": ("amplitude [mrad]", 1e3),
+    "displacement": ("amplitude [um]", 1e6),
     "torque": ("alternating torque [kN m]", 1e-3),
     "force": ("alternating force [kN]", 1e-3),
     "stress": ("alternating stress [MPa]", 1e-6),

@@ -1,18 +1,21 @@
 """What an engine's forced vibration means: limits, verdict, and how sure it is."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from crankfem.engine_file import EngineFile
-from crankfem.limits_sections import LimitsInput, RangesInput
+from crankfem.limits_sections import LimitsInput
 from crankfem.vibration.chains import damped_engine_chain
 from crankfem.vibration.forced import ForcedVibration
+from crankfem.vibration.sources import FE, FE_PINNED
 from dynamics.assessment.barred_ranges import BarredRangeRule
+from dynamics.assessment.limit_rules import Kind as EngineKind
 from dynamics.assessment.limit_rules import crankshaft_limit
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
 from dynamics.assessment.response_curves import curves_of, with_resonances
-from dynamics.assessment.separation import CriticalRange, critical_ranges
+from dynamics.assessment.separation import USUAL_MARGIN, CriticalRange, critical_ranges
 from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import Samples, chain_samples, frequency_bounds
 from dynamics.assessment.verdict import Verdict, judge
@@ -31,6 +34,13 @@ RULE_PICKED = (
 )
 # The estimate of the discretization error may be off by this factor.
 ERROR_FACTOR = 2.0
+# Firings count as even if their intervals differ by less [deg].
+UNEVEN = 0.01
+FE_ERROR = {
+    "axial": "error of the finite elements",
+    "torsional": "error of the finite elements (that of the axial compliance)",
+}
+NOT_SAMPLED = "samples of the axial amplitude keep the excitation by torsion of the nominal chain"
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,11 +138,13 @@ def assess(
 def _limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], tuple[str, ...]]:
     """Limits by name, and what is missing."""
     engine, given = engine_file.engine, engine_file.limits or LimitsInput()
-    kind = "in line" if engine.bank_angles is None else "V"
+    kind: EngineKind = "in line" if engine.bank_angles is None else "V"
+    interval = even_firing_interval(engine.firing_angles, engine.strokes)
     found = given.limits(
         engine.rated_speed,
         strokes=engine.strokes,
-        kind="in line" if kind == "in line" else "V",
+        kind=kind,
+        firing_interval_deg=interval,
         provenance=engine_file.provenance,
     )
     remarks = []
@@ -140,7 +152,8 @@ def _limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], tuple[s
         picked = crankshaft_limit(
             engine.rated_speed,
             strokes=engine.strokes,
-            kind="in line" if kind == "in line" else "V",
+            kind=kind,
+            firing_interval_deg=interval,
         )
         found["crankshaft_stress"] = replace(picked, assumed=True)
         remarks.append(f"torsional stress of the crankshaft: {RULE_PICKED}")
@@ -149,7 +162,31 @@ def _limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], tuple[s
             "axial vibration is not judged, because no limit is given; no general one is published, the "
             "engine maker gives limits.axial_amplitude or limits.axial_force"
         )
+    if engine_file.ranges is not None:
+        remarks.append(NOT_SAMPLED)
     return found, tuple(remarks)
+
+
+def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float | None:
+    """Return the angle between firings where it is always the same [deg], to a hundredth.
+
+    Parameters
+    ----------
+    firing_angles : sequence of float
+        Of the cylinders [rad].
+    strokes : int
+        2 or 4.
+
+    Returns
+    -------
+    float or None
+        None where intervals differ.
+    """
+    cycle = 180.0 * strokes
+    angles = np.sort(np.rad2deg(firing_angles) % cycle)
+    intervals = np.diff(angles, append=angles[0] + cycle)
+    even = cycle / angles.size
+    return round(even, 2) if np.all(np.abs(intervals - even) < UNEVEN) else None
 
 
 def _curves(
@@ -199,11 +236,11 @@ def _uncertainty(
     """Bounds of frequencies and critical speeds; amplitudes by samples where ranges are given."""
     engine, given = engine_file.engine, engine_file.ranges
     chain, running = forced.engine_chain.chain, (engine.lowest_speed, engine.highest_speed)
-    spreads = _spreads(given, forced, error_estimate)
+    spreads = _spreads(engine_file, forced, error_estimate)
     rigid = chain.modes().rigid
     low, high = frequency_bounds(chain, spreads)
     orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
-    margin = 0.1 if given is None else given.separation_margin
+    margin = USUAL_MARGIN if given is None else given.separation_margin
     amplitudes = None
     if given is not None and spreads:
         amplitudes = chain_samples(
@@ -225,9 +262,10 @@ def _uncertainty(
 
 
 def _spreads(
-    given: RangesInput | None, forced: ForcedVibration, error_estimate: float
+    engine_file: EngineFile, forced: ForcedVibration, error_estimate: float
 ) -> tuple[Spread, ...]:
     """What the file says is uncertain, and at least the error of the finite elements."""
+    given = engine_file.ranges
     elements = tuple(range(len(forced.crank_elements.names)))
     found: tuple[Spread, ...] = ()
     if given is not None:
@@ -237,7 +275,14 @@ def _spreads(
     if any(own.kind == "compliance" for own in found):
         return found
     softer = 1.0 + ERROR_FACTOR * error_estimate
-    return (Spread("compliance", 1.0, softer, elements, "error of the finite elements"), *found)
+    settings = engine_file.vibration
+    source = settings.axial_source if forced.kind == "axial" else settings.torsional_source
+    name = (
+        FE_ERROR[forced.kind]
+        if source.casefold() in (FE, FE_PINNED)
+        else f"compliance by {source} (as much as finite elements err; its own error is not known)"
+    )
+    return (Spread("compliance", 1.0, softer, elements, name), *found)
 
 
 def _peak(engine_file: EngineFile, forced: ForcedVibration, chain: Chain) -> float:

@@ -64,9 +64,12 @@ def print_assessment(record: dict[str, Any]) -> None:
         _print(f"Limit on {limit['name']}: {limit['source']}{assumed}.")
     for line in record["remarks"]:
         _print(f"Note: {line}")
-    for one in (*record["barred"], *record["started_through"]):
-        fits = "; ".join(one["refusals"]) or "may be barred"
-        _print(f"Range {one['shown']}: {fits}.")
+    for name, fine in (
+        ("barred", "may be barred"),
+        ("started_through", "is passed on every start"),
+    ):
+        for one in record[name]:
+            _print(f"Range {one['shown']}: {'; '.join(one['refusals']) or fine}.")
     _print(f"Verdict: {record['sentence']}")
 
 

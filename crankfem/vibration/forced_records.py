@@ -19,7 +19,8 @@ ROWS_SHOWN = 12
 # Displayed unit and factor of motions and loads.
 MOTION = {"torsional": ("mrad", 1e3), "axial": ("um", 1e6)}
 LOAD = {"torsional": ("kN m", 1e-3), "axial": ("kN", 1e-3)}
-
+# SI units of loads in records.
+LOAD_UNIT = {"torsional": "N m", "axial": "N"}
 
 # Shares below this are round-off: the cylinders cancel.
 ROUND_OFF = 1e-12
@@ -42,8 +43,8 @@ def forced_record(forced: ForcedVibration) -> Record:
             "plain_sum": _finite(free_end.synthesis.plain_sum[:, 0]),
             "orders": _order_peaks(free_end),
         },
-        "loads": _peaks(forced.loads.elements),
-        "stress": None if forced.stress is None else _peaks(forced.stress),
+        "loads": _peaks(forced.loads.elements, LOAD_UNIT[forced.kind]),
+        "stress": None if forced.stress is None else _peaks(forced.stress, "Pa"),
         "power": _power(forced),
         "resonances": [
             {
@@ -132,7 +133,7 @@ def write_forced(path: Path, forced: ForcedVibration) -> None:
     write_columns(path, columns, f"{forced.kind} vibration, amplitudes; inf is unbounded")
 
 
-def _peaks(series: OrderSeries) -> list[Record]:
+def _peaks(series: OrderSeries, unit: str) -> list[Record]:
     """Largest value over the speeds of each place, all orders together."""
     summed = series.synthesis
     found = []
@@ -141,6 +142,7 @@ def _peaks(series: OrderSeries) -> list[Record]:
         found.append(
             {
                 "element": name,
+                "unit": unit,
                 "peak": finite_or_none(float(summed.amplitude[worst, place])),
                 "speed_rpm": float(series.speeds[worst] * RPM),
                 "plain_sum_peak": finite_or_none(float(np.max(summed.plain_sum[:, place]))),
@@ -177,6 +179,7 @@ def _power(forced: ForcedVibration) -> Record:
         if bounded[worst]
     }
     return {
+        "unit": "W",
         "error": power.error,
         "largest": float(total[worst]),
         "speed_rpm": float(forced.response.speeds[worst] * RPM),
@@ -192,7 +195,13 @@ def _axial_forces(compared: AxialForceComparison, forced: ForcedVibration) -> li
     none = alone <= ROUND_OFF * alone.max()
     alone[none] = in_shaft[none] = 0.0
     return [
-        {"order": order, "alone": own, "in_shaft": shaft, "difference": difference}
+        {
+            "order": order,
+            "unit": "N",
+            "alone": own,
+            "in_shaft": shaft,
+            "difference": difference,
+        }
         for order, own, shaft, difference in zip(
             forced.response.orders.tolist(),
             alone.tolist(),

@@ -7,13 +7,15 @@ from pathlib import Path
 from crankfem.engine_file import EngineFile, load_engine
 from crankfem.mechanism_file import MechanismFile, load_mechanism
 from crankfem.vibration.assessment import Assessment, assess
-from crankfem.vibration.forced import ForcedVibration, engine_harmonics, forced_vibrations
+from crankfem.vibration.excitation import engine_harmonics
+from crankfem.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.vibration.sources import compliances_in_shaft
 from crankfem.vibration.whole_shaft import (
     ShaftComparison,
     WholeShaft,
     compare_with_chains,
+    left_out,
     shaft_response,
     whole_shaft,
 )
@@ -42,7 +44,8 @@ class EngineVibration:
     whole : WholeShaft or None
         None where it was not asked for.
     comparison : ShaftComparison or None
-        Coupled response of the whole crankshaft, and how far the chains agree with it.
+        Coupled response of the whole crankshaft, and how far the chains agree with it; without the latter
+        where the chains have a shaft line or a propeller, which the whole crankshaft has not.
     """
 
     engine_file: EngineFile
@@ -129,13 +132,18 @@ def engine_vibration(
             step("Sampling what is uncertain")
         assessment = assess(read, lengthened, twisted, analysis)
     if whole is not None:
-        comparison = compare_with_chains(
-            whole,
-            axial.chosen.chain,
-            torsional.chosen.chain,
-            None if twisted is None else shaft_response(read, whole, twisted.forces),
-            None if lengthened is None else lengthened.response,
-            None if twisted is None else twisted.response,
+        answer = None if twisted is None else shaft_response(read, whole, twisted.forces)
+        comparison = (
+            ShaftComparison(answer)
+            if left_out(read)
+            else compare_with_chains(
+                whole,
+                axial.chosen.chain,
+                torsional.chosen.chain,
+                answer,
+                None if lengthened is None else lengthened.response,
+                None if twisted is None else twisted.response,
+            )
         )
     return EngineVibration(
         engine_file=read,

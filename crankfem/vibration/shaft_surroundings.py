@@ -20,21 +20,27 @@ from geometry.quantity import show_quantity
 # and 2e9 N/m of one of 200 mm.
 ASSUMED_BEARING_STIFFNESS = 1e10  # N/m per m
 
+Remarks = tuple[str, ...]
+
 
 def shaft_surroundings(
     engine_file: EngineFile,
     analysis: ThrowAnalysis,
-    remarks: list[str],
     bearings: MainBearings | None = None,
-) -> ShaftSurroundings:
+) -> tuple[ShaftSurroundings, tuple[str, ...]]:
     """Return what stands around the throws, as the engine file tells.
 
     Parameters
     ----------
     engine_file, analysis, bearings
         As for `whole_shaft`.
-    remarks : list of str
-        Takes what was assumed.
+
+    Returns
+    -------
+    surroundings : ShaftSurroundings
+        Without damping of the shaft itself.
+    remarks : tuple of str
+        What was assumed.
     """
     throws, per_throw = len(engine_file.throw_angles), len(engine_file.throw.parts.pins)
     solid = analysis.masses.inertia_about_shaft
@@ -44,57 +50,59 @@ def shaft_surroundings(
     supports = [AxialSupport(thrust.bearing, thrust.stiffness)]
     if damper is not None:
         supports.append(AxialSupport(0, damper.stiffness, damper.damping))
-    loss = engine_file.damping.loss_factor if engine_file.damping is not None else None
-    if loss:
-        remarks.append(
-            "the loss factor of the throws in torsion is taken for all their deformation"
-        )
-    if engine_file.damping is not None and engine_file.damping.cylinder_damping:
-        remarks.append(
-            "absolute damping of the cylinders in torsion is left out; magnifiers remain"
-        )
-    return ShaftSurroundings(
-        bearings=_bearings(engine_file, throws, remarks) if bearings is None else bearings,
+    held, first = (bearings, ()) if bearings is not None else _bearings(engine_file, throws)
+    flywheel, second = _flywheel(engine_file)
+    free_end, third = _free_end(engine_file)
+    around = ShaftSurroundings(
+        bearings=held,
         axial_supports=tuple(supports),
-        flywheel=_flywheel(engine_file, remarks),
-        free_end=_free_end(engine_file, remarks),
+        flywheel=flywheel,
+        free_end=free_end,
         ring=_ring(engine_file),
         machine=_machine(engine_file),
         pin_masses=tuple(at_each.tolist()),
-        loss_factor=loss or 0.0,
     )
+    return around, (*first, *second, *third)
 
 
-def _bearings(engine_file: EngineFile, throws: int, remarks: list[str]) -> MainBearings:
+def _bearings(engine_file: EngineFile, throws: int) -> tuple[MainBearings, Remarks]:
     given = engine_file.bearings
     if given is not None:
-        return MainBearings([given.stiffness] * (throws + 1), [given.damping] * (throws + 1))
+        each = throws + 1
+        return MainBearings([given.stiffness] * each, [given.damping] * each), ()
     assumed = ASSUMED_BEARING_STIFFNESS * engine_file.throw.main_journal_diameter
-    remarks.append(
+    return MainBearings(assumed), (
         f"main bearings are assumed to have a lateral stiffness of {assumed:.2g} N/m each, 1e10 N/m per m "
-        "of journal diameter, and no damping; give the section [bearings]"
+        "of journal diameter, and no damping; give the section [bearings]",
     )
-    return MainBearings(assumed)
 
 
-def _flywheel(engine_file: EngineFile, remarks: list[str]) -> EndBody:
-    given, ends = engine_file.flywheel, engine_file.shaft_ends
-    thickness = ends.flange_thickness or 0.0
-    remarks.append(
-        "the flywheel is a thin disc at the far side of the flange, "
-        f"{show_quantity(thickness, 'm')} beyond the last main journal's middle; its mass includes that of "
-        "the flange"
+def _flywheel(engine_file: EngineFile) -> tuple[EndBody, Remarks]:
+    given, thickness = engine_file.flywheel, engine_file.shaft_ends.flange_thickness
+    if thickness is None:
+        overhang = 0.5 * engine_file.throw.main_journal_length
+        where = (
+            "at the end of the last main journal (assumed, because no flange is given), "
+            f"{show_quantity(overhang, 'm')} beyond its middle"
+        )
+    else:
+        overhang = thickness
+        where = (
+            f"at the far side of the flange, {show_quantity(overhang, 'm')} beyond the last main journal's "
+            "middle; its mass includes that of the flange"
+        )
+    return EndBody(given.mass, given.inertia, overhang=overhang), (
+        f"the flywheel is a thin disc {where}",
     )
-    return EndBody(given.mass, given.inertia, overhang=thickness)
 
 
-def _free_end(engine_file: EngineFile, remarks: list[str]) -> EndBody | None:
+def _free_end(engine_file: EngineFile) -> tuple[EndBody | None, Remarks]:
     """The stub of the shaft as a solid cylinder, and the inertia that the file puts on it."""
     given, ends = engine_file.free_end, engine_file.shaft_ends
     if given is None and ends.free_end_diameter is None:
-        return None
-    mass = polar = length = 0.0
-    diametral = 0.0
+        return None, ()
+    remarks: Remarks = ()
+    mass = polar = diametral = length = 0.0
     if ends.free_end_diameter is not None and ends.free_end_length is not None:
         length = ends.free_end_length
         stub = cylinder_mass_properties(
@@ -103,13 +111,13 @@ def _free_end(engine_file: EngineFile, remarks: list[str]) -> EndBody | None:
         mass, polar = stub.mass, float(stub.inertia[2, 2])
         diametral = float(stub.inertia[0, 0])
     if given is not None:
-        remarks.append(
+        remarks = (
             "the free end's inertia has no mass of its own, which the file does not give; half of it is "
-            "taken about a diameter"
+            "taken about a diameter",
         )
         polar += given.inertia
         diametral += 0.5 * given.inertia
-    return EndBody(mass, polar, diametral, overhang=0.5 * length)
+    return EndBody(mass, polar, diametral, overhang=0.5 * length), remarks
 
 
 def _ring(engine_file: EngineFile) -> TorsionalRing | None:

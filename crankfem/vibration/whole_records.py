@@ -36,7 +36,7 @@ def whole_record(whole: WholeShaft, comparison: ShaftComparison | None) -> Recor
         "rotation_ratio": float(whole.rotation_ratios[0]),
         "chains": {}
         if comparison is None
-        else {one.kind: _chain(one) for one in (comparison.axial, comparison.torsional)},
+        else {one.kind: _chain(one) for one in comparison.verdicts},
         "axial_split": None
         if comparison is None or comparison.coupled is None
         else _split(comparison.coupled),

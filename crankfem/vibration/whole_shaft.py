@@ -12,6 +12,7 @@ import numpy as np
 
 from crankfem.engine_file import EngineFile
 from crankfem.vibration.shaft_surroundings import shaft_surroundings
+from crankfem.vibration.whole_damping import damping_remarks, modal_damping
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.checks import FloatArray
 from dynamics.crankshaft.assembly import assemble_crankshaft
@@ -28,7 +29,6 @@ from dynamics.crankshaft.shaft_system import CrankshaftSystem, crankshaft_system
 from dynamics.crankshaft.shaft_throw import ShaftThrow
 from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from fem.analysis import ThrowAnalysis
 from fem.craig_bampton import DynamicSuperelement
 from geometry.throw import CrankThrow
@@ -38,8 +38,6 @@ from geometry.throw import CrankThrow
 KEPT_FACTOR = 2.0
 # Superelements are made for no less than this [Hz], so that the first modes of a slow engine are right.
 LEAST_FREQUENCY = 200.0
-# Of the even grid; resonances get further ones.
-SPEEDS = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +74,19 @@ class ShaftComparison:
     Attributes
     ----------
     coupled : CoupledResponse or None
-    axial, torsional : ChainVerdict
+        None where nothing is forced.
+    axial, torsional : ChainVerdict or None
+        None where the chains hold what the whole shaft does not; see `left_out`.
     """
 
     coupled: CoupledResponse | None
-    axial: ChainVerdict
-    torsional: ChainVerdict
+    axial: ChainVerdict | None = None
+    torsional: ChainVerdict | None = None
+
+    @property
+    def verdicts(self) -> tuple[ChainVerdict, ...]:
+        """Of the chains that were compared."""
+        return tuple(one for one in (self.axial, self.torsional) if one is not None)
 
 
 def whole_shaft(
@@ -117,18 +122,24 @@ def whole_shaft(
     SolveError
         If the superelement cannot be built.
     """
-    remarks: list[str] = []
     highest = highest_exciting_frequency(engine_file)
     if superelement is None:
         superelement = analysis.dynamic_superelement(highest)
     throws = shaft_throws(superelement, engine_file.throw, engine_file.throw_angles)
-    around = shaft_surroundings(engine_file, analysis, remarks, bearings)
+    around, remarks = shaft_surroundings(engine_file, analysis, bearings)
     shaft = assemble_crankshaft(throws, around, turning_sense=engine_file.engine.turning_sense)
     crankshaft = crankshaft_system(shaft, KEPT_FACTOR * superelement.highest_frequency or None)
     modes = crankshaft.modes
+    remarks += damping_remarks(engine_file)
     if len(set(engine_file.pins)) < len(engine_file.pins):
-        remarks.append(
-            "rods on one pin act at its middle; the moment of rods side by side is left out"
+        remarks += (
+            "rods on one pin act at its middle; the moment of rods side by side is left out",
+        )
+    left = left_out(engine_file)
+    if left:
+        remarks += (
+            f"{' and '.join(left)} are left out of the whole crankshaft, though not of the chains, which "
+            "are not compared with it therefore",
         )
     return WholeShaft(
         crankshaft=crankshaft,
@@ -136,8 +147,17 @@ def whole_shaft(
         rotation_ratios=rotation_ratio(
             engine_file.engine.highest_speed, modes.angular_frequencies[modes.rigid :]
         ),
-        remarks=tuple(remarks),
+        remarks=remarks,
     )
+
+
+def left_out(engine_file: EngineFile) -> tuple[str, ...]:
+    """Return the sections of an engine file that the chains know and the whole crankshaft does not."""
+    given = {
+        "[shaft_line]": bool(engine_file.shaft_lines),
+        "[propeller_forces]": engine_file.propeller_forces is not None,
+    }
+    return tuple(name for name, there in given.items() if there)
 
 
 def highest_exciting_frequency(engine_file: EngineFile) -> float:
@@ -189,21 +209,20 @@ def shaft_response(
     forces : CylinderForces
         Of the engine's cylinders, by orders over speeds.
     magnifier : float, optional
-        Of all elastic modes; by default the file's torsional one, else its axial one, else the measured
-        `DEFAULT_MAGNIFIER`. Dampers and bearings add theirs.
+        Of all elastic modes, in place of the damping of `modal_damping`. Dampers and bearings add theirs.
 
     Returns
     -------
     CoupledResponse
     """
-    given = engine_file.damping
-    if magnifier is None and given is not None:
-        magnifier = given.torsional_magnifier or given.axial_magnifier
     return coupled_response(
         whole.crankshaft,
         forces,
         pins=engine_file.pins,
-        magnifier=DEFAULT_MAGNIFIER if magnifier is None else magnifier,
+        magnifier=magnifier,
+        modal_damping=None
+        if magnifier is not None
+        else modal_damping(engine_file, whole.crankshaft),
     )
 
 

@@ -22,6 +22,8 @@ BARRED_SOURCE = (
     "2025, Part 5, Chapter 4, 206 and Annex 5-3, 2 (2)"
 )
 
+USUAL_HIGHEST_RATIO = 0.8
+
 
 @dataclass(frozen=True)
 class BarredRangeRule:
@@ -31,8 +33,9 @@ class BarredRangeRule:
     ----------
     rated_speed : float
         n0 [rad/s].
-    highest_ratio : float
-        Share of the rated speed above which nothing may be barred.
+    highest_ratio : float, optional
+        Share of the rated speed above which nothing may be barred, whatever limits say. Not given, it
+        is that of each limit, and 0.8 where a limit says nothing.
     source : str
         Of both.
 
@@ -47,17 +50,27 @@ class BarredRangeRule:
     """
 
     rated_speed: float
-    highest_ratio: float = 0.8
+    highest_ratio: float | None = None
     source: str = BARRED_SOURCE
 
     def __post_init__(self) -> None:
         checked_rated_speed(self.rated_speed)
-        positive_number("highest_ratio", self.highest_ratio, "", "it is a share of the rated speed")
+        if self.highest_ratio is not None:
+            why = "it is a share of the rated speed"
+            positive_number("highest_ratio", self.highest_ratio, "", why)
 
     @property
     def highest(self) -> float:
-        """Speed above which nothing may be barred [rad/s]."""
-        return self.highest_ratio * self.rated_speed
+        """Speed above which nothing may be barred, where the limit says nothing [rad/s]."""
+        ratio = USUAL_HIGHEST_RATIO if self.highest_ratio is None else self.highest_ratio
+        return ratio * self.rated_speed
+
+    def highest_by(self, limit: VibrationLimit) -> float:
+        """Return the speed above which nothing may be barred that exceeds a limit [rad/s]."""
+        own = np.inf if limit.passing is None else limit.passing.high
+        if np.isinf(own):
+            return self.highest
+        return own if self.highest_ratio is None else min(own, self.highest)
 
     def bounds(self, critical: float) -> tuple[float, float]:
         """Return the lowest and highest barred speed about a critical speed [rad/s].
@@ -87,7 +100,8 @@ class ExceededRange:
     low, high : float
         Where the limit is met, by interpolation between the speeds calculated [rad/s].
     peaks : tuple of float
-        Speeds at which the use of the limit has a maximum [rad/s].
+        Speeds at which the use of the limit has a maximum [rad/s]; also that of a flank which the
+        range ends on, though it lies beyond.
     cut_off : bool
         Whether the range reaches the first or last speed calculated, so that it may go on beyond.
     """
@@ -107,7 +121,7 @@ class BarredRange:
     low, high : float
         [rad/s].
     peaks : tuple of float
-        Speeds of the largest vibration in it [rad/s].
+        Speeds of the largest vibration in it, or of which it is a flank [rad/s].
     limits : tuple of str
         Names of the limits exceeded in it.
     refusals : tuple of str
@@ -144,7 +158,7 @@ def exceeded_ranges(
     limit : VibrationLimit
     curve : AmplitudeCurve
     highest : float
-        Speeds above are not looked at [rad/s].
+        Ranges end there [rad/s].
 
     Returns
     -------
@@ -157,17 +171,17 @@ def exceeded_ranges(
     resonance it is hollow, so that the chord lies above it and the range comes out a little too
     wide; beside an unbounded value the range reaches to the next speed calculated.
     """
-    used = usage(limit, curve)
-    looked = curve.speeds <= highest
-    speeds, used = curve.speeds[looked], used[looked]
+    speeds, used = curve.speeds, usage(limit, curve)
     found = []
     for first, last in _runs(used > 1.0):
+        if speeds[first] > highest:
+            break
         found.append(
             ExceededRange(
                 low=_crossing(speeds, used, first, -1),
-                high=_crossing(speeds, used, last, 1),
-                peaks=_peaks(speeds[first : last + 1], used[first : last + 1]),
-                cut_off=first == 0 or last == speeds.size - 1,
+                high=min(_crossing(speeds, used, last, 1), highest),
+                peaks=_peaks_to(speeds[first : last + 1], used[first : last + 1], highest),
+                cut_off=first == 0 or last == curve.speeds.size - 1,
             )
         )
     return tuple(found)
@@ -197,7 +211,8 @@ def barred_ranges(
     -----
     Each range in which a limit is exceeded is widened to the rule's bounds about each of its peaks;
     those that meet become one. A range may be barred if it ends below the highest speed that the
-    limit (or, if that says nothing, the rule) lets pass, and stays within the limit for passing.
+    limit and the rule let be barred, stays within the limit for passing, and leaves some of the running
+    range: as ranges that meet are one, those that stand apart always leave speeds between them.
     """
     exceeded = [
         (found, limit)
@@ -212,7 +227,7 @@ def barred_ranges(
             groups.append([])
         groups[-1].append(item)
         reach = max(reach, item[1])
-    return tuple(_barred(group, findings, rule) for group in groups)
+    return tuple(_barred(group, findings, rule, running_range) for group in groups)
 
 
 def judged_to(limit: VibrationLimit, running_range: tuple[float, float]) -> float:
@@ -225,15 +240,14 @@ def _barred(
     group: Sequence[tuple[float, float, ExceededRange, VibrationLimit]],
     findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]],
     rule: BarredRangeRule,
+    running_range: tuple[float, float],
 ) -> BarredRange:
     low, high = min(item[0] for item in group), max(item[1] for item in group)
     names = tuple(dict.fromkeys(item[3].name for item in group))
     refusals, remarks = [], []
-    ends = [
-        rule.highest if item[3].passing is None else min(item[3].passing.high, np.inf)
-        for item in group
-    ]
-    end = min(rule.highest if np.isinf(one) else one for one in ends)
+    if low <= running_range[0] and running_range[1] <= high:
+        refusals.append("it leaves no speed to run at")
+    end = min(rule.highest_by(item[3]) for item in group)
     if high > end:
         refusals.append(
             f"it reaches {high / rule.rated_speed:.2f} of the rated speed, and nothing may be barred "
@@ -301,6 +315,16 @@ def _crossing(speeds: FloatArray, used: FloatArray, place: int, step: int) -> fl
         return float(speeds[other])
     share = (1.0 - outside) / (inside - outside)
     return float(speeds[other] + share * (speeds[place] - speeds[other]))
+
+
+def _peaks_to(speeds: FloatArray, used: FloatArray, highest: float) -> tuple[float, ...]:
+    """Return the speeds of the local maxima up to a speed, and of the one to which that is a flank."""
+    peaks = _peaks(speeds, used)
+    within = tuple(peak for peak in peaks if peak <= highest)
+    beyond = peaks[len(within) :]
+    place = int(np.count_nonzero(speeds <= highest))
+    rises = beyond and used[place] > used[place - 1]
+    return (*within, beyond[0]) if rises else within
 
 
 def _peaks(speeds: FloatArray, used: FloatArray) -> tuple[float, ...]:

@@ -13,13 +13,10 @@ from dynamics.chains.chain import Chain
 from dynamics.checks import FloatArray, nonnegative_vector, positive_vector
 from geometry.quantity import show_quantity
 
-# Share of the excitation's frequency by which a torsional natural frequency should differ from it.
+# Share of the excitation's frequency by which a torsional natural frequency should differ from it: as
+# recommended by API 617, quoted by Q. Wang, T. D. Feese, B. C. Pettinato, Torsional natural frequencies:
+# measurement vs. prediction, 41st Turbomachinery Symposium, Houston 2012.
 USUAL_MARGIN = 0.10
-MARGIN_SOURCE = (
-    "10 % as recommended by API for torsional natural frequencies (API 617), quoted by Q. Wang, "
-    "T. D. Feese, B. C. Pettinato, Torsional natural frequencies: measurement vs. prediction, 41st "
-    "Turbomachinery Symposium, Houston 2012"
-)
 
 
 @dataclass(frozen=True)

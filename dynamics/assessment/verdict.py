@@ -33,10 +33,9 @@ class LimitCheck:
     ----------
     limit : VibrationLimit
     curve : AmplitudeCurve
-    running : bool
-        Whether any speed at which the engine runs was judged.
     worst_speed : float
-        Where most of the limit is used, among the speeds at which the engine runs [rad/s].
+        Where most of the limit is used, among the speeds judged: from the lowest at which the engine
+        runs to the highest, or to the end of the limit's rule above it [rad/s].
     worst_value, permitted : float
         Amplitude there (inf if unbounded) and what is permitted, in the unit of the limit.
     remarks : tuple of str

@@ -51,8 +51,6 @@ class AssembledShaft:
         Directions in which dashpots act.
     positions : (n + 1,) array
         Places of the sections along the shaft, from section 0 [m].
-    crank_radii : (p,) array
-        Distance of each pin from the shaft axis [m].
     pin_throws : (p,) array of int
         Throw of each pin.
     names : tuple of str
@@ -72,7 +70,6 @@ class AssembledShaft:
     added_inertia: FloatArray
     dashpots: FloatArray = field(repr=False)
     positions: FloatArray
-    crank_radii: FloatArray
     pin_throws: tuple[int, ...]
     names: tuple[str, ...]
 
@@ -184,7 +181,6 @@ def assemble_crankshaft(
         added_inertia=np.array([ring.inertia for ring in rings]),
         dashpots=np.array(springs.dashpots).reshape(-1, size)[:, kept],
         positions=starts,
-        crank_radii=np.concatenate([np.hypot(*throw.pins[:, :2].T) for throw in throws]),
         pin_throws=tuple(
             number for number, throw in enumerate(throws) for _ in range(len(throw.pins))
         ),

@@ -327,6 +327,12 @@ def test_names_that_text_cannot_hold():
     for name in ("two  spaces", "a # b", " a", ""):
         with pytest.raises(InputError, match="names: given"):
             write_chain_text(Chain([1.0], [], names=[name]), "axial")
+        if name:
+            with pytest.raises(InputError, match=r"^name: given"):
+                write_chain_text(Chain([1.0], []), "axial", name)
+    for title in ("one\ntwo", "one\x85two"):
+        with pytest.raises(InputError, match=r"^name: given"):
+            write_chain_text(Chain([1.0], []), "axial", title)
     with pytest.raises(InputError, match="kind: given 'bending'"):
         write_chain_text(Chain([1.0], []), "bending")
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from crankfem.data_files import data_folder
-from crankfem.engine_file import load_throw
 from crankfem.pictures import solid_picture
 from crankfem.pictures.drawing import draw_throw, write_drawing
+from crankfem.throw_file import load_throw
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
 

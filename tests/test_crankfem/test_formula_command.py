@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from crankfem import data_files, formula_spread
-from crankfem.engine_file import load_throw
 from crankfem.formula_records import fe_axial
 from crankfem.formula_spread import EngineSpread, Ratio, formula_spreads
 from crankfem.pictures.formula_plots import plot_angle_factors, plot_formulas
+from crankfem.throw_file import load_throw
 from fem.analysis import analyze_throw
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow

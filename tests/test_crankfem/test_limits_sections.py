@@ -54,6 +54,8 @@ def test_rules_are_picked():
     assert shaft.name == "torsional stress of flywheel - propeller"
     assert shaft.continuous.at(speed) == pytest.approx([61.83e6], abs=5e3)
     assert section.barred_rule(100.0).highest == pytest.approx(70.0)
+    assert section.barred_rule(100.0).highest_by(shaft) == pytest.approx(70.0)
+    assert LimitsInput().barred_rule(100.0).highest_by(shaft) == pytest.approx(80.0)
     genset = section.model_copy(update={"crankshaft_rule": "KR generator set"})
     found = genset.limits(100.0, strokes=4)["crankshaft_stress"]
     assert found.continuous.at(np.array([100.0])) == pytest.approx([28e6])  # 21 * 4/3

@@ -16,8 +16,9 @@ from crankfem.commands import optimum as optimum_command
 from crankfem.commands.lookup import lookup
 from crankfem.commands.optimum import optimum
 from crankfem.data_files import engine_path
-from crankfem.engine_file import load_engine, load_throw
+from crankfem.engine_file import load_engine
 from crankfem.frequency_limits import EngineFrequencies, frequency_limit
+from crankfem.throw_file import load_throw
 from dynamics.chains.engine_chains import axial_chain
 from geometry.errors import InputError
 from regression.fits.fits import fit_form

@@ -2,12 +2,11 @@ import doctest
 import importlib
 import pkgutil
 import re
-import runpy
 from pathlib import Path
 
 import pytest
 
-from crankfem.engine_file import load_throw
+from crankfem.throw_file import load_throw
 from fem import fillet_stress
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -69,14 +68,6 @@ def modules():
 def test_examples_in_docstrings(name):
     result = doctest.testmod(importlib.import_module(name))
     assert result.failed == 0
-
-
-def test_the_page_of_engine_files_is_made_from_the_declarations():
-    builder = ROOT / "docs" / "build_engine_files.py"
-    if not builder.is_file():
-        pytest.skip("the documentation's sources are not here")
-    made = runpy.run_path(str(builder))
-    assert made["page"]() == (ROOT / "docs" / "engine-files.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.skipif(not (ROOT / "README.md").is_file(), reason="no README here")

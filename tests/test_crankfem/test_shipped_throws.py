@@ -6,8 +6,9 @@ import re
 import pytest
 
 from crankfem.data_files import engine_path, shipped_engines
-from crankfem.engine_file import load_engine, load_throw
+from crankfem.engine_file import load_engine
 from crankfem.mechanism_file import load_mechanism
+from crankfem.throw_file import load_throw
 from crankfem.toml_file import read_toml
 from fem.material import Material
 from geometry.shaft_ends import ShaftEnds

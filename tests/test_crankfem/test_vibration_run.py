@@ -16,7 +16,8 @@ from crankfem.vibration.forced import nominal_section_modulus
 from crankfem.vibration.forced_records import forced_record, write_forced
 from crankfem.vibration.records import run_record
 from crankfem.vibration.run import engine_vibration
-from crankfem.vibration.run_up import parse_duration, run_up, run_up_record
+from crankfem.vibration.run_up import parse_duration, run_up
+from crankfem.vibration.run_up_records import run_up_record
 from dynamics.excitation.on_chains import axial_excitation
 from dynamics.response.forced import forced_response
 from dynamics.torque.torque import engine_torque
@@ -133,6 +134,8 @@ def test_forced_vibration_of_an_engine(run):
     whole = engine_torque(mechanism.layout, speed, mechanism.pressure).harmonics()
     own = np.abs(torsional.forces.torque[:, place].sum(axis=1))
     assert own == pytest.approx(whole.amplitude[: own.size], rel=1e-6, abs=1e-6 * own.max())
+    # Rules of limits go on to 1.15 of the rated speed.
+    assert torsional.response.speeds[-1] >= 1.15 * engine.rated_speed * (1.0 - 1e-12)
     # Stress is torque over the weaker section, whose pin of 180 mm is solid.
     modulus = math.pi * 0.18**3 / 16.0
     assert nominal_section_modulus(run.engine_file.throw) == pytest.approx(modulus)
@@ -143,6 +146,17 @@ def test_forced_vibration_of_an_engine(run):
     assert max(torsional.resonances, key=lambda one: one.severity).order == 12.0
     # In phase on a rigid shaft, which the first mode resembles but is not.
     assert [one.order for one in torsional.resonances if one.kind == "major"] == [12.0]
+
+
+@pytest.mark.slow
+def test_exciting_forces_do_not_depend_on_the_chains_compliances(coarse, run):
+    engine = run.engine_file
+    settings = engine.vibration.model_copy(update={"axial_source": "fe pinned"})
+    pinned = engine_vibration(replace(engine, vibration=settings), analysis=coarse)
+    assert pinned.axial.chosen.source == "fe pinned"
+    own, other = (one.forced_axial.response.excitation.forces[:, 0] for one in (run, pinned))
+    # Of the two, radial forces and torsion, neither is negligible; round-off.
+    assert own == pytest.approx(other, rel=1e-9, abs=1e-9 * np.abs(own).max())
 
 
 @pytest.mark.slow
@@ -214,8 +228,22 @@ def test_limits_of_a_file_are_judged(coarse, tmp_path):
 @pytest.mark.slow
 def test_uncertain_values_widen_the_critical_speeds(coarse, tmp_path):
     text = "[ranges]\ninertia = [0.9, 1.1]\nsamples = 4\n\n[gas]\n"
-    found = engine_vibration(written(tmp_path, text), analysis=coarse).assessment
+    given = engine_vibration(written(tmp_path, text), analysis=coarse)
+    found, engine = given.assessment, given.engine_file.engine
     torsional = found.torsional
+    # Twice the estimated error of the finite elements is possible.
+    assert torsional.spreads[0].high == pytest.approx(1.0 + 2.0 * coarse.error_estimate)
+    assert found.axial.spreads[0].name == "error of the finite elements"
+    assert "that of the axial compliance" in torsional.spreads[0].name
+    assert any("excitation by torsion of the nominal chain" in text for text in found.remarks)
+    # Nominal samples are the response itself at running speeds; torsion is larger outside.
+    for kind, forced in ((found.axial, given.forced_axial), (torsional, given.forced_torsional)):
+        free_end = forced.free_end
+        amplitude = free_end.synthesis.amplitude[:, 0]
+        runs = (free_end.speeds >= engine.lowest_speed) & (free_end.speeds <= engine.highest_speed)
+        # The grid of speeds differs by the damped resonances that samples add.
+        assert kind.amplitudes.nominal == pytest.approx(amplitude[runs].max(), rel=1e-3)
+    assert torsional.amplitudes.nominal < 0.9 * amplitude.max()
     # The flywheel's inertia matters little to the first mode: nearly the root of the factor.
     assert torsional.nominal[0] / torsional.lowest[0] == pytest.approx(1.1**0.5, rel=0.06)
     assert torsional.amplitudes.values.shape == (4,)
@@ -236,7 +264,11 @@ def test_a_failing_cylinder_wakes_the_half_orders(coarse, run, tmp_path):
 
 
 @pytest.mark.slow
-def test_vibration_command(call, tmp_path):
+def test_vibration_command(call, monkeypatch, tmp_path):
+    monkeypatch.setattr(
+        "crankfem.vibration.run.analyze_throw",
+        lambda throw, material: analyze_throw(throw, material, 0.1),
+    )
     answer = call("vibration", "8chn13-14", "--csv", tmp_path / "csv", "--pictures", tmp_path / "p")
     words = " ".join(answer.out.split())
     assert "Torsional resonances in the running range" in words

@@ -22,11 +22,13 @@ from crankfem.vibration.chains import (
 )
 from crankfem.vibration.run import engine_vibration
 from crankfem.vibration.sources import compliances_in_shaft
+from crankfem.vibration.whole_records import whole_record
 from crankfem.vibration.whole_shaft import (
     highest_exciting_frequency,
     shaft_response,
     whole_shaft,
 )
+from dynamics.chains.chain import Chain
 from dynamics.crankshaft.shaft_system import crankshaft_system
 from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
@@ -42,6 +44,12 @@ def engine(request):
     engine_file = load_engine(request.param)
     analysis = analyze_throw(engine_file.throw, engine_file.material, 0.1)
     return engine_file, analysis, whole_shaft(engine_file, analysis)
+
+
+@pytest.fixture(scope="module")
+def six():
+    engine_file = load_engine("6chn25-34")
+    return engine_file, analyze_throw(engine_file.throw, engine_file.material, 0.1)
 
 
 def chain_of(engine_file, analysis):
@@ -93,6 +101,8 @@ def test_whole_shaft_of_an_engine(engine, tmp_path):
     assert np.all(whole.rotation_ratios[:3] > 0.01)
     # Everything at once: forces of the engine, whole shaft, chains, pictures.
     found = engine_vibration(engine_file, analysis=analysis, coupled=True).comparison
+    # Modes of the chain up to the highest exciting frequency are compared, not only the first.
+    assert len(found.axial.modes) == {"6chn25-34": 2, "8chn13-14": 1}[engine_file.path.stem]
     split = found.coupled.split("section 0 uz")
     assert split.both_sum.max() > 1e-6
     # Torsion shows in axial motion: tangential forces alone move the free end along the shaft.
@@ -131,3 +141,51 @@ def test_leaving_modes_out_changes_no_answer(engine):
         fewer, every = (answer.motion(point) for answer in answers)
         assert np.abs(fewer - every).max() < 1e-3 * np.abs(every).max()
     assert whole.highest_frequency == highest_exciting_frequency(engine_file)
+
+
+@pytest.mark.slow
+def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, tmp_path):
+    """All angles with the other sign: the mirror image, which turns against z.
+
+    The throw is its own mirror image and its mesh is too, so that only round-off remains, larger by the
+    condition of the static equations.
+    """
+    engine_file, analysis = six
+    text = engine_file.path.read_text(encoding="utf-8")
+    start = text.index("crank_angles")
+    end = text.index("\n", start)
+    mirrored = text[start:end].replace('"120 deg"', '"-120 deg"').replace('"240 deg"', '"-240 deg"')
+    path = tmp_path / "mirrored.toml"
+    path.write_text(text[:start] + mirrored + text[end:], encoding="utf-8")
+    runs = [engine_vibration(own, analysis=analysis, coupled=True) for own in (engine_file, path)]
+    senses = [run.engine_file.engine.turning_sense for run in runs]
+    assert senses[0] == -senses[1]
+    for peaks in zip(*(_peaks(run) for run in runs), strict=True):
+        assert peaks[1] == pytest.approx(peaks[0], rel=1e-6)
+
+
+def _peaks(run):
+    """Largest amplitudes of the free end, by the chains and by the whole shaft."""
+    split = run.comparison.coupled.split("section 0 uz")
+    return (
+        run.forced_torsional.free_end.synthesis.amplitude.max(),
+        run.forced_axial.free_end.synthesis.amplitude.max(),
+        split.tangential_sum.max(),
+        split.radial_sum.max(),
+        split.both_sum.max(),
+    )
+
+
+@pytest.mark.slow
+def test_chains_with_more_behind_the_flywheel_are_not_compared(six, monkeypatch):
+    engine_file, analysis = six
+    line = Chain([1000.0, 500.0], [1e9], names=["flange", "propeller"])
+    longer = replace(engine_file, shaft_lines={"axial": line})
+    whole = whole_shaft(longer, analysis)
+    assert any("[shaft_line] are left out" in remark for remark in whole.remarks)
+    monkeypatch.setattr("crankfem.vibration.run.whole_shaft", lambda *_: whole)
+    run = engine_vibration(longer, analysis=analysis, coupled=True)
+    assert (run.comparison.axial, run.comparison.torsional) == (None, None)
+    record = whole_record(run.whole, run.comparison)
+    assert record["chains"] == {}
+    assert record["axial_split"]["both"] > 1e-6
