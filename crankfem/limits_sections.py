@@ -175,6 +175,13 @@ class LimitsInput(InputModel):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
+        elements = [shaft.element for shaft in self.shafts]
+        for place, element in enumerate(elements):
+            if element in elements[:place]:
+                raise InputError(
+                    f"limits.shafts[{place}].element: given {element!r} a second time; allowed is each "
+                    "element once, because it has one limit."
+                )
         if self.crankshaft_rule not in CRANKSHAFT_RULES:
             raise InputError(
                 f"limits.crankshaft_rule: given {self.crankshaft_rule!r}; allowed are "

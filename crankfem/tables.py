@@ -102,8 +102,8 @@ def _vector(values: list[float]) -> str:
     return "  ".join(f"{round(value / 1e3, 3) + 0.0:.3f}" for value in values)
 
 
-def print_vibration(record: dict[str, Any]) -> None:
-    """Print modes, critical speeds and the first frequencies by source."""
+def print_vibration(record: dict[str, Any], *, forced: bool = False) -> None:
+    """Print modes, the first frequencies by source, and critical speeds unless forced vibration has them."""
     print_table(
         f"{record['kind'].capitalize()} modes (compliances: {record['source']})",
         ["mode", "frequency [Hz]", "[1/min]", "nodes at:"],
@@ -123,20 +123,21 @@ def print_vibration(record: dict[str, Any]) -> None:
         soft_wrap=True,
         highlight=False,
     )
-    print_table(
-        f"{record['kind'].capitalize()} critical speeds in the running range",
-        ["speed [1/min]", "order", "mode", "frequency [Hz]", "phase sum"],
-        [
+    if not forced:
+        print_table(
+            f"{record['kind'].capitalize()} critical speeds in the running range",
+            ["speed [1/min]", "order", "mode", "frequency [Hz]", "phase sum"],
             [
-                f"{c['speed_rpm']:.1f}",
-                f"{c['order']:g}",
-                str(c["mode"]),
-                f"{c['frequency']:.2f}",
-                f"{c['phase_sum']:.3f}",
-            ]
-            for c in record["criticals"]
-        ],
-    )
+                [
+                    f"{c['speed_rpm']:.1f}",
+                    f"{c['order']:g}",
+                    str(c["mode"]),
+                    f"{c['frequency']:.2f}",
+                    f"{c['phase_sum']:.3f}",
+                ]
+                for c in record["criticals"]
+            ],
+        )
     print_table(
         f"First {record['kind']} frequencies by source of the compliances",
         ["source", "frequencies [Hz]", "first beside chosen"],

@@ -148,6 +148,7 @@ def _plot_free_end(
         0,
         "twist" if torsional else "displacement",
         limits=_limits(assessment, forced, f"{forced.kind}_amplitude"),
+        barred=_barred(assessment),
         title=f"{engine}, {forced.kind} vibration of the free end",
     )
 
@@ -162,9 +163,14 @@ def _plot_stress(path: Path, forced: ForcedVibration, assessment: Assessment, en
         worst,
         "stress",
         limits=_limits(assessment, forced, "crankshaft_stress"),
-        barred=[(one.low, one.high) for one in assessment.verdict.barred if one.allowed],
+        barred=_barred(assessment),
         title=f"{engine}, nominal torsional stress",
     )
+
+
+def _barred(assessment: Assessment) -> list[tuple[float, float]]:
+    """Return the speed ranges that may be barred, whatever limit asks for them [rad/s]."""
+    return [(one.low, one.high) for one in assessment.verdict.barred if one.allowed]
 
 
 def _limits(assessment: Assessment, forced: ForcedVibration, name: str) -> dict[str, FloatArray]:

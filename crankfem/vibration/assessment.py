@@ -164,6 +164,10 @@ def _limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], tuple[s
         )
     if engine_file.ranges is not None:
         remarks.append(NOT_SAMPLED)
+    remarks.append(
+        f"orders above {engine_file.vibration.highest_order:g} are not calculated, nor judged "
+        "(vibration.highest_order)"
+    )
     return found, tuple(remarks)
 
 

@@ -80,16 +80,17 @@ def _print_uncertainty(kind: str, record: dict[str, Any]) -> None:
             f"{kind.capitalize()}: {spread['name']} {spread['low']:.3g} to {spread['high']:.3g} times the "
             "value used"
         )
+    count = len(record["critical"])
     print_table(
-        f"{kind.capitalize()} critical speeds with what is uncertain, the first "
-        f"{min(ROWS_SHOWN, len(record['critical']))} of {len(record['critical'])}",
+        f"{kind.capitalize()} critical speeds with what is uncertain, and their margin to running speeds"
+        + (f", the first {ROWS_SHOWN} of {count}" if count > ROWS_SHOWN else ""),
         ["mode", "order", "speed [1/min]", "lowest", "highest", "margin [%]"],
         [
             [
                 str(one["mode"]),
                 f"{one['order']:g}",
                 *(f"{one[name]:.1f}" for name in ("speed_rpm", "low_rpm", "high_rpm")),
-                "met" if one["margin"] == 0.0 else f"{100.0 * one['margin']:.1f}",
+                "none" if one["margin"] == 0.0 else f"{100.0 * one['margin']:.1f}",
             ]
             for one in record["critical"][:ROWS_SHOWN]
         ],

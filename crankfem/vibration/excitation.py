@@ -14,7 +14,7 @@ from crankfem.excitation_input import (
 )
 from crankfem.mechanism_file import MechanismFile
 from crankfem.vibration.modes import SourceResult
-from dynamics.chains.engine_chains import EngineChain
+from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.critical import engine_orders
 from dynamics.excitation.axial_comparison import AxialForceComparison, compare_axial_forces
 from dynamics.excitation.combined import combined_excitation
@@ -167,6 +167,27 @@ def excitation_along_shaft(
         twisted, cranks, axial.chain, axial.compliances, scale * influence
     )
     return combined_excitation(by_radial, by_torque), ()
+
+
+def acting_remarks(engine_file: EngineFile, kind: Kind) -> tuple[str, ...]:
+    """Say what excites beside cylinders that fire as one diagram tells."""
+    found = []
+    if engine_file.misfire is not None:
+        numbers = ", ".join(str(number) for number in engine_file.misfire.cylinders)
+        found.append(
+            f"cylinder {numbers}: {100.0 * engine_file.misfire.missing_share:.3g} % of the combustion is "
+            "missing"
+        )
+    if engine_file.gas_map is not None:
+        count = len(engine_file.gas_map.points)
+        beside = "" if engine_file.gas is None else ", in place of the section [gas]"
+        found.append(f"the cylinders' pressure follows a map of {count} diagrams{beside}")
+    given = engine_file.propeller_forces
+    if given is not None and (given.torque_shares if kind == "torsional" else given.thrust_shares):
+        found.append(
+            f"the propeller's {'torque' if kind == 'torsional' else 'thrust'} varies at node {given.node}"
+        )
+    return tuple(found)
 
 
 def with_propeller(

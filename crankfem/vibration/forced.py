@@ -1,6 +1,6 @@
 """Forced vibration of an engine's chains over its speeds, under the forces of its cylinders."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from crankfem.engine_file import EngineFile
 from crankfem.vibration.chains import damped_engine_chain
 from crankfem.vibration.excitation import (
     Frequencies,
+    acting_remarks,
     compared_axial_forces,
     excitation_along_shaft,
     forces_over_speeds,
@@ -15,6 +16,7 @@ from crankfem.vibration.excitation import (
 )
 from crankfem.vibration.modes import Vibration
 from dynamics.chains.engine_chains import EngineChain
+from dynamics.critical import major_orders
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces
@@ -135,19 +137,18 @@ def forced_vibrations(
         chains[0], with_propeller(engine_file, axial.chosen.chain, pressed)
     )
     loads = element_loads(twisted)
-    running = (engine_file.engine.lowest_speed, engine_file.engine.highest_speed)
     return (
         ForcedVibration(
             kind="axial",
             engine_chain=axial.chosen.chain,
             damping=chains[0].record,
-            remarks=remarks,
+            remarks=(*acting_remarks(engine_file, "axial"), *remarks),
             forces=forces,
             response=lengthened,
             loads=element_loads(lengthened),
             stress=None,
             power=power_balance(lengthened),
-            resonances=resonances(lengthened, 0, speed_range=running),
+            resonances=_resonances(engine_file, lengthened),
             axial_forces=compared_axial_forces(
                 forces, axial.chosen.compliances, shaft, analysis, engine_file.pins
             ),
@@ -156,15 +157,26 @@ def forced_vibrations(
             kind="torsional",
             engine_chain=cranks,
             damping=chains[1].record,
-            remarks=(),
+            remarks=acting_remarks(engine_file, "torsional"),
             forces=forces,
             response=twisted,
             loads=loads,
             stress=alternating_stress(loads, _sections(engine_file.throw, cranks)),
             power=power_balance(twisted),
-            resonances=resonances(twisted, 0, speed_range=running),
+            resonances=_resonances(engine_file, twisted),
             axial_forces=None,
         ),
+    )
+
+
+def _resonances(engine_file: EngineFile, response: ForcedResponse) -> tuple[Resonance, ...]:
+    """Resonances at running speeds; major are those of orders in which all cylinders fire in phase."""
+    engine = engine_file.engine
+    major = major_orders(response.orders, engine.firing_angles)
+    found = resonances(response, 0, speed_range=(engine.lowest_speed, engine.highest_speed))
+    return tuple(
+        replace(one, kind="major" if np.any(np.isclose(major, one.order)) else "minor")
+        for one in found
     )
 
 

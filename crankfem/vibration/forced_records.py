@@ -77,9 +77,10 @@ def print_forced(record: dict[str, Any]) -> None:
     for line in (*record["damping"], *record["remarks"]):
         output.print(f"{kind.capitalize()}: {line}", soft_wrap=True, highlight=False)
     worst = sorted(record["resonances"], key=lambda one: -one["severity"])[:ROWS_SHOWN]
+    count = len(record["resonances"])
     print_table(
-        f"{kind.capitalize()} resonances in the running range, the {len(worst)} most severe of "
-        f"{len(record['resonances'])}",
+        f"{kind.capitalize()} resonances in the running range"
+        + (f", the {ROWS_SHOWN} most severe of {count}" if count > ROWS_SHOWN else ""),
         ["speed [1/min]", "order", "mode", f"{free_end['node']} [{unit}]", "by magnifier", "kind:"],
         [
             [

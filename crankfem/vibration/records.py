@@ -30,7 +30,7 @@ def run_record(run: EngineVibration) -> Record:
 def print_run(record: dict[str, Any]) -> None:
     """Print everything, the verdict last."""
     for kind in ("axial", "torsional"):
-        tables.print_vibration(record[kind])
+        tables.print_vibration(record[kind], forced=record["forced"] is not None)
         if record["forced"] is not None:
             print_forced(record["forced"][kind])
     if record["whole"] is not None:
