@@ -191,9 +191,17 @@ def cylinder_harmonics(
         if inertia
         else np.zeros((kept.size, cylinders, 2), dtype=np.complex128),
         takes_load=any(source.takes_load for source in sources),
-        one_diagram="pressure diagram" if any(own.at_all_speeds for own in sources) else "",
+        one_diagram=_one_diagram([own.at_all_speeds for own in sources]),
         remarks=tuple(dict.fromkeys(text for source in sources for text in source.remarks)),
     )
+
+
+def _one_diagram(at_all_speeds: Sequence[bool]) -> str:
+    """Say what serves all speeds: the pressure of all cylinders, that of some, or nothing."""
+    if at_all_speeds and all(at_all_speeds):
+        return "pressure diagram"
+    some = [str(number) for number, own in enumerate(at_all_speeds, start=1) if own]
+    return f"pressure diagram of cylinder {', '.join(some)}" if some else ""
 
 
 def throw_of_each(engine: EngineLayout, throws: Sequence[int] | None) -> tuple[int, ...]:

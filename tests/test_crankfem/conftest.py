@@ -4,6 +4,7 @@ import re
 import subprocess
 import sys
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ import pytest
 
 from crankfem import cli
 from crankfem.data_files import engine_path
+from fem.analysis import analyze_throw
+from geometry.errors import MissingLibraryError
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel, ResponseModel
 from regression.plans.designs import full_factorial
@@ -117,6 +120,30 @@ def call(monkeypatch, capsys):
         return Answer(code, captured.out, captured.err)
 
     return run
+
+
+analyzed = cache(analyze_throw)
+
+
+class NotRendered:
+    """The rendering of a machine without an OpenGL library."""
+
+    def __init__(self, *_):
+        pass
+
+    def wait(self):
+        raise MissingLibraryError("there is no OpenGL library")
+
+    def stop(self):
+        pass
+
+
+@pytest.fixture
+def lightly(monkeypatch):
+    """Let runs in this process share the analyses of their throws, and render nothing."""
+    for module in ("crankfem.pipeline", "crankfem.vibration.run"):
+        monkeypatch.setattr(f"{module}.analyze_throw", analyzed)
+    monkeypatch.setattr("crankfem.pipeline.Rendering", NotRendered)
 
 
 @pytest.fixture

@@ -32,10 +32,6 @@ THROWS = {
     "half": {"right_web": {"thickness": 0.055}, "pin_fillet_radius": 0.0},
     "full": {"further_pins": [{"angle": math.radians(30.0), "web_thickness": 0.0}]},
 }
-# As coarse as can be: nothing here depends on how accurate the stresses are.
-COARSELY = {"BULK": 2.5, "COARSE": 1.0, "COARSEST": 0.5, "FINE": 1.5, "MOST_MESHES": 2}
-
-
 # A throw without symmetry takes seconds.
 PARTS = ["quarter", "half", pytest.param("full", marks=pytest.mark.slow)]
 
@@ -52,11 +48,11 @@ class Made(dict):
 
 
 @pytest.fixture(scope="module")
-def found(dimensions):
+def found(dimensions, coarse_stresses):
     def stresses(part):
         throw = CrankThrow(**dimensions, **THROWS[part])
         with pytest.MonkeyPatch.context() as patch:
-            for name, value in COARSELY.items():
+            for name, value in coarse_stresses.items():
                 patch.setattr(fillet_stress, name, value)
             return fillet_stresses(throw, accuracy=0.2, mesher=mesh_throw)
 

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -129,8 +130,9 @@ def rigid_motions(throw):
 
 @pytest.fixture(scope="session")
 def axial_compliance():
-    """e_n pinned of a throw on a mesh of a given size factor: one class, one solve."""
+    """e_n pinned of a throw on a mesh of a given size factor: one class, one solve, made once."""
 
+    @cache
     def compute(throw, size_factor=1.3, material=STEEL):
         mesh = mesh_throw(throw, size_factor)
         matrix = assemble_stiffness(mesh.points, mesh.elements, material)

@@ -157,25 +157,33 @@ def test_times_are_told(analysis):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("radius", "finest"),
-    [(None, 0.002), (0.040, 0.002), (0.0, 0.005)],
+    ("radius", "accuracies", "finest"),
+    [
+        (None, (0.1, 0.02, 0.005), 0.002),
+        (0.040, (0.1, 0.02, 0.005), 0.002),
+        (0.0, (0.1, 0.02), 0.0025),
+    ],
     ids=["usual", "large", "sharp"],
 )
-def test_error_estimate_covers_the_true_error(dimensions, radius, finest):
-    """The truth is extrapolated by energies from meshes finer than those that are judged."""
+def test_error_estimate_covers_the_true_error(dimensions, radius, accuracies, finest):
+    """The truth is extrapolated by energies from meshes finer than those that are judged.
+
+    It is off by 1.4e-5 with fillets and by 2.3e-4 with sharp corners, as still finer meshes say: by 1 % of
+    the least error that is judged at most.
+    """
     throw = CrankThrow(**dimensions | ({} if radius is None else {"fillet_radius": radius}))
     problem = Problem(STEEL, "auto", "rigid", Stopwatch())
-    first = solve_to(throw, finest, problem)
-    sizes = refined_sizes(first.mesh, first.errors, 0.5 * finest)
+    judged = [solve_to(throw, accuracy, problem) for accuracy in accuracies]
+    sizes = refined_sizes(judged[-1].mesh, judged[-1].errors, finest)
     coarser, finer = (
         solve_level(mesh_throw(throw, factor, sizes=sizes), problem) for factor in (1.0, 0.75)
     )
+    assert finer.error_estimate < 0.5 * judged[-1].error_estimate
     shrunk = coarser.error_estimate / finer.error_estimate
     truth = finer.axial + (finer.axial - coarser.axial) / (shrunk - 1.0)
-    for accuracy in (0.1, 0.02, 0.005) if finest < 0.005 else (0.1, 0.02):
-        found = analyze_throw(throw, accuracy=accuracy)
-        error = 1.0 - found.axial_compliance() / truth
-        assert found.accuracy_met
+    for accuracy, found in zip(accuracies, judged, strict=True):
+        error = 1.0 - found.axial / truth
+        assert found.error_estimate <= accuracy
         assert error <= 1.5 * found.error_estimate
         assert found.error_estimate <= 2.0 * error
         assert error <= accuracy

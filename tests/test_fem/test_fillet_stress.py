@@ -408,11 +408,9 @@ def test_sizes_grow_from_where_they_are_small(mesh):
 
 
 @pytest.fixture
-def coarsely(monkeypatch):
+def coarsely(monkeypatch, coarse_stresses):
     """Meshes as coarse as can be, for what does not depend on accuracy."""
-    for name, value in {
-        "BULK": 2.5, "COARSE": 1.0, "COARSEST": 0.5, "FINE": 1.5, "MOST_MESHES": 2
-    }.items():  # fmt: skip
+    for name, value in coarse_stresses.items():
         monkeypatch.setattr(fillet_stress, name, value)
 
 
@@ -486,8 +484,12 @@ def test_refuses_fillets_too_small_for_the_budget(monkeypatch, dimensions):
 
 @pytest.mark.slow
 def test_estimates_hold_against_a_finer_mesh(dimensions):
-    """The finer run's own estimate is added: it is no exact value either."""
-    throw = CrankThrow(**dimensions)
+    """The finer run's own estimate is added: it is no exact value either.
+
+    Large fillets have large elements, so few that even the finer mesh is soon solved. What is left of the
+    room is as little as with fillets of 12 mm: the largest differences take 0.39 of it, there 0.32.
+    """
+    throw = CrankThrow(**dimensions | {"fillet_radius": 0.018})
     usual = fillet_stresses(throw, mesher=mesh_throw)
     finer = fillet_stresses(throw, accuracy=0.02, mesher=mesh_throw)
     assert usual.accuracy_met

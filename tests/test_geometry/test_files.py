@@ -17,7 +17,7 @@ from geometry.throw_sections import FurtherPin, Web
 
 @pytest.fixture(scope="module")
 def mesh(dimensions):
-    return mesh_throw(CrankThrow(**dimensions, pin_bore=0.06), 1.5, "full")
+    return mesh_throw(CrankThrow(**dimensions, pin_bore=0.06), 2.0, "full")
 
 
 @pytest.mark.parametrize("ending", [".vtu", ".vtk", ".inp", ".med", ".msh"])

@@ -696,15 +696,19 @@ def axial_compliance(mesh):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("change", "order"), [({}, 1.6), ({"fillet_radius": 0.0}, 1.0), (BORED, 1.6)]
+    ("change", "order", "factors"),
+    [({}, 1.6, (1.5, 1.0)), ({"fillet_radius": 0.0}, 1.0, (1.5, 1.0)), (BORED, 1.6, (1.2, 0.8))],
 )
-def test_the_compliance_is_that_of_the_throw(dimensions, folder, change, order):
-    """Both converge to one value: their errors, estimated from two meshes each, cover the rest."""
+def test_the_compliance_is_that_of_the_throw(dimensions, folder, change, order, factors):
+    """Both converge to one value: their errors, estimated from two meshes each, cover the rest.
+
+    With bores the noise of coarse meshes is as large as what they differ by.
+    """
     throw = CrankThrow(**{**dimensions, **change})
     imported = import_throw(write(folder / "analyzed.step", step_text(throw)))
     results = []
     for make in (lambda f: mesh_imported_throw(imported, f), lambda f: mesh_throw(throw, f)):
-        coarse, fine = (axial_compliance(make(factor)) for factor in (1.2, 0.8))
+        coarse, fine = (axial_compliance(make(factor)) for factor in factors)
         ratio = coarse.factor / fine.factor
         results.append((fine.value, (fine.value - coarse.value) / (ratio**order - 1.0)))
     (ours, our_error), (theirs, their_error) = results

@@ -44,7 +44,7 @@ pytestmark = pytest.mark.skipif(
 )
 
 TOLERANCE = 1e-5
-SIZE_FACTOR = 3.0
+SIZE_FACTOR = 5.0
 SUPPORTS = ("pinned", "guided")
 # No component is zero, so that no part of the pins' loads goes unseen.
 PIN_FORCE = np.array([0.7, -1.0, 0.4])

@@ -22,7 +22,7 @@ Study of the angle between cranks: whole throws with sharp corners, 23,000 to 38
 import numpy as np
 import pytest
 
-from fem.analysis import analyze_throw
+from fem.analysis import analyze_axial, analyze_throw
 from fem.superelement import RX, RY, RZ, UZ
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow
@@ -50,7 +50,7 @@ def reference_throw(web_thickness=0.068, fillet_radius=0.0):
 
 @pytest.fixture(scope="module")
 def sharp():
-    return analyze_throw(reference_throw(), accuracy=0.01)
+    return analyze_axial(reference_throw(), accuracy=0.01)
 
 
 @pytest.mark.slow
