@@ -22,18 +22,7 @@ def finite_array(field: str, values: ArrayLike) -> FloatArray:
     InputError
         If a value is not a real number, not finite, or the rows are of unequal length.
     """
-    try:
-        raw = np.asarray(values)
-    except ValueError:
-        raise InputError(
-            f"{field}: given rows of unequal length; allowed is one regular array of numbers, "
-            "because every value is used at its place."
-        ) from None
-    if raw.dtype.kind not in "iuf":
-        raise InputError(
-            f"{field}: given values of type {raw.dtype.name}; allowed are real numbers only, "
-            "because text and other types carry no value in SI units."
-        )
+    raw = _regular_array(field, values, "iuf", "real numbers only")
     array = np.array(raw, dtype=np.float64)
     if not np.all(np.isfinite(array)):
         place = np.argwhere(~np.isfinite(array))[0]
@@ -233,6 +222,18 @@ def complex_array(field: str, values: ArrayLike) -> ComplexArray:
     InputError
         If a value is no number, or the rows are of unequal length.
     """
+    raw = _regular_array(field, values, "iufc", "real and complex numbers")
+    return np.array(raw, dtype=np.complex128)
+
+
+def _regular_array(field: str, values: ArrayLike, kinds: str, allowed: str) -> NDArray[np.generic]:
+    """Return values as an array of one of numpy's kinds of numbers.
+
+    Raises
+    ------
+    InputError
+        If a value is of another kind, or the rows are of unequal length.
+    """
     try:
         raw = np.asarray(values)
     except ValueError:
@@ -240,12 +241,12 @@ def complex_array(field: str, values: ArrayLike) -> ComplexArray:
             f"{field}: given rows of unequal length; allowed is one regular array of numbers, "
             "because every value is used at its place."
         ) from None
-    if raw.dtype.kind not in "iufc":
+    if raw.dtype.kind not in kinds:
         raise InputError(
-            f"{field}: given values of type {raw.dtype.name}; allowed are real and complex numbers, "
+            f"{field}: given values of type {raw.dtype.name}; allowed are {allowed}, "
             "because text and other types carry no value in SI units."
         )
-    return np.array(raw, dtype=np.complex128)
+    return raw
 
 
 def place_of(field: str, given: object, names: Sequence[str], what: str, reason: str) -> int:

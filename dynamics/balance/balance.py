@@ -14,11 +14,10 @@ from dynamics.balance.cylinder_forces import (
 )
 from dynamics.balance.hodograph import Hodograph, hodograph_sum
 from dynamics.balance.moving_masses import MovingMasses, moving_masses
-from dynamics.checks import FloatArray, finite_array, positive_number
+from dynamics.checks import ComplexArray, FloatArray, finite_array, positive_number
 from dynamics.engine.layout import EngineLayout, check_places
 from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.orders import checked_orders
-from dynamics.mechanism.motion import ComplexArray
 from geometry.errors import InputError
 
 BalanceModel = Literal["rigid", "two-mass"]

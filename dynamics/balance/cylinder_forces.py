@@ -6,11 +6,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from dynamics.balance.hodograph import Hodograph
-from dynamics.checks import FloatArray
+from dynamics.checks import ComplexArray, FloatArray
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.orders import turn_spectrum
-from dynamics.mechanism.motion import ComplexArray
 
 # A force and where along the shaft it acts [m].
 PlacedForce = tuple[float, Hodograph]

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_array
+from dynamics.checks import ComplexArray, FloatArray, finite_array
 from dynamics.engine.orders import checked_orders
-from dynamics.mechanism.motion import ComplexArray
 from geometry.errors import InputError
 
 # An ellipse whose axes differ by less than this share is a circle; one so flat is a line.

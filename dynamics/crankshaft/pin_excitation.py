@@ -4,15 +4,12 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dynamics.checks import FloatArray, is_whole
+from dynamics.checks import ComplexArray, FloatArray, is_whole
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.response.excitation import OrderExcitation
 from geometry.errors import InputError
-
-ComplexArray = NDArray[np.complex128]
 
 
 class PinForces(Protocol):

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_array, finite_vector
+from dynamics.checks import ComplexArray, FloatArray, finite_array, finite_vector
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import CylinderMotion, cylinder_motion
-from dynamics.mechanism.motion import ComplexArray
 from dynamics.mechanism.rods import RodModel, RodModelName
 from geometry.errors import InputError
 

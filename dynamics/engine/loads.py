@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_vector, positive_number
+from dynamics.checks import ComplexArray, FloatArray, finite_vector, positive_number
 from dynamics.cycle import cycle_degrees, cycle_fault
 from dynamics.engine.forces import MechanismForces, pin_groups, summed
 from dynamics.engine.layout import check_places
-from dynamics.mechanism.motion import ComplexArray
 from geometry.errors import InputError
 
 FEWEST_ANGLES = 3

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from dynamics.checks import FloatArray
-from dynamics.mechanism.motion import ComplexArray
+from dynamics.checks import ComplexArray, FloatArray
 from geometry.errors import InputError
 
 

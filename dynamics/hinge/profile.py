@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dynamics.checks import FloatArray, nonnegative_number, positive_number, read_only
+from dynamics.checks import ComplexArray, FloatArray, nonnegative_number, positive_number, read_only
 from dynamics.cycle import even_angles
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.periodic import TURN, periodic_spline
 from dynamics.hinge.polar import check_roller, outer_parallel, polar_curvature, smallest_hollow
 from dynamics.hinge.spring import LEAST_COLUMN, GasSpring
-from dynamics.mechanism.motion import ComplexArray
 from geometry.errors import InputError
 
 if TYPE_CHECKING:

@@ -8,12 +8,9 @@ passes the top. Multiplication by exp(i a) turns a vector by a in the sense of r
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dynamics.checks import FloatArray
+from dynamics.checks import ComplexArray, FloatArray
 from geometry.errors import InputError
-
-ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dynamics.checks import FloatArray
+from dynamics.checks import ComplexArray, FloatArray
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion, reduced_inertia
 from dynamics.engine.orders import turn_spectrum
-from dynamics.mechanism.motion import ComplexArray
 from dynamics.mechanism.rods import RodModel
 
 # Samples that show how large a curve is, and the share of that which counts as nothing.
