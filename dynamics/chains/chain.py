@@ -147,6 +147,11 @@ class Chain:
             object.__setattr__(self, name, value)
         parts, _ = speed_ratios(self.connections, self.gears, count)
         check_connected(parts, self.dashpots)
+        if not np.all(inertias):
+            self._check_moving()
+
+    def _check_moving(self) -> None:
+        """Refuse a node that neither itself nor by elements and gears has any inertia."""
         expand = self.expansion()
         bare = np.diag(expand.T @ self.mass_matrix() @ expand) == 0.0
         if np.any(bare):
