@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from crankfem.chain_file import ChainFile
-from crankfem.console import number, output, print_table
+from crankfem.console import number, print_line, print_table
 from crankfem.record import Record
 
 # Modes and shares that tables show; records hold all.
@@ -62,14 +62,12 @@ def print_chain(record: dict[str, Any]) -> None:
             for mode in record["modes"][:MODES_SHOWN]
         ],
     )
-    output.print(
+    print_line(
         "Nodes at 2.37 are at 37 % of element 2, counted from 0; shares are those of kinetic and of strain "
         "energy.",
-        soft_wrap=True,
-        highlight=False,
     )
     for name, text in record["sources"].items():
-        output.print(f"[{name}] {text}", soft_wrap=True, highlight=False)
+        print_line(f"[{name}] {text}")
 
 
 def _largest(shares: dict[str, float]) -> str:

@@ -35,6 +35,11 @@ def print_json(content: object) -> None:
     sys.stdout.write(json.dumps(content, indent=1, allow_nan=False) + "\n")
 
 
+def print_line(text: str) -> None:
+    """Print one paragraph, as it is."""
+    output.print(text, soft_wrap=True, highlight=False)
+
+
 def print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
     """Print a table; columns after the first are set right unless they end in a colon."""
     table = Table(title=title, title_justify="left", title_style="bold", header_style="bold")

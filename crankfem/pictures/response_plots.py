@@ -7,10 +7,10 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankfem.pictures.style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, figure
+from crankfem.pictures.style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, figure, with_gaps
 from crankfem.pictures.titles import add_title
 from crankfem.record import RPM
-from dynamics.checks import finite_array
+from dynamics.checks import finite_array, place_of
 from dynamics.response.resonance import Resonance
 from dynamics.response.series import OrderSeries
 from geometry.errors import InputError
@@ -179,13 +179,13 @@ def plot_over_speed(
     """
     if quantity not in QUANTITIES:
         raise InputError(f"quantity: given {quantity!r}; allowed are {', '.join(QUANTITIES)}.")
-    number = _place(place, series.names)
+    number = place_of("place", place, series.names, "the series", "one curve is that of one place")
     label, factor = QUANTITIES[quantity]
     rpm = series.speeds * RPM
-    by_order = _drawable(factor * series.amplitude[:, :, number])
+    by_order = with_gaps(factor * series.amplitude[:, :, number])
     both = series.synthesis
-    total = _drawable(factor * both.amplitude[:, number])
-    plain = _drawable(factor * both.plain_sum[:, number])
+    total = with_gaps(factor * both.amplitude[:, number])
+    plain = with_gaps(factor * both.plain_sum[:, number])
     peaks = np.max(np.where(np.isnan(by_order), 0.0, by_order), axis=1)
     main = np.sort(np.argsort(peaks)[::-1][: max(0, main_orders)])
     with figure(path, height=4.4) as axes:
@@ -211,7 +211,7 @@ def plot_over_speed(
                 highest, BESIDE_UNBOUNDED * float(np.median(finite)) if finite.size else 0.0
             )
         for count, (name, limit) in enumerate((limits or {}).items()):
-            drawn = _drawable(factor * np.broadcast_to(np.asarray(limit, dtype=float), rpm.shape))
+            drawn = with_gaps(factor * np.broadcast_to(np.asarray(limit, dtype=float), rpm.shape))
             axes.plot(
                 rpm, drawn, color=RED, linewidth=1.4, linestyle=("--", "-.")[count % 2], label=name
             )
@@ -227,19 +227,3 @@ def plot_over_speed(
         axes.set_title(series.names[number], fontsize=10)
         axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
         add_title(axes, title)
-
-
-def _drawable(values: Array) -> Array:
-    """Return values with a gap in the line where they are unbounded."""
-    return np.where(np.isfinite(values), values, np.nan)
-
-
-def _place(place: int | str, names: tuple[str, ...]) -> int:
-    if isinstance(place, str) and place in names:
-        return names.index(place)
-    if isinstance(place, int) and not isinstance(place, bool) and 0 <= place < len(names):
-        return place
-    raise InputError(
-        f"place: given {place!r}; allowed are the whole numbers 0 to {len(names) - 1} and the names "
-        "of the series, because one curve is that of one place."
-    )

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from crankfem.pictures.style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, figure
+from crankfem.pictures.style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, figure, with_gaps
 from crankfem.record import RPM
 from dynamics.checks import FloatArray
 from dynamics.crankshaft.coupled_response import CoupledResponse
@@ -105,7 +105,7 @@ def plot_axial_split(path: Path, response: CoupledResponse) -> None:
             (split.tangential_sum, "tangential forces alone", ORANGE),
             (split.radial_sum, "radial forces alone", BLUE),
         ):
-            axes.plot(speeds, _finite(1e6 * values), color=color, linewidth=1.5, label=name)
+            axes.plot(speeds, with_gaps(1e6 * values), color=color, linewidth=1.5, label=name)
         axes.set_xlabel("crankshaft speed [1/min]")
         axes.set_ylabel("axial amplitude of the free end [um]")
         axes.set_ylim(bottom=0.0)
@@ -162,8 +162,3 @@ def _pad_title(axes: Any, label: str) -> None:
     axes.title.set_linespacing(1.15)
     missing = 2 - label.count(",")
     axes.set_title(axes.get_title(loc="left") + "\n" * missing, loc="left", fontsize=9)
-
-
-def _finite(values: FloatArray) -> FloatArray:
-    """Return values with gaps where they are unbounded."""
-    return np.where(np.isfinite(values), values, np.nan)

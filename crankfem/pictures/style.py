@@ -6,6 +6,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from geometry.errors import InputError
 
 # Files that are the same bit for bit for the same picture, with no need of the reader's fonts.
@@ -78,3 +81,8 @@ def math_symbol(symbol: str) -> str:
         if "_" in symbol
         else f"${symbol}$"
     )
+
+
+def with_gaps(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return values that leave a gap in their line where they are unbounded."""
+    return np.where(np.isfinite(values), values, np.nan)

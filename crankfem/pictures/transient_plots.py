@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankfem.pictures.style import BLUE, COLORS, GRAY, ORANGE, figure
+from crankfem.pictures.style import BLUE, COLORS, GRAY, ORANGE, figure, with_gaps
 from crankfem.pictures.titles import add_title
 from crankfem.record import RPM
 from dynamics.checks import finite_array, finite_vector, node_index
@@ -140,7 +140,7 @@ def plot_transient_over_speed(
                 )
             axes.plot(
                 along,
-                np.where(np.isfinite(curve), curve, np.nan),
+                with_gaps(curve),
                 color=COLORS[place % len(COLORS)],
                 linestyle="-" if place == 0 else "--",
                 linewidth=1.8,

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from crankfem.console import output, print_table
+from crankfem.console import print_line, print_table
 from crankfem.record import RPM, Record
 from crankfem.vibration.assessment import Assessment, Uncertainty
 from crankfem.vibration.forced_records import MOTION, finite_or_none, shown
@@ -61,22 +61,22 @@ def print_assessment(record: dict[str, Any]) -> None:
     )
     for limit in record["limits"]:
         assumed = ", assumed" if limit["assumed"] else ""
-        _print(f"Limit on {limit['name']}: {limit['source']}{assumed}.")
+        print_line(f"Limit on {limit['name']}: {limit['source']}{assumed}.")
     for line in record["remarks"]:
-        _print(f"Note: {line}")
+        print_line(f"Note: {line}")
     for name, fine in (
         ("barred", "may be barred"),
         ("started_through", "is passed on every start"),
     ):
         for one in record[name]:
-            _print(f"Range {one['shown']}: {'; '.join(one['refusals']) or fine}.")
-    _print(f"Verdict: {record['sentence']}")
+            print_line(f"Range {one['shown']}: {'; '.join(one['refusals']) or fine}.")
+    print_line(f"Verdict: {record['sentence']}")
 
 
 def _print_uncertainty(kind: str, record: dict[str, Any]) -> None:
     unit, factor = MOTION[kind]
     for spread in record["spreads"]:
-        _print(
+        print_line(
             f"{kind.capitalize()}: {spread['name']} {spread['low']:.3g} to {spread['high']:.3g} times the "
             "value used"
         )
@@ -97,7 +97,7 @@ def _print_uncertainty(kind: str, record: dict[str, Any]) -> None:
     )
     if record["amplitudes"] is not None:
         found = record["amplitudes"]
-        _print(
+        print_line(
             f"{kind.capitalize()} amplitude of the free end at running speeds: nominal "
             f"{shown(found['nominal'], factor)}, 5 to 95 % of {found['samples']} samples "
             f"{shown(found['percentile_5'], factor)} to {shown(found['percentile_95'], factor)} {unit}"
@@ -174,7 +174,3 @@ def _uncertainty(uncertain: Uncertainty) -> Record:
 
 def _quantity(value: float | None, unit: str) -> str:
     return "unbounded" if value is None else show_quantity(value, unit, 4)
-
-
-def _print(text: str) -> None:
-    output.print(text, soft_wrap=True, highlight=False)

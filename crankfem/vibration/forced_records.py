@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from crankfem.column_file import write_columns
-from crankfem.console import number, output, print_table
+from crankfem.console import number, print_line, print_table
 from crankfem.mechanism_tables import ASSUMED
 from crankfem.record import RPM, Record
 from crankfem.vibration.forced import ForcedVibration
@@ -75,7 +75,7 @@ def print_forced(record: dict[str, Any]) -> None:
     load_unit, load_factor = LOAD[kind]
     free_end = record["free_end"]
     for line in (*record["damping"], *record["remarks"]):
-        output.print(f"{kind.capitalize()}: {line}", soft_wrap=True, highlight=False)
+        print_line(f"{kind.capitalize()}: {line}")
     worst = sorted(record["resonances"], key=lambda one: -one["severity"])[:ROWS_SHOWN]
     count = len(record["resonances"])
     print_table(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from crankfem.console import output, print_table
+from crankfem.console import print_line, print_table
 from crankfem.record import RPM, Record
 from crankfem.vibration.forced import ForcedVibration
 from crankfem.vibration.run_up import RunUp
@@ -56,4 +56,4 @@ def print_run_up(record: Record) -> None:
         ],
     )
     for note in record["notes"]:
-        output.print(f"Note: {note}", soft_wrap=True, highlight=False)
+        print_line(f"Note: {note}")

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from crankfem.console import output, print_table
+from crankfem.console import print_line, print_table
 from crankfem.record import RPM, Record
 from crankfem.vibration.forced_records import MOTION, finite_or_none, shown
 from crankfem.vibration.whole_shaft import ShaftComparison, WholeShaft
@@ -51,22 +51,22 @@ def print_whole(record: dict[str, Any]) -> None:
         [[one["name"], f"{one['frequency']:.2f}", one["label"]] for one in record["modes"]],
     )
     for line in record["remarks"]:
-        _print(f"Note: {line}")
+        print_line(f"Note: {line}")
     for kind, chain in record["chains"].items():
         unit, factor = MOTION[kind]
         if chain["chain_amplitude"] is not None or chain["shaft_amplitude"] is not None:
-            _print(
+            print_line(
                 f"{kind.capitalize()} amplitude of the free end, largest over the speeds: chain "
                 f"{shown(chain['chain_amplitude'], factor)}, whole crankshaft "
                 f"{shown(chain['shaft_amplitude'], factor)} {unit}"
             )
         if chain["suffices"]:
-            _print(f"The {kind} chain suffices in place of the whole crankshaft.")
+            print_line(f"The {kind} chain suffices in place of the whole crankshaft.")
         else:
-            _print(f"The {kind} chain does not suffice: {' '.join(chain['reasons'])}")
+            print_line(f"The {kind} chain does not suffice: {' '.join(chain['reasons'])}")
     split = record["axial_split"]
     if split is not None:
-        _print(
+        print_line(
             "Axial amplitude of the free end, largest over the speeds: "
             f"{shown(split['tangential'], 1e6)} um by tangential forces alone (torsion), "
             f"{shown(split['radial'], 1e6)} um by radial forces alone, {shown(split['both'], 1e6)} um by "
@@ -107,7 +107,3 @@ def _split(coupled: CoupledResponse) -> Record:
         "both": finite_or_none(float(split.both_sum[worst])),
         "speed_rpm": float(coupled.speeds[worst] * RPM),
     }
-
-
-def _print(text: str) -> None:
-    output.print(text, soft_wrap=True, highlight=False)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -116,7 +117,8 @@ class CylinderHarmonics:
         """
         angles = finite_vector("shaft_angle", shaft_angle)
         if np.ndim(speed) == 0:
-            running = np.array([nonnegative_number("speed", speed, "rad/s", "the shaft turns")])  # type: ignore[arg-type]
+            single = cast(float, speed)
+            running = np.array([nonnegative_number("speed", single, "rad/s", "the shaft turns")])
         else:
             running = over_angles("speed", speed, angles)
         turning = np.exp(1j * np.outer(angles, np.concatenate(([0.0], self.orders))))

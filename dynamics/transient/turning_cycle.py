@@ -174,16 +174,16 @@ class _Shooting:
         """Return what unknowns (c, 2 q + 1) miss, (c, 2 q + 1)."""
         state, states = self.starts(unknowns)
         found = state.integrate(states, (0.0, self.period), self.method, t_eval=[self.period])
-        self.check(found)
+        self.check(found.success)
         ends = found.y[:, -1].reshape(states.shape)
         missed = (ends - states)[:, [*range(self.count), -1]]
         missed[:, :-1] /= state.sizes[: self.count]
         missed[:, -1] /= state.sizes[0] * self.period
         return np.asarray(missed)
 
-    def check(self, found: object) -> None:
+    def check(self, success: bool) -> None:
         """Refuse a cycle that the integration did not get through."""
-        if not found.success:  # type: ignore[attr-defined]
+        if not success:
             raise InputError(self.unsteady())
 
     def solved(self) -> tuple[FloatArray, float]:
@@ -227,7 +227,7 @@ def _told(
     angles = even_angles(2.0 * np.pi * turns, samples)
     times = np.append(angles / speed, shooting.period)
     found = state.integrate(states, (0.0, shooting.period), shooting.method, t_eval=times)
-    shooting.check(found)
+    shooting.check(found.success)
     count = chain.even.size
     values = found.y.T
     works = values[-1, 2 * count : 2 * count + WORKS]

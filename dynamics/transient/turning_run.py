@@ -192,7 +192,7 @@ def _turn(
     def stops(_time: float, values: FloatArray) -> float:
         return float(chain.mean_speed(values[count : 2 * count])) - STOPPED * speed
 
-    stops.terminal = True  # type: ignore[attr-defined]
+    stops.terminal = True  # type: ignore[attr-defined]  # scipy reads this of the function itself
     times = np.linspace(time, until, told + 1)[1:]
     found = state.integrate(now[np.newaxis], (time, until), method, t_eval=times, events=[stops])
     if found.status < 0:
