@@ -23,7 +23,7 @@ from crankfem.pictures.render import DEFORMED, MESH, Rendering
 from crankfem.pictures.surface import stretched_surface
 from crankfem.pictures.vibration_pictures import picture_vibration
 from crankfem.record import RPM
-from crankfem.report import write_report
+from crankfem.report.writing import write_report
 from crankfem.studies import fitted
 from crankfem.vibration.records import run_record
 from crankfem.vibration.run import engine_vibration

@@ -47,7 +47,7 @@ def report(
     from jinja2 import TemplateError
 
     from crankfem.pipeline import REPORT, RESULTS
-    from crankfem.report import write_report
+    from crankfem.report.writing import write_report
 
     path = folder / RESULTS
     if not path.is_file():

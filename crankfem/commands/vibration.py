@@ -50,7 +50,6 @@ def vibration(
         _of_chain(engine, json, only_engines=others)
         return
     from crankfem.engine_file import load_engine
-    from crankfem.pictures.style import make_folder
     from crankfem.pictures.vibration_pictures import picture_run_up, picture_vibration
     from crankfem.vibration.forced_records import write_forced
     from crankfem.vibration.records import print_run, run_record
@@ -58,6 +57,7 @@ def vibration(
     from crankfem.vibration.run_up import parse_duration
     from crankfem.vibration.run_up import run_up as turned_up
     from crankfem.vibration.run_up_records import print_run_up, run_up_record
+    from geometry.diagram_style import make_folder
 
     duration = None if run_up is None else parse_duration(run_up)
     read = load_engine(engine)

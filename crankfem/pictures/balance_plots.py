@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from crankfem.pictures.style import COLORS, GRAY, figure
 from crankfem.pictures.titles import add_title
 from dynamics.balance.balance import Balance
 from dynamics.balance.hinged_rods import hinged_rod_effects
 from dynamics.balance.hodograph import Hodograph
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.orders import acceleration_orders, checked_cylinder, piston_acceleration
+from geometry.diagram_style import COLORS, GRAY, figure
 from geometry.errors import InputError
 
 KILO = 1e-3

@@ -13,9 +13,9 @@ import numpy as np
 from crankfem.pictures.dimension_lines import View
 from crankfem.pictures.end_view import draw_end
 from crankfem.pictures.side_view import draw_side
-from crankfem.pictures.style import REPRODUCIBLE
 from crankfem.pictures.throw_shapes import silhouette
 from crankfem.pictures.title_block import BLOCK_HEIGHT, POINT_ON_PAPER, block_texts, draw_block
+from geometry.diagram_style import REPRODUCIBLE
 from geometry.errors import InputError
 from geometry.parts import ThrowParts
 from geometry.throw import CrankThrow

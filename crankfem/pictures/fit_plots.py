@@ -17,7 +17,7 @@ from crankfem.fitting import (
     sensitivities,
     surface,
 )
-from crankfem.pictures.style import BLUE, GRAY, GREEN, ORANGE, figure, make_folder, math_symbol
+from geometry.diagram_style import BLUE, GRAY, GREEN, ORANGE, figure, make_folder, math_symbol
 from geometry.quantity import DISPLAY_UNITS
 from regression.fits.equation_text import factor_label, term_symbols
 from regression.fits.fits import Fit

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.pictures.style import GRAY, figure
+from geometry.diagram_style import GRAY, figure
 from regression.formulas.angle_factors import AngleFactors
 
 Array = NDArray[np.float64]

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from crankfem.hinge_run import HingeRun
-from crankfem.pictures.style import BLUE, COLORS, GRAY, GREEN, ORANGE, figure, make_folder
 from crankfem.record import RPM
+from geometry.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE, figure, make_folder
 from geometry.quantity import show_quantity
 
 DASHES = ("-", "--", ":", "-.")

@@ -7,8 +7,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.pictures.style import COLORS, GRAY, figure
 from dynamics.engine.loads import LoadDiagram
+from geometry.diagram_style import COLORS, GRAY, figure
 from geometry.errors import InputError
 
 KILO = 1e-3

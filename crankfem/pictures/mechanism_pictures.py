@@ -7,9 +7,9 @@ import numpy as np
 from crankfem.mechanism_run import MechanismRun, hinged_group
 from crankfem.pictures.balance_plots import plot_balance, plot_hinged_rods
 from crankfem.pictures.load_plots import Frame, plot_developed_loads, plot_polar_loads
-from crankfem.pictures.style import BLUE, GREEN, ORANGE, figure, make_folder
 from crankfem.pictures.titles import at_speed
 from dynamics.engine.loads import LoadDiagram
+from geometry.diagram_style import BLUE, GREEN, ORANGE, figure, make_folder
 
 
 def picture_mechanism(folder: Path, run: MechanismRun) -> list[Path]:

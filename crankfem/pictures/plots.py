@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.pictures.style import BLUE, GREEN, ORANGE, figure
 from dynamics.harmonics import Harmonics
+from geometry.diagram_style import BLUE, GREEN, ORANGE, figure
 
 Array = NDArray[np.float64]
 SHAPES_SHOWN = 3

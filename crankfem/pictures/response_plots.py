@@ -7,12 +7,12 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankfem.pictures.style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, figure, with_gaps
 from crankfem.pictures.titles import add_title
 from crankfem.record import RPM
 from dynamics.checks import finite_array, place_of
 from dynamics.response.resonance import Resonance
 from dynamics.response.series import OrderSeries
+from geometry.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, figure, with_gaps
 from geometry.errors import InputError
 
 Array: TypeAlias = NDArray[np.float64]

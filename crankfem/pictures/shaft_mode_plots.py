@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from crankfem.pictures.style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, figure, with_gaps
 from crankfem.record import RPM
 from dynamics.checks import FloatArray
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.crankshaft.shaft_throw import RZ, UX, UY, UZ
+from geometry.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, figure, with_gaps
 from geometry.errors import InputError
 
 MODES_SHOWN = 5

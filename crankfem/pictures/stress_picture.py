@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.pictures.offscreen import OffscreenProcess, make_plotter, read_arguments
-from crankfem.pictures.style import STYLE
 from fem.fillet_stress import FilletPeak, FilletStresses
 from fem.principal import von_mises
 from fem.symmetry import MirrorImage
 from fem.unit_loads import UnitLoad, whole_facets, whole_nodes
+from geometry.diagram_style import STYLE
 from geometry.errors import InputError
 from geometry.facets import six_node_triangles
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE

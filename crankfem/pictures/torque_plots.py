@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from crankfem.pictures.style import BLUE, COLORS, GRAY, ORANGE, figure
 from crankfem.pictures.titles import add_title
 from dynamics.harmonics import Harmonics
 from dynamics.torque.star import Star, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
+from geometry.diagram_style import BLUE, COLORS, GRAY, ORANGE, figure
 
 # Stars side by side, and the distance of their centers in lengths of one vector.
 STARS_A_ROW, STAR_STEP = 4, 3.4

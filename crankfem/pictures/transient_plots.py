@@ -7,12 +7,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankfem.pictures.style import BLUE, COLORS, GRAY, ORANGE, figure, with_gaps
 from crankfem.pictures.titles import add_title
 from crankfem.record import RPM
 from dynamics.checks import finite_array, finite_vector, node_index
 from dynamics.transient.run import TransientMotion
 from dynamics.transient.turning_run import TurningRun
+from geometry.diagram_style import BLUE, COLORS, GRAY, ORANGE, figure, with_gaps
 from geometry.errors import InputError
 
 Array = NDArray[np.float64]

@@ -6,7 +6,6 @@ import numpy as np
 
 from crankfem.pictures.response_plots import plot_over_speed, plot_response_campbell
 from crankfem.pictures.shaft_mode_plots import plot_axial_split, plot_mode_shares, plot_shaft_modes
-from crankfem.pictures.style import COLORS, GRAY, figure, make_folder
 from crankfem.pictures.transient_plots import plot_transient
 from crankfem.vibration.assessment import Assessment
 from crankfem.vibration.forced import ForcedVibration
@@ -15,6 +14,7 @@ from crankfem.vibration.run import EngineVibration
 from crankfem.vibration.run_up import RunUp
 from dynamics.checks import FloatArray
 from dynamics.critical import engine_orders
+from geometry.diagram_style import COLORS, GRAY, figure, make_folder
 
 SHAPES_SHOWN = 3
 # Letters that stand side by side under the axis.

@@ -2,7 +2,7 @@
 
 import pytest
 
-from crankfem.pictures.style import figure
+from geometry.diagram_style import figure
 from geometry.errors import InputError
 
 

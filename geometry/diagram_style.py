@@ -4,12 +4,15 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # Files that are the same bit for bit for the same picture, with no need of the reader's fonts.
 REPRODUCIBLE: dict[Any, Any] = {"svg.fonttype": "path", "svg.hashsalt": "crankfem"}
@@ -55,6 +58,30 @@ def figure(path: Path, columns: int = 1, width: float = 7.2, height: float = 4.2
         axes = made.subplots(1, columns)
         yield axes
         made.savefig(path, metadata={"Date": None})
+
+
+def new_axes(axes: "Axes | None" = None, *, width: float = 7.2, height: float = 4.2) -> "Axes":
+    """Return the axes to draw on: those given, or those of a new figure in the style of all diagrams.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes, optional
+    width, height : float
+        Of a new figure [inch].
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        A new figure is one of pyplot's, which ``plt.show()`` shows.
+    """
+    if axes is not None:
+        return axes
+    import matplotlib as mpl
+    from matplotlib import pyplot
+
+    with mpl.rc_context(STYLE):
+        made: Axes = pyplot.subplots(figsize=(width, height), layout="constrained")[1]
+    return made
 
 
 def make_folder(folder: Path) -> None:
