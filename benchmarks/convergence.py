@@ -1,6 +1,6 @@
 """Convergence of the axial compliance with the mesh, sharp and filleted, and the error estimate.
 
-Run by hand: ``python benchmarks/convergence.py``. Its table is kept in docs/method.md.
+Run by hand: ``python benchmarks/convergence.py``. Its table is kept in docs/accuracy.md.
 """
 
 import time

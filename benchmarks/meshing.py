@@ -1,6 +1,6 @@
 """Time to build and mesh a throw, gmsh already imported: quarter, half and full model.
 
-Run by hand: ``python benchmarks/meshing.py``; its figures stand in docs/method.md. At size factor 1
+Run by hand: ``python benchmarks/meshing.py``; its figures stand in docs/throws.md. At size factor 1
 the axial compliance of this throw is about 1 % below the converged value.
 """
 

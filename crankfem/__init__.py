@@ -5,9 +5,7 @@ first used, so that looking a compliance up does not load a mesher. The stub bes
 them all, once.
 """
 
-import ast
-from importlib import import_module
-from pathlib import Path
+from functools import cache
 from typing import Any
 
 from crankfem._packages import check_packages
@@ -15,8 +13,12 @@ from crankfem._packages import check_packages
 check_packages()
 
 
+@cache
 def _homes() -> dict[str, tuple[str, str]]:
     """Return each public name with its home and its name there, as the stub says."""
+    import ast
+    from pathlib import Path
+
     stub = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
     return {
         alias.asname or alias.name: (str(statement.module), alias.name)
@@ -26,18 +28,19 @@ def _homes() -> dict[str, tuple[str, str]]:
     }
 
 
-_HOMES = _homes()
-__all__ = sorted(_HOMES)
-
-
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
+    if name == "__all__":
+        return sorted(_homes())
+    # Python asks for names of its own, such as __path__; the stub is not read for them.
+    if name.startswith("__") or name not in _homes():
         raise AttributeError(f"module 'crankfem' has no attribute {name!r}")
-    home, name_there = _HOMES[name]
+    from importlib import import_module
+
+    home, name_there = _homes()[name]
     value = getattr(import_module(home), name_there)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_HOMES})
+    return sorted({*globals(), *_homes()})

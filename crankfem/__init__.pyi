@@ -7,10 +7,17 @@ from crankfem.chain_text import read_chain_text as read_chain_text
 from crankfem.chain_text import write_chain_text as write_chain_text
 from crankfem.engine_file import EngineFile as EngineFile
 from crankfem.engine_file import load_engine as load_engine
+from crankfem.fitting import ResponseFits as ResponseFits
+from crankfem.formula_diagrams import plot_formulas as plot_formulas
+from crankfem.formula_diagrams import plot_formulas_over_angle as plot_formulas_over_angle
+from crankfem.formula_diagrams import plot_run_formulas as plot_run_formulas
 from crankfem.hinge_file import HingeFile as HingeFile
 from crankfem.hinge_file import load_hinge as load_hinge
+from crankfem.hinge_run import HingeRun as HingeRun
+from crankfem.hinge_run import run_hinge as run_hinge
 from crankfem.mechanism_file import MechanismFile as MechanismFile
 from crankfem.mechanism_file import load_mechanism as load_mechanism
+from crankfem.mechanism_file import mechanism_of as mechanism_of
 from crankfem.mechanism_file import with_throws as with_throws
 from crankfem.mechanism_run import MechanismRun as MechanismRun
 from crankfem.mechanism_run import run_mechanism as run_mechanism
@@ -37,12 +44,15 @@ from crankfem.studies import StudyResult as StudyResult
 from crankfem.studies import run_study as run_study
 from crankfem.throw_file import load_crankshaft as load_crankshaft
 from crankfem.throw_file import load_throw as load_throw
+from crankfem.torque_file import load_torque_table as load_torque_table
 from crankfem.vibration.assessment import Assessment as Assessment
 from crankfem.vibration.assessment import Uncertainty as Uncertainty
 from crankfem.vibration.forced import ForcedVibration as ForcedVibration
 from crankfem.vibration.modes import Vibration as Vibration
 from crankfem.vibration.run import EngineVibration as EngineVibration
 from crankfem.vibration.run import engine_vibration as engine_vibration
+from crankfem.vibration.run_up import RunUp as RunUp
+from crankfem.vibration.run_up import run_up as run_up
 from crankfem.vibration.whole_shaft import ShaftComparison as ShaftComparison
 from crankfem.vibration.whole_shaft import WholeShaft as WholeShaft
 from crankfem.vibration.whole_shaft import compare_with_chains as compare_with_chains
@@ -240,6 +250,7 @@ from dynamics.mechanism.motion import TurnMotion as TurnMotion
 from dynamics.mechanism.rods import ConnectingRod as ConnectingRod
 from dynamics.mechanism.rods import RodModel as RodModel
 from dynamics.mechanism.slider_crank import SliderCrank as SliderCrank
+from dynamics.response.campbell_diagram import campbell_diagram as campbell_diagram
 from dynamics.response.damping import DampedChain as DampedChain
 from dynamics.response.damping import EngineMagnifier as EngineMagnifier
 from dynamics.response.damping import damped as damped
@@ -324,6 +335,7 @@ from geometry.crankshaft import throw_masses as throw_masses
 from geometry.errors import InputError as InputError
 from geometry.errors import MeshError as MeshError
 from geometry.errors import MissingLibraryError as MissingLibraryError
+from geometry.frames import table_of as table_of
 from geometry.imported import ImportedThrow as ImportedThrow
 from geometry.imported import import_throw as import_throw
 from geometry.mass import MassProperties as MassProperties
@@ -336,8 +348,10 @@ from geometry.throw import CrankThrow as CrankThrow
 from geometry.throw_sections import Counterweight as Counterweight
 from geometry.throw_sections import FurtherPin as FurtherPin
 from geometry.throw_sections import Web as Web
+from regression.fits.fits import Fit as Fit
 from regression.formulas.axial_formulas import axial_formula as axial_formula
 from regression.formulas.axial_formulas import axial_formulas as axial_formulas
+from regression.formulas.formula_frames import formulas_to_pandas as formulas_to_pandas
 from regression.formulas.formula_value import FormulaValue as FormulaValue
 from regression.formulas.torsional_formulas import torsional_formulas as torsional_formulas
 from regression.models.compliance_model import ComplianceModel as ComplianceModel
@@ -346,3 +360,4 @@ from regression.models.compliance_model import OutsideRangeWarning as OutsideRan
 from regression.models.optimum import Optimum as Optimum
 from regression.models.optimum import find_optimum as find_optimum
 from regression.models.optimum_limits import Limit as Limit
+from regression.runs.study_table import StudyTable as StudyTable

@@ -2,24 +2,33 @@
 
 import math
 
+from crankfem import console
 from geometry.errors import InputError
-from regression.formulas.arguments import fold_angle_deg
+from geometry.quantity import parse_quantity
 
 
-def checked_gamma(gamma_deg: float) -> float:
-    """Return the angle of --gamma as it was given [deg].
+def parse_gamma(text: str, quiet: bool = False) -> float:
+    """Return the angle of --gamma [deg].
+
+    A bare number counts as degrees, with a note: the option once took nothing else.
 
     Raises
     ------
     InputError
-        If it is not finite.
+        If it is no angle, or not finite.
     """
-    if not math.isfinite(gamma_deg):
+    try:
+        degrees = float(text)
+    except ValueError:
+        # Rounding takes away what the way over radians adds to "120 deg".
+        return round(math.degrees(parse_quantity(text, "rad", "--gamma")), 9)
+    if not math.isfinite(degrees):
         raise InputError(
-            f"--gamma: given {gamma_deg:g}; allowed is a finite angle in deg, because it stands between "
-            "neighboring cranks."
+            f'--gamma: given {text}; allowed is a finite angle, like "120 deg", because it stands '
+            "between neighboring cranks."
         )
-    return gamma_deg
+    console.note(f'Note: --gamma {text} is taken as "{text} deg"; write the unit with it.', quiet)
+    return degrees
 
 
 def angle_text(gamma_deg: float) -> str:
@@ -30,5 +39,7 @@ def angle_text(gamma_deg: float) -> str:
     >>> angle_text(120.0), angle_text(240.0)
     ('120 deg', '240 deg (counts as 120)')
     """
+    from regression.formulas.arguments import fold_angle_deg
+
     folded = fold_angle_deg(gamma_deg)
     return f"{gamma_deg:g} deg" + ("" if folded == gamma_deg else f" (counts as {folded:g})")

@@ -2,8 +2,9 @@
 
 import math
 
-from crankfem.console import number, output, print_table
-from crankfem.record import RPM, Record
+from crankfem.console import print_line, print_table
+from crankfem.output_units import SI, OutputUnit, OutputUnits
+from crankfem.record import Record
 from dynamics.balance.balance import Balance, OrderBalance, Resultant
 from dynamics.balance.hinged_rods import HingedRodEffects, hodograph_change
 from dynamics.balance.hodograph import Hodograph
@@ -126,47 +127,45 @@ def _case_record(hodograph: Hodograph, reference: Hodograph) -> Record:
     }
 
 
-def print_balance(record: Record) -> None:
+def print_balance(record: Record, units: OutputUnits = SI) -> None:
     """Print the tables of forces and moments of `balance_record`."""
-    speed = f"{record['speed'] * RPM:.6g} 1/min"
-    units = (("force", "kN"), ("moment", "kN m"))
-    for kind, unit in units:
-        where = f" about z = {record['about']:.6g} m" if kind == "moment" else ""
+    speed = units.of("1/min").with_name(record["speed"], 6)
+    for kind, shown in (("force", units.of("kN")), ("moment", units.of("kN m"))):
+        about = units.of("m").with_name(record["about"], 6)
+        where, unit = f" about z = {about}" if kind == "moment" else "", shown.name
         print_table(
             f"Inertia {kind}s on the engine at {speed}{where}",
             [
                 "order",
                 f"largest [{unit}]",
                 f"least [{unit}]",
-                "axis [deg]",
+                f"axis [{units.of('deg').name}]",
                 "turns:",
                 f"up and down (y) [{unit}]" if kind == "force" else f"about y [{unit}]",
                 f"across (x) [{unit}]" if kind == "force" else f"about x [{unit}]",
             ],
-            [_row(order, kind) for order in record["orders"]],
+            [_row(order, kind, shown, units.of("deg")) for order in record["orders"]],
         )
-    output.print(
+    print_line(
         f'"{BALANCED_TEXT}": less than 1e-12 of all masses times R w^2. Axis of the largest value: from '
-        "the vertical, in the sense of rotation.",
-        soft_wrap=True,
-        highlight=False,
+        "the vertical, in the sense of rotation."
     )
 
 
-def _row(order: Record, kind: str) -> list[str]:
+def _row(order: Record, kind: str, unit: OutputUnit, angle: OutputUnit) -> list[str]:
     name = str(order["order"])
     if order[f"{kind}_balanced"]:
         return [name, BALANCED_TEXT, "", "", "", "", ""]
     shape = order[kind]
-    kilo = [number(_cleared(shape, name) * 1e-3) for name in ("major", "minor", "y", "x")]
+    shown = [unit.number(_cleared(shape, name)) for name in ("major", "minor", "y", "x")]
     return [
         name,
-        kilo[0],
-        kilo[1],
-        _angle_text(shape["angle_deg"]),
+        shown[0],
+        shown[1],
+        _angle_text(shape["angle_deg"], angle),
         SENSES[shape["sense"]],
-        kilo[2],
-        kilo[3],
+        shown[2],
+        shown[3],
     ]
 
 
@@ -176,28 +175,29 @@ def _cleared(shape: Record, name: str) -> float:
     return 0.0 if value <= 1e-12 * shape["major"] else value
 
 
-def print_hinged_rods(records: list[Record]) -> None:
+def print_hinged_rods(records: list[Record], units: OutputUnits = SI) -> None:
     """Print the table of `hinged_rods_record`."""
+    force, angle = units.of("kN"), units.of("deg")
     print_table(
         "One crankpin with hinged rods against rods side by side: reciprocating forces",
         [
             "order",
             "case:",
-            "largest [kN]",
+            f"largest [{force.name}]",
             "change",
-            "least [kN]",
+            f"least [{force.name}]",
             "change",
-            "axis turned by [deg]",
+            f"axis turned by [{angle.name}]",
         ],
         [
             [
                 str(record["order"]),
                 text,
-                number(record[case]["major"] * 1e-3),
+                force.number(record[case]["major"]),
                 _percent(record[case]["change"]["major"]),
-                number(_cleared(record[case], "minor") * 1e-3),
+                force.number(_cleared(record[case], "minor")),
                 _percent(record[case]["change"]["minor"]),
-                _angle_text(record[case]["change"]["turn_deg"]),
+                _angle_text(record[case]["change"]["turn_deg"], angle),
             ]
             for record in records
             for case, text in CASES.items()
@@ -209,9 +209,11 @@ def _degrees(angle: float | None) -> float | None:
     return None if angle is None else math.degrees(angle)
 
 
-def _angle_text(angle: float | None) -> str:
+def _angle_text(degrees: float | None, unit: OutputUnit) -> str:
+    if degrees is None:
+        return ""
     # Adding zero makes a negative zero positive.
-    return "" if angle is None else f"{round(angle, 2) + 0.0:.4g}"
+    return unit.number(math.radians(round(degrees, 2) + 0.0))
 
 
 def _percent(share: float | None) -> str:

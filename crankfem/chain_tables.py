@@ -6,6 +6,7 @@ import numpy as np
 
 from crankfem.chain_file import ChainFile
 from crankfem.console import number, print_line, print_table
+from crankfem.output_units import SI, OutputUnits
 from crankfem.record import Record
 
 # Modes and shares that tables show; records hold all.
@@ -15,7 +16,6 @@ MODES_SHOWN, LEAST_SHARE = 10, 0.01
 def chain_record(read: ChainFile) -> Record:
     """Return nodes, elements, modes and what takes part in them, in SI units."""
     chain, modes = read.chain, read.chain.modes()
-    places = (*chain.elements, *(f"{name} - ground" for name in chain.names))
     return {
         "name": read.name,
         "kind": read.kind,
@@ -36,7 +36,7 @@ def chain_record(read: ChainFile) -> Record:
                     zip(chain.names, modes.kinetic_shares[:, mode].tolist(), strict=True)
                 ),
                 "strain_shares": dict(
-                    zip(places, modes.strain_shares[:, mode].tolist(), strict=True)
+                    zip(modes.strain_names, modes.strain_shares[:, mode].tolist(), strict=True)
                 ),
             }
             for mode in range(modes.frequencies.size)
@@ -45,15 +45,23 @@ def chain_record(read: ChainFile) -> Record:
     }
 
 
-def print_chain(record: dict[str, Any]) -> None:
+def print_chain(record: dict[str, Any], units: OutputUnits = SI) -> None:
     """Print the modes of a chain, with what takes most part in them."""
+    frequency = units.of("Hz")
     print_table(
         f"{record['name']}: {record['kind']} modes",
-        ["mode:", "frequency [Hz]", "[1/min]", "nodes at:", "moves most:", "strained most:"],
+        [
+            "mode:",
+            f"frequency [{frequency.name}]",
+            "[1/min]",
+            "nodes at:",
+            "moves most:",
+            "strained most:",
+        ],
         [
             [
                 mode["name"],
-                f"{mode['frequency']:.3f}",
+                frequency.fixed(mode["frequency"], 3),
                 f"{60.0 * mode['frequency']:.1f}",
                 ", ".join(f"{place:.2f}" for place in mode["node_positions"]),
                 _largest(mode["kinetic_shares"]),

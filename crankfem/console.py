@@ -5,8 +5,9 @@ import os
 import sys
 import tempfile
 import time
+import traceback
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -16,14 +17,31 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.progress import TimeElapsedColumn as Elapsed
 from rich.table import Table
 
-from crankfem.entry import EXIT_INTERRUPTED, interrupted_sentence
+from crankfem.exit_codes import (
+    EXIT_FAILED,
+    EXIT_INPUT,
+    EXIT_INTERRUPTED,
+    EXIT_LIMITS,
+    EXIT_PIPE,
+)
+from crankfem.interrupts import interrupted_sentence, interrupts_raise
 from geometry.errors import InputError, MeshError, MissingLibraryError
 from regression.records import Outcome, StudyStoppedError
 
-EXIT_INPUT, EXIT_FAILED = 2, 1
 LONGEST_WORD = 20
 # Seconds between two lines of progress where no bar can be drawn.
 LINE_EVERY = 30.0
+# The environment variable that lets errors show where they come from.
+TRACEBACK = "CRANKFEM_TRACEBACK"
+# With what rich and typer end where the output is read no more.
+UNREAD = 1
+NAMED_WRONGLY = (
+    FileNotFoundError,
+    FileExistsError,
+    NotADirectoryError,
+    IsADirectoryError,
+    PermissionError,
+)
 
 errors = Console(stderr=True)
 # Brackets in units and file names are text, not markup.
@@ -38,6 +56,12 @@ def print_json(content: object) -> None:
 def print_line(text: str) -> None:
     """Print one paragraph, as it is."""
     output.print(text, soft_wrap=True, highlight=False)
+
+
+def note(text: str, quiet: bool = False) -> None:
+    """Tell something beside the results, on standard error, unless --quiet is given."""
+    if not quiet:
+        errors.print(escape(text), soft_wrap=True, highlight=False)
 
 
 def print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
@@ -143,26 +167,55 @@ def _picture_folder(text: str) -> Path:
 def clear_errors() -> Iterator[None]:
     """End with one sentence and an exit code instead of a traceback.
 
-    Exit codes: 2 for input that cannot be used, 1 for work that failed, 130 for an interrupt.
+    The codes are those of `crankfem.exit_codes`. With the environment variable CRANKFEM_TRACEBACK the
+    traceback of whatever ends the program stands before the sentence.
     """
-    from fem.solver import SolveError
-
     try:
         yield
-    except InputError as error:
-        _stop(str(error), EXIT_INPUT)
-    except (MissingLibraryError, MeshError, SolveError, StudyStoppedError, ImportError) as error:
-        _stop(str(error), EXIT_FAILED)
-    except OSError as error:
-        _stop(f"{error.filename or 'file'}: {error.strerror or error}.", EXIT_FAILED)
+        sys.stdout.flush()
     except KeyboardInterrupt:
         errors.print(interrupted_sentence(), soft_wrap=True)
         raise SystemExit(EXIT_INTERRUPTED) from None
+    except BrokenPipeError:
+        _end_unread()
     except SystemExit as end:
         # Typer turns an interrupt of a command into this code, without a word.
         if end.code == EXIT_INTERRUPTED and not isinstance(end, SaidExit):
             errors.print(interrupted_sentence(), soft_wrap=True)
+        # Nothing here ends so; rich and typer do where nobody reads the output any more.
+        if end.code == UNREAD:
+            _end_unread()
         raise
+    except Exception as error:
+        if os.environ.get(TRACEBACK):
+            traceback.print_exc()
+        message, code = told(error)
+        _stop(message, code)
+
+
+def told(error: Exception) -> tuple[str, int]:
+    """Return the sentence and the exit code of an error."""
+    if isinstance(error, InputError):
+        return str(error), EXIT_INPUT
+    # An error of a module that has not been loaded it cannot be; loading it takes long.
+    solver = sys.modules.get("fem.solver")
+    of_solver = () if solver is None else (solver.SolveError,)
+    if isinstance(error, (MissingLibraryError, MeshError, StudyStoppedError, *of_solver)):
+        return str(error), EXIT_FAILED
+    if isinstance(error, MemoryError):
+        return "The machine has not enough memory for this.", EXIT_FAILED
+    if isinstance(error, OSError):
+        # What was named cannot be used, or the machine cannot do it.
+        code = EXIT_INPUT if isinstance(error, NAMED_WRONGLY) else EXIT_FAILED
+        return f"{error.filename or 'file'}: {error.strerror or error}.", code
+    if isinstance(error, ImportError):
+        return f"{str(error).rstrip('.')}.", EXIT_FAILED
+    text = " ".join(str(error).split())
+    return (
+        f"{type(error).__name__}{': ' if text else ''}{text.rstrip('.')}, which nobody expected; set "
+        f"{TRACEBACK}=1 to see where it comes from.",
+        EXIT_FAILED,
+    )
 
 
 class SaidExit(SystemExit):
@@ -175,15 +228,39 @@ def end_interrupted(sentence: str) -> NoReturn:
     raise SaidExit(EXIT_INTERRUPTED)
 
 
+def end_misused(sentence: str, command: str) -> NoReturn:
+    """End because the command line is wrong, and say where to read how it is right."""
+    read = f"see `{command}`."
+    if sentence.endswith("?"):
+        _stop(f"{sentence} {read.capitalize()}", EXIT_INPUT)
+    _stop(f"{sentence.rstrip('.')}; {read}", EXIT_INPUT)
+
+
+def end_exceeded(sentence: str) -> NoReturn:
+    """End because limits are exceeded, or cannot be judged, with --strict."""
+    errors.print(escape(sentence), soft_wrap=True, highlight=False)
+    raise SaidExit(EXIT_LIMITS)
+
+
+def _end_unread() -> NoReturn:
+    """End without a word: what read the output has gone."""
+    # What is still buffered goes nowhere, so that Python has nothing to complain of at its end.
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    raise SystemExit(EXIT_PIPE)
+
+
 def _stop(message: str, code: int) -> NoReturn:
-    errors.print(f"[bold red]Error:[/] {escape(message)}", soft_wrap=True)
+    errors.print(f"[bold red]Error:[/] {escape(message)}", soft_wrap=True, highlight=False)
     raise SystemExit(code)
 
 
 class RunProgress:
-    """Steps of a run and a bar for its study, on standard error."""
+    """Steps of a run and a bar for its study, on standard error; with `quiet` nothing is shown."""
 
-    def __init__(self) -> None:
+    def __init__(self, quiet: bool = False) -> None:
+        self._quiet = quiet
+        self._raising = ExitStack()
         self._bar = Progress(
             SpinnerColumn(),
             TextColumn("{task.description}"),
@@ -192,6 +269,7 @@ class RunProgress:
             Elapsed(),
             TextColumn("{task.fields[pace]}"),
             console=errors,
+            disable=quiet,
         )
         self._task: TaskID | None = None
         # Designs finished now and before this run, and all of them.
@@ -199,6 +277,8 @@ class RunProgress:
         self._began = self._said = time.monotonic()
 
     def __enter__(self) -> "RunProgress":
+        # Work with progress holds a store or processes open, which an interrupt must let close.
+        self._raising.enter_context(interrupts_raise())
         self._bar.start()
         return self
 
@@ -206,6 +286,7 @@ class RunProgress:
         if kind is not None and self._task is not None:
             self._bar.update(self._task, visible=False)
         self._bar.stop()
+        self._raising.close()
 
     def step(self, text: str) -> None:
         """Name the step that begins, and take the last one for done."""
@@ -226,12 +307,14 @@ class RunProgress:
         if newest is not None and newest.reason is not None:
             fate = "lost, to be tried again by the next run" if newest.lost else "failed"
             self.note(f"design {newest.key[:6]} {fate}: {newest.reason}")
-        if not errors.is_terminal and now - self._said >= LINE_EVERY:
+        if not self._quiet and not errors.is_terminal and now - self._said >= LINE_EVERY:
             self._said = now
             errors.print(f"{finished} of {total} designs, {shown}", soft_wrap=True)
 
     def note(self, text: str) -> None:
         """Print a remark above the bar."""
+        if self._quiet:
+            return
         self._bar.console.print(f"[yellow]Note:[/] {escape(text)}")
 
     def finish(self) -> None:

@@ -60,6 +60,26 @@ def chain_path(given: str | Path) -> Path:
     return _found(given, "chains", "a chain file")
 
 
+def torque_path(given: str | Path) -> Path:
+    """Find a torque table by path, or a shipped one by the name of its file.
+
+    Raises
+    ------
+    InputError
+        If there is neither.
+    """
+    path = Path(given)
+    shipped = data_folder() / "tables" / path.name
+    if path.is_file() or path.parent != Path() or path.name not in shipped_torques():
+        return path
+    return shipped
+
+
+def shipped_torques() -> tuple[str, ...]:
+    """Return the names of the shipped torque tables."""
+    return tuple(sorted(path.name for path in (data_folder() / "tables").glob("*torque*.csv")))
+
+
 def _shipped(folder: str) -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in (data_folder() / folder).glob("*.toml")))
 

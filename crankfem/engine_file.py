@@ -1,7 +1,9 @@
 """Read engine files, and check what their sections say of each other."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from crankfem.chain_file import load_chain
 from crankfem.data_files import engine_path, find_table
@@ -20,6 +22,7 @@ from crankfem.file_kinds import REQUIRED, describes_a_throw, describes_mechanism
 from crankfem.limits_sections import LimitsInput, RangesInput
 from crankfem.mechanism_cylinders import angles_of_throws, check_sizes, pins_of, throws_of
 from crankfem.mechanism_sections import Gas, HingedRods, Piston, Rod
+from crankfem.section_changes import changed_section, changes, without_changed
 from crankfem.study_file import study_plan
 from crankfem.throw_file import ThrowFile
 from crankfem.toml_file import InputRecord, TomlFile, read_toml
@@ -34,12 +37,13 @@ from crankfem.vibration_sections import (
 from dynamics.chains.chain import Chain
 from fem.material import STEEL, Material
 from geometry.errors import InputError
+from geometry.model import InputModel
 from geometry.quantity import show_quantity
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
-from regression.plans.plan import StudyPlan
+from regression.plans.plan import StudyPlan, plan_designs
 
 
 @dataclass(frozen=True)
@@ -51,16 +55,10 @@ class EngineFile:
     path : Path
     engine, throw, shaft_ends, material, rod, piston, flywheel, thrust_bearing, vibration
         Its sections.
-    throws : tuple of int
-        Throw that each cylinder works on, from 0.
-    throw_angles : tuple of float
-        Angle of each throw's first pin, throw by throw, as the file counts angles [rad].
-    pins : tuple of int
-        Pin that each cylinder works on, from 0, counted along the shaft.
     shaft_lines : dict
         Kind, "torsional" or "axial", to the chain of what follows the flywheel, where given.
-    free_end, damping, torsional_damper, axial_damper, driven, bearings, gas, gas_map, misfire, \
-propeller_forces, limits, ranges, torque_table, two_mass, study
+    shaft, hinged_rods, free_end, damping, torsional_damper, axial_damper, driven, bearings, gas, \
+gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, study
         Optional sections; None where the file lacks them.
     records : tuple of InputRecord
         Every value with its source.
@@ -68,18 +66,22 @@ propeller_forces, limits, ranges, torque_table, two_mass, study
         Field to its source and whether it is assumed, where the file says so.
     sources : dict
         Short name to full citation.
+
+    Raises
+    ------
+    InputError
+        If sections do not fit each other, when made by `dataclasses.replace` or `changed` as well.
     """
 
     path: Path
     engine: Engine
-    throws: tuple[int, ...]
-    throw_angles: tuple[float, ...]
-    pins: tuple[int, ...]
+    shaft: ShaftLayout | None
     throw: CrankThrow
     shaft_ends: ShaftEnds
     material: Material
     rod: Rod
     piston: Piston
+    hinged_rods: HingedRods | None
     flywheel: Flywheel
     thrust_bearing: ThrustBearing
     vibration: VibrationSettings
@@ -103,10 +105,85 @@ propeller_forces, limits, ranges, torque_table, two_mass, study
     provenance: dict[str, tuple[str, bool]]
     sources: dict[str, str]
 
+    def __post_init__(self) -> None:
+        check_sizes(self.engine, self.throw, self.rod, self.piston)
+        bearings = len(self.throw_angles)
+        if self.thrust_bearing.bearing > bearings:
+            raise InputError(
+                f"thrust_bearing.bearing: given {self.thrust_bearing.bearing}; allowed is 0 (free end) to "
+                f"{bearings} (flywheel)."
+            )
+        _ = self.pins  # refuses hinged rods of cylinders that are not there
+        _check_misfire(self.misfire, self.gas, self.engine)
+        _check_gas_map(self.gas_map, self.engine)
+        _check_sources(self.vibration, self.study)
+        _check_highest_order(self.vibration, self.engine)
+
+    @property
+    def throws(self) -> tuple[int, ...]:
+        """Throw that each cylinder works on, from 0."""
+        return throws_of(self.engine)
+
+    @property
+    def throw_angles(self) -> tuple[float, ...]:
+        """Angle of each throw's first pin, throw by throw, as the file counts angles [rad]."""
+        return angles_of_throws(self.shaft, self.engine, self.throws)
+
+    @property
+    def pins(self) -> tuple[int, ...]:
+        """Pin that each cylinder works on, from 0, counted along the shaft."""
+        return pins_of(self.engine, self.throw, self.throws, self.hinged_rods)
+
     @property
     def assumed(self) -> tuple[InputRecord, ...]:
         """The values that nobody gave."""
         return tuple(record for record in self.records if record.assumed)
+
+    def changed(self, **sections: InputModel | Mapping[str, Any] | None) -> "EngineFile":
+        """Return the engine with some sections changed, checked like a file; the file stays as it is.
+
+        Parameters
+        ----------
+        **sections
+            By the section's name: the fields that change with their new values in SI units, such as
+            ``throw={"web_thickness": 0.046}``; or the whole section, such as ``throw=another``; or None,
+            which takes an optional one away. A section that the file lacks is made of its fields.
+
+        Returns
+        -------
+        EngineFile
+            With `path` of the same file, beside which tables are looked for. Changed values have the
+            source "changed in Python"; a study is one of the changed throw and material.
+
+        Raises
+        ------
+        InputError
+            If a section or field is unknown, or the values do not fit each other.
+
+        Examples
+        --------
+        >>> engine = load_engine("6chn25-34")
+        >>> engine.changed(rod={"length": 0.7}, flywheel={"inertia": 250.0}).rod.length
+        0.7
+        """
+        made: dict[str, Any] = {
+            name: changed_section(self, name, given) for name, given in sections.items()
+        }
+        told = [
+            change
+            for name, section in made.items()
+            for change in changes(getattr(self, name), section)
+        ]
+        records, provenance = without_changed(self.records, self.provenance, told)
+        study = self.study
+        if study is not None and not made.keys().isdisjoint(("throw", "material")):
+            study = replace(
+                study,
+                throw=made.get("throw", self.throw),
+                material=made.get("material", self.material),
+            )
+            plan_designs(study)  # refuses a study of which nothing can be built
+        return replace(self, **made, study=study, records=records, provenance=provenance)
 
 
 def load_engine(path: str | Path) -> EngineFile:
@@ -139,41 +216,23 @@ def load_engine(path: str | Path) -> EngineFile:
     throw = content.required("throw", CrankThrow)
     material = content.model("material", Material) or STEEL
     rod, piston = content.required("rod", Rod), content.required("piston", Piston)
-    check_sizes(engine, throw, rod, piston)
     hinged = content.model("hinged_rods", HingedRods)
-    throws = throws_of(engine)
-    throw_angles = angles_of_throws(content.model("shaft", ShaftLayout), engine, throws)
+    shaft = content.model("shaft", ShaftLayout)
     thrust = content.required("thrust_bearing", ThrustBearing)
-    if thrust.bearing > len(throw_angles):
-        raise InputError(
-            f"thrust_bearing.bearing: given {thrust.bearing}; allowed is 0 (free end) to "
-            f"{len(throw_angles)} (flywheel)."
-        )
     gas, gas_map = content.model("gas", Gas), content.model("gas_map", GasMap)
     misfire = content.model("misfire", Misfire)
-    _check_misfire(misfire, gas, engine)
-    _check_gas_map(gas_map, engine)
     torque = content.model("torque", TorqueTable)
-    study = study_plan(content, throw, material)
     vibration = content.model("vibration", VibrationSettings) or VibrationSettings()
-    _check_sources(vibration, study)
-    lowest_order = 2.0 / engine.strokes
-    if vibration.highest_order < lowest_order or vibration.highest_order % lowest_order:
-        raise InputError(
-            f"vibration.highest_order: given {vibration.highest_order:g}; allowed are multiples of "
-            f"{lowest_order:g}, because these are the orders of a {engine.strokes}-stroke engine."
-        )
     return EngineFile(
         path=content.path,
         engine=engine,
-        throws=throws,
-        throw_angles=throw_angles,
-        pins=pins_of(engine, throw, throws, hinged),
+        shaft=shaft,
         throw=throw,
         shaft_ends=content.model("shaft_ends", ShaftEnds) or ShaftEnds(),
         material=material,
         rod=rod,
         piston=piston,
+        hinged_rods=hinged,
         flywheel=content.required("flywheel", Flywheel),
         thrust_bearing=thrust,
         vibration=vibration,
@@ -194,7 +253,7 @@ def load_engine(path: str | Path) -> EngineFile:
         if torque is None
         else find_table("torque.table", content.path, torque.table),
         two_mass=content.model("two_mass_check", TwoMassInput),
-        study=study,
+        study=study_plan(content, throw, material),
         records=tuple(content.records),
         provenance=content.provenance,
         sources=content.sources,
@@ -308,3 +367,13 @@ def _check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> Non
             raise InputError(
                 f"vibration.{kind}_source: given {given!r}; allowed are {', '.join(allowed)}{reason}."
             )
+
+
+def _check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:
+    """Refuse a highest order that the engine's cycle has not."""
+    lowest = 2.0 / engine.strokes
+    if vibration.highest_order < lowest or vibration.highest_order % lowest:
+        raise InputError(
+            f"vibration.highest_order: given {vibration.highest_order:g}; allowed are multiples of "
+            f"{lowest:g}, because these are the orders of a {engine.strokes}-stroke engine."
+        )

@@ -5,10 +5,15 @@ from typing import ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from dynamics.engine.firing import firing_angles_of_order
+from dynamics.engine.firing import firing_angles_of_order, firing_intervals
 from geometry.errors import InputError
 from geometry.model import InputModel, quantity_field
-from geometry.quantity import show_quantity
+from geometry.quantity import DISPLAY_UNITS, show_quantity
+
+# Limits are round numbers in the units in which people read them.
+PER_MINUTE = DISPLAY_UNITS["rad/s"][1]
+# Firing intervals that differ by less are even, but for the digits of given angles.
+UNEVEN_FROM_DEG = 0.5
 
 
 class Engine(InputModel):
@@ -21,12 +26,14 @@ class Engine(InputModel):
     strokes: int = quantity_field("strokes per cycle, 2 or 4", "", minimum=2, maximum=4)
     bore: float = quantity_field("cylinder bore", "m", minimum=0.01, maximum=2.0)
     stroke: float = quantity_field("piston stroke", "m", minimum=0.01, maximum=5.0)
-    rated_speed: float = quantity_field("rated speed", "rad/s", minimum=0.5, maximum=3000.0)
+    rated_speed: float = quantity_field(
+        "rated speed", "rad/s", minimum=5.0 * PER_MINUTE, maximum=30_000.0 * PER_MINUTE
+    )
     lowest_speed: float = quantity_field(
-        "lowest running speed", "rad/s", minimum=0.1, maximum=3000.0
+        "lowest running speed", "rad/s", minimum=1.0 * PER_MINUTE, maximum=30_000.0 * PER_MINUTE
     )
     highest_speed: float = quantity_field(
-        "highest running speed", "rad/s", minimum=0.5, maximum=3000.0
+        "highest running speed", "rad/s", minimum=5.0 * PER_MINUTE, maximum=30_000.0 * PER_MINUTE
     )
     crank_angles: tuple[float, ...] = quantity_field(
         "angle of each crank from the first, cylinder by cylinder, all in one sense of rotation",
@@ -90,22 +97,43 @@ class Engine(InputModel):
     def turning_sense(self) -> int:
         """1 if the shaft turns in the sense in which the angles count, else -1: the firing order tells.
 
+        Where the order fits both senses, the one in which the engine fires more evenly.
+
         Raises
         ------
         InputError
             If the firing order fits neither.
         """
+        unevenness = {}
         for sense in (1, -1):
             try:
-                firing_angles_of_order(self.firing_order, self._tops(sense), self.strokes)
+                angles = firing_angles_of_order(self.firing_order, self._tops(sense), self.strokes)
             except InputError:
                 continue
-            return sense
+            steps = firing_intervals(angles, self.strokes)
+            unevenness[sense] = round(max(steps) - min(steps), 6)
+        if unevenness:
+            # Where both fit, the engine turns so that it fires evenly.
+            return min(unevenness, key=lambda sense: unevenness[sense])
         tops = [round(math.degrees(top) % 360.0, 3) for top in self._tops(1)]
         raise InputError(
             f"engine.firing_order: given {list(self.firing_order)}, which does not fit the crank angles; "
             "allowed is an order in which each crank is at the top when its cylinder fires, all within one "
             f"cycle (cylinder by cylinder the tops are at {tops} deg, or the other way round)."
+        )
+
+    @property
+    def firing_remark(self) -> str | None:
+        """What to say of firing intervals that are not even, which only some engines have."""
+        steps = [
+            round(math.degrees(step), 1)
+            for step in firing_intervals(self.firing_angles, self.strokes)
+        ]
+        if max(steps) - min(steps) < UNEVEN_FROM_DEG:
+            return None
+        return (
+            f"engine.firing_order: fires at uneven intervals of {', '.join(f'{s:g}' for s in steps)} deg; "
+            "check the order and the crank angles unless the engine is built so"
         )
 
     def _tops(self, sense: int) -> list[float]:

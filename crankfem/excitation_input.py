@@ -7,6 +7,7 @@ from typing import ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from crankfem.data_files import find_table
+from crankfem.engine_sections import PER_MINUTE
 from crankfem.mechanism_sections import Gas
 from crankfem.pressure_input import motored_pressures
 from dynamics.engine.gas_forces import piston_position
@@ -28,7 +29,10 @@ class GasMapPoint(InputModel):
     section: ClassVar[str] = "gas_map.points"
 
     speed: float = quantity_field(
-        "speed at which the diagram was taken", "rad/s", minimum=0.1, maximum=2000.0
+        "speed at which the diagram was taken",
+        "rad/s",
+        minimum=1.0 * PER_MINUTE,
+        maximum=30_000.0 * PER_MINUTE,
     )
     load: float = quantity_field(
         "load there, in the measure of the map", "", minimum=0.0, maximum=1e9, default=1.0
@@ -101,7 +105,10 @@ class PropellerForcesSection(InputModel):
     node: str = Field("propeller", description="name of its node in the chain")
     blades: int = quantity_field("number of blades", "", minimum=2, maximum=12)
     rated_speed: float = quantity_field(
-        "speed of the propeller at the rated point", "rad/s", minimum=0.1, maximum=1000.0
+        "speed of the propeller at the rated point",
+        "rad/s",
+        minimum=1.0 * PER_MINUTE,
+        maximum=10_000.0 * PER_MINUTE,
     )
     rated_thrust: float = quantity_field("mean thrust there", "N", minimum=1.0, maximum=1e8)
     rated_torque: float = quantity_field(

@@ -21,6 +21,9 @@ from geometry.quantity import DISPLAY_UNITS, show_quantity
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 
+# Whole numbers below this are written out.
+WRITTEN_OUT = 1e10
+
 SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
     (engine_sections.Engine, "required for more than a throw"),
     (CrankThrow, "required"),
@@ -118,7 +121,7 @@ def _allowed(info: FieldInfo) -> str:
     unit, low, high = (field_extra(info, key) for key in ("unit", "minimum_si", "maximum_si"))
     allowed = ""
     if unit is not None and low is not None and high is not None:
-        allowed = f"{show_quantity(low, unit)} to {show_quantity(high, unit)}"
+        allowed = f"{_limit(low, unit)} to {_limit(high, unit)}"
     choices = [kind for kind in (info.annotation, *get_args(info.annotation)) if _is_choice(kind)]
     if choices:
         allowed = " or ".join(get_args(choices[0]))
@@ -127,6 +130,13 @@ def _allowed(info: FieldInfo) -> str:
         text = show_quantity(default, unit) if unit and isinstance(default, float) else f"{default}"
         allowed += f"{', ' if allowed else ''}default {text}"
     return allowed
+
+
+def _limit(value: float, unit: str) -> str:
+    """Write a limit; a pure number without exponent as long as it can be read so."""
+    if not unit and float(value).is_integer() and abs(value) < WRITTEN_OUT:
+        return f"{value:.0f}"
+    return show_quantity(value, unit)
 
 
 def _is_choice(kind: object) -> bool:

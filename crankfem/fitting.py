@@ -4,12 +4,18 @@ import datetime
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crankfem.choices import check_choice
 from fem.responses import RESPONSES
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table as frame
+from geometry.plots.bars import draw_rows
+from geometry.plots.legends import write_title
 from regression.fits.columns import Encoding, constant_groups, factor_encoding, group_encoding
 from regression.fits.equation_text import equation_text
 from regression.fits.fits import Fit, fit_form
@@ -25,6 +31,9 @@ from regression.plans.relations import calculate
 from regression.records import MEASURED
 from regression.runs.study_table import StudyTable
 from regression.throw_values import throw_values
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 
@@ -108,6 +117,81 @@ class ResponseFits:
             f"{', '.join((*(fit.form for fit in self.fits), *self.twins))}, the "
             f"forms that were fitted to {self.response}"
             + (f" ({why.rstrip('.')})." if why else ".")
+        )
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        show: Literal["errors", "effects"] = "errors",
+        form: str | None = None,
+    ) -> "Axes":
+        """Draw the held-out error of every form, or the effects of one.
+
+        What needs the designs too, such as parity, `StudyResult.plot` draws.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : {"errors", "effects"}
+        form : str, optional
+            Whose effects; the chosen one's by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If `show` is neither, or the form was not fitted.
+        """
+        check_choice("show", show, ("errors", "effects"), "these need the fits alone")
+        if show == "effects":
+            from crankfem.pictures.fit_panels import draw_fit_effects
+
+            fit = self.chosen if form is None else self.fit_named(form)
+            axes = new_axes(axes)
+            draw_fit_effects(axes, self, fit)
+            return axes
+        judged = [fit for fit in self.fits if fit.largest_heldout_error is not None]
+        axes = new_axes(axes)
+        draw_rows(
+            axes,
+            [f"{fit.form} (chosen)" if fit is self.chosen else fit.form for fit in judged],
+            [100.0 * (fit.largest_heldout_error or 0.0) for fit in judged],
+            "largest error at held-out designs [%]",
+        )
+        write_title(axes, f"Forms fitted to {self.response.replace('_', ' ')}")
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the forms and their errors; what is not known is missing.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        fits = self.fits
+        return frame(
+            {
+                "form": ([fit.form for fit in fits], ""),
+                "chosen": ([fit is self.chosen for fit in fits], ""),
+                "coefficients": ([fit.coefficient_count for fit in fits], "1"),
+                "r_squared": ([fit.r_squared for fit in fits], "1"),
+                "q_squared": ([fit.q_squared for fit in fits], "1"),
+                "largest_error": ([fit.largest_error for fit in fits], "1"),
+                "largest_heldout_error": ([fit.largest_heldout_error for fit in fits], "1"),
+                "mean_heldout_error": ([fit.mean_heldout_error for fit in fits], "1"),
+                "equation": ([self.equation(fit) for fit in fits], ""),
+            }
         )
 
 

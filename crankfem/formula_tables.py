@@ -7,8 +7,9 @@ from rich.table import Table
 
 from crankfem import console
 from crankfem.angle_argument import angle_text
-from crankfem.console import number, print_table
+from crankfem.console import print_table
 from crankfem.formula_spread import EngineSpread, FormulaSpread, Ratio, formula_spreads
+from crankfem.output_units import SI, OutputUnit, OutputUnits
 from regression.formulas.published_table import (
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,
@@ -47,7 +48,10 @@ def _given(constants: Mapping[str, float] | None) -> str:
 
 
 def print_one_throw(
-    records: dict[str, Any], gamma_deg: float, constants: Mapping[str, float] | None = None
+    records: dict[str, Any],
+    gamma_deg: float,
+    constants: Mapping[str, float] | None = None,
+    units: OutputUnits = SI,
 ) -> None:
     """Print the formulas for one throw, beside finite elements if they are among the records."""
     fe = records.get("fe")
@@ -60,12 +64,13 @@ def print_one_throw(
             records[kind],
             left_out,
             None if fe is None else fe[kind],
+            units,
         )
     if fe is not None and fe["angle_law"] is not None:
-        law = fe["angle_law"]
+        law, axial = fe["angle_law"], units.of("1e-9 m/N")
         say(
             "Finite elements over the angle: e(gamma) = e_0 + (e_180 - e_0) / (1 + rho cot^2(gamma/2)) "
-            f"with e_0 = {number(law['e_0'] * 1e9)}e-9 m/N, e_180 = {number(law['e_180'] * 1e9)}e-9 m/N, "
+            f"with e_0 = {axial.with_name(law['e_0'])}, e_180 = {axial.with_name(law['e_180'])}, "
             f"rho = {law['rho']:.3g}."
         )
 
@@ -75,14 +80,15 @@ def _print_kind(
     records: list[dict[str, Any]],
     left_out: list[dict[str, Any]],
     fe: float | None,
+    units: OutputUnits,
 ) -> None:
     texts = [text for record in records for text in record["remarks"]]
     numbers = {text: str(place) for place, text in enumerate(dict.fromkeys(texts), start=1)}
-    unit = records[0]["unit"] if records else "m/N"
+    unit = units.of(f"1e-9 {records[0]['unit'] if records else 'm/N'}")
 
     def row(name: str, value: float, applies: str, remarks: str) -> list[str]:
         ratio = [] if fe is None else [f"{value / fe:.2f}"]
-        return [name, f"{value * 1e9:#.4g}", *ratio, applies, remarks]
+        return [name, _four_digits(value, unit), *ratio, applies, remarks]
 
     rows = [
         row(
@@ -98,11 +104,11 @@ def _print_kind(
     ratio = [] if fe is None else ["beside FE"]
     # As a line of its own, because a table breaks its title at its own width.
     _print_title(title)
-    print_table("", ["formula", f"value [1e-9 {unit}]", *ratio, "applies:", "remarks:"], rows)
+    print_table("", ["formula", f"value [{unit.name}]", *ratio, "applies:", "remarks:"], rows)
     for text, place in numbers.items():
-        say(f"  {place}. {text}")
+        say(units.text(f"  {place}. {text}"))
     for record in left_out:
-        say(f"  Left out: {record['reason']}.")
+        say(units.text(f"  Left out: {record['reason']}."))
     inside = [record["value"] / fe for record in records if record["valid"]] if fe else []
     if len(inside) > 1:
         say(
@@ -116,17 +122,19 @@ def print_spread(
     gamma_deg: float,
     variant: str,
     constants: Mapping[str, float] | None = None,
+    units: OutputUnits = SI,
 ) -> None:
     """Print formula / finite elements of all engines, one row for each."""
-    for kind, unit, head in (
+    for kind, si_unit, head in (
         ("axial", "m/N", f"gamma = {angle_text(gamma_deg)}, {variant} formulas{_given(constants)}"),
         ("torsional", "rad/(N m)", "pinned"),
     ):
+        unit = units.of(f"1e-9 {si_unit}")
         names = list(dict.fromkeys(name for spread in spreads for name in spread.ratios[kind]))
         if not names:
             continue
         _print_title(
-            f"{kind.capitalize()} compliance: formula / finite elements, {head} (FE in 1e-9 {unit})"
+            f"{kind.capitalize()} compliance: formula / finite elements, {head} (FE in {unit.name})"
         )
         table = _wide_table(
             ["engine", "s/R", "FE", *(SHORT_NAMES.get(name, name) for name in names)]
@@ -135,7 +143,7 @@ def print_spread(
             [
                 spread.engine,
                 f"{spread.overlap:.2f}",
-                _compliance(spread.fe[kind]),
+                _compliance(spread.fe[kind], unit),
                 *(_ratio(spread.ratios[kind].get(name)) for name in names),
             ]
             for spread in spreads
@@ -153,7 +161,7 @@ def print_spread(
 
 
 def print_published(values: Sequence[PublishedValue]) -> None:
-    """Print the survey's table, repaired values marked, with its doubts."""
+    """Print the survey's table in its own units, repaired values marked, with its doubts."""
     names = [
         name for name in dict.fromkeys(value.formula for value in values) if name != FINITE_ELEMENTS
     ]
@@ -196,9 +204,14 @@ def _wide_table(columns: Sequence[str]) -> Table:
     return table
 
 
-def _compliance(value: float) -> str:
-    """Write a compliance in 1e-9 of its unit with three digits, without a power of ten."""
-    scaled = value * 1e9
+def _four_digits(value: float, unit: OutputUnit) -> str:
+    """Write a value with four digits, zeros at the end among them."""
+    return unit.number(value) if unit.wished else f"{value / unit.size:#.4g}"
+
+
+def _compliance(value: float, unit: OutputUnit) -> str:
+    """Write a compliance with three digits, without a power of ten."""
+    scaled = value / unit.size
     return f"{scaled:.0f}" if scaled >= 100.0 else f"{scaled:#.3g}"
 
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from crankfem import console
-from crankfem.console import number, print_table
+from crankfem.console import number, print_line, print_table
 from crankfem.mechanism_file import MechanismFile
+from crankfem.output_units import SI, OutputUnit, OutputUnits
 from crankfem.record import RPM, Record
 from crankfem.results import harmonics_record
 from crankfem.table_units import table_unit
@@ -81,33 +81,37 @@ def _star_record(star: Star) -> Record:
     }
 
 
-def print_harmonics(title: str, record: Record, unit: str) -> None:
+def print_harmonics(title: str, record: Record, unit: str, units: OutputUnits = SI) -> None:
     """Print orders, coefficients, amplitudes and phases, given in `unit`."""
     rows = zip(*(record[name] for name in COLUMNS), strict=True)
-    shown = table_unit(record["amplitude"], unit)
+    shown, angle = table_unit(record["amplitude"], unit, units), units.of("deg")
     print_table(
         title,
-        ["order", *(f"{symbol} [{shown.name}]" for symbol in ("A_k", "B_k", "M_k")), "a_k [deg]"],
-        [[f"{row[0]:g}", *map(shown.text, row[1:4]), _hundredths(row[4])] for row in rows],
+        [
+            "order",
+            *(f"{symbol} [{shown.name}]" for symbol in ("A_k", "B_k", "M_k")),
+            f"a_k [{angle.name}]",
+        ],
+        [[f"{row[0]:g}", *map(shown.text, row[1:4]), _phase(row[4], angle)] for row in rows],
     )
 
 
-def print_engine(record: Record) -> None:
+def print_engine(record: Record, units: OutputUnits = SI) -> None:
     """Print the torque of an engine, its harmonics and stars."""
     uneven = record["nonuniformity"]
     said = "" if uneven is None else f", (largest - least) / mean {number(uneven)}"
-    console.output.print(
-        f"{record['engine']} at {number(record['speed_rpm'], 5)} 1/min: mean torque "
-        f"{_with_unit(record['mean'], 'N m')}, indicated power {_with_unit(record['power'], 'W')}{said}.",
-        soft_wrap=True,
+    speed = units.of("1/min").with_name(record["speed_rpm"] / RPM, 5)
+    print_line(
+        f"{record['engine']} at {speed}: mean torque {_with_unit(record['mean'], 'N m', units)}, indicated "
+        f"power {_with_unit(record['power'], 'W', units)}{said}."
     )
     for remark in record["remarks"]:
-        console.output.print(f"Note: {remark}.", soft_wrap=True)
-    print_harmonics("Harmonics of the engine's torque", record["harmonics"], "N m")
+        print_line(units.text(f"Note: {remark}."))
+    print_harmonics("Harmonics of the engine's torque", record["harmonics"], "N m", units)
     throws = record["throws"]
     orders = record["harmonics"]["orders"]
     amplitudes = [throw["harmonics"]["amplitude"] for throw in throws]
-    shown = table_unit((value for own in amplitudes for value in own), "N m")
+    shown = table_unit((value for own in amplitudes for value in own), "N m", units)
     print_table(
         f"Amplitudes by throw [{shown.name}]",
         ["order", *(_throw_name(place, throw) for place, throw in enumerate(throws, start=1))],
@@ -131,43 +135,49 @@ def print_engine(record: Record) -> None:
         ],
     )
     if record["hinged_rods"]:
-        console.output.print(
+        print_line(
             "Cylinders with hinged rods differ from the others: of an order whose star is balanced, some "
-            "torque can be left, as the harmonics above tell.",
-            soft_wrap=True,
+            "torque can be left, as the harmonics above tell."
         )
     named = ", ".join(f"{order:g}" for order in record["leading_orders"])
     kinds = {star["kind"] for star in record["stars"]}
     said = "Major orders" if "major" in kinds else "No order is major; the strongest"
-    console.output.print(f"{said}: {named or 'none'}.", soft_wrap=True)
+    print_line(f"{said}: {named or 'none'}.")
 
 
-def print_pin_forces(record: Record) -> None:
+def print_pin_forces(record: Record, units: OutputUnits = SI) -> None:
     """Print the harmonics of one cylinder's forces on its crankpin."""
+    angle = units.of("deg")
     for field, letter in (("tangential", "T"), ("radial", "Z")):
         parts = record[field]
         orders = parts["gas"]["orders"]
-        shown = table_unit((value for part in PARTS for value in parts[part]["amplitude"]), "N")
-        mean = table_unit((parts[part]["mean"] for part in PARTS), "N")
+        amplitudes = (value for part in PARTS for value in parts[part]["amplitude"])
+        shown = table_unit(amplitudes, "N", units)
+        mean = table_unit((parts[part]["mean"] for part in PARTS), "N", units)
         means = ", ".join(f"{part} {mean.text(parts[part]['mean'])}" for part in PARTS)
         print_table(
-            f"Cylinder {record['number']}: {field} force {letter} on the crankpin, phases from its "
-            f"firing top at {record['firing_angle_deg']:g} deg; mean [{mean.name}]: {means}",
+            units.text(
+                f"Cylinder {record['number']}: {field} force {letter} on the crankpin, phases from its "
+                f"firing top at {record['firing_angle_deg']:g} deg; mean [{mean.name}]: {means}"
+            ),
             [
                 "order",
                 *(
                     f"{part} {sign}"
                     for part in PARTS
-                    for sign in (f"M_k [{shown.name}]", "a_k [deg]")
+                    for sign in (f"M_k [{shown.name}]", f"a_k [{angle.name}]")
                 ),
             ],
             [
                 [
                     f"{order:g}",
                     *(
-                        write(parts[part][name][row])
+                        text
                         for part in PARTS
-                        for name, write in (("amplitude", shown.text), ("phase_deg", _hundredths))
+                        for text in (
+                            shown.text(parts[part]["amplitude"][row]),
+                            _phase(parts[part]["phase_deg"][row], angle),
+                        )
                     ),
                 ]
                 for row, order in enumerate(orders)
@@ -175,13 +185,12 @@ def print_pin_forces(record: Record) -> None:
         )
 
 
-def _with_unit(value: float, unit: str) -> str:
-    return table_unit([value], unit).with_unit(value)
+def _with_unit(value: float, unit: str, units: OutputUnits) -> str:
+    return table_unit([value], unit, units).with_unit(value)
 
 
-def _hundredths(value: float) -> str:
-    # Adding zero turns a negative zero into zero.
-    return f"{round(value, 2) + 0.0:.2f}"
+def _phase(degrees: float, unit: OutputUnit) -> str:
+    return unit.fixed(math.radians(degrees), 2)
 
 
 def _throw_name(place: int, throw: Record) -> str:

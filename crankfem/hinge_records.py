@@ -70,7 +70,7 @@ def profile_record(profile: HingeProfile) -> Record:
                 "value": check.value if math.isfinite(check.value) else None,
                 "limit": check.limit,
                 "unit": check.unit,
-                "meaning": check.sentence,
+                "meaning": check.reason,
             }
             for check in profile.checks
         ],

@@ -2,10 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from crankfem.choices import check_choice
 from crankfem.hinge_file import HingeFile
+from crankfem.pictures import hinge_panels
 from dynamics.hinge.evening import BestPressure, best_pressure, flywheel_for
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
@@ -13,7 +16,15 @@ from dynamics.hinge.reduced import KINEMATICS, Kinematics
 from dynamics.hinge.running import SteadyHingeTurn, simulate_hinge, steady_hinge_turn
 from dynamics.hinge.spring import GasSpring
 from dynamics.turning.speed_over_angle import SpeedOverAngle
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Shown = Literal["moment", "gas force", "speed", "fluctuation", "guides"]
+SHOWN: tuple[Shown, ...] = ("moment", "gas force", "speed", "fluctuation", "guides")
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +87,67 @@ class HingeRun:
     others: tuple[OtherSpeed, ...]
     compared: list[tuple[GasSpring, float, HingeProfile | str]]
     deviations: dict[Kinematics, float]
+
+    def plot(self, axes: "Axes | None" = None, *, show: Shown = "moment") -> "Axes":
+        """Draw one diagram of the hinge.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : str
+            "moment" for constant speed, or "gas force", at all running points; "speed" over a turn, or
+            its "fluctuation", with hinge and flywheel; "guides": the rollers' path, of the largest
+            spring where several are compared.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If `show` is none of these.
+        """
+        check_choice("show", show, SHOWN, "these are diagrams of a hinge")
+        if show == "guides" and not self.compared:
+            return self.profile.plot(axes)
+        axes = new_axes(axes)
+        if show == "guides":
+            hinge_panels.draw_guides(axes, self, hinge_panels.spring_sizes(self)[0])
+            return axes
+        draw = {
+            "moment": hinge_panels.draw_moments,
+            "gas force": hinge_panels.draw_gas_force,
+            "speed": hinge_panels.draw_speeds,
+            "fluctuation": hinge_panels.draw_fluctuations,
+        }[show]
+        draw(axes, self)
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the other running points with the guides as they are.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        others = self.others
+        return table(
+            {
+                "speed": ([one.point.speed for one in others], "rad/s"),
+                "best_pressure": ([one.best.pressure for one in others], "Pa"),
+                "fluctuation": ([one.best.fluctuation for one in others], "1"),
+                "flywheel": ([one.flywheel for one in others], "kg m^2"),
+                "flywheel_with_hinge": ([one.flywheel_with_hinge for one in others], "kg m^2"),
+            }
+        )
 
 
 def run_hinge(

@@ -1,9 +1,11 @@
 """The sections of hinge files: every field with its unit, range and meaning, declared once."""
 
+import math
 from typing import ClassVar, Self
 
 from pydantic import Field, model_validator
 
+from crankfem.engine_sections import PER_MINUTE
 from geometry.errors import InputError
 from geometry.model import InputModel, part_field, quantity_field
 
@@ -72,8 +74,8 @@ class Hinge(InputModel):
     design_speed: float = quantity_field(
         "speed for which the guides are made, one of the running points",
         "rad/s",
-        minimum=0.1,
-        maximum=3000.0,
+        minimum=1.0 * PER_MINUTE,
+        maximum=30_000.0 * PER_MINUTE,
     )
     piston_area: float = quantity_field(
         "piston area of the gas spring", "m^2", symbol="A", minimum=1e-6, maximum=10.0
@@ -119,13 +121,25 @@ class Cycle(InputModel):
         "largest over smallest cylinder volume", "", minimum=2.0, maximum=40.0
     )
     combustion_start: float | None = quantity_field(
-        "crank angle at which heat release begins", "rad", minimum=-1.0, maximum=0.8, default=None
+        "crank angle at which heat release begins",
+        "rad",
+        minimum=math.radians(-55.0),
+        maximum=math.radians(45.0),
+        default=None,
     )
     exhaust_opens: float | None = quantity_field(
-        "crank angle at which the exhaust opens", "rad", minimum=1.0, maximum=3.1, default=None
+        "crank angle at which the exhaust opens",
+        "rad",
+        minimum=math.radians(60.0),
+        maximum=math.radians(175.0),
+        default=None,
     )
     intake_closes: float | None = quantity_field(
-        "crank angle at which the cylinder closes", "rad", minimum=-3.1, maximum=-1.0, default=None
+        "crank angle at which the cylinder closes",
+        "rad",
+        minimum=math.radians(-175.0),
+        maximum=math.radians(-60.0),
+        default=None,
     )
 
     @property
@@ -141,7 +155,9 @@ class RunningPoint(InputModel):
 
     section: ClassVar[str] = "points"
 
-    speed: float = quantity_field("crank speed", "rad/s", minimum=0.1, maximum=3000.0)
+    speed: float = quantity_field(
+        "crank speed", "rad/s", minimum=1.0 * PER_MINUTE, maximum=30_000.0 * PER_MINUTE
+    )
     mean_pressure: float = quantity_field(
         "indicated mean effective pressure", "Pa", minimum=1e3, maximum=1e7
     )

@@ -1,49 +1,60 @@
 """The tables of `crankfem hinge`, from its record."""
 
+import math
 import re
 
-from crankfem import console
-from crankfem.console import number, print_table
-from crankfem.record import Record
+from crankfem.console import print_line, print_table
+from crankfem.output_units import SI, OutputUnits
+from crankfem.record import RPM, Record
 
 
-def print_hinge(record: Record) -> None:
+def print_hinge(record: Record, units: OutputUnits = SI) -> None:
     """Print the results of a hinge."""
-    _print_moment(record)
-    _print_profile(record)
-    _print_turning(record)
+    _print_moment(record, units)
+    _print_profile(record, units)
+    _print_turning(record, units)
     if record["other_speeds"]:
-        _print_others(record)
+        _print_others(record, units)
     if record["compared"]:
-        _print_compared(record["compared"])
+        _print_compared(record["compared"], units)
     assumed = record["assumed"]
     if assumed:
-        _say(
+        print_line(
             f"Assumed, not given ({len(assumed)} values): "
             + ", ".join(dict.fromkeys(_field(entry["field"]) for entry in assumed))
             + "; the reasons stand in the file and in --json."
         )
 
 
-def _print_moment(record: Record) -> None:
-    moment = record["hinge_moment"]
+def _print_moment(record: Record, units: OutputUnits) -> None:
+    moment, shown, angle = record["hinge_moment"], units.of("kN m"), units.of("deg")
     print_table(
-        f"{record['engine']} at {record['speed_rpm']:.4g} 1/min: moments on the crank "
-        f"({record['kinematics']} kinematics)",
-        ["", "kN m", "at [deg]"],
+        units.text(
+            f"{record['engine']} at {record['speed_rpm']:.4g} 1/min: moments on the crank "
+            f"({record['kinematics']} kinematics)"
+        ),
+        ["", shown.name, f"at [{angle.name}]"],
         [
-            ["load M_r", _kilo(moment["load"]), ""],
-            ["largest M_h", _kilo(moment["largest"]), f"{moment['largest_at_deg']:.1f}"],
-            ["least M_h", _kilo(moment["least"]), f"{moment['least_at_deg']:.1f}"],
+            ["load M_r", shown.number(moment["load"]), ""],
+            *(
+                [
+                    f"{name} M_h",
+                    shown.number(moment[name]),
+                    angle.fixed(math.radians(moment[f"{name}_at_deg"]), 1),
+                ]
+                for name in ("largest", "least")
+            ),
         ],
     )
     low, high = moment["reduced_inertia"]
-    _say(
-        f"Reduced inertia {low:.4g} to {high:.4g} kg m^2; the hinge stores and gives "
-        f"{moment['energy_swing'] / 1e3:.4g} kJ a turn; integral of M_h over the turn "
-        f"{abs(moment['closing_error']):.1e} of that of its absolute value."
+    print_line(
+        units.text(
+            f"Reduced inertia {low:.4g} to {high:.4g} kg m^2; the hinge stores and gives "
+            f"{moment['energy_swing'] / 1e3:.4g} kJ a turn; integral of M_h over the turn "
+            f"{abs(moment['closing_error']):.1e} of that of its absolute value."
+        )
     )
-    _say(
+    print_line(
         "Largest difference of M_h to exact kinematics, by the largest M_h: "
         + ", ".join(
             f"{name} {100.0 * share:.2g} %"
@@ -53,79 +64,88 @@ def _print_moment(record: Record) -> None:
     )
 
 
-def _print_profile(record: Record) -> None:
+def _print_profile(record: Record, units: OutputUnits) -> None:
     spring, profile = record["spring"], record["profile"]
+    length, pressure = units.of("mm"), units.of("MPa")
     print_table(
-        f"Guides for a gas spring of {spring['pressure'] / 1e6:.4g} MPa, "
-        f"{spring['height'] * 1e3:.4g} mm high, n = {spring['exponent']:g}",
+        f"Guides for a gas spring of {pressure.with_name(spring['pressure'])}, "
+        f"{length.with_name(spring['height'])} high, n = {spring['exponent']:g}",
         ["", "value", "unit:"],
         [
-            ["radius, smallest", number(profile["smallest_radius"] * 1e3), "mm"],
-            ["radius, largest", number(profile["largest_radius"] * 1e3), "mm"],
-            ["compression z, largest", number(profile["largest_compression"] * 1e3), "mm"],
-            ["gas pressure, largest", number(profile["largest_pressure"] / 1e6), "MPa"],
-            ["force on a roller, largest", _kilo(profile["largest_normal_force"]), "kN"],
-            ["off the spring's axis", number(profile["largest_force_angle_deg"]), "deg"],
+            [name, unit.number(value), unit.name]
+            for name, value, unit in (
+                ("radius, smallest", profile["smallest_radius"], length),
+                ("radius, largest", profile["largest_radius"], length),
+                ("compression z, largest", profile["largest_compression"], length),
+                ("gas pressure, largest", profile["largest_pressure"], pressure),
+                ("force on a roller, largest", profile["largest_normal_force"], units.of("kN")),
+                (
+                    "off the spring's axis",
+                    math.radians(profile["largest_force_angle_deg"]),
+                    units.of("deg"),
+                ),
+            )
         ],
     )
+    checks = [(check, pressure if check["unit"] == "Pa" else length) for check in profile["checks"]]
     print_table(
         "Can it be made",
         ["check", "found", "limit", "met:"],
         [
             [
-                f"{check['name']} [{'MPa' if check['unit'] == 'Pa' else 'mm'}]",
-                "none" if check["value"] is None else _shown(check["value"], check["unit"]),
-                f"> {_shown(check['limit'], check['unit'])}",
+                f"{check['name']} [{unit.name}]",
+                "none" if check["value"] is None else unit.number(check["value"]),
+                f"> {unit.number(check['limit'])}",
                 "yes" if check["met"] else f"no: {check['meaning']}",
             ]
-            for check in profile["checks"]
+            for check, unit in checks
         ],
     )
     for remark in profile["remarks"]:
-        _say(f"Note: {remark}")
+        print_line(units.text(f"Note: {remark}"))
 
 
-def _print_turning(record: Record) -> None:
-    turning = record["turning"]
+def _print_turning(record: Record, units: OutputUnits) -> None:
+    turning, speed = record["turning"], units.of("1/min")
     hinge, without, wheel = turning["with_hinge"], turning["without"], turning["flywheel"]
     print_table(
         "Crank let turn under the constant load",
-        ["", "mean [1/min]", "fluctuation (max - min)/mean"],
+        ["", f"mean [{speed.name}]", "fluctuation (max - min)/mean"],
         [
-            ["with the hinge", f"{hinge['mean_speed_rpm']:.2f}", f"{hinge['fluctuation']:.3g}"],
             [
-                "without, from the same speed at the top",
-                f"{without['mean_speed_rpm']:.2f}",
-                f"{without['fluctuation']:.3g}",
-            ],
-            [
-                f"without, flywheel of {wheel['inertia']:,.0f} kg m^2",
-                f"{wheel['mean_speed_rpm']:.2f}",
-                f"{wheel['fluctuation']:.3g}",
-            ],
+                name,
+                speed.fixed(found["mean_speed_rpm"] / RPM, 2),
+                f"{found['fluctuation']:.3g}",
+            ]
+            for name, found in (
+                ("with the hinge", hinge),
+                ("without, from the same speed at the top", without),
+                (f"without, flywheel of {_inertia(wheel['inertia'], units)}", wheel),
+            )
         ],
     )
-    _say(f"The hinge leaves {turning['remaining_share']:.2g} of the fluctuation without it.")
+    print_line(f"The hinge leaves {turning['remaining_share']:.2g} of the fluctuation without it.")
     if not without["comes_round_at_mean_speed"]:
-        _say(f"Note: without hinge and flywheel, {without['reason']}")
+        print_line(units.text(f"Note: without hinge and flywheel, {without['reason']}"))
 
 
-def _print_others(record: Record) -> None:
+def _print_others(record: Record, units: OutputUnits) -> None:
+    speed, moment, pressure = units.of("1/min"), units.of("kN m"), units.of("MPa")
     print_table(
         "The same guides at other running points: the start pressure that evens most",
         [
-            "1/min",
-            "M_r [kN m]",
-            "p_0 [MPa]",
+            speed.name,
+            f"M_r [{moment.name}]",
+            f"p_0 [{pressure.name}]",
             "ratio",
             "fluctuation",
             "M_h lacks [%]",
         ],
         [
             [
-                f"{other['speed_rpm']:.4g}",
-                _kilo(other["hinge_moment"]["load"]),
-                number(other["best_pressure"] / 1e6),
+                speed.number(other["speed_rpm"] / RPM),
+                moment.number(other["hinge_moment"]["load"]),
+                pressure.number(other["best_pressure"]),
                 f"{other['best_ratio']:.3f}",
                 f"{other['fluctuation']:.3g}",
                 f"{100.0 * other['moment_residual']:.3g}",
@@ -141,29 +161,39 @@ def _print_others(record: Record) -> None:
             if unchanged is None
             else f"the fluctuation is {unchanged:.3g}"
         )
-        _say(
-            f"At {other['speed_rpm']:.4g} 1/min with the pressure unchanged {fate}; a fluctuation of "
-            f"{wanted:.3g} takes a flywheel of {other['flywheel_with_hinge']:,.0f} kg m^2 with the best "
-            f"pressure, {other['flywheel_without_hinge']:,.0f} kg m^2 without the hinge."
+        print_line(
+            f"At {speed.with_name(other['speed_rpm'] / RPM)} with the pressure unchanged {fate}; a "
+            f"fluctuation of {wanted:.3g} takes a flywheel of "
+            f"{_inertia(other['flywheel_with_hinge'], units)} with the best pressure, "
+            f"{_inertia(other['flywheel_without_hinge'], units)} without the hinge."
         )
 
 
-def _print_compared(compared: list[Record]) -> None:
+def _print_compared(compared: list[Record], units: OutputUnits) -> None:
+    length, pressure, angle = units.of("mm"), units.of("MPa"), units.of("deg")
     print_table(
         "Guides by size and pressure: radii, largest pressure, steepest force on a roller",
-        ["H [mm]", "rho_0 [mm]", "p_0 [MPa]", "rho [mm]", "p [MPa]", "off axis [deg]"],
+        [
+            f"H [{length.name}]",
+            f"rho_0 [{length.name}]",
+            f"p_0 [{pressure.name}]",
+            f"rho [{length.name}]",
+            f"p [{pressure.name}]",
+            f"off axis [{angle.name}]",
+        ],
         [
             [
-                number(entry["height"] * 1e3),
-                number(entry["start_radius"] * 1e3),
-                number(entry["pressure"] / 1e6),
+                length.number(entry["height"]),
+                length.number(entry["start_radius"]),
+                pressure.number(entry["pressure"]),
                 *(
                     ["cannot be made", "", ""]
                     if "refused" in entry
                     else [
-                        f"{entry['smallest_radius'] * 1e3:.4g} to {entry['largest_radius'] * 1e3:.4g}",
-                        number(entry["largest_pressure"] / 1e6),
-                        f"{entry['largest_force_angle_deg']:.1f}",
+                        f"{length.number(entry['smallest_radius'])} to "
+                        f"{length.number(entry['largest_radius'])}",
+                        pressure.number(entry["largest_pressure"]),
+                        angle.fixed(math.radians(entry["largest_force_angle_deg"]), 1),
                     ]
                 ),
             ]
@@ -172,7 +202,7 @@ def _print_compared(compared: list[Record]) -> None:
     )
     for entry in compared:
         if "refused" in entry:
-            _say(f"Note: {entry['refused']}")
+            print_line(units.text(f"Note: {entry['refused']}"))
 
 
 def _field(name: str) -> str:
@@ -180,13 +210,6 @@ def _field(name: str) -> str:
     return re.sub(r"\[\d+\]", "", name)
 
 
-def _kilo(value: float) -> str:
-    return number(value / 1e3)
-
-
-def _shown(value: float, unit: str) -> str:
-    return number(value / 1e6 if unit == "Pa" else value * 1e3)
-
-
-def _say(text: str) -> None:
-    console.output.print(text, soft_wrap=True, highlight=False)
+def _inertia(value: float, units: OutputUnits) -> str:
+    unit = units.of("kg m^2")
+    return f"{value / unit.size:,.0f} {unit.name}"

@@ -1,5 +1,6 @@
 """The sections of engine files for limits of vibration and for what is not known well."""
 
+import math
 from collections.abc import Mapping
 from functools import partial
 from typing import ClassVar, Self
@@ -10,6 +11,7 @@ from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import (
     SHAFT_FEATURES,
     crankshaft_limit,
+    crankshaft_material_factors,
     generator_set_limit,
     propulsion_shaft_limit,
 )
@@ -123,8 +125,8 @@ class LimitsInput(InputModel):
     torsional_amplitude: float | None = quantity_field(
         "permissible torsional vibration amplitude of the free end",
         "rad",
-        minimum=1e-6,
-        maximum=1.0,
+        minimum=math.radians(1e-4),
+        maximum=math.radians(60.0),
         default=None,
     )
     axial_amplitude: float | None = quantity_field(
@@ -197,6 +199,13 @@ class LimitsInput(InputModel):
                 f"limits.crankshaft_rule: given {self.crankshaft_rule!r} without tensile_strength "
                 "and yield_strength; allowed is the rule with both, because it depends on them."
             )
+        if self.crankshaft_rule and self.tensile_strength and self.yield_strength:
+            try:  # before anything is computed
+                crankshaft_material_factors(
+                    self.tensile_strength, self.yield_strength, alloy=self.alloy
+                )
+            except InputError as error:
+                raise InputError(f"limits.{error}") from None
         for name in GIVEN:
             kept, passing = getattr(self, name), getattr(self, name + PASSING, None)
             if passing is not None and (kept is None or passing < kept):

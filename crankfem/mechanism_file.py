@@ -1,5 +1,6 @@
 """The crank mechanism that an engine file describes: pistons, rods, cranks and gas pressure."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -115,40 +116,124 @@ def load_mechanism(path: str | Path) -> MechanismFile:
     engine, throw = content.required("engine", Engine), content.required("throw", CrankThrow)
     rod, piston = content.required("rod", Rod), content.required("piston", Piston)
     check_sizes(engine, throw, rod, piston)
-    sense = engine.turning_sense
-    throws = throws_of(engine)
-    angles = angles_of_throws(content.model("shaft", ShaftLayout), engine, throws)
-    hinged = content.model("hinged_rods", HingedRods)
+    shaft, hinged = content.model("shaft", ShaftLayout), content.model("hinged_rods", HingedRods)
     content.model("shaft_ends", ShaftEnds)
-    cylinders = engine_cylinders(engine, throw, rod, piston, hinged, throws, angles)
-    layout = EngineLayout(0.5 * engine.stroke, cylinders, engine.firing_order, engine.strokes)
-    remarks = []
-    if side_by_side(throw, throws, hinged):
-        remarks.append(
-            "rods side by side share the pin's length equally, the cylinder with the lower number nearer "
-            "to the free end"
-        )
-    remarks += inertia_remarks(rod, hinged)
-    gas = content.model("gas", Gas)
-    pressure = () if gas is None else cylinder_pressures(gas, layout, content.path)
-    flywheel, free_end = content.model("flywheel", Flywheel), content.model("free_end", FreeEnd)
-    return MechanismFile(
-        path=content.path,
-        name=engine.name,
-        layout=layout,
-        pressure=pressure,
-        rated_speed=engine.rated_speed,
-        throw=throw,
+    mechanism = _Mechanism(engine, shaft, throw, rod, piston, hinged)
+    return mechanism.read(
+        content.path,
+        gas=content.model("gas", Gas),
+        attached=(content.model("flywheel", Flywheel), content.model("free_end", FreeEnd)),
         material=content.model("material", Material) or STEEL,
-        throw_angles=tuple(sense * angle for angle in angles),
-        throws=throws,
-        turning_sense=sense,
-        gas=gas,
-        attached_inertia=sum(part.inertia for part in (flywheel, free_end) if part is not None),
-        remarks=tuple(remarks),
-        records=tuple(content.records),
+        records=content.records,
         sources=content.sources,
     )
+
+
+def mechanism_of(engine: EngineFile) -> MechanismFile:
+    """Return the crank mechanism of an engine as it is, with what was changed after reading.
+
+    Raises
+    ------
+    InputError
+        If cranks, throws and pins do not fit each other, or the gas pressure cannot be reached.
+    """
+    return _mechanism(engine).read(
+        engine.path,
+        gas=engine.gas,
+        attached=(engine.flywheel, engine.free_end),
+        material=engine.material,
+        records=engine.records,
+        sources=engine.sources,
+    )
+
+
+def layout_of(engine: EngineFile) -> EngineLayout:
+    """Return the cylinders and rods of an engine as it is, without throws and gas pressure.
+
+    Raises
+    ------
+    InputError
+        If cranks, throws and pins do not fit each other.
+    """
+    return _mechanism(engine).layout()
+
+
+def _mechanism(engine: EngineFile) -> "_Mechanism":
+    return _Mechanism(
+        engine.engine, engine.shaft, engine.throw, engine.rod, engine.piston, engine.hinged_rods
+    )
+
+
+@dataclass(frozen=True)
+class _Mechanism:
+    """The sections that describe a mechanism."""
+
+    engine: Engine
+    shaft: ShaftLayout | None
+    throw: CrankThrow
+    rod: Rod
+    piston: Piston
+    hinged: HingedRods | None
+
+    @property
+    def throws(self) -> tuple[int, ...]:
+        return throws_of(self.engine)
+
+    @property
+    def angles(self) -> tuple[float, ...]:
+        return angles_of_throws(self.shaft, self.engine, self.throws)
+
+    def layout(self) -> EngineLayout:
+        """Put the cylinders at their places."""
+        engine = self.engine
+        cylinders = engine_cylinders(
+            engine, self.throw, self.rod, self.piston, self.hinged, self.throws, self.angles
+        )
+        return EngineLayout(0.5 * engine.stroke, cylinders, engine.firing_order, engine.strokes)
+
+    def remarks(self) -> tuple[str, ...]:
+        """Say what is assumed beyond the sections, and what is unusual in them."""
+        remarks = inertia_remarks(self.rod, self.hinged)
+        if self.engine.firing_remark is not None:
+            remarks.append(self.engine.firing_remark)
+        if side_by_side(self.throw, self.throws, self.hinged):
+            remarks.insert(
+                0,
+                "rods side by side share the pin's length equally, the cylinder with the lower number "
+                "nearer to the free end",
+            )
+        return tuple(remarks)
+
+    def read(
+        self,
+        path: Path,
+        *,
+        gas: Gas | None,
+        attached: Iterable[Flywheel | FreeEnd | None],
+        material: Material,
+        records: Iterable[InputRecord],
+        sources: dict[str, str],
+    ) -> MechanismFile:
+        """Put the mechanism together with what else its file says."""
+        engine, layout = self.engine, self.layout()
+        sense = engine.turning_sense
+        return MechanismFile(
+            path=path,
+            name=engine.name,
+            layout=layout,
+            pressure=() if gas is None else cylinder_pressures(gas, layout, path),
+            rated_speed=engine.rated_speed,
+            throw=self.throw,
+            material=material,
+            throw_angles=tuple(sense * angle for angle in self.angles),
+            throws=self.throws,
+            turning_sense=sense,
+            gas=gas,
+            attached_inertia=sum(part.inertia for part in attached if part is not None),
+            remarks=self.remarks(),
+            records=tuple(records),
+            sources=sources,
+        )
 
 
 def load_any(path: str | Path) -> EngineFile | MechanismFile | ThrowFile:

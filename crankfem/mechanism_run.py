@@ -2,7 +2,9 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
 
+from crankfem.choices import check_choice
 from crankfem.mechanism_file import MechanismFile, with_throws
 from crankfem.pressure_input import motored_pressures
 from dynamics.balance.balance import Balance, balance
@@ -17,7 +19,24 @@ from dynamics.mechanism.rods import RodModelName
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, samples_and_gas
 from dynamics.torque.torque import EngineTorque, engine_torque
 from geometry.errors import InputError
+from geometry.frames import table
 from geometry.mass import MassProperties
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Shown = Literal[
+    "torque", "forces", "pressure", "crankpin", "bearing", "force balance", "moment balance"
+]
+SHOWN: tuple[Shown, ...] = (
+    "torque",
+    "forces",
+    "pressure",
+    "crankpin",
+    "bearing",
+    "force balance",
+    "moment balance",
+)
 
 BALANCE_ORDERS = (1, 2, 4)
 
@@ -74,6 +93,86 @@ class MechanismRun:
     works: tuple[CylinderWork, ...]
     balance: Balance
     hinged_rods: tuple[HingedRodEffects, ...]
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        show: Shown = "torque",
+        number: int = 1,
+        frame: Literal["crank", "engine"] | None = None,
+    ) -> "Axes":
+        """Draw one diagram of the mechanism.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : str
+            "torque" of the engine; "forces" and "pressure" of a cylinder; the load of a "crankpin" or
+            main "bearing"; "force balance" or "moment balance": what inertia leaves over.
+        number : int
+            Of the cylinder, crankpin or bearing, from 1 at the free end.
+        frame : {"crank", "engine"}, optional
+            Draw the load of a crankpin or bearing as a polar diagram in this frame.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If an option is none of these, or there is no such number.
+        """
+        check_choice("show", show, SHOWN, "these are diagrams of a mechanism")
+        if show == "torque":
+            return self.torque.plot(axes)
+        if show == "forces":
+            return self.forces.plot(axes, number)
+        if show == "force balance":
+            return self.balance.plot(axes, "force")
+        if show == "moment balance":
+            return self.balance.plot(axes, "moment")
+        if show == "pressure":
+            return self.pressure[self._place(number, len(self.pressure), show)].plot(axes)
+        loads = self.crankpins if show == "crankpin" else self.bearings
+        return loads[self._place(number, len(loads), show)].plot(axes, frame)
+
+    def to_pandas(self) -> Any:
+        """Return a table of what the gas does, a row for each cylinder.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        works = self.works
+        return table(
+            {
+                "cylinder": (list(range(1, len(works) + 1)), "1"),
+                "peak_pressure": ([one.peak_pressure for one in works], "Pa"),
+                "peak_angle": ([one.peak_angle for one in works], "rad"),
+                "work": ([one.work for one in works], "J"),
+                "mean_effective_pressure": ([one.mean_effective_pressure for one in works], "Pa"),
+            }
+        )
+
+    def to_xarray(self) -> Any:
+        """Return the forces of all cylinders over the cycle; see `MechanismForces.to_xarray`."""
+        return self.forces.to_xarray()
+
+    def _place(self, number: int, count: int, what: str) -> int:
+        if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= count:
+            raise InputError(
+                f"number: given {number!r}; allowed is 1 to {count} for {what}, because there are that many."
+            )
+        return number - 1
 
 
 def run_mechanism(

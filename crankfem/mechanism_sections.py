@@ -1,5 +1,6 @@
 """The sections of engine files that describe rods, pistons and gas: every field declared once."""
 
+import math
 from typing import Any, ClassVar, Self
 
 from pydantic import Field, model_validator
@@ -164,12 +165,16 @@ class Gas(InputModel):
     combustion_start: float | None = quantity_field(
         "crank angle at which combustion begins, from the top, negative before it",
         "rad",
-        minimum=-1.5,
-        maximum=1.5,
+        minimum=math.radians(-85.0),
+        maximum=math.radians(85.0),
         default=None,
     )
     combustion_duration: float | None = quantity_field(
-        "crank angle that combustion takes", "rad", minimum=0.02, maximum=3.0, default=None
+        "crank angle that combustion takes",
+        "rad",
+        minimum=math.radians(1.0),
+        maximum=math.radians(170.0),
+        default=None,
     )
 
     @model_validator(mode="after")

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from crankfem import console
 from crankfem.column_file import write_columns
-from crankfem.console import number, print_table
+from crankfem.console import print_line, print_table
 from crankfem.mechanism_file import MechanismFile
 from crankfem.mechanism_run import MechanismRun
+from crankfem.output_units import SI, OutputUnits
 from crankfem.record import RPM, assumed_values
 from crankfem.rod_comparison import compare_rod_models
 from dynamics.checks import FloatArray
@@ -137,39 +137,51 @@ def _load_record(load: LoadDiagram, size: tuple[float, float]) -> dict[str, Any]
     }
 
 
-def print_mechanism(record: dict[str, Any]) -> None:
+def print_mechanism(record: dict[str, Any], units: OutputUnits = SI) -> None:
     """Print the record of a mechanism as tables."""
-    torque = record["torque"]
-    console.output.print(
-        f"{record['engine']} at {number(record['speed_rpm'], 5)} 1/min, rods as {record['rod_model']}: "
-        f"indicated power {number(record['power'] / 1e3)} kW, torque {number(torque['mean'] / 1e3)} kN m "
-        f"({number(torque['smallest'] / 1e3)} to {number(torque['largest'] / 1e3)} kN m).",
-        soft_wrap=True,
+    torque, moment = record["torque"], units.of("kN m")
+    force, pressure, angle = units.of("kN"), units.of("MPa"), units.of("deg")
+    print_line(
+        f"{record['engine']} at {units.of('1/min').with_name(record['speed_rpm'] / RPM, 5)}, rods as "
+        f"{record['rod_model']}: indicated power {units.of('kW').with_name(record['power'])}, torque "
+        f"{moment.with_name(torque['mean'])} ({moment.number(torque['smallest'])} to "
+        f"{moment.with_name(torque['largest'])})."
     )
     print_table(
         "Cylinders",
-        ["cylinder", "p [MPa]", "at [deg]", "p_i [MPa]", "N [kN]", "pin [kN]", "T [kN]"],
+        [
+            "cylinder",
+            f"p [{pressure.name}]",
+            f"at [{angle.name}]",
+            f"p_i [{pressure.name}]",
+            *(f"{symbol} [{force.name}]" for symbol in ("N", "pin", "T")),
+        ],
         merged_rows(
             [
                 [
                     str(row["cylinder"]),
-                    number(row["peak_pressure"] / 1e6),
-                    number(row["peak_angle_deg"]),
-                    number(row["mean_effective_pressure"] / 1e6),
-                    number(row["largest_side_force"] / 1e3),
-                    number(row["largest_piston_pin_force"] / 1e3),
-                    number(row["largest_tangential_force"] / 1e3),
+                    pressure.number(row["peak_pressure"]),
+                    angle.number(math.radians(row["peak_angle_deg"])),
+                    pressure.number(row["mean_effective_pressure"]),
+                    force.number(row["largest_side_force"]),
+                    force.number(row["largest_piston_pin_force"]),
+                    force.number(row["largest_tangential_force"]),
                 ]
                 for row in record["cylinders"]
             ]
         ),
     )
-    console.output.print(
+    print_line(
         "p: peak pressure and its angle from the firing top; p_i: mean effective; N, pin, T: largest side "
-        "force, piston-pin force and tangential force.",
-        soft_wrap=True,
+        "force, piston-pin force and tangential force."
     )
-    columns = ["mean [kN]", "largest [kN]", "at [deg]", "mean [MPa]", "largest [MPa]"]
+    columns = [
+        f"mean [{force.name}]",
+        f"largest [{force.name}]",
+        f"at [{angle.name}]",
+        f"mean [{pressure.name}]",
+        f"largest [{pressure.name}]",
+    ]
     print_table(
         "Crankpin bearings, angle from the firing top of the cylinder whose rod is on the pin",
         ["cylinder", *columns],
@@ -177,7 +189,7 @@ def print_mechanism(record: dict[str, Any]) -> None:
             [
                 [
                     "+".join(str(cylinder) for cylinder in row["cylinders"]),
-                    *_load_cells(row, row["largest_angle_from_firing_deg"]),
+                    *_load_cells(row, row["largest_angle_from_firing_deg"], units),
                 ]
                 for row in record["crankpins"]
             ]
@@ -187,33 +199,32 @@ def print_mechanism(record: dict[str, Any]) -> None:
         "Main bearings, each throw carried by its two neighbors, shaft angle",
         ["bearing", *columns],
         [
-            [str(place), *_load_cells(row, row["largest_angle_deg"])]
+            [str(place), *_load_cells(row, row["largest_angle_deg"], units)]
             for place, row in enumerate(record["main_bearings"], start=1)
         ],
     )
     _print_models(record)
-    console.output.print(
+    print_line(
         "Check: the work of the torque misses the indicated work, the integral of p dV, by "
-        f"{abs(record['energy_error']):.1e} of the work exchanged.",
-        soft_wrap=True,
+        f"{abs(record['energy_error']):.1e} of the work exchanged."
     )
-    _print_remarks(record["remarks"])
+    _print_remarks(record["remarks"], units)
     if record["assumed"]:
-        console.output.print(
+        print_line(
             f"Assumed in the file ({len(record['assumed'])} values): "
             + ", ".join(entry["field"] for entry in record["assumed"])
-            + ".",
-            soft_wrap=True,
+            + "."
         )
 
 
-def _load_cells(row: dict[str, Any], angle: float) -> list[str]:
+def _load_cells(row: dict[str, Any], degrees: float, units: OutputUnits) -> list[str]:
+    force, pressure = units.of("kN"), units.of("MPa")
     return [
-        number(row["mean"] / 1e3),
-        number(row["largest"] / 1e3),
-        number(angle),
-        number(row["mean_specific_pressure"] / 1e6),
-        number(row["largest_specific_pressure"] / 1e6),
+        force.number(row["mean"]),
+        force.number(row["largest"]),
+        units.of("deg").number(math.radians(degrees)),
+        pressure.number(row["mean_specific_pressure"]),
+        pressure.number(row["largest_specific_pressure"]),
     ]
 
 
@@ -233,17 +244,15 @@ def listed(names: list[str]) -> str:
     return ", ".join(names)
 
 
-def _print_remarks(remarks: list[str]) -> None:
+def _print_remarks(remarks: list[str], units: OutputUnits) -> None:
     """Print remarks, the assumed values of the gas cycle as one line without their reasons."""
     assumed = [remark for remark in remarks if remark.startswith(ASSUMED)]
     for remark in remarks:
         if remark not in assumed:
-            console.output.print(f"Note: {remark.rstrip('.')}.", soft_wrap=True)
+            print_line(units.text(f"Note: {remark.rstrip('.')}."))
     if assumed:
         values = ", ".join(remark.removeprefix(ASSUMED).partition(",")[0] for remark in assumed)
-        console.output.print(
-            f"Assumed in the cycle: {values}; the reasons stand in --json.", soft_wrap=True
-        )
+        print_line(units.text(f"Assumed in the cycle: {values}; the reasons stand in --json."))
 
 
 def _print_models(record: dict[str, Any]) -> None:

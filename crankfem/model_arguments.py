@@ -6,7 +6,7 @@ from typing import Any, cast
 
 from crankfem import console
 from geometry.errors import InputError
-from geometry.quantity import parse_quantity, show_quantity
+from geometry.quantity import parse_quantity
 from regression.models.compliance_model import ComplianceModel
 from regression.models.optimum_limits import Limit
 
@@ -100,11 +100,6 @@ def _limit(names: tuple[str, ...], sign: str, bound: float, unit: str) -> Limit:
     if sign == "<=":
         return Limit(names, at_most=bound, unit=unit)
     return Limit(names, at_least=bound, unit=unit)
-
-
-def value_text(value: float, unit: str, digits: int = 4) -> str:
-    """Write a value in the unit in which engineers read it."""
-    return show_quantity(value, unit, digits)
 
 
 def dimensions_text(model: ComplianceModel, dimensions: Mapping[str, float | str]) -> list[str]:

@@ -2,28 +2,44 @@
 
 import json
 import math
+import time
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from crankfem import results as records
+from crankfem.balance_tables import balance_record
 from crankfem.engine_file import EngineFile, load_engine
 from crankfem.export import write_vtu
 from crankfem.fit_records import study_record
-from crankfem.fitting import ResponseFits
 from crankfem.formula_records import fe_axial_curve, fe_record, formula_records
+from crankfem.input_files import mechanism_inputs
 from crankfem.mechanism_file import MechanismFile, load_mechanism
-from crankfem.mechanism_report import mechanism_results
-from crankfem.pictures import fit_plots, formula_plots, plots
+from crankfem.mechanism_run import run_mechanism
+from crankfem.mechanism_tables import mechanism_record
+from crankfem.pictures import plots
 from crankfem.pictures.drawing import write_drawing
+from crankfem.pictures.interactive.angles import interactive_angles
+from crankfem.pictures.interactive.mechanism import interactive_mechanism
+from crankfem.pictures.interactive.study import interactive_study
+from crankfem.pictures.interactive.throw_view import throw_view
+from crankfem.pictures.interactive.torque import interactive_torque
+from crankfem.pictures.interactive.vibration import interactive_vibration
+from crankfem.pictures.mechanism_pictures import picture_mechanism
 from crankfem.pictures.render import DEFORMED, MESH, Rendering
 from crankfem.pictures.surface import stretched_surface
 from crankfem.pictures.vibration_pictures import picture_vibration
 from crankfem.record import RPM
+from crankfem.report.about import about_record, repeat_record
+from crankfem.report.checks import run_checks
+from crankfem.report.compliances import RESPONSES, regression_record
+from crankfem.report.fillets import StressRendering, shown_loads, stresses_or_reason
+from crankfem.report.run_pictures import by_stem, picture_angles, picture_study
 from crankfem.report.writing import write_report
+from crankfem.stress import stress_record
 from crankfem.studies import fitted
 from crankfem.vibration.records import run_record
 from crankfem.vibration.run import engine_vibration
@@ -33,11 +49,11 @@ from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.torque_table import TorqueTable, read_torque_table
 from fem.analysis import ThrowAnalysis, analyze_throw
 from geometry.errors import InputError, MissingLibraryError
-from regression.formulas.angle_factors import ANGLE_FACTORS
+from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
+from regression.models.compliance_model import ComplianceModel
 from regression.records import Outcome
 from regression.runs.study import check_workers, run_plan
-from regression.runs.study_table import StudyTable
 
 RESULTS, REPORT, MODEL, STORE = "results.json", "report.html", "model.json", "study.sqlite"
 MESH_FILE, DRAWING = "throw.vtu", "drawing.svg"
@@ -70,6 +86,36 @@ class Silent:
 
     def note(self, text: str) -> None:
         """Ignore a note."""
+
+
+class Timed:
+    """Progress that passes everything on and takes the time of the steps."""
+
+    def __init__(self, told: Progress) -> None:
+        self._told = told
+        self._began: tuple[str, float] | None = None
+        self.seconds: dict[str, float] = {}
+
+    def step(self, text: str) -> None:
+        """End one step and begin the next."""
+        self.stop()
+        self._began = (text, time.perf_counter())
+        self._told.step(text)
+
+    def stop(self) -> None:
+        """Take the time of the step that has ended."""
+        if self._began is not None:
+            text, began = self._began
+            self.seconds[text] = self.seconds.get(text, 0.0) + time.perf_counter() - began
+            self._began = None
+
+    def design(self, finished: int, total: int, newest: Outcome | None) -> None:
+        """Pass on that a design is finished."""
+        self._told.design(finished, total, newest)
+
+    def note(self, text: str) -> None:
+        """Pass a note on."""
+        self._told.note(text)
 
 
 @dataclass(frozen=True)
@@ -123,7 +169,7 @@ def run_engine(
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
-    told = progress or Silent()
+    told = Timed(progress or Silent())
     told.step("Reading the engine file")
     check_workers(workers)
     engine_file = load_engine(engine)
@@ -136,28 +182,27 @@ def run_engine(
 
     told.step("Analyzing the throw")
     analysis = analyze_throw(engine_file.throw, engine_file.material)
-    rendering = Rendering(stretched_surface(analysis), pictures)
-    try:
-        fe = fe_record(analysis, 180.0)
-        found: dict[str, Any] = {
-            "about": records.about_record(),
-            "engine": _engine_record(engine_file),
-            "inputs": records.input_records(engine_file.records),
-            "sources": engine_file.sources,
-            "throw": records.throw_record(analysis, _radial_force(engine_file, with_gas)),
-            "formulas": formula_records(engine_file.throw, engine_file.material) | {"fe": fe},
-            "angle_law": _angle_record(engine_file, analysis) | {"law": fe["angle_law"]},
-            "balance": records.balance_record(engine_file),
-            "mechanism": None,
-            "study": None,
-            "harmonics": None,
-            "two_mass": None,
-            "pictures": {},
-            "picture_note": None,
-        }
+    with ExitStack() as renderings:
+        rendering = Rendering(stretched_surface(analysis), pictures)
+        renderings.callback(rendering.stop)
+        found = _throw_results(engine_file, analysis, with_gas)
+
+        told.step("Calculating stresses at the fillets")
+        stresses, found["fillet_note"] = stresses_or_reason(engine_file.throw, engine_file.material)
+        stress_rendering = None
+        if stresses is None:
+            told.note(f"No stresses at the fillets: {found['fillet_note']}")
+        else:
+            found["fillets"] = stress_record(stresses)
+            stress_rendering = StressRendering(shown_loads(stresses), pictures)
+            renderings.callback(stress_rendering.stop)
+        _add(found, "interactive", [throw_view(pictures, analysis, stresses)])
+
         if with_gas is not None:
-            found["mechanism"], drawn = mechanism_results(with_gas, analysis.masses, pictures)
-            found["pictures"] |= drawn
+            run = run_mechanism(with_gas, masses=analysis.masses)
+            found["mechanism"] = mechanism_record(run) | {"balance": balance_record(run.balance)}
+            _add(found, "pictures", picture_mechanism(pictures, run))
+            _add(found, "interactive", interactive_mechanism(pictures, run))
         model = None
         if engine_file.study is not None:
             told.step("Running the study")
@@ -166,7 +211,10 @@ def run_engine(
             model = study.model
             model.save(folder / MODEL)
             found["study"] = study_record(table, study.fits, model)
-            _plot_study(pictures, found, table, study.fits["axial_compliance"])
+            found["formulas"]["regression"] = _regression(found["study"], model, engine_file.throw)
+            fits = study.fits["axial_compliance"]
+            found["pictures"] |= picture_study(pictures, table, fits)
+            _add(found, "interactive", interactive_study(pictures, table, fits))
         else:
             (folder / MODEL).unlink(missing_ok=True)  # of an earlier run with a study
 
@@ -185,23 +233,82 @@ def run_engine(
         told.step("Drawing pictures")
         write_drawing(engine_file.throw, pictures / DRAWING, engine_file.engine.name)
         found["pictures"]["drawing"] = DRAWING
-        drawn_vibration = picture_vibration(pictures, vibration)
-        found["pictures"] |= {path.stem: path.name for path in drawn_vibration}
-        _plot_angles(pictures, found)
+        _add(found, "pictures", picture_vibration(pictures, vibration))
+        _add(found, "interactive", interactive_vibration(pictures, vibration))
+        found["pictures"] |= picture_angles(pictures, found)
+        _add(found, "interactive", interactive_angles(pictures, found))
         try:
             rendering.wait()
             found["pictures"] |= {"mesh": MESH, "deformed": DEFORMED}
+            if stress_rendering is not None:
+                stress_rendering.wait()
+                found["pictures"] |= stress_rendering.files
         except MissingLibraryError as error:
             found["picture_note"] = str(error)
             told.note(str(error))
-    finally:
-        rendering.stop()
+
+    pin = engine_file.throw.parts.pins[0]
+    middle = (*pin.axis, 0.5 * (pin.start + pin.end))
+    found["checks"] = run_checks(found, engine_file.throw.length, middle)
+    told.stop()
+    found["repeat"] = repeat_record(
+        engine_file.path, _other_inputs(engine_file, mechanism), told.seconds
+    )
 
     told.step("Writing the report")
     write_vtu(analysis, folder / MESH_FILE)
     text = json.dumps(found, indent=1, allow_nan=False)
     (folder / RESULTS).write_text(text + "\n", encoding="utf-8")
     return RunResult(folder, write_report(found, pictures, folder / REPORT), found)
+
+
+def _throw_results(
+    engine_file: EngineFile, analysis: ThrowAnalysis, with_gas: MechanismFile | None
+) -> dict[str, Any]:
+    """Return the results that follow from the file and the throw alone, and room for the others."""
+    fe = fe_record(analysis, 180.0)
+    return {
+        "about": about_record(),
+        "engine": _engine_record(engine_file),
+        "inputs": records.input_records(engine_file.records),
+        "sources": engine_file.sources,
+        "throw": records.throw_record(analysis, _radial_force(engine_file, with_gas)),
+        "formulas": formula_records(engine_file.throw, engine_file.material) | {"fe": fe},
+        "angle_law": _angle_record(engine_file, analysis) | {"law": fe["angle_law"]},
+        "balance": records.balance_record(engine_file),
+        "fillets": None,
+        "fillet_note": None,
+        "mechanism": None,
+        "study": None,
+        "harmonics": None,
+        "two_mass": None,
+        "pictures": {},
+        "interactive": {},
+        "picture_note": None,
+    }
+
+
+def _add(found: dict[str, Any], kind: str, paths: list[Path]) -> None:
+    """Name the files of pictures or plots in the results."""
+    found[kind] |= by_stem(paths)
+
+
+def _regression(
+    study: dict[str, Any], model: ComplianceModel, throw: CrankThrow
+) -> dict[str, Any] | None:
+    """What the study's equations say of the engine's throw, if it is one of their family."""
+    try:
+        values = model.of_throw(throw)
+    except InputError:
+        return None
+    shown = {name: values[name].value for name in RESPONSES.values() if name in values}
+    return regression_record(study, shown)
+
+
+def _other_inputs(engine_file: EngineFile, mechanism: MechanismFile) -> list[Path]:
+    """Tables that the engine file names."""
+    torque = [] if engine_file.torque_table is None else [engine_file.torque_table]
+    return [*mechanism_inputs(mechanism)[1:], *torque]
 
 
 def _make_folder(output: str | Path | None, engine_file: EngineFile) -> Path:
@@ -286,6 +393,7 @@ def _add_torque(
         name = "torque.svg"
         plots.plot_torque(pictures / name, torque.torque, harmonics)
         found["pictures"]["torque"] = name
+        _add(found, "interactive", interactive_torque(pictures, torque.torque, harmonics))
     if engine_file.two_mass is not None:
         given = engine_file.two_mass
         check = two_mass_check(
@@ -298,37 +406,3 @@ def _add_torque(
             harmonics=harmonics,
         )
         found["two_mass"] = records.two_mass_record(check)
-
-
-def _plot_study(
-    pictures: Path, found: dict[str, Any], table: StudyTable, fits: ResponseFits
-) -> None:
-    drawn = {name: f"{name}.svg" for name in ("response", "parity", "effects", "residuals")}
-    fit_plots.plot_response(pictures / drawn["response"], table, fits)
-    fit_plots.plot_parity(pictures / drawn["parity"], table, fits)
-    fit_plots.plot_effects(pictures / drawn["effects"], fits, fits.chosen)
-    fit_plots.plot_residuals(pictures / drawn["residuals"], table, fits, fits.chosen)
-    found["pictures"] |= drawn
-
-
-def _plot_angles(pictures: Path, found: dict[str, Any]) -> None:
-    law, supports = found["angle_law"], found["throw"]["supports"]
-
-    def values(column: list[float | None]) -> NDArray[np.float64]:
-        return np.array([math.nan if value is None else value for value in column])
-
-    formula_plots.plot_formulas(
-        pictures / "formulas.svg",
-        np.array(law["gamma_deg"]),
-        np.array(law["fe"]),
-        {name: values(column) for name, column in law["formulas"].items()},
-        (supports["guided"]["axial_compliance"], supports["pinned"]["axial_compliance"]),
-    )
-    found["pictures"]["formulas"] = "formulas.svg"
-    if law["law"] is not None:
-        gammas, fe = np.array(law["gamma_deg"]), np.array(law["fe"])
-        factors = {name: factor(gammas) for name, factor in ANGLE_FACTORS.items()}
-        formula_plots.plot_angle_factors(
-            pictures / "angles.svg", gammas, fe / fe[-1], law["law"]["rho"], factors
-        )
-        found["pictures"]["angles"] = "angles.svg"

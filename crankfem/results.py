@@ -1,6 +1,5 @@
 """The numbers of a run as plain JSON content: what the report shows and ``--json`` prints."""
 
-import datetime
 import math
 from collections.abc import Iterable
 
@@ -8,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.engine_file import EngineFile
-from crankfem.fitting import package_version
 from crankfem.record import Record
 from crankfem.toml_file import InputRecord
 from crankfem.vibration.modes import SourceResult, Vibration
@@ -24,16 +22,6 @@ from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 
 SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
-
-
-def about_record() -> Record:
-    """Which program made the numbers, and when."""
-    return {
-        "program": "crankfem",
-        "version": package_version("crankfem"),
-        "created": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
-        "units": "SI: m, N, Pa, kg, s, rad; Hz for frequencies, 1/min where a name ends in _rpm",
-    }
 
 
 def input_records(records: Iterable[InputRecord]) -> list[Record]:

@@ -29,7 +29,6 @@ def parse_speed(text: str | None) -> float | None:
     if not low <= speed <= high:
         shown = " to ".join(show_quantity(limit, "rad/s", 5) for limit in (low, high))
         raise InputError(
-            f"--speed: given {text!r}; allowed is {low:g} to {high:g} rad/s ({shown}), because "
-            "engine.rated_speed has the same limits."
+            f"--speed: given {text!r}; allowed is {shown}, because engine.rated_speed has the same limits."
         )
     return speed

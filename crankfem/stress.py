@@ -3,16 +3,16 @@
 from pathlib import Path
 
 from crankfem import console
-from crankfem.console import number, print_json, print_table
+from crankfem.console import print_json, print_line, print_table
+from crankfem.output_units import SI, OutputUnit, OutputUnits
 from crankfem.record import Record
 from crankfem.throw_file import load_throw
 from fem.condensation import EndSections
 from fem.fillet_stress import FilletPeak, FilletStresses, fillet_stresses
 from geometry.errors import InputError
 
-# Stresses are printed for loads of 1 kN and 1 kN m, in MPa.
-PRINTED = 1e3 / 1e6
-MILLIMETERS = 1e3
+# Stresses are printed for loads of 1 kN and 1 kN m, or of so many of the user's own units.
+LOAD = 1000.0
 
 
 def run_stress(
@@ -22,6 +22,7 @@ def run_stress(
     end_sections: EndSections = "rigid",
     pictures: Path | None = None,
     json: bool = False,
+    units: OutputUnits = SI,
 ) -> None:
     """Compute the stresses at the fillets of an engine file's throw, print them, and picture them.
 
@@ -36,6 +37,8 @@ def run_stress(
         Folder for the pictures, if wished.
     json : bool
         Whether to print JSON instead of tables.
+    units : OutputUnits
+        Of the tables.
 
     Raises
     ------
@@ -59,7 +62,7 @@ def run_stress(
     if json:
         print_json(record)
     else:
-        print_stresses(record)
+        print_stresses(record, units)
 
 
 def stress_record(stresses: FilletStresses) -> Record:
@@ -110,27 +113,43 @@ def _peak_record(peak: FilletPeak) -> Record:
     }
 
 
-def print_stresses(record: Record) -> None:
+def print_stresses(record: Record, units: OutputUnits = SI) -> None:
     """Print a table for each load, and what there is to say besides."""
+    length = units.of("mm")
     # Of a throw symmetric about its middle the left half says everything.
     mirrored = record["solved_part"] == "quarter"
     for load in record["loads"]:
         fillets = load["fillets"]
+        stress = _stress_per_load(load["unit"], units)
         print_table(
-            f"{load['load'].capitalize()}: largest stresses at fillets [MPa per k{load['unit']}]",
-            ["fillet", "principal", "von Mises", "nominal", "factor", "at x y z [mm]"],
-            [_row(peak) for peak in (fillets[: len(fillets) // 2] if mirrored else fillets)],
+            f"{load['load'].capitalize()}: largest stresses at fillets [{stress.name}]",
+            ["fillet", "principal", "von Mises", "nominal", "factor", f"at x y z [{length.name}]"],
+            [
+                _row(peak, stress, length)
+                for peak in (fillets[: len(fillets) // 2] if mirrored else fillets)
+            ],
         )
     for sentence in _sentences(record, mirrored):
-        console.output.print(sentence, soft_wrap=True, highlight=False)
+        print_line(sentence)
 
 
-def _row(peak: Record) -> list[str]:
-    place = [MILLIMETERS * value for value in peak["principal_place"]]
-    digits = 1 if max(map(abs, place)) < 100.0 else 0
+def _stress_per_load(unit: str, units: OutputUnits) -> OutputUnit:
+    """Return the unit of a stress per load of "N" or "N m", in Pa per SI unit of the load."""
+    stress, load = units.of("MPa"), units.of(unit)
+    name = f"{LOAD:.0f} {load.name}" if load.wished else f"k{unit}"
+    return OutputUnit(
+        f"{stress.name} per {name}",
+        stress.size / (LOAD * load.size),
+        wished=stress.wished or load.wished,
+    )
+
+
+def _row(peak: Record, stress: OutputUnit, length: OutputUnit) -> list[str]:
+    place = [value / length.size for value in peak["principal_place"]]
+    digits = 2 if length.wished else 1 if max(map(abs, place)) < 100.0 else 0
     return [
         peak["fillet"].replace("main journal", "journal"),
-        *(number(peak[name] * PRINTED) for name in ("principal", "von_mises", "nominal")),
+        *(stress.number(peak[name]) for name in ("principal", "von_mises", "nominal")),
         f"{peak['factor']:.2f}",
         " ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in place),
     ]

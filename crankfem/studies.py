@@ -1,12 +1,26 @@
 """Run a study from a file: designs, fits and the compliance model in one call."""
 
+import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
 
-from crankfem.fitting import ResponseFits, compliance_model, fit_study
+from crankfem.choices import check_choice
+from crankfem.fitting import ResponseFits, compliance_model, fit_study, sensitivities
 from crankfem.throw_file import load_study
+from geometry.diagram_style import new_axes
+from geometry.plots.legends import legend_inside, write_title
+from regression.factor_labels import factor_text
 from regression.models.compliance_model import ComplianceModel
+from regression.plots.factor_axis import response_text
 from regression.runs.study import Progress, StudyTable, run_plan
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Shown = Literal["parity", "errors", "response", "effects", "elasticities", "sobol"]
+SHOWN: tuple[Shown, ...] = ("parity", "errors", "response", "effects", "elasticities", "sobol")
 
 
 @dataclass(frozen=True)
@@ -24,6 +38,82 @@ class StudyResult:
             f"equations for {', '.join(self.fits)})"
         )
 
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        response: str | None = None,
+        show: Shown = "parity",
+        factor: str | None = None,
+        form: str | None = None,
+    ) -> "Axes":
+        """Draw one diagram of one response.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        response : str, optional
+            A name in `fits`; the first by default.
+        show : str
+            "parity": equation over finite elements; "errors": its errors; "response": equations and
+            designs over one factor; "effects": sizes of the equation's terms; "elasticities": % of
+            the response per % of each factor; "sobol": the factors' shares of the variance.
+        factor : str, optional
+            Of "response"; the first by default.
+        form : str, optional
+            Of "parity", "errors" and "effects"; the chosen one by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If an option is none of these, or the form was not fitted.
+        """
+        from crankfem.pictures import fit_panels
+
+        check_choice("show", show, SHOWN, "these are diagrams of a study")
+        name = next(iter(self.fits)) if response is None else response
+        check_choice("response", name, self.fits, "these have equations")
+        found, factors = self.fits[name], [one.name for one in self.table.plan.factors]
+        fit = found.chosen if form is None else found.fit_named(form)
+        if show == "effects":
+            return found.plot(axes, show="effects", form=form)
+        along = factors[0] if factor is None else factor
+        check_choice("factor", along, factors, "these vary in the study")
+        axes = new_axes(axes)
+        if show == "parity":
+            fit_panels.draw_fit_parity(axes, self.table, found, fit)
+            axes.set_xlabel(fit_panels.fe_text(found))
+            axes.set_ylabel(f"{response_text(found.symbol, found.unit)} by the equation")
+            legend_inside(axes)
+        elif show == "errors":
+            fit_panels.draw_fit_errors(axes, self.table, found, fit)
+            axes.set_ylabel("error of the equation [%]")
+            write_title(axes, fit.form)
+            legend_inside(axes)
+        elif show == "response":
+            curves = fit_panels.response_curves(self.table, found)
+            fit_panels.draw_over_factor(axes, self.table, found, factors.index(along), curves)
+            axes.set_ylabel(response_text(found.symbol, found.unit))
+            write_title(axes, f"{name.replace('_', ' ')}, {found.support}".rstrip(", "))
+            legend_inside(axes)
+        else:
+            known = sensitivities(self.table, found)
+            if show == "sobol":
+                fit_panels.draw_fit_sobol(axes, [factor_text(one) for one in factors], known)
+            else:
+                fit_panels.draw_fit_elasticities(axes, self.table, found, known)
+            write_title(axes, name.replace("_", " "))
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the designs and their responses; see `StudyTable.to_pandas`."""
+        return self.table.to_pandas()
+
 
 def run_study(
     study: str | Path,
@@ -34,6 +124,7 @@ def run_study(
     dask: str | None = None,
     time_limit: float | None = None,
     memory_limit: float | None = None,
+    note: Callable[[str], None] | None = None,
 ) -> StudyResult:
     """Run, or continue, the study of a file and fit its equations.
 
@@ -53,6 +144,9 @@ def run_study(
         Seconds that one design may take; 300 at 1 % accuracy by default.
     memory_limit : float, optional
         Bytes that one worker process may take; no limit by default.
+    note : callable, optional
+        Told in a sentence what should be known meanwhile, such as that a cluster has no workers and is
+        waited for; by default it is written to standard error. ``note=lambda _: None`` says nothing.
 
     Returns
     -------
@@ -76,8 +170,13 @@ def run_study(
         dask=dask,
         time_limit=time_limit,
         memory_limit=memory_limit,
+        note=note or _to_stderr,
     )
     return fitted(table)
+
+
+def _to_stderr(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
 
 
 def study_key(path: str | Path) -> str:

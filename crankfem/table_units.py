@@ -4,6 +4,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from crankfem.output_units import SI, OutputUnits
+
 # From here on a table is written in the thousandfold unit.
 KILO_FROM = 1e4
 DIGITS, MOST_DECIMALS = 5, 4
@@ -36,7 +38,7 @@ class TableUnit:
         return f"{self.text(value)} {self.name}"
 
 
-def table_unit(values: Iterable[float], unit: str) -> TableUnit:
+def table_unit(values: Iterable[float], unit: str, units: OutputUnits = SI) -> TableUnit:
     """Find a unit in which the largest number has five digits, and numbers beside it line up.
 
     Parameters
@@ -45,6 +47,8 @@ def table_unit(values: Iterable[float], unit: str) -> TableUnit:
         In `unit`.
     unit : str
         Such as "N m"; large numbers get "kN m".
+    units : OutputUnits
+        What the user wishes to read; such a unit is taken as it is, without a thousandfold.
 
     Examples
     --------
@@ -55,5 +59,8 @@ def table_unit(values: Iterable[float], unit: str) -> TableUnit:
     """
     largest = max((abs(value) for value in values), default=0.0)
     name, size = (f"k{unit}", 1e3) if largest >= KILO_FROM else (unit, 1.0)
+    shown = units.of(unit)
+    if shown.wished:
+        name, size = shown.name, shown.size
     before = math.floor(math.log10(largest / size)) + 1 if largest > 0.0 else 1
     return TableUnit(name, size, min(max(DIGITS - before, 0), MOST_DECIMALS))

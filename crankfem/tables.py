@@ -3,62 +3,71 @@
 import math
 from typing import Any
 
-from crankfem import console
-from crankfem.console import number, print_table
+from crankfem.console import number, print_line, print_table
+from crankfem.output_units import SI, OutputUnit, OutputUnits
+from crankfem.record import RPM
 
 
-def print_throw(record: dict[str, Any]) -> None:
+def print_throw(record: dict[str, Any], units: OutputUnits = SI) -> None:
     """Print compliances, reactions and masses of a throw, from its record."""
     supports = record["supports"]
+    axial, torsional = units.of("1e-9 m/N"), units.of("1e-9 rad/(N m)")
+    force, moment = units.of("kN"), units.of("kN m")
     print_table(
         f"Throw by finite elements (error of e_n about {100.0 * record['error_estimate']:.2g} %)",
-        ["support", "e_n [1e-9 m/N]", "torsional [1e-9 rad/(N m)]", "c [1e-9 m/N]", "P/Z"],
+        [
+            "support",
+            f"e_n [{axial.name}]",
+            f"torsional [{torsional.name}]",
+            f"c [{axial.name}]",
+            "P/Z",
+        ],
         [
             [
                 name,
-                number(s["axial_compliance"] * 1e9),
-                number(s["torsional_compliance"] * 1e9),
-                number(s["influence_coefficient"] * 1e9),
+                axial.number(s["axial_compliance"]),
+                torsional.number(s["torsional_compliance"]),
+                axial.number(s["influence_coefficient"]),
                 number(s["axial_force_per_radial"]),
             ]
             for name, s in supports.items()
         ],
     )
     print_table(
-        f"Reactions to a radial force of {record['radial_force'] / 1e3:.4g} kN on the pin, length kept",
-        ["support", "end:", "force x y z [kN]", "moment x y z [kN m]"],
+        f"Reactions to a radial force of {force.with_name(record['radial_force'])} on the pin, length "
+        "kept",
+        ["support", "end:", f"force x y z [{force.name}]", f"moment x y z [{moment.name}]"],
         [
-            [name, side, _vector(reaction["force"]), _vector(reaction["moment"])]
+            [name, side, _vector(reaction["force"], force), _vector(reaction["moment"], moment)]
             for name, s in supports.items()
             for side, reaction in s["reactions"].items()
         ],
     )
-    console.output.print(
-        f"Mass {record['mass']:.4g} kg, center of mass {record['center_of_mass'][1] * 1e3:.4g} mm from the "
-        f"shaft axis, inertia about the shaft {record['inertia_about_shaft']:.4g} kg m^2; static unbalance "
-        f"{math.hypot(*record['unbalance']['static']):.4g} kg m, dynamic unbalance about the middle "
-        f"{math.hypot(*record['unbalance']['dynamic']):.3g} kg m^2.",
-        soft_wrap=True,
-        highlight=False,
+    print_line(
+        units.text(
+            f"Mass {record['mass']:.4g} kg, center of mass {record['center_of_mass'][1] * 1e3:.4g} mm "
+            f"from the shaft axis, inertia about the shaft {record['inertia_about_shaft']:.4g} kg m^2; "
+            f"static unbalance {math.hypot(*record['unbalance']['static']):.4g} kg m, dynamic unbalance "
+            f"about the middle {math.hypot(*record['unbalance']['dynamic']):.3g} kg m^2."
+        )
     )
     met = (
         "" if record["accuracy_met"] else f"; the accuracy of {record['accuracy']:.2g} was not met"
     )
-    console.output.print(
-        f"Model: {record['model']}, {record['unknowns']:,} unknowns, solver {record['solver']}{met}.",
-        soft_wrap=True,
-        highlight=False,
+    print_line(
+        f"Model: {record['model']}, {record['unknowns']:,} unknowns, solver {record['solver']}{met}."
     )
 
 
-def print_free_modes(modes: list[dict[str, Any]]) -> None:
+def print_free_modes(modes: list[dict[str, Any]], units: OutputUnits = SI) -> None:
     """Print the natural modes of a free throw."""
+    frequency = units.of("Hz")
     print_table(
         "Natural modes of the free throw",
-        ["mode", "frequency [Hz]", "motion of the end sections:"],
+        ["mode", f"frequency [{frequency.name}]", "motion of the end sections:"],
         [
-            [str(number), f"{mode['frequency']:.1f}", mode["name"]]
-            for number, mode in enumerate(modes, start=1)
+            [str(place), frequency.fixed(mode["frequency"], 1), mode["name"]]
+            for place, mode in enumerate(modes, start=1)
         ],
     )
 
@@ -76,19 +85,17 @@ def print_profile(seconds: dict[str, float]) -> None:
     )
 
 
-def print_shape(record: dict[str, Any]) -> None:
+def print_shape(record: dict[str, Any], units: OutputUnits = SI) -> None:
     """Print what the dimensions make."""
+    length, volume = units.of("mm"), units.of("dm^3")
     pins = "one pin" if record["pins"] == 1 else f"{record['pins']} pins"
-    console.output.print(
-        f"Throw with {pins}: length {record['length'] * 1e3:.5g} mm, overlap of journal and pin "
-        f"{record['overlap'] * 1e3:.4g} mm, volume {record['volume'] * 1e3:.4g} dm^3; "
-        f"{_PARTS[record['solved_part']]}.",
-        soft_wrap=True,
-        highlight=False,
+    print_line(
+        f"Throw with {pins}: length {length.with_name(record['length'], 5)}, overlap of journal and pin "
+        f"{length.with_name(record['overlap'])}, volume {volume.with_name(record['volume'])}; "
+        f"{_PARTS[record['solved_part']]}."
     )
-
     for remark in record["remarks"]:
-        console.output.print(f"Note: {remark}", soft_wrap=True, highlight=False)
+        print_line(units.text(f"Note: {remark}"))
 
 
 _PARTS = {
@@ -98,19 +105,22 @@ _PARTS = {
 }
 
 
-def _vector(values: list[float]) -> str:
-    return "  ".join(f"{round(value / 1e3, 3) + 0.0:.3f}" for value in values)
+def _vector(values: list[float], unit: OutputUnit) -> str:
+    return "  ".join(unit.fixed(value, 3) for value in values)
 
 
-def print_vibration(record: dict[str, Any], *, forced: bool = False) -> None:
+def print_vibration(
+    record: dict[str, Any], *, forced: bool = False, units: OutputUnits = SI
+) -> None:
     """Print modes, the first frequencies by source, and critical speeds unless forced vibration has them."""
+    frequency, speed = units.of("Hz"), units.of("1/min")
     print_table(
         f"{record['kind'].capitalize()} modes (compliances: {record['source']})",
-        ["mode", "frequency [Hz]", "[1/min]", "nodes at:"],
+        ["mode", f"frequency [{frequency.name}]", "[1/min]", "nodes at:"],
         [
             [
                 "rigid body" if m["rigid"] else str(m["number"]),
-                f"{m['frequency']:.2f}",
+                frequency.fixed(m["frequency"], 2),
                 f"{60.0 * m['frequency']:.0f}",
                 ", ".join(f"{place:.2f}" for place in m["node_positions"]),
             ]
@@ -118,21 +128,23 @@ def print_vibration(record: dict[str, Any], *, forced: bool = False) -> None:
         ],
     )
     nodes = record["nodes"]
-    console.output.print(
-        f"Nodes count the chain's points: 0 is {nodes[0]}, {len(nodes) - 1} is {nodes[-1]}.",
-        soft_wrap=True,
-        highlight=False,
-    )
+    print_line(f"Nodes count the chain's points: 0 is {nodes[0]}, {len(nodes) - 1} is {nodes[-1]}.")
     if not forced:
         print_table(
             f"{record['kind'].capitalize()} critical speeds in the running range",
-            ["speed [1/min]", "order", "mode", "frequency [Hz]", "phase sum"],
+            [
+                f"speed [{speed.name}]",
+                "order",
+                "mode",
+                f"frequency [{frequency.name}]",
+                "phase sum",
+            ],
             [
                 [
-                    f"{c['speed_rpm']:.1f}",
+                    speed.fixed(c["speed_rpm"] / RPM, 1),
                     f"{c['order']:g}",
                     str(c["mode"]),
-                    f"{c['frequency']:.2f}",
+                    frequency.fixed(c["frequency"], 2),
                     f"{c['phase_sum']:.3f}",
                 ]
                 for c in record["criticals"]
@@ -140,11 +152,11 @@ def print_vibration(record: dict[str, Any], *, forced: bool = False) -> None:
         )
     print_table(
         f"First {record['kind']} frequencies by source of the compliances",
-        ["source", "frequencies [Hz]", "first beside chosen"],
+        ["source", f"frequencies [{frequency.name}]", "first beside chosen"],
         [
             [
                 s["source"],
-                ", ".join(f"{f:.1f}" for f in s["first_frequencies"]),
+                ", ".join(frequency.fixed(f, 1) for f in s["first_frequencies"]),
                 f"{s['beside_chosen']:.3f}",
             ]
             for s in record["sources"]

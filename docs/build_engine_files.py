@@ -56,6 +56,25 @@ shaft turns follows from the firing order.
 Files of a study need only `[throw]` and `[study]`. `crankfem new MY.toml --from 6chn25-34` copies a
 complete file to start from; `crankfem fields throw` prints a section of this page. What the dimensions of
 a throw mean is shown in [throws.md](throws.md).
+
+## Changed in Python
+
+A file is read once; what is tried with it stands in Python:
+
+```python
+import crankfem as cf
+
+engine = cf.load_engine("6chn25-34")
+stiffer = engine.changed(throw={"web_thickness": 0.075}, flywheel={"inertia": 300.0})  # m, kg m^2
+damper = {"kind": "viscous", "ring_inertia": 6.0, "damping": 3000.0}
+damped = engine.changed(torsional_damper=damper)
+throw = engine.throw.changed(pin_fillet_radius=0.010)
+```
+
+Each section takes its changed fields in SI units, a whole section, or None to be left out; everything is
+checked as a file is, and `cf.engine_vibration(damped)` calculates the engine as changed. The records of a
+file (throws, webs, materials, sections) have the same method. `cf.mechanism_of(engine)` is the mechanism of
+an engine as it is, for `cf.run_mechanism`.
 """
 
 STUDY = """

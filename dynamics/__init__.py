@@ -1,1 +1,1 @@
-"""Harmonics, lumped chains, critical speeds. Internal: import `crankfem`."""
+"""Mechanism, torque and balance; chains, forced vibration and its verdict. Internal: import `crankfem`."""

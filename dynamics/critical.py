@@ -16,6 +16,7 @@ from dynamics.checks import (
 )
 from dynamics.cycle import cycle_degrees, order_step
 from geometry.errors import InputError
+from geometry.frames import Row
 
 # A vector sum counts as full within this share of its largest possible value.
 FULL_SUM_TOLERANCE = 1e-6
@@ -47,6 +48,15 @@ class CriticalSpeed:
     def speed_rpm(self) -> float:
         """Speed of the crankshaft [1/min]."""
         return self.speed * 30.0 / math.pi
+
+    def row(self) -> Row:
+        """Return what a table of critical speeds shows, each value with its unit; see `table_of`."""
+        return {
+            "mode": (self.mode, "1"),
+            "frequency": (self.frequency, "Hz"),
+            "order": (self.order, "1"),
+            "speed": (self.speed, "rad/s"),
+        }
 
 
 def engine_orders(strokes: int, highest: float) -> FloatArray:

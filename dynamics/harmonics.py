@@ -1,13 +1,22 @@
 """Harmonic analysis of a torque or force that repeats every working cycle."""
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.checks import FloatArray, finite_array, finite_vector, positive_number, read_only
 from dynamics.cycle import checked_strokes, cycle_degrees, cycle_fault, mean_step, order_step
+from dynamics.plots.bars import draw_harmonics
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 # A harmonic below this share of the largest sample is round-off and has no phase.
 ROUND_OFF_SHARE = 1e-13
@@ -144,6 +153,67 @@ class Harmonics:
         arguments = finite_array("crank_angle", crank_angle)[..., np.newaxis] * self.orders
         total = np.cos(arguments) @ self.cosine + np.sin(arguments) @ self.sine
         return np.asarray(total + self.mean, dtype=np.float64)
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        unit: str = "unit of the samples",
+        highest_order: float | None = None,
+    ) -> "Axes":
+        """Draw the amplitudes by order as bars.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        unit : str, optional
+            Of the samples, such as "N m".
+        highest_order : float, optional
+            Up to which orders are drawn; all by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If no order is left.
+        """
+        shown = self if highest_order is None else self.up_to(highest_order)
+        axes = new_axes(axes)
+        draw_harmonics(axes, shown.orders, {"amplitude": shown.amplitude}, f"amplitude [{unit}]")
+        write_title(axes, "Harmonics")
+        return axes
+
+    def to_pandas(self, unit: str = "unit of the samples") -> "DataFrame":
+        """Return one row for each order: amplitude, phase, cosine and sine part.
+
+        Parameters
+        ----------
+        unit : str, optional
+            Of the samples.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "order": (self.orders, "1"),
+                "amplitude": (self.amplitude, unit),
+                "phase": (self.phase, "rad"),
+                "cosine": (self.cosine, unit),
+                "sine": (self.sine, unit),
+            }
+        )
 
 
 def harmonics(

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from dynamics.cycle import (
     mean_step,
 )
 from dynamics.harmonics import Harmonics, harmonics
+from dynamics.plots.sampled_torque import draw_samples
 from dynamics.sample_table import (
     SampleRows,
     TableKind,
@@ -22,7 +24,14 @@ from dynamics.sample_table import (
     read_sample_rows,
     wrong_angle,
 )
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 CYCLE_ANGLE = "cycle_angle_deg"
 CRANK_ANGLE = "crank_angle_deg"
@@ -65,6 +74,43 @@ class TorqueTable:
     def harmonics(self) -> Harmonics:
         """Return the harmonics of the torque [N m]."""
         return harmonics(self.torque, self.strokes, angles_deg=self.crank_angle_deg)
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the samples, and the sum of their harmonics between them.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        axes = new_axes(axes)
+        draw_samples(axes, self.torque, self.harmonics())
+        write_title(axes, "Torque of one throw")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return crank angles and torques, a row for each sample.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "crank_angle": (np.radians(self.crank_angle_deg), "rad"),
+                "torque": (self.torque, "N m"),
+            }
+        )
 
 
 def read_torque_table(path: str | Path, *, strokes: int | None = None) -> TorqueTable:

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fem.accuracy import Mesher, Problem, solve_to
-from fem.angle_law import AngleLaw, angle_law
+from fem.angle_law import AngleLaw, angle_law, is_symmetric
 from fem.class_compliances import axial_answers
 from fem.condensation import CondensedClass, EndSections
 from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
@@ -21,9 +22,17 @@ from fem.pin_response import (
     pin_compliance,
     pin_response,
 )
+from fem.plots.over_angle import (
+    ANGLES_DEG,
+    LABELS,
+    Compliance,
+    check_compliance,
+    draw_compliance,
+)
 from fem.superelement import Superelement, combine_classes
 from fem.supports import (
     STRETCH,
+    Neighbors,
     Reactions,
     Support,
     SupportedThrow,
@@ -32,15 +41,28 @@ from fem.supports import (
     support_throw,
 )
 from fem.symmetry import symmetry_classes
+from fem.throw_frames import compliance_table, stiffness_table, throw_grid
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
 from geometry.mass import MassProperties, mass_properties
 from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw, mesh_isolated
+from geometry.plots.legends import write_title
 from geometry.stopwatch import Stopwatch
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 NO_FORCE = (0.0, 0.0, 0.0)
 # Far beyond any real load, far below what overflows.
 LARGEST_LOAD = 1e30
+# Supports of the table of compliances, by the names it gives them.
+TABLE_SUPPORTS: Mapping[str, Support] = {
+    "pinned": "pinned",
+    "guided": "guided",
+    **{f"neighbors {step:g} deg": Neighbors(step, step) for step in (0.0, 90.0, 120.0, 180.0)},
+}
 
 
 @dataclass(frozen=True)
@@ -307,6 +329,131 @@ class ThrowAnalysis:
             self.mesh, self.material, self.classes, highest_frequency, solver=self.solver
         )
 
+    def over_angle(
+        self,
+        quantity: Compliance = "axial_compliance",
+        gamma_deg: ArrayLike = ANGLES_DEG,
+    ) -> NDArray[np.float64]:
+        """Values of a compliance between equal neighbors, over the angle to them.
+
+        Parameters
+        ----------
+        quantity : {"axial_compliance", "torsional_compliance", "influence_coefficient"}
+        gamma_deg : (n,) array_like
+            Angles between neighboring cranks [deg]; every 5 deg from 0 to 180 by default.
+
+        Returns
+        -------
+        (n,) array
+            [m/N or rad/(N m)]
+
+        Raises
+        ------
+        InputError
+            If the quantity is none of these or an angle is not finite.
+        """
+        name = check_compliance(quantity)
+        angles = np.atleast_1d(np.asarray(gamma_deg, dtype=np.float64))
+        if name != "torsional_compliance" and is_symmetric(self.superelement):
+            law = self.angle_law
+            return law.axial(angles) if name == "axial_compliance" else law.influence(angles)
+        return np.array(
+            [self._compliance(name, Neighbors(angle, angle)) for angle in angles.tolist()]
+        )
+
+    def plot(
+        self, axes: "Axes | None" = None, *, quantity: Compliance = "axial_compliance"
+    ) -> "Axes":
+        """Draw a compliance over the angle to equal neighbors, beside the pinned and the guided throw.
+
+        The band beside the axial compliance is its estimated discretization error.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        quantity : {"axial_compliance", "torsional_compliance", "influence_coefficient"}
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the quantity is none of these.
+        """
+        values = self.over_angle(quantity)
+        bounds = {name: self._compliance(quantity, name) for name in ("guided", "pinned")}
+        axes = new_axes(axes)
+        draw_compliance(
+            axes,
+            values,
+            bounds,
+            quantity,
+            self.error_estimate if quantity == "axial_compliance" else None,
+        )
+        write_title(axes, "Throw by finite elements")
+        return axes
+
+    def to_pandas(self, content: Literal["compliances", "stiffness"] = "compliances") -> Any:
+        """Return a table.
+
+        Parameters
+        ----------
+        content : {"compliances", "stiffness"}
+            Axial and torsional compliance and influence coefficient by support; or the stiffness
+            (12, 12), loads in rows and end motions in columns.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        InputError
+            If the content is neither.
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        if content == "stiffness":
+            return stiffness_table(self.stiffness)
+        if content != "compliances":
+            raise InputError(
+                f"content: given {content!r}; allowed are compliances, stiffness, because these are tables."
+            )
+        answers = {name: self.supported(support) for name, support in TABLE_SUPPORTS.items()}
+        return compliance_table(
+            {name: (one.axial, one.torsional, one.influence) for name, one in answers.items()}
+        )
+
+    def to_xarray(self) -> Any:
+        """Return stiffness over loads and end motions, and compliances over the angle to neighbors.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``stiffness`` (load, motion) with names such as "left ux"; ``axial_compliance``,
+            ``torsional_compliance`` and ``influence_coefficient`` (gamma_deg).
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        return throw_grid(
+            self.stiffness, ANGLES_DEG, {name: self.over_angle(name) for name in LABELS}
+        )
+
+    def _compliance(self, quantity: Compliance, support: Support) -> float:
+        answer = self.supported(support)
+        return {
+            "axial_compliance": answer.axial,
+            "torsional_compliance": answer.torsional,
+            "influence_coefficient": answer.influence,
+        }[quantity]
+
     def _end_load(
         self, pin: int, force: ArrayLike, moment: ArrayLike, distribution: Distribution
     ) -> NDArray[np.float64]:
@@ -390,6 +537,31 @@ class AxialAnalysis:
     def influence_coefficient(self, support: str = "pinned") -> float:
         """Influence coefficient c of the first pin [m/N]; support and errors as for e_n."""
         return axial_answers(self.part, _class_support(support))[1]
+
+    def to_pandas(self) -> Any:
+        """Return a table of compliance and influence coefficient by support.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        supports = ("pinned", "guided")
+        return table(
+            {
+                "support": (list(supports), ""),
+                "axial_compliance": ([self.axial_compliance(one) for one in supports], "m/N"),
+                "influence_coefficient": (
+                    [self.influence_coefficient(one) for one in supports],
+                    "m/N",
+                ),
+            }
+        ).set_index("support")
 
 
 def _class_support(support: str) -> str:

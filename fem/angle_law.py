@@ -14,14 +14,22 @@ factors of most published formulas are; throws have rho of 1.8 to 3.4.
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fem.plots.over_angle import ANGLES_DEG, LABELS, SHOWN, angle_axis
 from fem.superelement import Superelement
 from fem.supports import Neighbors, support_throw
 from fem.symmetry import MIRROR_X, MIRROR_Z
+from geometry.diagram_style import BLUE, new_axes
 from geometry.errors import InputError
+from geometry.frames import grid, table
+from geometry.plots.legends import legend_inside, write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # A stiffness that its mirror image repeats within this share is symmetric.
 SYMMETRIC = 1e-6
@@ -76,6 +84,96 @@ class AngleLaw:
         """Influence coefficient between neighbors at these angles [deg], c(gamma) [m/N]."""
         change = self.influence_opposite - self.influence_in_line
         return np.asarray(self.influence_in_line + change * self.share(gamma_deg))
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        quantity: Literal["axial_compliance", "influence_coefficient"] = "axial_compliance",
+    ) -> "Axes":
+        """Draw the law over the angle to the neighbors, 0 to 180 deg, its two ends marked.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        quantity : {"axial_compliance", "influence_coefficient"}
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the quantity is neither.
+        """
+        laws = {"axial_compliance": self.axial, "influence_coefficient": self.influence}
+        if quantity not in laws:
+            raise InputError(
+                f"quantity: given {quantity!r}; allowed are {', '.join(laws)}, because the law holds for "
+                "these."
+            )
+        values = laws[quantity](ANGLES_DEG) * SHOWN
+        axes = new_axes(axes)
+        axes.plot(ANGLES_DEG, values, color=BLUE, label=rf"law with $\rho$ = {self.ratio:.2f}")
+        axes.plot([0.0, 180.0], values[[0, -1]], "o", color=BLUE, clip_on=False)
+        angle_axis(axes)
+        axes.set_ylim(bottom=min(0.0, 1.1 * float(values.min())))
+        axes.set_ylabel(LABELS[quantity])
+        write_title(axes, "Throw between equal neighbors")
+        legend_inside(axes)
+        return axes
+
+    def to_pandas(self, gamma_deg: ArrayLike = ANGLES_DEG) -> Any:
+        """Return a table of the law over angles.
+
+        Parameters
+        ----------
+        gamma_deg : (n,) array_like
+            Every 5 deg from 0 to 180 by default.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        InputError
+            If an angle is not a finite number.
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        angles = np.atleast_1d(np.asarray(gamma_deg))
+        return table(
+            {
+                "gamma_deg": (angles, "deg"),
+                "axial_compliance": (self.axial(angles), "m/N"),
+                "influence_coefficient": (self.influence(angles), "m/N"),
+            }
+        )
+
+    def to_xarray(self, gamma_deg: ArrayLike = ANGLES_DEG) -> Any:
+        """Return the law over angles as an `xarray.Dataset`; parameters and errors as `to_pandas`."""
+        angles = np.atleast_1d(np.asarray(gamma_deg))
+        return grid(
+            {
+                "axial_compliance": (
+                    ("gamma_deg",),
+                    self.axial(angles),
+                    "m/N",
+                    "axial compliance between equal neighbors",
+                ),
+                "influence_coefficient": (
+                    ("gamma_deg",),
+                    self.influence(angles),
+                    "m/N",
+                    "lengthening per unit radial force between equal neighbors",
+                ),
+            },
+            {"gamma_deg": (angles, "deg", "angle between neighboring cranks")},
+        )
 
 
 def angle_law(throw: Superelement) -> AngleLaw:

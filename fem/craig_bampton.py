@@ -4,7 +4,8 @@ A throw's displacement is composed of the static fields for unit motions of its 
 condensation) and of shapes with the end sections held, of which the lowest natural modes are the most
 important (R. R. Craig, M. C. C. Bampton, Coupling of substructures for dynamic analyses, AIAA Journal
 6, 1313-1319, 1968). The static fields do no work on the shapes, so stiffness falls into blocks; mass
-couples them. Guyan's fields alone give the inertia of rigid motions exactly, that of others too large.
+couples them. Guyan's fields alone give the inertia of rigid motions exactly, that of others too small,
+and so frequencies too high.
 
 The modes that are left out still yield, as springs do, to the inertia forces of moving end sections.
 Their static answer to these forces is one more shape for each motion (the residual modes of J.-G. Kim,
@@ -15,6 +16,7 @@ relative to the lowest mode left out.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,11 +33,17 @@ from fem.modes import (
     frequencies_of,
     is_number,
 )
+from fem.plots.frequency_stems import draw_frequencies
 from fem.superelement import section_rotation
 from fem.symmetry import SymmetryClass, symmetry_classes
+from geometry.diagram_style import GRAY, new_axes
 from geometry.errors import InputError
+from geometry.frames import table
 from geometry.mesh import ThrowMesh
 from geometry.stopwatch import Stopwatch
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 
@@ -127,6 +135,53 @@ class DynamicSuperelement:
             natural=count,
             symmetries=self.symmetries[:count],
             shapes=self.shapes[:, :, :count],
+        )
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """What each shape is: "natural mode" or "correction"."""
+        corrections = len(self.frequencies) - self.natural
+        return ("natural mode",) * self.natural + ("correction",) * corrections
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the frequencies of the shapes, beside the one that the superelement was made for.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        axes = new_axes(axes)
+        draw_frequencies(
+            axes, self.frequencies, self.kinds, "Shapes of the throw with its end sections held"
+        )
+        axes.axhline(self.highest_frequency, color=GRAY, linestyle="--", label="made for")
+        axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the shapes, numbered from 1.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "shape": (np.arange(1, len(self.frequencies) + 1), ""),
+                "frequency": (self.frequencies, "Hz"),
+                "kind": (list(self.kinds), ""),
+            }
         )
 
 

@@ -47,3 +47,4 @@ class Material(InputModel):
 
 
 STEEL = Material(youngs_modulus=2.1e11, poisson_ratio=0.3, density=7850.0)
+"""Steel: E = 210 GPa, Poisson's ratio 0.3, 7850 kg/m^3."""

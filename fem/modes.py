@@ -10,6 +10,7 @@ K + s M, is positive definite though a free throw can move as a rigid body.
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +22,18 @@ from fem.condensation import blocked_unknowns, nodes_on
 from fem.loads import end_sections, rigid_motions
 from fem.mass_matrix import assemble_mass
 from fem.material import Material
+from fem.plots.frequency_stems import draw_frequencies
 from fem.solver import Factorization, SolveError, factorize
 from fem.superelement import RX, RY, RZ, UX, UY, UZ
 from fem.symmetry import MIRROR_X, MIRROR_Z, SymmetryClass, symmetry_classes
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
 from geometry.mesh import ThrowMesh, element_volumes
 from geometry.stopwatch import Stopwatch
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 
@@ -289,6 +296,45 @@ class ThrowModes:
     residuals: Array = field(repr=False)
     rigid_frequencies: Array = field(repr=False)
     solver: str
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the frequencies by their number, colored by what the modes do.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        axes = new_axes(axes, width=9.0)
+        kinds = [name.partition(",")[0] for name in self.names]
+        draw_frequencies(axes, self.frequencies, kinds, "Free modes of the throw")
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the modes, numbered from 1.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "mode": (np.arange(1, len(self.frequencies) + 1), ""),
+                "frequency": (self.frequencies, "Hz"),
+                "name": (list(self.names), ""),
+                "residual": (self.residuals, "1"),
+            }
+        )
 
 
 def free_modes(

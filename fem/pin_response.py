@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from fem.condensation import CondensedClass
 from fem.loads import NodalLoads
 from fem.superelement import Superelement
 from fem.supports import STRETCH, Support, end_motions
+from fem.throw_frames import motion_table
 
 Array = NDArray[np.float64]
 
@@ -48,6 +50,24 @@ class PinResponse:
     right: Motion
     pin: Motion
     lengthening: float
+
+    def to_pandas(self) -> Any:
+        """Return a table of the motions ux to rz of left end, pin and right end.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        places = {"left": self.left, "pin": self.pin, "right": self.right}
+        return motion_table(
+            {name: np.concatenate([one.displacement, one.rotation]) for name, one in places.items()}
+        )
 
 
 def equivalent_load(classes: Sequence[CondensedClass], load: NodalLoads) -> Array:

@@ -1,15 +1,34 @@
 """Superelements in a row: a crankshaft, or a throw between its neighbors."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.superelement import RZ, UX, UY, UZ, Superelement
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import grid, table
+from geometry.plots.bars import draw_groups, draw_matrix
+from geometry.plots.legends import write_title
+from geometry.plots.shown_units import shown_unit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
+
+# Attributes of a shaft's compliances: SI unit, and what they are; the first three of each throw alone.
+ALONE = ("axial", "torsional", "through")
+SHOWN: Mapping[str, tuple[str, str]] = {
+    "axial": ("m/N", "axial compliance"),
+    "torsional": ("rad/(N m)", "torsional compliance"),
+    "through": ("1/N", "lengthening per torque through the shaft"),
+    "influence": ("m/N", "lengthening per radial force"),
+    "tangential": ("m/N", "lengthening per tangential force"),
+}
 
 
 @dataclass(frozen=True)
@@ -42,6 +61,91 @@ class ShaftCompliances:
     influence: Array
     tangential: Array
     through: Array
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        quantity: Literal["axial", "torsional", "through", "influence", "tangential"] = "axial",
+    ) -> "Axes":
+        """Draw one of the attributes: bars by throw, or a table colored by value.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        quantity : {"axial", "torsional", "through", "influence", "tangential"}
+            The last two are tables of throws and pins.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the quantity is none of these.
+        """
+        if quantity not in SHOWN:
+            raise InputError(
+                f"quantity: given {quantity!r}; allowed are {', '.join(SHOWN)}, because a shaft has these."
+            )
+        unit, words = SHOWN[quantity]
+        text, size = shown_unit(unit)
+        values = getattr(self, quantity) / size
+        axes = new_axes(axes)
+        throws = [str(number) for number in range(1, len(self.axial) + 1)]
+        if values.ndim == 1:
+            draw_groups(axes, throws, {words: values}, f"{words} [{text}]")
+            write_title(axes, "Throws at their places in the shaft")
+        else:
+            pins = [str(number) for number in range(1, values.shape[1] + 1)]
+            draw_matrix(axes, values, throws, pins)
+            axes.set_ylabel("throw that is lengthened")
+            write_title(axes, f"{words.capitalize()} [{text}]")
+        axes.set_xlabel("throw" if values.ndim == 1 else "loaded pin")
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of what each throw has alone; `to_xarray` has what pins do to throws.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {"throw": (np.arange(1, len(self.axial) + 1), "")}
+            | {name: (getattr(self, name), SHOWN[name][0]) for name in ALONE}
+        )
+
+    def to_xarray(self) -> Any:
+        """Return all attributes over throws and pins, numbered from 1.
+
+        Returns
+        -------
+        xarray.Dataset
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        return grid(
+            {
+                name: (("throw",) if name in ALONE else ("throw", "pin"), getattr(self, name), *how)
+                for name, how in SHOWN.items()
+            },
+            {
+                "throw": (np.arange(1, len(self.axial) + 1), "", "throw from the free end"),
+                "pin": (np.arange(1, self.influence.shape[1] + 1), "", "pin from the free end"),
+            },
+        )
 
 
 def assemble_shaft(throws: Sequence[Superelement]) -> Array:

@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotation
+from fem.throw_frames import load_table
 from geometry.errors import InputError
 
 Array = NDArray[np.float64]
@@ -66,6 +67,24 @@ class Reactions:
 
     left: EndReaction
     right: EndReaction
+
+    def to_pandas(self) -> Any:
+        """Return a table of forces and moments Fx to Mz at the left and the right end.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        ends = {"left": self.left, "right": self.right}
+        return load_table(
+            {name: np.concatenate([one.force, one.moment]) for name, one in ends.items()}
+        )
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,9 @@ from geometry.quantity import show_quantity
 from geometry.shaft_ends import ShaftEnds
 from geometry.solid import Entity, make_solid, remove_loose
 from geometry.throw import CrankThrow
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True)
@@ -160,6 +163,23 @@ class Crankshaft:
     def unbalance(self, density: float) -> Unbalance:
         """Static and dynamic unbalance, moments about the middle of the throws."""
         return unbalance(self.masses(density), 0.5 * float(self.starts[-1]))
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the side view to scale, each throw at its crank angle with its number below.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        from geometry.plots.throw_plot import plot_throws
+
+        parts = [throw.parts for throw in self.throws]
+        return plot_throws(axes, parts, self.crank_angles, self.end_cylinders)
 
 
 def throw_masses(throw: CrankThrow, density: float) -> MassProperties:

@@ -3,10 +3,10 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from geometry.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_errors, gmsh_session
@@ -16,10 +16,13 @@ from geometry.shapes import jacobians, shapes_for_quadrature
 from geometry.size_field import set_sizes
 from geometry.size_map import SizeMap, set_size_map
 from geometry.sizes import SHARES, predict_unknowns, size_plan
-from geometry.solid import build_solid
+from geometry.solid import CRANK_PLANE, MIDDLE_PLANE, build_solid
 from geometry.stopwatch import Stopwatch
 from geometry.throw import CrankThrow
 from geometry.volume import throw_volume
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # gmsh numbers the edges of a 10-node tetrahedron in another order than scikit-fem.
 GMSH_TO_SKFEM = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
@@ -136,6 +139,37 @@ class ThrowMesh:
     def unknowns(self) -> int:
         """Number of displacement unknowns of the meshed part."""
         return 3 * len(self.points)
+
+    def plot(self, axes: "Axes | None" = None, *, eye: ArrayLike = (-1.0, 0.45, -0.6)) -> "Axes":
+        """Draw the surface of the mesh in parallel projection, cuts by planes of symmetry in orange.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        eye : (3,) array_like
+            Direction from the throw to the eye; the crank stands upright.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the direction is not three finite numbers, or along the crank.
+        """
+        from geometry.plots.mesh_plot import plot_mesh
+
+        cuts = (CRANK_PLANE, MIDDLE_PLANE)
+        facets = {cut: self.surfaces[cut] for cut in cuts if cut in self.surfaces}
+        outside = [found for name, found in self.surfaces.items() if name not in cuts]
+        count = len(self.elements)
+        elements = "1 element" if count == 1 else f"{count:,} elements"
+        title = f"{self.part.capitalize()} mesh, {elements}"
+        return plot_mesh(
+            axes, self.points, np.concatenate(outside), facets, np.asarray(eye, float), title
+        )
 
 
 def mesh_throw(

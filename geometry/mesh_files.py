@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError
+from geometry.errors import InputError, MissingLibraryError
 from geometry.facets import flat_triangles, six_node_triangles
 from geometry.gmsh_session import gmsh_session
 from geometry.mesh import GMSH_TO_SKFEM, ThrowMesh
@@ -52,6 +52,8 @@ def write_mesh(
     ------
     InputError
         If the ending is unknown, or the file cannot be written.
+    MissingLibraryError
+        If the format needs a package that is not installed.
     """
     path = Path(path)
     ending = check_ending(path)
@@ -66,9 +68,9 @@ def write_mesh(
             _write_solid(mesh, path, point_data or {})
     except ImportError as error:
         package = error.name or str(error)
-        raise InputError(
-            f"{path.name}: this format needs the Python package {package}; install it with: "
-            f"pip install {package} (or crankfem[formats])"
+        raise MissingLibraryError(
+            f"{path.name}: this format needs the Python package {package}, which is not installed; "
+            "install it with: pip install 'crankfem[formats]'"
         ) from None
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None

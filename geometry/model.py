@@ -87,6 +87,31 @@ class InputModel(BaseModel):
         except ValidationError as error:
             raise InputError(_sentence(type(self), error)) from None
 
+    def changed(self, **values: Any) -> Self:
+        """Return a record with some values changed, checked like a new one.
+
+        Parameters
+        ----------
+        **values
+            New values by field [SI]; None takes an optional one away.
+
+        Returns
+        -------
+        Self
+            Fields that were left to their defaults follow the defaults again.
+
+        Raises
+        ------
+        InputError
+            If a field is unknown, or the values are impossible together.
+        """
+        given = {name: getattr(self, name) for name in self.model_fields_set}
+        return type(self)(**given | values)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return a copy; with new values it is the record that `changed` returns."""
+        return self.changed(**update) if update else super().model_copy(deep=deep)
+
     @classmethod
     def from_text(cls, values: Mapping[str, object], section: str | None = None) -> Self:
         """Build the record from text with units, as it stands in a file.

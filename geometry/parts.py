@@ -237,7 +237,7 @@ def pin_tables(throw: "CrankThrow") -> list[FurtherPin]:
     )
     return [
         first,
-        *(first.model_copy(update=pin.model_dump(exclude_none=True)) for pin in throw.further_pins),
+        *(first.changed(**pin.model_dump(exclude_none=True)) for pin in throw.further_pins),
     ]
 
 

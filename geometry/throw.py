@@ -1,7 +1,7 @@
 """One crank throw: its dimensions, what they mean, and which of them can be built."""
 
 import math
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -10,6 +10,9 @@ from geometry.parts import ThrowParts, pin_tables, throw_parts
 from geometry.throw_checks import check_throw, throw_remarks
 from geometry.throw_sections import Counterweight, FurtherPin, Outline, Web
 from geometry.volume import throw_volume
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 class CrankThrow(InputModel):
@@ -68,6 +71,11 @@ class CrankThrow(InputModel):
     ... )
     >>> round(throw.length, 6)
     0.395
+
+    Frozen; another one is made by `changed`, which checks it anew:
+
+    >>> round(throw.changed(web_thickness=0.075).length, 6)
+    0.409
     """
 
     section: ClassVar[str] = "throw"
@@ -259,6 +267,37 @@ class CrankThrow(InputModel):
         """What can be built but is hardly meant, one sentence each."""
         return throw_remarks(self.parts)
 
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        view: Literal["side", "left end"] = "side",
+        dimensions: bool = True,
+    ) -> "Axes":
+        """Draw the throw to scale.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        view : {"side", "left end"}
+            From the side, z to the right; or from the left end, where x points to the left.
+        dimensions : bool
+            Write all dimensions in mm; without them the axes have scales in m.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the view is neither.
+        """
+        from geometry.plots.throw_plot import plot_throw
+
+        return plot_throw(axes, self.parts, view, dimensions, "Crank throw")
+
     def reversed(self) -> "CrankThrow":
         """Return the same throw described from its other end.
 
@@ -267,12 +306,10 @@ class CrankThrow(InputModel):
         pins = pin_tables(self)
         last = pins[-1].angle
         turned = [
-            pin.model_copy(
-                update={
-                    "angle": _whole_turn(last - pin.angle),
-                    "web_thickness": after.web_thickness,
-                    "web_width": after.web_width,
-                }
+            pin.changed(
+                angle=_whole_turn(last - pin.angle),
+                web_thickness=after.web_thickness,
+                web_width=after.web_width,
             )
             for pin, after in zip(pins[-2::-1], pins[:0:-1], strict=True)
         ]

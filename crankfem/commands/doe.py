@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from crankfem import console
-from crankfem.commands.options import JsonOption, WorkersOption
+from crankfem.commands import completion
+from crankfem.commands.options import JsonOption, QuietOption, WorkersOption
 from crankfem.console import print_json
 from geometry.errors import InputError
 from geometry.quantity import parse_quantity
@@ -21,7 +22,12 @@ FEW_HELD_OUT = 5
 
 def doe(
     study: Annotated[
-        str, typer.Argument(metavar="STUDY.toml", help="File with the sections throw and study.")
+        str,
+        typer.Argument(
+            metavar="STUDY.toml",
+            help="File with the sections throw and study.",
+            autocompletion=completion.engines,
+        ),
     ],
     store: Annotated[Path, typer.Option(help="SQLite file of results.")] = Path("runs.sqlite"),
     workers: WorkersOption = 2,
@@ -53,6 +59,7 @@ def doe(
         bool, typer.Option("--plan", help="Show what would be computed, and compute nothing.")
     ] = False,
     json: JsonOption = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Run a design of experiments, or continue it where it stopped."""
     from crankfem.throw_file import load_study
@@ -74,15 +81,22 @@ def doe(
     if export is not None:
         check_export(export)
     for file in import_ or ():
-        _import(read, store, file)
-    table = _run(read, store, workers, {"dask": dask, **limits})
-    say = console.errors.print if json else console.output.print
-    say(_summary(table, store), soft_wrap=True, highlight=False)
+        _import(read, store, file, quiet)
+    table = _run(read, store, workers, {"dask": dask, **limits}, quiet)
+
+    def say(text: str) -> None:
+        # With --json nothing but the results may stand on standard output.
+        if json:
+            console.note(text, quiet)
+        else:
+            console.print_line(text)
+
+    say(_summary(table, store))
     for text in _warnings(table):
-        say(f"Note: {text}", soft_wrap=True, highlight=False)
+        say(f"Note: {text}")
     if export is not None:
         count = export_table(table, export)
-        say(f"{count} rows written to {export}.", soft_wrap=True, highlight=False)
+        say(f"{count} rows written to {export}.")
     _show_fits(table, json)
 
 
@@ -140,7 +154,7 @@ def _show_plan(plan: "StudyPlan", json: bool) -> None:
         print_plan(planned)
 
 
-def _import(plan: "StudyPlan", store: Path, file: Path) -> None:
+def _import(plan: "StudyPlan", store: Path, file: Path, quiet: bool) -> None:
     from regression.runs.study import import_results
 
     found = import_results(plan, store, file)
@@ -148,21 +162,22 @@ def _import(plan: "StudyPlan", store: Path, file: Path) -> None:
     own = (
         f"; {found.coinciding} at the study's own designs are not used" if found.coinciding else ""
     )
-    console.errors.print(
+    console.note(
         f"{file}: {found.designs} finished designs and {found.rows} further rows taken over{left_out}{own}.",
-        soft_wrap=True,
-        highlight=False,
+        quiet,
     )
 
 
-def _run(plan: "StudyPlan", store: Path, workers: int, options: dict[str, Any]) -> "StudyTable":
+def _run(
+    plan: "StudyPlan", store: Path, workers: int, options: dict[str, Any], quiet: bool
+) -> "StudyTable":
     from regression.runs import study
 
     if options["dask"] is not None:
         from regression.runs.cluster import quiet_dask
 
         quiet_dask()
-    with console.RunProgress() as progress:
+    with console.RunProgress(quiet) as progress:
         progress.step("Running the study")
         try:
             table = study.run_plan(

@@ -6,12 +6,20 @@ from typing import Annotated
 import typer
 
 from crankfem import console
-from crankfem.commands.options import JsonOption
+from crankfem.commands import completion
+from crankfem.commands.options import JsonOption, QuietOption
 from crankfem.console import print_json
 
 
 def fit(
-    store: Annotated[Path, typer.Argument(metavar="RUNS.sqlite", help="Store of a study.")],
+    store: Annotated[
+        Path,
+        typer.Argument(
+            metavar="RUNS.sqlite",
+            help="Store of a study.",
+            autocompletion=completion.files(".sqlite"),
+        ),
+    ],
     model: Annotated[Path, typer.Option(help="Model file to write.")] = Path("model.json"),
     study: Annotated[
         str | None,
@@ -28,6 +36,7 @@ def fit(
     ] = None,
     plots: Annotated[Path | None, typer.Option(help="Folder to write diagrams to (SVG).")] = None,
     json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Fit equations to a study's results and save the best as a model."""
     from crankfem.fit_records import study_record

@@ -2,15 +2,32 @@
 
 import functools
 from collections.abc import Mapping
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from crankfem import console, formula_tables
-from crankfem.angle_argument import checked_gamma
-from crankfem.commands.options import JsonOption
+from crankfem import console
+from crankfem.commands import completion
+from crankfem.commands.options import GammaOption, JsonOption, QuietOption, UnitsOption
 from crankfem.console import parse_pairs, print_json
 from geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from crankfem.output_units import OutputUnits
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What the command line asks for."""
+
+    gamma: float
+    variant: str
+    constants: Mapping[str, float]
+    fe: bool
+    json: bool
+    quiet: bool
+    units: "OutputUnits"
 
 
 def formulas(
@@ -19,12 +36,10 @@ def formulas(
         typer.Argument(
             metavar="ENGINE.toml",
             help="Engine file, or the name of a shipped engine; none with --all or --published.",
+            autocompletion=completion.engines,
         ),
     ] = None,
-    gamma: Annotated[
-        float | None,
-        typer.Option(help="Angle between neighboring cranks in deg.", show_default="180"),
-    ] = None,
+    gamma: GammaOption = None,
     variant: Annotated[
         str | None,
         typer.Option(
@@ -46,9 +61,15 @@ def formulas(
     published: Annotated[
         bool, typer.Option("--published", help="The published table, repaired values marked.")
     ] = False,
+    units: UnitsOption = None,
     json: JsonOption = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Show the published formulas for a throw, or all shipped engines, beside finite elements."""
+    from crankfem.angle_argument import parse_gamma
+    from crankfem.output_units import parse_output_units
+
+    shown = parse_output_units(units)
     if (engine is not None) + all_engines + published != 1:
         raise InputError("formulas: give one of ENGINE.toml, --all and --published.")
     if published:
@@ -58,17 +79,24 @@ def formulas(
                 "--variant": variant is not None,
                 "--constant": bool(constant),
                 "--no-fe": not fe,
+                "--units": units is not None,
             }
         )
         _published(json)
         return
-    constants = parse_pairs(constant or [], _pure_number, example="k_n=0.4")
-    angle = 180.0 if gamma is None else checked_gamma(gamma)
-    reading = variant or "corrected"
+    asked = _Asked(
+        gamma=180.0 if gamma is None else parse_gamma(gamma, quiet),
+        variant=variant or "corrected",
+        constants=parse_pairs(constant or [], _pure_number, example="k_n=0.4"),
+        fe=fe,
+        json=json,
+        quiet=quiet,
+        units=shown,
+    )
     if engine is None:
-        _all_engines(angle, reading, constants, fe, json)
+        _all_engines(asked)
     else:
-        _one_throw(engine, angle, reading, constants, fe, json)
+        _one_throw(engine, asked)
 
 
 def _refuse_beside_published(given: Mapping[str, bool]) -> None:
@@ -79,53 +107,57 @@ def _refuse_beside_published(given: Mapping[str, bool]) -> None:
         )
 
 
-def _one_throw(
-    engine: str,
-    gamma: float,
-    variant: str,
-    constants: Mapping[str, float],
-    fe: bool,
-    json: bool,
-) -> None:
+def _one_throw(engine: str, asked: _Asked) -> None:
+    from crankfem import formula_tables
     from crankfem.formula_records import fe_record, formula_records
     from crankfem.throw_file import load_throw
     from fem.analysis import analyze_throw
 
     dimensions, material = load_throw(engine)
-    records: dict[str, Any] = dict(formula_records(dimensions, material, gamma, variant, constants))
+    gamma, constants = asked.gamma, asked.constants
+    records: dict[str, Any] = dict(
+        formula_records(dimensions, material, gamma, asked.variant, constants)
+    )
     records |= {"gamma_deg": gamma, "constants": dict(constants)}
-    if fe:
+    if asked.fe:
         records["fe"] = fe_record(analyze_throw(dimensions, material), gamma)
-    if json:
+    if asked.json:
         print_json(records)
     else:
-        formula_tables.print_one_throw(records, gamma, constants)
+        formula_tables.print_one_throw(records, gamma, constants, asked.units)
 
 
-def _all_engines(
-    gamma: float, variant: str, constants: Mapping[str, float], fe: bool, json: bool
-) -> None:
+def _all_engines(asked: _Asked) -> None:
+    from crankfem import formula_tables
     from crankfem.data_files import shipped_engines
     from crankfem.formula_spread import engine_spread, spread_of_engines, spread_record
     from crankfem.throw_file import load_throw
 
-    if not fe:
+    if not asked.fe:
         raise InputError(
             "--no-fe: given together with --all; allowed is one of the two, because --all compares "
             "with finite elements."
         )
     spreads = spread_of_engines(
         [(name, *load_throw(name)) for name in shipped_engines()],
-        functools.partial(engine_spread, gamma_deg=gamma, variant=variant, constants=constants),
-        lambda place, count, name: console.errors.print(
-            f"finite elements: {name} ({place} of {count})", highlight=False
+        functools.partial(
+            engine_spread,
+            gamma_deg=asked.gamma,
+            variant=asked.variant,
+            constants=asked.constants,
+        ),
+        lambda place, count, name: console.note(
+            f"finite elements: {name} ({place} of {count})", asked.quiet
         ),
     )
-    if json:
+    if asked.json:
         engines = [spread_record(spread) for spread in spreads]
-        print_json({"gamma_deg": gamma, "constants": dict(constants), "engines": engines})
+        constants = dict(asked.constants)
+        print_json({"gamma_deg": asked.gamma, "constants": constants, "engines": engines})
     else:
-        formula_tables.print_spread(spreads, gamma, variant, constants)
+        formula_tables.print_spread(
+            spreads, asked.gamma, asked.variant, asked.constants, asked.units
+        )
 
 
 def _published(json: bool) -> None:
@@ -134,6 +166,8 @@ def _published(json: bool) -> None:
 
     values = read_published_table(data_folder() / "tables" / "axial_compliance_published.csv")
     if not json:
+        from crankfem import formula_tables
+
         formula_tables.print_published(values)
         return
     print_json(

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from crankfem import console
-from crankfem.commands.options import JsonOption, SpeedOption
+from crankfem.commands import completion
+from crankfem.commands.options import JsonOption, QuietOption, SpeedOption, UnitsOption
 from crankfem.console import print_json
 from geometry.errors import InputError
 
 if TYPE_CHECKING:
+    from crankfem.output_units import OutputUnits
     from dynamics.harmonics import Harmonics
 
 USUAL_ORDERS, USUAL_ENGINE_ORDERS = 9.0, 12.0
@@ -35,6 +37,7 @@ def harmonics(
         typer.Argument(
             metavar="TORQUE.csv|ENGINE.toml",
             help="Torque over one cycle; or an engine file or the name of a shipped engine.",
+            autocompletion=completion.engines_and_tables,
         ),
     ],
     strokes: Annotated[
@@ -56,11 +59,15 @@ def harmonics(
         str | None,
         typer.Option(metavar="FOLDER", help="Write torque, harmonics and star diagrams as SVG."),
     ] = None,
+    units: UnitsOption = None,
     json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Split torque into harmonics M_k sin(k w t + a_k): of a table, or of an engine with its stars."""
     from crankfem.harmonics_tables import write_table
+    from crankfem.output_units import parse_output_units
 
+    shown = parse_output_units(units)
     if orders is not None and not orders > 0.0:
         raise InputError(
             f"--orders: given {orders:g}; allowed is an order above 0, because "
@@ -73,7 +80,7 @@ def harmonics(
     if json:
         print_json(record)
         return
-    _print(record, orders)
+    _print(record, orders, shown)
     for path, kind in ((csv, "Table"), (pictures, "Pictures")):
         if path is not None:
             console.output.print(f"{kind}: {path}", soft_wrap=True)
@@ -90,7 +97,7 @@ def _names_engine(source: str) -> bool:
 
 
 def _of_table(source: str, asked: _Asked) -> dict[str, Any]:
-    from crankfem.data_files import data_folder
+    from crankfem.data_files import torque_path
     from crankfem.pictures.plots import plot_torque
     from crankfem.results import harmonics_record
     from dynamics.torque_table import read_torque_table
@@ -104,9 +111,7 @@ def _of_table(source: str, asked: _Asked) -> dict[str, Any]:
                 f"--{name}: given {value} with a torque table; allowed is an engine file, because a "
                 f"table knows no {lacks}."
             )
-    path = Path(source)
-    if not path.is_file() and (data_folder() / "tables" / path.name).is_file():
-        path = data_folder() / "tables" / path.name
+    path = torque_path(source)
     table = read_torque_table(path, strokes=4 if asked.strokes is None else asked.strokes)
     found = table.harmonics()
     _check_resolved(asked.orders, found)
@@ -169,20 +174,21 @@ def _check_resolved(orders: float | None, found: "Harmonics") -> None:
         )
 
 
-def _print(record: dict[str, Any], orders: float | None) -> None:
+def _print(record: dict[str, Any], orders: float | None, units: "OutputUnits") -> None:
     from crankfem.harmonics_tables import COLUMNS, print_engine, print_harmonics, print_pin_forces
     from crankfem.table_units import table_unit
 
     if "throws" in record:
-        print_engine(record)
+        print_engine(record, units)
         if "cylinder" in record:
-            print_pin_forces(record["cylinder"])
+            print_pin_forces(record["cylinder"], units)
         return
-    mean = table_unit([record["mean"]], "N m").with_unit(record["mean"])
-    console.output.print(
+    mean = table_unit([record["mean"]], "N m", units).with_unit(record["mean"])
+    console.print_line(
         f"Mean {mean}; {record['samples']} samples resolve orders up to "
         f"{record['highest_order']:g}."
     )
     highest = USUAL_ORDERS if orders is None else orders
     kept = sum(order <= highest * (1.0 + 1e-9) for order in record["orders"])
-    print_harmonics("Harmonics", record | {name: record[name][:kept] for name in COLUMNS}, "N m")
+    shown = record | {name: record[name][:kept] for name in COLUMNS}
+    print_harmonics("Harmonics", shown, "N m", units)

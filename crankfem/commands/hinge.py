@@ -6,14 +6,19 @@ from typing import Annotated
 import typer
 
 from crankfem import console
-from crankfem.commands.options import JsonOption, checked_choice
+from crankfem.commands import completion
+from crankfem.commands.options import JsonOption, QuietOption, UnitsOption, checked_choice
 from crankfem.console import print_json
 
 
 def hinge(
     file: Annotated[
         str,
-        typer.Argument(metavar="HINGE.toml", help="Hinge file, or the name of a shipped one."),
+        typer.Argument(
+            metavar="HINGE.toml",
+            help="Hinge file, or the name of a shipped one.",
+            autocompletion=completion.hinges,
+        ),
     ] = "crosshead-30-100",
     speed: Annotated[
         str | None,
@@ -31,16 +36,20 @@ def hinge(
     pictures: Annotated[
         str | None, typer.Option(metavar="FOLDER", help="Write moments, guides and speeds.")
     ] = None,
+    units: UnitsOption = None,
     json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Guides of an elastic hinge for constant crank speed, and how evenly the crank turns with it."""
     from crankfem.hinge_file import load_hinge
     from crankfem.hinge_records import hinge_record, write_hinge_table
     from crankfem.hinge_run import run_hinge
     from crankfem.hinge_tables import print_hinge
+    from crankfem.output_units import parse_output_units
     from dynamics.hinge.reduced import KINEMATICS
     from geometry.quantity import parse_quantity
 
+    shown = parse_output_units(units)
     other = None if speed is None else parse_quantity(speed, "rad/s", "--speed")
     loaded = load_hinge(file)
     described = checked_choice(
@@ -59,7 +68,7 @@ def hinge(
     if json:
         print_json(record | {"pictures": [str(path) for path in made]})
         return
-    print_hinge(record)
+    print_hinge(record, shown)
     if csv is not None:
         console.output.print(f"Over the turn: {csv}", soft_wrap=True)
     if made:

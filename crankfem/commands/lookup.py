@@ -1,45 +1,57 @@
 """Compliances from a model."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from crankfem import console
-from crankfem.commands.options import JsonOption
-from crankfem.console import print_json
+from crankfem.commands import completion
+from crankfem.commands.options import (
+    GammaOption,
+    JsonOption,
+    ModelArgument,
+    QuietOption,
+    UnitsOption,
+)
+from crankfem.console import print_json, print_line
 from geometry.errors import InputError
 
 if TYPE_CHECKING:
+    from crankfem.output_units import OutputUnits
     from regression.models.compliance_model import ComplianceModel, Lookup
 
 
 def lookup(
-    model: Annotated[Path, typer.Argument(metavar="MODEL.json", help="Model file.")],
+    model: ModelArgument,
     dimensions: Annotated[
         list[str] | None,
-        typer.Argument(metavar="NAME=VALUE...", help="Dimensions with units, and choices."),
+        typer.Argument(
+            metavar="NAME=VALUE...",
+            help="Dimensions with units, and choices.",
+            autocompletion=completion.dimensions,
+        ),
     ] = None,
     throw: Annotated[
         str | None,
         typer.Option(
             metavar="ENGINE.toml",
             help="Take the dimensions of this file's throw; those given change it.",
+            autocompletion=completion.engines,
         ),
     ] = None,
-    gamma: Annotated[
-        float | None,
-        typer.Option(help="Angle to the neighboring cranks in degrees, for e_n and c."),
-    ] = None,
+    gamma: GammaOption = None,
     strict: Annotated[
         bool, typer.Option("--strict", help="Refuse what lies outside the range of the model.")
     ] = False,
+    units: UnitsOption = None,
     json: JsonOption = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Look compliances up in a model, with range check and error band."""
     from crankfem.model_arguments import model_dimensions
+    from crankfem.output_units import parse_output_units
     from regression.models.compliance_model import ComplianceModel
 
+    shown = parse_output_units(units)
     loaded = ComplianceModel.load(model)
     asked: dict[str, Any] = {}
     if throw is not None:
@@ -47,18 +59,19 @@ def lookup(
 
         asked |= loaded.dimensions_of(load_throw(throw)[0])
     asked |= model_dimensions(loaded, dimensions or [])
+    angle = None
     if gamma is not None:
-        from crankfem.angle_argument import checked_gamma
+        from crankfem.angle_argument import parse_gamma
 
-        gamma = checked_gamma(gamma)
-    answers, refused = _answers(loaded, asked, gamma, strict)
+        angle = parse_gamma(gamma, quiet)
+    answers, refused = _answers(loaded, asked, angle, strict)
     if json:
         records = {name: _record(answer) for name, answer in answers.items()}
         print_json(records | {name: {"refused": reason} for name, reason in refused.items()})
         return
-    _print_answers(loaded, answers, gamma is not None)
+    _print_answers(loaded, answers, angle is not None, shown)
     for name, reason in refused.items():
-        _print(f"{_title(name)}: left out; {reason}")
+        print_line(shown.text(f"{_title(name)}: left out; {reason}"))
 
 
 def _answers(
@@ -113,7 +126,10 @@ def _record(answer: "Lookup") -> dict[str, Any]:
 
 
 def _print_answers(
-    model: "ComplianceModel", answers: dict[str, "Lookup"], with_angle: bool
+    model: "ComplianceModel",
+    answers: dict[str, "Lookup"],
+    with_angle: bool,
+    units: "OutputUnits",
 ) -> None:
     """Print a line for each response, those that depend on the angle first, then what all share."""
     from regression.models.compliance_model import ANGLE_LAWS
@@ -126,35 +142,33 @@ def _print_answers(
         if all(remark in answer.remarks for answer in answers.values())
     ]
     for name in between:
-        _print_answer(name, answers[name], shared)
+        _print_answer(name, answers[name], shared, units)
     if between and others:
-        _print("Whatever the angle of --gamma:")
+        print_line("Whatever the angle of --gamma:")
     for name in others:
-        _print_answer(name, answers[name], shared)
+        _print_answer(name, answers[name], shared, units)
     for remark in shared:
-        _print(remark)
+        print_line(units.text(remark))
     banded = [name for name, answer in answers.items() if answer.inside]
     equations = [part for n in banded for part in (ANGLE_LAWS[n] if n in between else (n,))]
     if equations:
         _print_bands(model, equations)
 
 
-def _print_answer(name: str, answer: "Lookup", shared: list[str]) -> None:
-    from crankfem.model_arguments import value_text
-
-    value = value_text(answer.value, answer.unit)
+def _print_answer(name: str, answer: "Lookup", shared: list[str], units: "OutputUnits") -> None:
+    value = units.quantity(answer.value, answer.unit, 4)
     support = f" ({answer.support})" if answer.support else ""
     if not answer.inside:
         place = "OUTSIDE the range, where no band holds"
     elif answer.lower is None or answer.upper is None:
         place = "its band is open, inside the range"
     else:
-        lower, upper = (value_text(end, answer.unit) for end in (answer.lower, answer.upper))
+        lower, upper = (units.quantity(end, answer.unit, 4) for end in (answer.lower, answer.upper))
         place = f"{lower} to {upper}, inside the range"
-    _print(f"{_title(name)}: {value}{support}, {place}")
+    print_line(f"{_title(name)}: {value}{support}, {place}")
     for remark in answer.remarks:
         if remark not in shared:
-            _print(f"  {remark}")
+            print_line(units.text(f"  {remark}"))
 
 
 def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
@@ -170,21 +184,17 @@ def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
     estimates = [one.largest_fe_error for one in used.values() if one.largest_fe_error is not None]
     elements = f" and the finite elements' own estimate ({span(estimates)})" if estimates else ""
     equations = span([equation_error(one) for one in used.values()])
-    _print(
+    print_line(
         f"Bands: largest error of the equation at held-out designs and runs ({equations}){elements}; "
         "--json tells them by response."
     )
     unjudged = [_title(name) for name, one in used.items() if one.largest_heldout_error is None]
     if unjudged:
-        _print(f"  Without held-out designs, too small an error: {', '.join(unjudged)}.")
+        print_line(f"  Without held-out designs, too small an error: {', '.join(unjudged)}.")
     unknown = [_title(name) for name, one in used.items() if one.largest_fe_error is None]
     if unknown:
-        _print(f"  The error of the finite elements was not estimated: {', '.join(unknown)}.")
+        print_line(f"  The error of the finite elements was not estimated: {', '.join(unknown)}.")
 
 
 def _title(name: str) -> str:
     return name.replace("_", " ")
-
-
-def _print(text: str) -> None:
-    console.output.print(text, soft_wrap=True, highlight=False)

@@ -9,7 +9,9 @@ from crankfem import console
 from crankfem.commands.options import (
     EngineArgument,
     JsonOption,
+    QuietOption,
     SpeedOption,
+    UnitsOption,
     checked_choice,
 )
 from crankfem.console import print_json
@@ -33,7 +35,9 @@ def mechanism(
     pictures: Annotated[
         str | None, typer.Option(metavar="FOLDER", help="Write load diagrams and hodographs.")
     ] = None,
+    units: UnitsOption = None,
     json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Forces in the crank mechanism, load diagrams of the bearings, and the balance of the engine."""
     from crankfem.balance_tables import (
@@ -46,10 +50,12 @@ def mechanism(
     from crankfem.mechanism_file import load_mechanism
     from crankfem.mechanism_run import run_mechanism
     from crankfem.mechanism_tables import mechanism_record, print_mechanism, write_forces
+    from crankfem.output_units import parse_output_units
     from crankfem.pictures.mechanism_pictures import picture_mechanism
     from crankfem.speed_argument import parse_speed
     from dynamics.mechanism.rods import ROD_MODELS
 
+    shown = parse_output_units(units)
     loaded, turning = load_mechanism(engine), parse_speed(speed)
     rods = checked_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")
     folder = console.check_outputs(csv, pictures, *mechanism_inputs(loaded))
@@ -69,10 +75,10 @@ def mechanism(
             }
         )
         return
-    print_mechanism(record)
-    print_balance(balanced)
+    print_mechanism(record, shown)
+    print_balance(balanced, shown)
     if hinged:
-        print_hinged_rods(hinged)
+        print_hinged_rods(hinged, shown)
     if csv is not None:
         console.output.print(f"Forces: {csv}", soft_wrap=True)
     if made:

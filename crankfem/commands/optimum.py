@@ -1,25 +1,25 @@
 """The best throw of a model's family under limits."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from crankfem import console
-from crankfem.commands.options import JsonOption
-from crankfem.console import print_json, print_table
+from crankfem.commands import completion
+from crankfem.commands.options import JsonOption, ModelArgument, QuietOption, UnitsOption
+from crankfem.console import print_json, print_line, print_table
 from geometry.errors import InputError
 
 if TYPE_CHECKING:
     from crankfem.frequency_limits import Kind
+    from crankfem.output_units import OutputUnits
     from regression.models.compliance_model import ComplianceModel
     from regression.models.optimum import Optimum
     from regression.models.optimum_limits import Limit
 
 
 def optimum(
-    model: Annotated[Path, typer.Argument(metavar="MODEL.json", help="Model file.")],
+    model: ModelArgument,
     minimize: Annotated[
         str, typer.Option(metavar="NAME", help="Dimension or response to make smallest.")
     ],
@@ -34,7 +34,9 @@ def optimum(
     engine: Annotated[
         str | None,
         typer.Option(
-            metavar="ENGINE.toml", help="Engine whose frequencies are limited; takes seconds."
+            metavar="ENGINE.toml",
+            help="Engine whose frequencies are limited; takes seconds.",
+            autocompletion=completion.engines,
         ),
     ] = None,
     first_axial_frequency: Annotated[
@@ -51,14 +53,18 @@ def optimum(
         bool,
         typer.Option("--no-margin", help="Keep limits by the equations alone, not their bands."),
     ] = False,
+    units: UnitsOption = None,
     json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Find the thinnest web, the lightest throw, or the least of anything, under limits."""
     from crankfem.model_arguments import model_dimensions, parse_limit
+    from crankfem.output_units import parse_output_units
     from regression.models.compliance_model import ComplianceModel
     from regression.models.optimum import find_optimum
     from regression.models.optimum_limits import check_minimized
 
+    shown = parse_output_units(units)
     loaded = ComplianceModel.load(model)
     check_minimized(loaded, minimize, "--minimize")
     held = model_dimensions(loaded, fixed or [])
@@ -78,7 +84,7 @@ def optimum(
     if json:
         print_json(_record(found))
         return
-    _print_optimum(loaded, found)
+    _print_optimum(loaded, found, shown)
 
 
 def _frequency_limits(
@@ -153,13 +159,13 @@ def _record(found: "Optimum") -> dict[str, Any]:
     }
 
 
-def _print_optimum(model: "ComplianceModel", found: "Optimum") -> None:
-    from crankfem.model_arguments import dimensions_text, value_text
+def _print_optimum(model: "ComplianceModel", found: "Optimum", units: "OutputUnits") -> None:
+    from crankfem.model_arguments import dimensions_text
 
-    _print(f"Smallest {found.minimized}: {value_text(found.value, found.unit)}")
+    print_line(f"Smallest {found.minimized}: {units.quantity(found.value, found.unit, 4)}")
     for text in dimensions_text(model, found.factors):
         end = " (end of its range)" if text.partition(" ")[0] in found.at_ends else ""
-        _print(f"  {text}{end}")
+        print_line(units.text(f"  {text}{end}"))
     if found.limits:
         print_table(
             "Limits",
@@ -167,17 +173,13 @@ def _print_optimum(model: "ComplianceModel", found: "Optimum") -> None:
             [
                 [
                     check.limit.name.replace("_", " "),
-                    f"{check.limit.sign} {value_text(check.limit.bound, check.limit.unit)}",
-                    value_text(check.value, check.limit.unit),
-                    value_text(check.worst, check.limit.unit),
+                    f"{check.limit.sign} {units.quantity(check.limit.bound, check.limit.unit, 4)}",
+                    units.quantity(check.value, check.limit.unit, 4),
+                    units.quantity(check.worst, check.limit.unit, 4),
                     "just" if check.active else "with room",
                 ]
                 for check in found.limits
             ],
         )
     for remark in found.remarks:
-        _print(f"{remark[0].upper()}{remark[1:].rstrip('.')}.")
-
-
-def _print(text: str) -> None:
-    console.output.print(text, soft_wrap=True, highlight=False)
+        print_line(units.text(f"{remark[0].upper()}{remark[1:].rstrip('.')}."))

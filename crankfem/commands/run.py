@@ -1,14 +1,25 @@
 """The main job, and its report written again."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from crankfem import console, fit_tables, formula_tables, tables
-from crankfem.commands.options import EngineArgument, JsonOption, WorkersOption
+from crankfem import console
+from crankfem.commands.options import (
+    EngineArgument,
+    JsonOption,
+    QuietOption,
+    StrictOption,
+    UnitsOption,
+    WorkersOption,
+)
+from crankfem.commands.strict import end_strictly
 from crankfem.console import print_json
 from geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from crankfem.output_units import OutputUnits
 
 
 def run(
@@ -17,29 +28,49 @@ def run(
         str | None, typer.Option(help="Folder for the results; NAME-results by default.")
     ] = None,
     workers: WorkersOption = 2,
+    strict: StrictOption = False,
+    units: UnitsOption = None,
     json: JsonOption = False,
+    quiet: QuietOption = False,
 ) -> None:
-    """Do everything: throw, formulas, study, vibration, and a report, into one folder."""
-    from crankfem.pipeline import REPORT, run_engine
-    from crankfem.vibration.records import print_run
+    """Do everything: throw, formulas, study, vibration, and a report, into one folder.
 
-    with console.RunProgress() as progress:
+    With --quiet only the path of the report is printed.
+    """
+    from crankfem.output_units import parse_output_units
+    from crankfem.pipeline import REPORT, run_engine
+
+    shown = parse_output_units(units)
+    with console.RunProgress(quiet) as progress:
         made = run_engine(engine, output, workers=workers, progress=progress)
         progress.finish()
+    report = made.folder / REPORT
     if json:
         print_json(made.results)
-        return
-    tables.print_throw(made.results["throw"])
-    formula_tables.print_one_throw(made.results["formulas"], 180.0)
-    if made.results["study"] is not None:
-        fit_tables.print_main_fits(made.results["study"]["fits"])
-    print_run(made.results["vibration"])
-    console.output.print(f"Report: {made.folder / REPORT}", soft_wrap=True)
+    elif quiet:
+        console.print_line(str(report))
+    else:
+        _print(made.results, shown)
+        console.print_line(f"Report: {report}")
+    if strict:
+        end_strictly(made.results["vibration"])
+
+
+def _print(results: dict[str, Any], units: "OutputUnits") -> None:
+    from crankfem import fit_tables, formula_tables, tables
+    from crankfem.vibration.records import print_run
+
+    tables.print_throw(results["throw"], units)
+    formula_tables.print_one_throw(results["formulas"], 180.0, units=units)
+    if results["study"] is not None:
+        fit_tables.print_main_fits(results["study"]["fits"])
+    print_run(results["vibration"], units)
 
 
 def report(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of a finished run.")],
     json: JsonOption = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Write the report of a finished run again, from its results and pictures."""
     import json as json_module
@@ -64,4 +95,4 @@ def report(
     if json:
         print_json({"report": str(made)})
     else:
-        console.output.print(f"Report: {made}", soft_wrap=True)
+        console.print_line(str(made) if quiet else f"Report: {made}")

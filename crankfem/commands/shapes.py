@@ -6,9 +6,10 @@ from typing import Annotated, Any
 import typer
 
 from crankfem import console
-from crankfem.commands.options import EngineArgument, JsonOption
+from crankfem.commands.options import EngineArgument, JsonOption, QuietOption
 from crankfem.console import print_json
 from crankfem.data_files import engine_path
+from crankfem.toml_file import read_toml
 from geometry.errors import InputError
 
 
@@ -32,6 +33,7 @@ def export(
         ),
     ] = False,
     json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
     from crankfem.throw_file import load_crankshaft, load_throw
@@ -97,6 +99,7 @@ def draw(
         Path | None, typer.Option(metavar="SHAFT.png", help="Picture of the whole crankshaft.")
     ] = None,
     json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Draw a throw to scale with its dimensions, and picture the solid of throw and crankshaft."""
     from crankfem.pictures.drawing import check_drawing_ending, write_drawing
@@ -112,7 +115,7 @@ def draw(
         console.check_folder(file)
     dimensions, _ = load_throw(engine)
     crankshaft = load_crankshaft(engine) if shaft else None
-    files = [write_drawing(dimensions, drawing, name)]
+    files = [write_drawing(dimensions, drawing, _title(engine))]
     if picture:
         files.append(picture_throw(dimensions, picture))
     if shaft and crankshaft:
@@ -122,3 +125,10 @@ def draw(
         return
     for file in files:
         console.output.print(f"{file} written.", soft_wrap=True)
+
+
+def _title(engine: str) -> str:
+    """Return the engine's name, or its file's where that says none."""
+    path = engine_path(engine)
+    name = read_toml(path).sections.get("engine", {}).get("name")
+    return name if isinstance(name, str) and name.strip() else path.stem

@@ -6,8 +6,14 @@ from typing import Annotated, Any, cast
 
 import typer
 
-from crankfem import console, tables
-from crankfem.commands.options import EngineArgument, JsonOption, ThrowArgument
+from crankfem import console
+from crankfem.commands.options import (
+    EngineArgument,
+    JsonOption,
+    QuietOption,
+    ThrowArgument,
+    UnitsOption,
+)
 from crankfem.console import print_json
 from geometry.errors import InputError
 
@@ -27,13 +33,17 @@ def throw(
         int, typer.Option(help="Also find so many natural modes of the free throw.")
     ] = 0,
     profile: Annotated[bool, typer.Option("--profile", help="Print where the time goes.")] = False,
+    units: UnitsOption = None,
     json: JsonOption = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Analyze one throw by finite elements: compliances, reactions, masses.
 
     A STEP file is a CAD part of steel: z along the shaft, faces named "left end", "right end" and
     "pin", or none named at all.
     """
+    from crankfem import tables
+    from crankfem.output_units import parse_output_units
     from crankfem.pipeline import UNIT_RADIAL_FORCE
     from crankfem.results import mode_records, throw_record
     from crankfem.throw_file import load_throw
@@ -44,12 +54,13 @@ def throw(
     from geometry.mesher import Throw
     from geometry.solid_files import ENDINGS
 
+    shown = parse_output_units(units)
     if not 0 <= modes <= MOST_MODES:
         raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
     if Path(engine).suffix.lower() in ENDINGS:
         part: Throw = import_throw(engine, pins=pins or ("pin",))
         for remark in part.remarks:
-            console.errors.print(remark, soft_wrap=True, highlight=False)
+            console.note(remark, quiet)
         material = STEEL
     else:
         if pins:
@@ -68,9 +79,9 @@ def throw(
     if json:
         print_json(record)
         return
-    tables.print_throw(record)
+    tables.print_throw(record, shown)
     if modes:
-        tables.print_free_modes(record["free_modes"])
+        tables.print_free_modes(record["free_modes"], shown)
     if profile:
         tables.print_profile(record["seconds"])
 
@@ -84,9 +95,19 @@ def stress(
     pictures: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="Folder for a picture of each load.")
     ] = None,
+    units: UnitsOption = None,
     json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Find the stresses at a throw's fillets under unit loads, and their concentration factors."""
+    from crankfem.output_units import parse_output_units
     from crankfem.stress import run_stress
 
-    run_stress(engine, accuracy, end_sections=cast(Any, end_sections), pictures=pictures, json=json)
+    run_stress(
+        engine,
+        accuracy,
+        end_sections=cast(Any, end_sections),
+        pictures=pictures,
+        json=json,
+        units=parse_output_units(units),
+    )

@@ -1,14 +1,19 @@
 """Vibration of an engine, or of a chain that a file describes."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from crankfem import console
-from crankfem.commands.options import JsonOption
+from crankfem.commands import completion
+from crankfem.commands.options import JsonOption, QuietOption, StrictOption, UnitsOption
+from crankfem.commands.strict import end_strictly
 from crankfem.console import print_json
 from geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from crankfem.output_units import OutputUnits
 
 
 def vibration(
@@ -17,6 +22,7 @@ def vibration(
         typer.Argument(
             metavar="ENGINE.toml",
             help="Engine file, name of a shipped engine, or a chain file (such as mwm-six).",
+            autocompletion=completion.engines_and_chains,
         ),
     ],
     coupled: Annotated[
@@ -40,14 +46,19 @@ def vibration(
         str | None,
         typer.Option(metavar="FOLDER", help="Write mode shapes, Campbell diagrams and amplitudes."),
     ] = None,
+    strict: StrictOption = False,
+    units: UnitsOption = None,
     json: JsonOption = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Natural frequencies, forced vibration over the speeds, and a verdict against limits."""
     from crankfem.chain_file import is_chain_file
+    from crankfem.output_units import parse_output_units
 
+    shown = parse_output_units(units)
     if is_chain_file(engine):
-        others = coupled or any(given is not None for given in (run_up, csv, pictures))
-        _of_chain(engine, json, only_engines=others)
+        others = coupled or strict or any(given is not None for given in (run_up, csv, pictures))
+        _of_chain(engine, json, shown, only_engines=others)
         return
     from crankfem.engine_file import load_engine
     from crankfem.pictures.vibration_pictures import picture_run_up, picture_vibration
@@ -65,7 +76,7 @@ def vibration(
     for folder in folders:
         if folder is not None:
             make_folder(folder)
-    with console.RunProgress() as progress:
+    with console.RunProgress(quiet) as progress:
         run = engine_vibration(read, coupled=coupled, step=progress.step)
         found = None
         if duration is not None:
@@ -88,15 +99,17 @@ def vibration(
         record["run_up"] = run_up_record(found, run.forced_torsional)
     if json:
         print_json(record | {"files": [str(path) for path in written]})
-        return
-    print_run(record)
-    if found is not None:
-        print_run_up(record["run_up"])
-    for path in written:
-        console.output.print(f"Written: {path}", soft_wrap=True, highlight=False)
+    else:
+        print_run(record, shown)
+        if found is not None:
+            print_run_up(record["run_up"], shown)
+        for path in written:
+            console.print_line(f"Written: {path}")
+    if strict:
+        end_strictly(record)
 
 
-def _of_chain(path: str, json: bool, *, only_engines: bool) -> None:
+def _of_chain(path: str, json: bool, units: "OutputUnits", *, only_engines: bool) -> None:
     """Print the modes of a chain file.
 
     Raises
@@ -109,11 +122,11 @@ def _of_chain(path: str, json: bool, *, only_engines: bool) -> None:
 
     if only_engines:
         raise InputError(
-            f"{path}: is a chain file, which has no cylinders; allowed with it is --json alone, because "
-            "the other options show what an engine excites."
+            f"{path}: is a chain file, which has no cylinders; allowed with it are --json, --units and "
+            "--quiet, because the other options are about what an engine excites."
         )
     record = chain_record(load_chain(path))
     if json:
         print_json(record)
     else:
-        print_chain(record)
+        print_chain(record, units)

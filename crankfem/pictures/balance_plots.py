@@ -1,6 +1,5 @@
 """Pictures of balance: hodographs of forces and moments, and the pistons' accelerations by order."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,21 +8,20 @@ from typing import Any
 import numpy as np
 
 from crankfem.pictures.titles import add_title
-from dynamics.balance.balance import Balance
+from dynamics.balance.balance import Balance, unbalanced
 from dynamics.balance.hinged_rods import hinged_rod_effects
 from dynamics.balance.hodograph import Hodograph
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.orders import acceleration_orders, checked_cylinder, piston_acceleration
-from geometry.diagram_style import COLORS, GRAY, figure
+from dynamics.plots.hodographs import (
+    DASHES,
+    FORCE_LABELS,
+    MOMENT_LABELS,
+    POINTS,
+    draw_hodographs,
+)
+from geometry.diagram_style import COLORS, figure
 from geometry.errors import InputError
-
-KILO = 1e-3
-DASHES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1.2)), (0, (6, 2, 1, 2, 1, 2)))
-AXIS_LINE: Any = (0, (8, 3, 1, 3))
-FORCE_LABELS = ("force to the right, $-F_x$ [kN]", "force upwards, $F_y$ [kN]")
-MOMENT_LABELS = ("moment about $-x$ [kN m]", "moment about $y$ [kN m]")
-MARGIN = 1.12
-POINTS = 361
 
 
 @dataclass(frozen=True)
@@ -81,42 +79,11 @@ def plot_hodographs(path: Path, panels: Sequence[HodographPanel], title: str = "
 
 
 def _draw_panel(axes: Any, panel: HodographPanel) -> None:
-    reach = (
-        MARGIN * KILO * max((curve.major for curve in panel.curves.values()), default=0.0) or 1.0
-    )
-    if panel.engine is not None and panel.curves:
-        for angle in sorted({cylinder.bank_angle for cylinder in panel.engine.cylinders}):
-            across, up = math.sin(angle), math.cos(angle)
-            ends = np.array([-1.0, 1.0]) * reach / max(abs(across), abs(up))
-            axes.plot(ends * across, ends * up, color=GRAY, linewidth=0.7, linestyle=AXIS_LINE)
-    for number, (name, curve) in enumerate(panel.curves.items()):
-        color = COLORS[number % len(COLORS)]
-        left, upwards = (KILO * part for part in curve.points(POINTS))
-        axes.plot(-left, upwards, color=color, linestyle=DASHES[number % len(DASHES)], label=name)
-        axes.plot(-left[0], upwards[0], "o", color=color, markersize=4)
-        _draw_arrow(axes, -left, upwards, color)
-    axes.set_xlim(-reach, reach)
-    axes.set_ylim(-reach, reach)
-    axes.set_aspect("equal")
+    cylinders = () if panel.engine is None else panel.engine.cylinders
+    banks = [cylinder.bank_angle for cylinder in cylinders]
+    labels = (panel.across, panel.up)
+    draw_hodographs(axes, panel.curves, labels, banks=banks, empty=panel.empty)
     axes.set_title(panel.title)
-    axes.set_xlabel(panel.across)
-    axes.set_ylabel(panel.up)
-    if panel.curves:
-        axes.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2)
-    else:
-        axes.text(0.5, 0.5, panel.empty, transform=axes.transAxes, ha="center", va="center")
-        axes.set_xticks([])
-        axes.set_yticks([])
-
-
-def _draw_arrow(panel: Any, across: Any, up: Any, color: str) -> None:
-    """Draw an arrowhead an eighth of the way along the curve, unless it is a point."""
-    place = POINTS // 8
-    tail, head = (across[place], up[place]), (across[place + 3], up[place + 3])
-    if math.dist(tail, head) > 0.0:
-        panel.annotate(
-            "", head, tail, arrowprops={"arrowstyle": "-|>", "color": color, "mutation_scale": 11}
-        )
 
 
 def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
@@ -130,8 +97,7 @@ def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
     title : str, optional
         Above both panels.
     """
-    forces = {f"order {row.order}": row.force for row in found.rows if not row.force_balanced}
-    moments = {f"order {row.order}": row.moment for row in found.rows if not row.moment_balanced}
+    forces, moments = unbalanced(found, "force"), unbalanced(found, "moment")
     empty = "balanced: orders " + ", ".join(str(row.order) for row in found.rows)
     about = f"its moment about z = {found.about:.4g} m"
     plot_hodographs(
@@ -172,13 +138,7 @@ def plot_hinged_rods(
     effects = hinged_rod_effects(engine, speed, orders, cylinders)
     panels = []
     for effect in effects:
-        curves = {
-            "rods side by side": effect.side_by_side,
-            "movement alone": effect.kinematics,
-            "masses alone": effect.masses,
-            "hinged rods": effect.hinged,
-        }
-        panels.append(HodographPanel(f"order {effect.order}", *FORCE_LABELS, curves, engine))
+        panels.append(HodographPanel(f"order {effect.order}", *FORCE_LABELS, effect.curves, engine))
     plot_hodographs(path, panels, title)
 
 
@@ -188,6 +148,8 @@ def plot_accelerations(
     speed: float,
     cylinders: Mapping[int, str],
     orders: Sequence[int] = (1, 2),
+    *,
+    title: str = "",
 ) -> None:
     """Plot pistons' accelerations over the crank angle, whole, by order, and what is left.
 
@@ -202,6 +164,8 @@ def plot_accelerations(
         Numbers of the cylinders, each with a name for the legend.
     orders : sequence of int, optional
         Orders that get a panel of their own.
+    title : str, optional
+        Above all panels.
 
     Raises
     ------
@@ -230,10 +194,11 @@ def plot_accelerations(
                     linestyle=DASHES[number % len(DASHES)],
                     label=name,
                 )
-        for panel, title in zip(axes, titles, strict=True):
-            panel.set_title(title)
+        for panel, name in zip(axes, titles, strict=True):
+            panel.set_title(name)
             panel.set_xlim(0.0, 360.0)
             panel.set_xticks(range(0, 361, 90))
             panel.set_xlabel("crank angle from own top [deg]")
         axes[0].set_ylabel("acceleration towards the shaft [m/s$^2$]")
         axes[0].legend(fontsize=8)
+        add_title(axes, title)

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crankfem.pictures.dimension_lines import View
-from crankfem.pictures.end_view import draw_end
-from crankfem.pictures.side_view import draw_side
-from crankfem.pictures.throw_shapes import silhouette
 from crankfem.pictures.title_block import BLOCK_HEIGHT, POINT_ON_PAPER, block_texts, draw_block
 from geometry.diagram_style import REPRODUCIBLE
 from geometry.errors import InputError
 from geometry.parts import ThrowParts
+from geometry.plots.dimension_lines import View
+from geometry.plots.end_view import draw_end
+from geometry.plots.side_view import draw_side
+from geometry.plots.throw_shapes import silhouette
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:

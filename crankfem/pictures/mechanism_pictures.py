@@ -2,14 +2,13 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from crankfem.mechanism_run import MechanismRun, hinged_group
 from crankfem.pictures.balance_plots import plot_balance, plot_hinged_rods
-from crankfem.pictures.load_plots import Frame, plot_developed_loads, plot_polar_loads
+from crankfem.pictures.load_plots import plot_developed_loads, plot_polar_loads
 from crankfem.pictures.titles import at_speed
 from dynamics.engine.loads import LoadDiagram
-from geometry.diagram_style import BLUE, GREEN, ORANGE, figure, make_folder
+from dynamics.plots.load_diagrams import Frame
+from geometry.diagram_style import figure, make_folder
 
 
 def picture_mechanism(folder: Path, run: MechanismRun) -> list[Path]:
@@ -60,25 +59,6 @@ def plot_piston_forces(path: Path, run: MechanismRun, cylinder: int = 1) -> None
     cylinder : int, optional
         Its number, from 1.
     """
-    forces, firing = run.forces, run.layout.firing[cylinder - 1]
-    degrees = np.degrees((forces.shaft_angles - firing) % run.layout.cycle)
-    order = np.argsort(degrees)
     with figure(path) as axes:
-        for values, color, label in (
-            (forces.gas, BLUE, "gas, towards the shaft"),
-            (forces.tangential, ORANGE, "tangential, T"),
-            (forces.side, GREEN, "side, N"),
-        ):
-            axes.plot(
-                degrees[order],
-                1e-3 * values[cylinder - 1][order],
-                color=color,
-                linewidth=1.4,
-                label=label,
-            )
-        axes.set_xlim(0.0, np.degrees(run.layout.cycle))
-        axes.set_xticks(np.arange(0.0, np.degrees(run.layout.cycle) + 1.0, 90.0))
-        axes.set_xlabel("crank angle from the firing top, deg")
-        axes.set_ylabel("force, kN")
+        run.forces.plot(axes, cylinder)
         axes.set_title(f"cylinder {cylinder}, {at_speed(run.mechanism.name, run.speed)}")
-        axes.legend(fontsize=8)

@@ -2,9 +2,9 @@
 
 import math
 
-from crankfem.pictures.dimension_lines import CENTER, EDGE, INK, View, text_size
-from crankfem.pictures.dimension_texts import millimeters
-from crankfem.pictures.throw_shapes import Point, circle
+from geometry.plots.dimension_lines import CENTER, EDGE, INK, View, text_size
+from geometry.plots.dimension_texts import millimeters
+from geometry.plots.throw_shapes import Point, circle
 from geometry.throw import CrankThrow
 
 POINT_ON_PAPER = 0.0254 / 72.0  # [m]

@@ -5,19 +5,17 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from crankfem.pictures.titles import add_title
-from crankfem.record import RPM
-from dynamics.checks import finite_array, finite_vector, node_index
+from dynamics.checks import finite_vector
+from dynamics.plots.over_time import draw_speed
+from dynamics.plots.speed_curves import draw_named_curves
+from dynamics.transient.picking import Moving
 from dynamics.transient.run import TransientMotion
 from dynamics.transient.turning_run import TurningRun
-from geometry.diagram_style import BLUE, COLORS, GRAY, ORANGE, figure, with_gaps
+from geometry.diagram_style import figure
 from geometry.errors import InputError
-
-Array = NDArray[np.float64]
-# Columns of the band between extremes: more cannot be told apart in print.
-COLUMNS = 600
 
 
 def plot_transient(
@@ -54,47 +52,17 @@ def plot_transient(
         If the run is not that of a chain, there is no such element or node, the run is shorter
         than one window of its envelope, or its orders have no common cycle and no turns are given.
     """
-    chain = run.system.chain
-    if chain is None or quantity not in ("torque", "motion"):
+    if quantity not in ("torque", "motion"):
         raise InputError(
-            f"quantity: given {quantity!r}; allowed are torque and motion of a run of a chain, because "
-            "its elements and nodes have names."
+            f"quantity: given {quantity!r}; allowed are torque and motion, because a run has these."
         )
-    torque = quantity == "torque"
-    names, unit, factor = (chain.elements, "kN m", 1e-3) if torque else (chain.names, "mrad", 1e3)
-    index = node_index("place", place, len(names))
-    values = (run.torque if torque else run.motion)[:, index] * factor
-    envelope = run.envelope(turns)
-    amplitude = (envelope.torque if torque else envelope.motion)[:, index] * factor
+    moving: Moving = "torque" if quantity == "torque" else "twist"
     with figure(path, width=7.6, height=5.0) as axes:
         top, bottom = _two_rows(axes)
-        edges, low, high = _extremes(run.time, values)
-        top.fill_between(edges, low, high, color=BLUE, alpha=0.3, linewidth=0.0, label="extremes")
-        top.plot(
-            envelope.time,
-            amplitude,
-            color=BLUE,
-            linewidth=1.6,
-            label=_envelope_label(envelope.turns),
-        )
-        if steady is not None:
-            top.plot(
-                run.time,
-                _passed(run.shaft_speed, steady) * factor,
-                color=ORANGE,
-                linestyle="--",
-                linewidth=1.3,
-                label="steady amplitude at this speed",
-            )
-        top.set_ylabel(f"{'torque' if torque else 'twist'} [{unit}]")
-        top.set_title(names[index], fontsize=9)
-        top.legend(fontsize=8, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.0))
+        run.plot(top, place, moving, steady=steady, turns=turns)
+        top.set_xlabel("")
         top.tick_params(labelbottom=False)
-        places = np.linspace(0, run.time.size - 1, COLUMNS).astype(int)
-        bottom.plot(run.time[places], run.shaft_speed[places] * RPM, color=GRAY, linewidth=1.6)
-        bottom.set_ylabel("speed [1/min]")
-        bottom.set_xlabel("time [s]")
-        bottom.set_xlim(run.time[0], run.time[-1])
+        draw_speed(bottom, run.time, run.shaft_speed)
         add_title((top, bottom), title)
 
 
@@ -125,32 +93,22 @@ def plot_transient_over_speed(
     InputError
         If there is no curve, or one does not fit the speeds.
     """
-    along = finite_vector("speeds", speeds) * RPM
+    along = finite_vector("speeds", speeds)
     if not amplitudes:
         raise InputError(
             "amplitudes: given none; allowed are one or more, because they are what is drawn."
         )
-    with figure(path, width=7.2, height=3.8) as axes:
-        for place, (name, values) in enumerate(amplitudes.items()):
-            curve = np.asarray(values, dtype=np.float64)
-            if curve.shape != along.shape or np.any(np.isnan(curve)):
-                raise InputError(
-                    f"amplitudes[{name!r}]: given an array of shape {curve.shape}; allowed are "
-                    f"{along.size} numbers, because there is one for each speed."
-                )
-            axes.plot(
-                along,
-                with_gaps(curve),
-                color=COLORS[place % len(COLORS)],
-                linestyle="-" if place == 0 else "--",
-                linewidth=1.8,
-                label=name,
+    curves = {}
+    for name, values in amplitudes.items():
+        curve = np.asarray(values, dtype=np.float64)
+        if curve.shape != along.shape or np.any(np.isnan(curve)):
+            raise InputError(
+                f"amplitudes[{name!r}]: given an array of shape {curve.shape}; allowed are "
+                f"{along.size} numbers, because there is one for each speed."
             )
-        axes.set_xlim(along[0], along[-1])
-        axes.set_ylim(bottom=0.0)
-        axes.set_xlabel("crankshaft speed [1/min]")
-        axes.set_ylabel(label)
-        axes.legend(fontsize=8)
+        curves[name] = curve
+    with figure(path, width=7.2, height=3.8) as axes:
+        draw_named_curves(axes, along, curves, label, dashed=True)
         add_title(axes, title)
 
 
@@ -161,25 +119,3 @@ def _two_rows(axes: Any) -> tuple[Any, Any]:
     axes.remove()
     top = drawn.add_subplot(grid[0])
     return top, drawn.add_subplot(grid[1], sharex=top)
-
-
-def _extremes(time: Array, values: Array) -> tuple[Array, Array, Array]:
-    """Return times and the extremes of the values around them, few enough for a small file."""
-    columns = min(COLUMNS, time.size)
-    starts = np.unique(np.linspace(0, time.size, columns, endpoint=False).astype(int))
-    return time[starts], np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
-
-
-def _passed(speed: Array, steady: tuple[ArrayLike, ArrayLike]) -> Array:
-    """Return steady amplitudes at the speeds of a run, not a number outside of what is known."""
-    known, amplitude = (finite_array("steady", values) for values in steady)
-    if known.ndim != 1 or known.shape != amplitude.shape or np.any(np.diff(known) <= 0.0):
-        raise InputError(
-            f"steady: given arrays of shapes {known.shape} and {amplitude.shape}; allowed are ascending "
-            "speeds and an amplitude for each, because they are drawn over the speeds of the run."
-        )
-    return np.interp(speed, known, amplitude, left=np.nan, right=np.nan)
-
-
-def _envelope_label(turns: int) -> str:
-    return f"amplitude over {'each turn' if turns == 1 else f'{turns} turns'}"

@@ -2,23 +2,22 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from crankfem.pictures.response_plots import plot_over_speed, plot_response_campbell
 from crankfem.pictures.shaft_mode_plots import plot_axial_split, plot_mode_shares, plot_shaft_modes
 from crankfem.pictures.transient_plots import plot_transient
+from crankfem.pictures.vibration_panels import (
+    barred_ranges,
+    draw_modes,
+    limit_curve,
+    most_stressed,
+)
 from crankfem.vibration.assessment import Assessment
 from crankfem.vibration.forced import ForcedVibration
 from crankfem.vibration.modes import SourceResult
 from crankfem.vibration.run import EngineVibration
 from crankfem.vibration.run_up import RunUp
-from dynamics.checks import FloatArray
 from dynamics.critical import engine_orders
-from geometry.diagram_style import COLORS, GRAY, figure, make_folder
-
-SHAPES_SHOWN = 3
-# Letters that stand side by side under the axis.
-ROOM = 90
+from geometry.diagram_style import figure, make_folder
 
 
 def picture_vibration(folder: Path, run: EngineVibration) -> list[Path]:
@@ -70,7 +69,7 @@ def picture_run_up(path: Path, run: EngineVibration, found: RunUp) -> None:
     """Plot the torque of a run-up in the spring where it is largest, as SVG."""
     forced = run.forced_torsional
     assert forced is not None
-    worst = int(np.argmax(found.largest))
+    worst = found.worst
     elastic = forced.loads.elastic
     plot_transient(
         path,
@@ -83,59 +82,8 @@ def picture_run_up(path: Path, run: EngineVibration, found: RunUp) -> None:
 
 def plot_mode_shapes(path: Path, result: SourceResult) -> None:
     """Plot the first elastic mode shapes of a chain over its nodes."""
-    modes, chain = result.modes, result.chain.chain
-    places = np.arange(len(result.chain.nodes))
     with figure(path, height=3.4) as axes:
-        axes.axhline(0.0, color=GRAY, linewidth=1.0)
-        for shown, mode in enumerate(range(modes.rigid, len(modes.frequencies))):
-            if shown == SHAPES_SHOWN:
-                break
-            shape, color = modes.shapes[:, mode], COLORS[shown]
-            for pair in chain.connections:
-                axes.plot(places[list(pair)], shape[list(pair)], "-", color=color)
-            nodes = len(modes.node_positions[mode])
-            axes.plot(
-                places,
-                shape,
-                "o",
-                color=color,
-                markersize=4,
-                label=f"{modes.frequencies[mode]:.1f} Hz, {nodes} node{'s' if nodes != 1 else ''}",
-            )
-            still = _between(modes.node_positions[mode], chain.connections)
-            axes.plot(still, np.zeros(nodes), "x", color=color, markersize=7)
-        labels = [_short(name) for name in result.chain.nodes]
-        crowded = sum(len(label) for label in labels) > ROOM
-        axes.set_xticks(
-            places,
-            [label.replace("\n", " ") for label in labels] if crowded else labels,
-            fontsize=8,
-            rotation=40 if crowded else 0,
-            ha="right" if crowded else "center",
-        )
-        axes.set_ylabel("relative " + ("displacement" if result.chain.kind == "axial" else "twist"))
-        axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
-
-
-def _between(positions: tuple[float, ...], pairs: tuple[tuple[int, int], ...]) -> list[float]:
-    """Return where positions on elements lie on the axis of node numbers."""
-    found = []
-    for position in positions:
-        number = min(int(position), len(pairs) - 1)
-        left, right = pairs[number]
-        found.append(left + (position - number) * (right - left))
-    return found
-
-
-def _short(name: str) -> str:
-    return (
-        name.replace("cylinder ", "cyl. ")
-        .replace("section ", "")
-        .replace(", flywheel", "\nflywheel")
-        .replace(", thrust bearing", "\nthrust")
-        .replace("driven machine", "driven\nmachine")
-        .replace("damper ring", "damper\nring")
-    )
+        draw_modes(axes, result)
 
 
 def _plot_free_end(
@@ -147,8 +95,8 @@ def _plot_free_end(
         forced.free_end,
         0,
         "twist" if torsional else "displacement",
-        limits=_limits(assessment, forced, f"{forced.kind}_amplitude"),
-        barred=_barred(assessment),
+        limits=limit_curve(assessment, forced, f"{forced.kind}_amplitude"),
+        barred=barred_ranges(assessment),
         title=f"{engine}, {forced.kind} vibration of the free end",
     )
 
@@ -156,26 +104,12 @@ def _plot_free_end(
 def _plot_stress(path: Path, forced: ForcedVibration, assessment: Assessment, engine: str) -> None:
     """Plot the stress of the crankshaft's element that is stressed most, with limit and barred ranges."""
     assert forced.stress is not None
-    worst = int(np.argmax(np.max(forced.stress.synthesis.amplitude, axis=0)))
     plot_over_speed(
         path,
         forced.stress,
-        worst,
+        most_stressed(forced),
         "stress",
-        limits=_limits(assessment, forced, "crankshaft_stress"),
-        barred=_barred(assessment),
+        limits=limit_curve(assessment, forced, "crankshaft_stress"),
+        barred=barred_ranges(assessment),
         title=f"{engine}, nominal torsional stress",
     )
-
-
-def _barred(assessment: Assessment) -> list[tuple[float, float]]:
-    """Return the speed ranges that may be barred, whatever limit asks for them [rad/s]."""
-    return [(one.low, one.high) for one in assessment.verdict.barred if one.allowed]
-
-
-def _limits(assessment: Assessment, forced: ForcedVibration, name: str) -> dict[str, FloatArray]:
-    """Return a limit over the speeds by the name it has in a legend, if there is one."""
-    limit = assessment.limits.get(name)
-    if limit is None:
-        return {}
-    return {"limit": limit.continuous.at(forced.response.speeds)}

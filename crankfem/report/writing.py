@@ -1,13 +1,34 @@
-"""The HTML report: one file, pictures inside, that opens without a network."""
+"""The HTML report: one file, pictures and plots inside, that opens without a network."""
 
-import base64
+import re
 from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from geometry.quantity import show_quantity
+from markupsafe import Markup
 
-MEDIA_TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
+from crankfem.report.compliances import compliance_tables
+from crankfem.report.figures import load_figures
+from crankfem.report.numbers import FILTERS
+from crankfem.report.summary import summary
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+# Not allowed in HTML, even in scripts.
+CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f]")
+# What results of older runs lack.
+LATER: dict[str, Any] = {
+    "fillets": None,
+    "fillet_note": None,
+    "checks": [],
+    "repeat": None,
+    "interactive": {},
+}
+LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
+TEMPLATE, STYLE, DRAWING = "report.html.j2", "report/style.css", "interactive.js"
 
 
 def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path:
@@ -18,7 +39,7 @@ def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path
     results : mapping
         Content of results.json.
     pictures : Path
-        Folder of the pictures that the results name.
+        Folder of the pictures and plots that the results name.
     path : Path
         The HTML file to write.
 
@@ -26,7 +47,34 @@ def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path
     -------
     Path
         `path`.
+
+    Raises
+    ------
+    OSError
+        If a picture is missing, or the file cannot be written.
+    KeyError, TypeError, jinja2.TemplateError
+        If the results are not those of a run.
     """
+    results = LATER | dict(results) | {"about": LATER_ABOUT | results["about"]}
+    figures = load_figures(results, pictures)
+    html = (
+        _environment()
+        .get_template(TEMPLATE)
+        .render(
+            r=results,
+            first=summary(results),
+            compliances=compliance_tables(results),
+            figures=figures,
+            style=Markup(_template(STYLE)),
+            scripts=_plotting() if any(own.plot is not None for own in figures.values()) else (),
+        )
+    )
+    path.write_text(html, encoding="utf-8")
+    return path
+
+
+@cache
+def _environment() -> "Environment":
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -36,25 +84,25 @@ def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {
-        "nano": lambda value, digits=4: f"{value * 1e9:.{digits}g}",
-        "sig": lambda value, digits=4: f"{value:.{digits}g}",
-        "fixed": lambda value, digits=1: f"{value:.{digits}f}",
-        # Round-off is shown as plain zero, without a sign.
-        "clean": lambda value, digits: f"{round(value, digits) + 0.0:.{digits}f}",
-        "percent": lambda value, digits=2: f"{value * 100.0:.{digits}g}",
-        "mm": lambda value: show_quantity(value, "m"),
-        "quantity": lambda value, unit: show_quantity(value, unit) if unit else f"{value:g}",
-        "sentence": lambda text: f"{text[:1].upper()}{text[1:].removesuffix('.')}.",
-        "words": lambda name: name.replace("_", " "),
-        "signs": lambda text: text.replace(" * ", " · ").replace(" - ", " − "),
-    }
-    embedded = {name: _embed(pictures / file) for name, file in results["pictures"].items()}
-    html = environment.get_template("report.html.j2").render(r=results, pictures=embedded)
-    path.write_text(html, encoding="utf-8")
-    return path
+    environment.filters |= FILTERS
+    return environment
 
 
-def _embed(picture: Path) -> str:
-    content = base64.b64encode(picture.read_bytes()).decode()
-    return f"data:{MEDIA_TYPES[picture.suffix]};base64,{content}"
+def _plotting() -> tuple[Markup, ...]:
+    """Scripts that draw the interactive plots: the library, and what uses it."""
+    from plotly.offline import get_plotlyjs
+
+    return tuple(Markup(script(text)) for text in (get_plotlyjs(), _template(DRAWING)))
+
+
+def script(text: str) -> str:
+    """Write a script so that it may stand in a page: no control characters, nothing that ends it.
+
+    Both stand in strings only, where their escapes mean the same.
+    """
+    shown = CONTROL.sub(lambda found: f"\\x{ord(found[0]):02x}", text)
+    return shown.replace("</script", "<\\/script").replace("<!--", "<\\!--")
+
+
+def _template(name: str) -> str:
+    return (files("crankfem") / "templates" / name).read_text(encoding="utf-8")

@@ -2,11 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from crankfem.choices import check_choice
 from crankfem.engine_file import EngineFile
 from crankfem.limits_sections import LimitsInput
+from crankfem.pictures.vibration_panels import draw_bounds
 from crankfem.vibration.chains import damped_engine_chain
 from crankfem.vibration.forced import ForcedVibration
 from crankfem.vibration.sources import FE, FE_PINNED
@@ -26,7 +29,13 @@ from dynamics.response.forced import forced_response
 from dynamics.response.loads import alternating_stress, section_modulus
 from dynamics.response.synthesis import synthesis
 from fem.analysis import ThrowAnalysis
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 RULE_PICKED = (
     "no limit is given: that of a classification society for crankshafts of ships' main engines of plain "
@@ -69,6 +78,65 @@ class Uncertainty:
     critical: tuple[CriticalRange, ...]
     amplitudes: Samples | None
 
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        show: Literal["frequencies", "amplitudes"] = "frequencies",
+    ) -> "Axes":
+        """Draw the bounds of the natural frequencies, or how often the free end moves how far.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : {"frequencies", "amplitudes"}
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If `show` is neither, or there are no samples of amplitudes.
+        """
+        check_choice("show", show, ("frequencies", "amplitudes"), "these are uncertain")
+        if show == "amplitudes":
+            if self.amplitudes is None:
+                raise InputError(
+                    "show: given 'amplitudes'; allowed is frequencies, because amplitudes are sampled only "
+                    "where the engine file has the section [ranges]."
+                )
+            unit = "m" if self.kind == "axial" else "rad"
+            return self.amplitudes.plot(axes, label=f"largest amplitude of the free end [{unit}]")
+        axes = new_axes(axes)
+        draw_bounds(axes, self)
+        write_title(axes, f"Bounds of the {self.kind} natural frequencies")
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the elastic natural frequencies with their bounds.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "mode": (np.arange(1, len(self.nominal) + 1), "1"),
+                "lowest": (self.lowest, "Hz"),
+                "nominal": (self.nominal, "Hz"),
+                "highest": (self.highest, "Hz"),
+            }
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Assessment:
@@ -89,6 +157,14 @@ class Assessment:
     remarks: tuple[str, ...]
     axial: Uncertainty
     torsional: Uncertainty
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw how far each limit is used over the speed; see `Verdict.plot`."""
+        return self.verdict.plot(axes)
+
+    def to_pandas(self) -> Any:
+        """Return a table with a row for each limit that was checked; see `Verdict.to_pandas`."""
+        return self.verdict.to_pandas()
 
 
 def assess(

@@ -3,12 +3,12 @@
 from typing import Any
 
 from crankfem.console import print_line, print_table
+from crankfem.output_units import SI, UNBOUNDED, OutputUnits
 from crankfem.record import RPM, Record
 from crankfem.vibration.assessment import Assessment, Uncertainty
-from crankfem.vibration.forced_records import MOTION, finite_or_none, shown
+from crankfem.vibration.forced_records import MOTION, finite_or_none
 from dynamics.assessment.barred_ranges import BarredRange
 from dynamics.assessment.verdict import LimitCheck
-from geometry.quantity import show_quantity
 
 # Critical speeds that a table shows; files hold all.
 ROWS_SHOWN = 12
@@ -40,41 +40,43 @@ def assessment_record(assessment: Assessment) -> Record:
     }
 
 
-def print_assessment(record: dict[str, Any]) -> None:
+def print_assessment(record: dict[str, Any], units: OutputUnits = SI) -> None:
     """Print what is uncertain, limits, barred ranges and, last, the verdict."""
+    speed = units.of("1/min")
     for kind, uncertain in record["uncertainty"].items():
-        _print_uncertainty(kind, uncertain)
+        _print_uncertainty(kind, uncertain, units)
     print_table(
         "Limits, each at its worst running speed",
-        ["limit", "where:", "at [1/min]", "reached:", "permitted:", "used [%]"],
+        ["limit", "where:", f"at [{speed.name}]", "reached:", "permitted:", "used [%]"],
         [
             [
                 check["limit"],
                 check["place"],
-                f"{check['speed_rpm']:.1f}",
-                _quantity(check["value"], check["unit"]),
-                _quantity(check["permitted"], check["unit"]),
-                "unbounded" if check["used"] is None else f"{100.0 * check['used']:.3g}",
+                speed.fixed(check["speed_rpm"] / RPM, 1),
+                _quantity(check["value"], check["unit"], units),
+                _quantity(check["permitted"], check["unit"], units),
+                UNBOUNDED if check["used"] is None else f"{100.0 * check['used']:.3g}",
             ]
             for check in record["checks"]
         ],
     )
     for limit in record["limits"]:
         assumed = ", assumed" if limit["assumed"] else ""
-        print_line(f"Limit on {limit['name']}: {limit['source']}{assumed}.")
+        print_line(units.text(f"Limit on {limit['name']}: {limit['source']}{assumed}."))
     for line in record["remarks"]:
-        print_line(f"Note: {line}")
+        print_line(units.text(f"Note: {line}"))
     for name, fine in (
         ("barred", "may be barred"),
         ("started_through", "is passed on every start"),
     ):
         for one in record[name]:
-            print_line(f"Range {one['shown']}: {'; '.join(one['refusals']) or fine}.")
-    print_line(f"Verdict: {record['sentence']}")
+            said = "; ".join(one["refusals"]) or fine
+            print_line(units.text(f"Range {one['shown']}: {said}."))
+    print_line(units.text(f"Verdict: {record['sentence']}"))
 
 
-def _print_uncertainty(kind: str, record: dict[str, Any]) -> None:
-    unit, factor = MOTION[kind]
+def _print_uncertainty(kind: str, record: dict[str, Any], units: OutputUnits) -> None:
+    motion, speed = units.of(MOTION[kind]), units.of("1/min")
     for spread in record["spreads"]:
         print_line(
             f"{kind.capitalize()}: {spread['name']} {spread['low']:.3g} to {spread['high']:.3g} times the "
@@ -84,12 +86,12 @@ def _print_uncertainty(kind: str, record: dict[str, Any]) -> None:
     print_table(
         f"{kind.capitalize()} critical speeds with what is uncertain, and their margin to running speeds"
         + (f", the first {ROWS_SHOWN} of {count}" if count > ROWS_SHOWN else ""),
-        ["mode", "order", "speed [1/min]", "lowest", "highest", "margin [%]"],
+        ["mode", "order", f"speed [{speed.name}]", "lowest", "highest", "margin [%]"],
         [
             [
                 str(one["mode"]),
                 f"{one['order']:g}",
-                *(f"{one[name]:.1f}" for name in ("speed_rpm", "low_rpm", "high_rpm")),
+                *(speed.fixed(one[name] / RPM, 1) for name in ("speed_rpm", "low_rpm", "high_rpm")),
                 "none" if one["margin"] == 0.0 else f"{100.0 * one['margin']:.1f}",
             ]
             for one in record["critical"][:ROWS_SHOWN]
@@ -99,8 +101,9 @@ def _print_uncertainty(kind: str, record: dict[str, Any]) -> None:
         found = record["amplitudes"]
         print_line(
             f"{kind.capitalize()} amplitude of the free end at running speeds: nominal "
-            f"{shown(found['nominal'], factor)}, 5 to 95 % of {found['samples']} samples "
-            f"{shown(found['percentile_5'], factor)} to {shown(found['percentile_95'], factor)} {unit}"
+            f"{motion.number(found['nominal'])}, 5 to 95 % of {found['samples']} samples "
+            f"{motion.number(found['percentile_5'])} to {motion.number(found['percentile_95'])} "
+            f"{motion.name}"
         )
 
 
@@ -172,5 +175,5 @@ def _uncertainty(uncertain: Uncertainty) -> Record:
     }
 
 
-def _quantity(value: float | None, unit: str) -> str:
-    return "unbounded" if value is None else show_quantity(value, unit, 4)
+def _quantity(value: float | None, unit: str, units: OutputUnits) -> str:
+    return UNBOUNDED if value is None else units.quantity(value, unit, 4)

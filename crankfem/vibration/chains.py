@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.engine_file import EngineFile
-from crankfem.mechanism_file import load_mechanism
+from crankfem.mechanism_file import layout_of
 from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
 from dynamics.chains.engine_chains import EngineChain, Kind, axial_chain, torsional_chain
@@ -52,12 +52,11 @@ def engine_throw_inertias(engine_file: EngineFile, solid_inertia: float) -> Arra
     solid_inertia : float
         Of one throw's solid about the shaft, counterweights included [kg m^2].
     """
-    mechanism = load_mechanism(engine_file.path)
     return throw_inertias(
-        mechanism.layout,
+        layout_of(engine_file),
         solid_inertia,
         reciprocating=engine_file.vibration.reciprocating,
-        throws=mechanism.throws,
+        throws=engine_file.throws,
     )
 
 

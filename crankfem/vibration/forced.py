@@ -1,10 +1,15 @@
 """Forced vibration of an engine's chains over its speeds, under the forces of its cylinders."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from crankfem.choices import check_choice
 from crankfem.engine_file import EngineFile
+from crankfem.pictures.vibration_panels import MOTION, most_stressed
 from crankfem.vibration.chains import damped_engine_chain
 from crankfem.vibration.excitation import (
     Frequencies,
@@ -21,6 +26,7 @@ from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.on_chains import torque_excitation
+from dynamics.plots.quantities import Quantity
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.loads import ElementLoads, alternating_stress, element_loads, section_modulus
 from dynamics.response.power import PowerBalance, power_balance
@@ -28,7 +34,16 @@ from dynamics.response.resonance import Resonance, resonances
 from dynamics.response.series import OrderSeries
 from fem.analysis import ThrowAnalysis
 from fem.shaft import ShaftCompliances
+from geometry.errors import InputError
+from geometry.frames import table_of
+from geometry.plots.legends import write_title
 from geometry.throw import CrankThrow
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Forced = Literal["amplitude", "load", "stress", "power", "axial forces"]
+FORCED: tuple[Forced, ...] = ("amplitude", "load", "stress", "power", "axial forces")
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +106,85 @@ class ForcedVibration:
             elements.values[:, :, : _crank_elements(self.engine_chain)],
             elements.unbounded,
             elements.names[: _crank_elements(self.engine_chain)],
+        )
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        show: Forced = "amplitude",
+        limits: Mapping[str, ArrayLike] | None = None,
+        barred: Sequence[tuple[float, float]] = (),
+    ) -> "Axes":
+        """Draw one thing over the speeds of the engine.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : {"amplitude", "load", "stress", "power", "axial forces"}
+            Motion of the free end; torque or force in the crankshaft's element that is loaded most;
+            nominal stress in the one that is stressed most; power in and out; the exciting axial
+            force of the first throw.
+        limits : mapping of str to (S,) array_like, optional
+            Limits over the response's speeds by their name, of the first three [SI].
+        barred : sequence of (low, high), optional
+            Speed ranges to shade [rad/s].
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If `show` is none of these, or this kind of vibration has none.
+        """
+        check_choice("show", show, FORCED, "these are drawn over the speed")
+        if show == "power":
+            return self.power.plot(axes)
+        if show == "axial forces":
+            if self.axial_forces is None:
+                raise self._missing(show)
+            return self.axial_forces.plot(axes)
+        axial = self.kind == "axial"
+        if show == "stress":
+            if self.stress is None:
+                raise self._missing(show)
+            place = most_stressed(self)
+            return self.stress.plot(axes, place, "stress", limits=limits, barred=barred)
+        if show == "load":
+            series = self.crank_elements
+            worst = int(np.argmax(np.max(series.synthesis.amplitude, axis=0)))
+            quantity: Quantity = "force" if axial else "torque"
+            return series.plot(axes, worst, quantity, limits=limits, barred=barred)
+        axes = self.free_end.plot(axes, 0, MOTION[self.kind], limits=limits, barred=barred)
+        write_title(axes, f"{self.kind.capitalize()} vibration of the free end")
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the resonances in the running range, with the free end's amplitude.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table_of(self.resonances)
+
+    def to_xarray(self) -> Any:
+        """Return the motion of all nodes over orders and speeds; see `ForcedResponse.to_xarray`."""
+        return self.response.to_xarray(MOTION[self.kind])
+
+    def _missing(self, show: str) -> InputError:
+        return InputError(
+            f"show: given {show!r}; allowed for {self.kind} vibration are the others, because that is "
+            "calculated for the other kind only."
         )
 
 

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from crankfem.column_file import write_columns
-from crankfem.console import number, print_line, print_table
+from crankfem.console import print_line, print_table
 from crankfem.mechanism_tables import ASSUMED
+from crankfem.output_units import SI, OutputUnits
 from crankfem.record import RPM, Record
 from crankfem.vibration.forced import ForcedVibration
 from dynamics.checks import FloatArray
@@ -16,9 +17,9 @@ from dynamics.response.series import OrderSeries
 
 # What a table shows; files hold everything.
 ROWS_SHOWN = 12
-# Displayed unit and factor of motions and loads.
-MOTION = {"torsional": ("mrad", 1e3), "axial": ("um", 1e6)}
-LOAD = {"torsional": ("kN m", 1e-3), "axial": ("kN", 1e-3)}
+# Units in which motions and loads are printed.
+MOTION = {"torsional": "mrad", "axial": "um"}
+LOAD = {"torsional": "kN m", "axial": "kN"}
 # SI units of loads in records.
 LOAD_UNIT = {"torsional": "N m", "axial": "N"}
 
@@ -68,46 +69,59 @@ def forced_record(forced: ForcedVibration) -> Record:
     }
 
 
-def print_forced(record: dict[str, Any]) -> None:
+def print_forced(record: dict[str, Any], units: OutputUnits = SI) -> None:
     """Print resonances and peaks of a forced vibration."""
     kind = record["kind"]
-    unit, factor = MOTION[kind]
-    load_unit, load_factor = LOAD[kind]
+    motion, load = units.of(MOTION[kind]), units.of(LOAD[kind])
+    speed, stress = units.of("1/min"), units.of("MPa")
     free_end = record["free_end"]
     for line in (*record["damping"], *record["remarks"]):
-        print_line(f"{kind.capitalize()}: {line}")
+        print_line(units.text(f"{kind.capitalize()}: {line}"))
     worst = sorted(record["resonances"], key=lambda one: -one["severity"])[:ROWS_SHOWN]
     count = len(record["resonances"])
     print_table(
         f"{kind.capitalize()} resonances in the running range"
         + (f", the {ROWS_SHOWN} most severe of {count}" if count > ROWS_SHOWN else ""),
-        ["speed [1/min]", "order", "mode", f"{free_end['node']} [{unit}]", "by magnifier", "kind:"],
+        [
+            f"speed [{speed.name}]",
+            "order",
+            "mode",
+            f"{free_end['node']} [{motion.name}]",
+            "by magnifier",
+            "kind:",
+        ],
         [
             [
-                f"{one['speed_rpm']:.1f}",
+                speed.fixed(one["speed_rpm"] / RPM, 1),
                 f"{one['order']:g}",
                 str(one["mode"]),
-                shown(one["amplitude"], factor),
-                shown(one["estimate"], factor),
+                motion.number(one["amplitude"]),
+                motion.number(one["estimate"]),
                 one["kind"],
             ]
             for one in sorted(worst, key=lambda one: float(one["speed_rpm"]))
         ],
     )
     stresses = {one["element"]: one for one in record["stress"] or ()}
-    stressed = ["stress [MPa]"] if stresses else []
+    stressed = [f"stress [{stress.name}]"] if stresses else []
     print_table(
         f"{kind.capitalize()} vibration of the elements, largest over the speeds "
         "(all orders over the cycle; plain sum of amplitudes)",
-        ["element", f"load [{load_unit}]", "at [1/min]", f"plain sum [{load_unit}]", *stressed],
+        [
+            "element",
+            f"load [{load.name}]",
+            f"at [{speed.name}]",
+            f"plain sum [{load.name}]",
+            *stressed,
+        ],
         [
             [
                 one["element"],
-                shown(one["peak"], load_factor),
-                f"{one['speed_rpm']:.0f}",
-                shown(one["plain_sum_peak"], load_factor),
+                load.number(one["peak"]),
+                speed.fixed(one["speed_rpm"] / RPM, 0),
+                load.number(one["plain_sum_peak"]),
                 *(
-                    [shown(stresses[one["element"]]["peak"], 1e-6)]
+                    [stress.number(stresses[one["element"]]["peak"])]
                     if one["element"] in stresses
                     else [""] * len(stressed)
                 ),
@@ -225,8 +239,3 @@ def _finite(values: FloatArray) -> list[float | None]:
 def finite_or_none(value: float) -> float | None:
     """Return a number that JSON can hold; None stands for an unbounded one."""
     return value if np.isfinite(value) else None
-
-
-def shown(value: float | None, factor: float) -> str:
-    """Write a number times a factor; unbounded for None."""
-    return "unbounded" if value is None else number(value * factor)

@@ -3,11 +3,14 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crankfem.choices import check_choice
 from crankfem.engine_file import EngineFile
+from crankfem.pictures.vibration_panels import SHAPES_SHOWN, draw_modes, draw_sources
 from crankfem.vibration.chains import (
     engine_axial_chain,
     engine_throw_inertias,
@@ -19,8 +22,14 @@ from dynamics.chains.engine_chains import EngineChain
 from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, vector_sums
 from fem.analysis import ThrowAnalysis
 from fem.shaft import ShaftCompliances
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
 from regression.models.compliance_model import ComplianceModel
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True)
@@ -48,7 +57,7 @@ class SourceResult:
     @property
     def elastic_frequencies(self) -> NDArray[np.float64]:
         """Natural frequencies without rigid-body modes [Hz]."""
-        return self.modes.frequencies[self.modes.rigid :]
+        return self.modes.elastic_frequencies
 
 
 @dataclass(frozen=True)
@@ -89,6 +98,66 @@ class Vibration:
     others: tuple[SourceResult, ...]
     unusable: tuple[str, ...]
     criticals: tuple[WeightedCritical, ...]
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        show: Literal["modes", "sources"] = "modes",
+        count: int = SHAPES_SHOWN,
+    ) -> "Axes":
+        """Draw the mode shapes of the chosen chain, or the first frequency by each source.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : {"modes", "sources"}
+        count : int
+            How many mode shapes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If `show` is neither.
+        """
+        check_choice("show", show, ("modes", "sources"), "these are drawn of free vibration")
+        axes = new_axes(axes)
+        if show == "modes":
+            draw_modes(axes, self.chosen, count)
+            write_title(axes, f"{self.kind.capitalize()} modes")
+        else:
+            draw_sources(axes, self.others, self.chosen.source)
+            write_title(axes, f"{self.kind.capitalize()} vibration by source of the compliances")
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the critical speeds in the running range.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        found = [one.critical for one in self.criticals]
+        return table(
+            {
+                "mode": ([one.mode + 1 for one in found], "1"),
+                "order": ([one.order for one in found], "1"),
+                "frequency": ([one.frequency for one in found], "Hz"),
+                "speed": ([one.speed for one in found], "rad/s"),
+                "phase_sum": ([one.phase_sum for one in self.criticals], "1"),
+            }
+        )
 
 
 def axial_vibration(

@@ -3,7 +3,8 @@
 from typing import Any
 
 from crankfem import tables
-from crankfem.console import output
+from crankfem.console import print_line
+from crankfem.output_units import SI, OutputUnits
 from crankfem.record import Record
 from crankfem.results import vibration_record
 from crankfem.vibration.assessment_records import assessment_record, print_assessment
@@ -27,15 +28,15 @@ def run_record(run: EngineVibration) -> Record:
     }
 
 
-def print_run(record: dict[str, Any]) -> None:
+def print_run(record: dict[str, Any], units: OutputUnits = SI) -> None:
     """Print everything, the verdict last."""
     for kind in ("axial", "torsional"):
-        tables.print_vibration(record[kind], forced=record["forced"] is not None)
+        tables.print_vibration(record[kind], forced=record["forced"] is not None, units=units)
         if record["forced"] is not None:
-            print_forced(record["forced"][kind])
+            print_forced(record["forced"][kind], units)
     if record["whole"] is not None:
-        print_whole(record["whole"])
+        print_whole(record["whole"], units)
     if record["assessment"] is None:
-        output.print(NOT_FORCED, soft_wrap=True)
+        print_line(NOT_FORCED)
     else:
-        print_assessment(record["assessment"])
+        print_assessment(record["assessment"], units)

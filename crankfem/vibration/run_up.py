@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,7 +13,11 @@ from dynamics.transient.envelope import Envelope
 from dynamics.transient.run import TransientMotion, transient_motion
 from dynamics.transient.speed_curve import SpeedCurve
 from geometry.errors import InputError
+from geometry.frames import table
 from geometry.quantity import parse_quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 SHORTEST, LONGEST = 0.1, 600.0  # s
 
@@ -40,6 +45,53 @@ class RunUp:
     envelope: Envelope
     largest: FloatArray
     steady: FloatArray
+
+    @property
+    def worst(self) -> int:
+        """Number of the spring with the largest torque."""
+        return int(np.argmax(self.largest))
+
+    def plot(self, axes: "Axes | None" = None, element: int | str | None = None) -> "Axes":
+        """Draw the torque in a spring over the time; see `TransientMotion.plot`.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        element : int or str, optional
+            By number from 0 or name; the one with the largest torque by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If there is no such element.
+        """
+        return self.motion.plot(axes, self.worst if element is None else element, "torque")
+
+    def to_pandas(self) -> Any:
+        """Return a table of the largest amplitudes of torque in each spring, beside steady ones.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "element": (np.arange(1, len(self.largest) + 1), "1"),
+                "largest": (self.largest, "N m"),
+                "steady": (self.steady, "N m"),
+            }
+        )
 
 
 def parse_duration(text: str) -> float:

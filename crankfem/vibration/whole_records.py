@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 
 from crankfem.console import print_line, print_table
+from crankfem.output_units import SI, OutputUnits
 from crankfem.record import RPM, Record
-from crankfem.vibration.forced_records import MOTION, finite_or_none, shown
+from crankfem.vibration.forced_records import MOTION, finite_or_none
 from crankfem.vibration.whole_shaft import ShaftComparison, WholeShaft
 from dynamics.crankshaft.chain_comparison import ChainVerdict
 from dynamics.crankshaft.coupled_response import CoupledResponse
@@ -43,34 +44,40 @@ def whole_record(whole: WholeShaft, comparison: ShaftComparison | None) -> Recor
     }
 
 
-def print_whole(record: dict[str, Any]) -> None:
+def print_whole(record: dict[str, Any], units: OutputUnits = SI) -> None:
     """Print modes of the whole crankshaft and how far the chains agree."""
+    frequency, length = units.of("Hz"), units.of("um")
     print_table(
         "Modes of the whole crankshaft in its bearings",
-        ["mode:", "frequency [Hz]", "motion:"],
-        [[one["name"], f"{one['frequency']:.2f}", one["label"]] for one in record["modes"]],
+        ["mode:", f"frequency [{frequency.name}]", "motion:"],
+        [
+            [one["name"], frequency.fixed(one["frequency"], 2), one["label"]]
+            for one in record["modes"]
+        ],
     )
     for line in record["remarks"]:
-        print_line(f"Note: {line}")
+        print_line(units.text(f"Note: {line}"))
     for kind, chain in record["chains"].items():
-        unit, factor = MOTION[kind]
+        motion = units.of(MOTION[kind])
         if chain["chain_amplitude"] is not None or chain["shaft_amplitude"] is not None:
             print_line(
                 f"{kind.capitalize()} amplitude of the free end, largest over the speeds: chain "
-                f"{shown(chain['chain_amplitude'], factor)}, whole crankshaft "
-                f"{shown(chain['shaft_amplitude'], factor)} {unit}"
+                f"{motion.number(chain['chain_amplitude'])}, whole crankshaft "
+                f"{motion.number(chain['shaft_amplitude'])} {motion.name}"
             )
         if chain["suffices"]:
             print_line(f"The {kind} chain suffices in place of the whole crankshaft.")
         else:
-            print_line(f"The {kind} chain does not suffice: {' '.join(chain['reasons'])}")
+            reasons = " ".join(chain["reasons"])
+            print_line(units.text(f"The {kind} chain does not suffice: {reasons}"))
     split = record["axial_split"]
     if split is not None:
         print_line(
             "Axial amplitude of the free end, largest over the speeds: "
-            f"{shown(split['tangential'], 1e6)} um by tangential forces alone (torsion), "
-            f"{shown(split['radial'], 1e6)} um by radial forces alone, {shown(split['both'], 1e6)} um by "
-            f"both at {split['speed_rpm']:.0f} 1/min"
+            f"{length.number(split['tangential'])} {length.name} by tangential forces alone (torsion), "
+            f"{length.number(split['radial'])} {length.name} by radial forces alone, "
+            f"{length.number(split['both'])} {length.name} by both at "
+            f"{units.text(format(split['speed_rpm'], '.0f') + ' 1/min')}"
         )
 
 

@@ -7,9 +7,11 @@ pins that the file names.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from crankfem.choices import check_choice
 from crankfem.engine_file import EngineFile
 from crankfem.vibration.shaft_surroundings import shaft_surroundings
 from crankfem.vibration.whole_damping import damping_remarks, modal_damping
@@ -31,7 +33,12 @@ from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.response.forced import ForcedResponse
 from fem.analysis import ThrowAnalysis
 from fem.craig_bampton import DynamicSuperelement
+from geometry.errors import InputError
+from geometry.frames import table_of
 from geometry.throw import CrankThrow
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 # Modes are kept up to this multiple of the highest exciting frequency, and so high superelements are
 # made for.
@@ -66,6 +73,21 @@ class WholeShaft:
         """Natural modes, told apart by their shares."""
         return self.crankshaft.modes
 
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        mode: int | None = None,
+        radius: float | None = None,
+        *,
+        count: int = 12,
+    ) -> "Axes":
+        """Draw the energy shares of the first elastic modes, or one mode; see `ShaftModes.plot`."""
+        return self.modes.plot(axes, mode, radius, count=count)
+
+    def to_pandas(self) -> Any:
+        """Return a table of the natural modes; see `ShaftModes.to_pandas`."""
+        return self.modes.to_pandas()
+
 
 @dataclass(frozen=True, eq=False)
 class ShaftComparison:
@@ -87,6 +109,49 @@ class ShaftComparison:
     def verdicts(self) -> tuple[ChainVerdict, ...]:
         """Of the chains that were compared."""
         return tuple(one for one in (self.axial, self.torsional) if one is not None)
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        show: Literal["causes", "axial", "torsional"] = "causes",
+        point: str = "section 0 uz",
+    ) -> "Axes":
+        """Draw the whole shaft's vibration over the speed, by its causes or beside a chain's.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : {"causes", "axial", "torsional"}
+            A point's motion by tangential and by radial forces; or the free end's motion by the whole
+            shaft and by the chain of that kind.
+        point : str
+            Of the first, such as "section 0 uz", the free end along the shaft.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If `show` is none of these, or was not calculated.
+        """
+        check_choice("show", show, ("causes", "axial", "torsional"), "these are compared")
+        if show == "causes" and self.coupled is not None:
+            return self.coupled.plot(axes, point)
+        verdict = {"axial": self.axial, "torsional": self.torsional}.get(show)
+        if verdict is None or verdict.response is None:
+            raise InputError(
+                f"show: given {show!r}; allowed is what was calculated, because without gas pressure "
+                "nothing is forced, and chains with a shaft line are not compared."
+            )
+        return verdict.response.plot(axes)
+
+    def to_pandas(self) -> Any:
+        """Return a table of the chains' modes beside those of the whole shaft."""
+        return table_of(match for verdict in self.verdicts for match in verdict.modes)
 
 
 def whole_shaft(

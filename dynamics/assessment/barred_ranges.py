@@ -15,6 +15,7 @@ from dynamics.assessment.limits import (
 )
 from dynamics.checks import FloatArray, positive_number
 from geometry.errors import InputError
+from geometry.frames import Row
 from geometry.quantity import show_quantity
 
 BARRED_SOURCE = (
@@ -146,6 +147,17 @@ class BarredRange:
     def shown(self) -> str:
         """Such as "700 to 800 1/min"."""
         return shown_range(self.low, self.high)
+
+    def row(self) -> Row:
+        """Return what a table of ranges shows, each value with its unit; see `table_of`."""
+        return {
+            "low": (self.low, "rad/s"),
+            "high": (self.high, "rad/s"),
+            "allowed": (self.allowed, ""),
+            "limits": (", ".join(self.limits), ""),
+            "refusals": ("; ".join(self.refusals), ""),
+            "remarks": ("; ".join(self.remarks), ""),
+        }
 
 
 def exceeded_ranges(

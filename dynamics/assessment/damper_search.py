@@ -51,6 +51,28 @@ def picked(tried: Sequence[Tried]) -> Tried:
     return min(tried, key=lambda one: (one.used, one.size))
 
 
+def thinned(tried: Sequence[Tried]) -> tuple[Tried, ...]:
+    """Leave out sizes close to others, as the end of a search brings: a hundredth of the range.
+
+    Parameters
+    ----------
+    tried : sequence of Tried
+        Ascending.
+
+    Returns
+    -------
+    tuple of Tried
+        With the first, the last and the one that is picked.
+    """
+    places = np.log([one.size for one in tried])
+    close = AT_END * float(places[-1] - places[0])
+    kept = {0, len(tried) - 1, tried.index(picked(tried))}
+    for place in range(len(tried)):
+        if all(abs(places[place] - places[other]) > close for other in kept):
+            kept.add(place)
+    return tuple(tried[place] for place in sorted(kept))
+
+
 def search_sizes(
     at: Callable[[float, Tried | None], Tried], low: float, high: float, points: int
 ) -> tuple[Tried, ...]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -12,14 +13,24 @@ from dynamics.assessment.damper_search import (
     least_settings,
     picked,
     search_sizes,
+    thinned,
 )
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, usage
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.chains.editing import find_node
 from dynamics.checks import FloatArray, positive_number, positive_vector
+from dynamics.plots.quantities import RPM, in_unit
+from dynamics.plots.speed_curves import draw_named_curves
+from geometry.diagram_style import BLUE, RED, new_axes, with_gaps
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import legend_inside, write_title
 from geometry.quantity import show_quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 Damper = ViscousDamper | RubberDamper | AxialDamper
 Result = Callable[[Chain], AmplitudeCurve]
@@ -51,7 +62,8 @@ class SizedDamper:
     used, used_without : float
         Largest share of the permitted amplitude over the speeds.
     sizes : ndarray of shape (m,)
-        All sizes tried, ascending: ring inertia [kg m^2] or damping of an axial damper [N s/m].
+        Sizes tried, ascending, those of a search's end that are almost the best one left out: ring
+        inertia [kg m^2] or damping of an axial damper [N s/m].
     used_at_best : ndarray of shape (m,)
         Least share of the permitted amplitude found for each of them.
     sentence : str
@@ -69,6 +81,70 @@ class SizedDamper:
     sizes: FloatArray
     used_at_best: FloatArray
     sentence: str
+
+    def plot(self, axes: "Axes | None" = None, over: Literal["speed", "size"] = "speed") -> "Axes":
+        """Draw the amplitude with and without the damper, or what dampers of each size can reach.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        over : {"speed", "size"}, optional
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The dashed line is what is permitted.
+
+        Raises
+        ------
+        InputError
+            If the axis is unknown.
+        """
+        if over not in ("speed", "size"):
+            raise InputError(
+                f"over: given {over!r}; allowed are speed, size, because amplitudes are known over these."
+            )
+        axes = new_axes(axes)
+        if over == "size":
+            unit = "N s/m" if isinstance(self.damper, AxialDamper) else "kg m$^2$"
+            axes.plot(
+                self.sizes, with_gaps(100.0 * self.used_at_best), "o-", color=BLUE, markersize=4
+            )
+            axes.axhline(100.0, color=RED, linestyle="--", linewidth=1.2)
+            axes.set_xlabel(f"size of the damper [{unit}]")
+            axes.set_ylabel("used of the permitted amplitude [%]")
+            axes.set_ylim(bottom=0.0)
+            write_title(axes, "Dampers of each size at their best")
+            return axes
+        drawn = in_unit(self.limit.unit)
+        curves = {
+            "with the damper": drawn.factor * self.curve.values,
+            "without": drawn.factor * self.without.values,
+        }
+        draw_named_curves(axes, self.curve.speeds, curves, drawn.label)
+        permitted = drawn.factor * self.limit.continuous.at(self.curve.speeds)
+        rpm = RPM * self.curve.speeds
+        axes.plot(rpm, with_gaps(permitted), "--", color=RED, label="permitted")
+        write_title(axes, self.limit.name)
+        legend_inside(axes)
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return a row for each size: the least share of the permitted amplitude found.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        unit = "N s/m" if isinstance(self.damper, AxialDamper) else "kg m^2"
+        return table({"size": (self.sizes, unit), "used": (self.used_at_best, "1")})
 
 
 def size_viscous_damper(
@@ -265,6 +341,7 @@ class _Case:
         )
         shown = show_quantity(best.size, unit, 4)
         limit = f"{self.limit.name} ({self.limit.source})"
+        shown_sizes = thinned(tried)
         return SizedDamper(
             damper=damper,
             chain=chain,
@@ -274,8 +351,8 @@ class _Case:
             without=without,
             used=best.used,
             used_without=before,
-            sizes=np.array([one.size for one in tried]),
-            used_at_best=np.array([one.used for one in tried]),
+            sizes=np.array([one.size for one in shown_sizes]),
+            used_at_best=np.array([one.used for one in shown_sizes]),
             sentence=(
                 f"A {what} of {shown} keeps the limit on {limit}: {numbers}."
                 if best.used <= 1.0

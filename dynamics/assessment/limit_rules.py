@@ -16,7 +16,6 @@ M68_SOURCE = (
 CRANKSHAFT_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 201"
 GENERATOR_SOURCE = "Korean Register, Rules for Steel Ships 2025, Part 5, Chapter 4, 203"
 
-# Factor c_K of a shaft's weakest feature, and whether it belongs to an intermediate or thrust shaft.
 SHAFT_FEATURES: dict[str, tuple[float, bool]] = {
     "integral flange": (1.0, True),
     "shrink fit": (1.0, True),
@@ -29,6 +28,7 @@ SHAFT_FEATURES: dict[str, tuple[float, bool]] = {
     "propeller shaft": (0.55, False),
     "stern tube shaft": (0.8, False),
 }
+"""Factor c_K of a shaft's weakest feature, and whether it belongs to an intermediate or thrust shaft."""
 # Tensile strengths that enter the formula of M68 at most [Pa].
 CARBON_STRENGTH, ALLOY_STRENGTH = 600e6, 800e6
 LOWEST_STRENGTH = 400e6
@@ -150,7 +150,9 @@ def crankshaft_limit(
     firing_interval_deg : float, optional
         Of a V engine; 45 and 60 deg have the limits of engines in line.
     tensile_strength, yield_strength : float
-        Specified minimum values [Pa]; more than 440 and 225 MPa raise the limits.
+        Specified minimum values [Pa]; more than 440 and 225 MPa raise the limits. The rule's formula
+        ends at a tensile strength of 590 MPa for carbon steel and 835 MPa for low alloy steel; for a
+        stronger one give 835 MPa.
     alloy : bool
         Whether the steel is a low alloy one; carbon steel otherwise.
 
@@ -175,7 +177,7 @@ def crankshaft_limit(
     """
     rated = checked_rated_speed(rated_speed)
     even = _has_limits_of_engines_in_line(strokes, kind, firing_interval_deg)
-    kept, passed = _material_factors(tensile_strength, yield_strength, alloy=alloy)
+    kept, passed = crankshaft_material_factors(tensile_strength, yield_strength, alloy=alloy)
     slope, at_rated = (24.0, 21.0) if even else (29.0, 16.0)
 
     def plain(ratio: FloatArray) -> FloatArray:
@@ -236,7 +238,7 @@ def generator_set_limit(
             "limits these."
         )
     even = _has_limits_of_engines_in_line(strokes, kind, firing_interval_deg)
-    kept, passed = _material_factors(tensile_strength, yield_strength, alloy=alloy)
+    kept, passed = crankshaft_material_factors(tensile_strength, yield_strength, alloy=alloy)
     own, quick = (31e6, 118e6) if part == "generator shaft" else (21e6 if even else 16e6, 90e6)
     return VibrationLimit(
         quantity="torsional stress",
@@ -256,15 +258,35 @@ def _has_limits_of_engines_in_line(strokes: int, kind: str, interval: float | No
     return strokes == 4 and (kind == "in line" or interval in (45.0, 60.0))
 
 
-def _material_factors(tensile: float, yielding: float, *, alloy: bool) -> tuple[float, float]:
-    """Return by what a strong material raises the limits of kept and of passed speeds."""
+def crankshaft_material_factors(
+    tensile: float, yielding: float, *, alloy: bool
+) -> tuple[float, float]:
+    """Return by what a strong material raises the limits of kept and of passed speeds.
+
+    Parameters
+    ----------
+    tensile, yielding : float
+        Specified minimum strengths [Pa].
+    alloy : bool
+        Whether the steel is a low alloy one.
+
+    Raises
+    ------
+    InputError
+        If a strength is not above zero, or the tensile strength beyond the rule's formula.
+    """
     strength = positive_number("tensile_strength", tensile, "Pa", "it is that of a steel")
     limit = positive_number("yield_strength", yielding, "Pa", "it is that of a steel")
     if strength > CRANKSHAFT_STRENGTHS[alloy]:
+        most = f"{CRANKSHAFT_STRENGTHS[True] / 1e6:g} MPa"
+        stronger = f"for a stronger steel give {most}, which is on the safe side"
+        if not alloy:
+            more = f"; {stronger}" if strength > CRANKSHAFT_STRENGTHS[True] else ""
+            stronger = f"for low alloy steel set alloy to true, which allows up to {most}{more}"
         raise InputError(
             f"tensile_strength: given {strength / 1e6:g} MPa; allowed is "
             f"{CRANKSHAFT_STRENGTHS[alloy] / 1e6:g} MPa or less for "
-            f"{'low alloy' if alloy else 'carbon'} steel, because above it the rule has no formula."
+            f"{'low alloy' if alloy else 'carbon'} steel, because the rule's formula ends there; {stronger}."
         )
     kept = 1.0 + 2.0 / 3.0 * (max(strength, BASE_STRENGTH) / BASE_STRENGTH - 1.0)
     return kept, max(limit, BASE_YIELD) / BASE_YIELD

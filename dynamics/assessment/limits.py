@@ -2,13 +2,23 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.checks import FloatArray, positive_number, positive_vector, read_only
+from dynamics.plots.quantities import Quantity, shown
+from dynamics.plots.speed_curves import draw_named_curves
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
 from geometry.quantity import show_quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 Values = Callable[[FloatArray], FloatArray]
 
@@ -187,6 +197,53 @@ class AmplitudeCurve:
     def peak(self) -> float:
         """Largest value."""
         return float(np.max(self.values))
+
+    def plot(self, axes: "Axes | None" = None, quantity: Quantity | None = None) -> "Axes":
+        """Draw the amplitude over the speed.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
+            What the values are, for the unit of the axis; SI if it is not told.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The curve has gaps where the vibration is unbounded.
+
+        Raises
+        ------
+        InputError
+            If the quantity is unknown.
+        """
+        drawn = shown(quantity, "SI")
+        axes = new_axes(axes)
+        draw_named_curves(axes, self.speeds, {self.name: drawn.factor * self.values}, drawn.label)
+        write_title(axes, self.name)
+        return axes
+
+    def to_pandas(self, quantity: Quantity | None = None) -> "DataFrame":
+        """Return speeds and amplitudes.
+
+        Parameters
+        ----------
+        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
+            What the values are, for the unit of the axis; SI if it is not told.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        unit = shown(quantity, "SI").unit
+        return table({"speed": (self.speeds, "rad/s"), "amplitude": (self.values, unit)})
 
 
 def usage(limit: VibrationLimit, curve: AmplitudeCurve) -> FloatArray:

@@ -35,15 +35,22 @@ def node_amplitude(
     excitation: OrderExcitation,
     node: int | str,
     *,
+    elastic: bool = False,
     magnifier: float | None = None,
 ) -> Callable[[Chain], AmplitudeCurve]:
     """Make a function that finds the amplitude of one node of a chain over the speed.
+
+    **It counts the rolling of the whole shaft as a rigid body**, unless `elastic` is set. That is large
+    at low speeds, where low orders swing a free shaft to and fro, and strains nothing; the free end's
+    amplitude of an engine's forced vibration, and the limits on it, are without it.
 
     Parameters
     ----------
     excitation : OrderExcitation
         Forces on the nodes; nodes of the chain beyond these, as the ring of a damper, are free.
     node : int or str
+    elastic : bool
+        Whether only the motion beside that of the rigid body counts.
     magnifier : float, optional
         Damping added to each mode; see `forced_response`.
 
@@ -57,7 +64,8 @@ def node_amplitude(
     def curve(chain: Chain) -> AmplitudeCurve:
         place = find_node(chain, node)
         response = _response(chain, excitation, magnifier)
-        return _curve(response, response.motion[:, :, place], chain.names[place])
+        motion = response.elastic.values if elastic else response.motion
+        return _curve(response, motion[:, :, place], chain.names[place])
 
     return curve
 

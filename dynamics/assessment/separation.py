@@ -11,6 +11,7 @@ from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import frequency_bounds
 from dynamics.chains.chain import Chain
 from dynamics.checks import FloatArray, nonnegative_vector, positive_vector
+from geometry.frames import Row
 from geometry.quantity import show_quantity
 
 # Share of the excitation's frequency by which a torsional natural frequency should differ from it: as
@@ -62,6 +63,18 @@ class CriticalRange:
             f"mode {self.mode} with order {self.order:g}: "
             f"{show_quantity(self.nominal, 'rad/s', 4)} ({shown_range(self.low, self.high)}), {away}"
         )
+
+    def row(self) -> Row:
+        """Return what a table of critical speeds shows, each value with its unit; see `table_of`."""
+        return {
+            "mode": (self.mode, "1"),
+            "order": (self.order, "1"),
+            "nominal": (self.nominal, "rad/s"),
+            "low": (self.low, "rad/s"),
+            "high": (self.high, "rad/s"),
+            "margin": (self.margin, "1"),
+            "nominal_margin": (self.nominal_margin, "1"),
+        }
 
 
 def separation_margin(

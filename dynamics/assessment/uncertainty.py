@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,7 +11,15 @@ from scipy.stats import qmc
 from dynamics.assessment.spreads import FIELDS, Spread, places_of, scaled_chain, scales_of
 from dynamics.chains.chain import Chain
 from dynamics.checks import FloatArray, whole_number
+from dynamics.plots.coordinates import name_axis, number_axis
+from geometry.diagram_style import BLUE, GRAY, RED, new_axes
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import legend_inside, write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 STIFF = ("stiffness", "ground")
 HEAVY = ("inertia", "distributed_inertia")
@@ -53,6 +62,97 @@ class Samples:
     def highest(self) -> FloatArray:
         """Highest of all samples, shape (...)."""
         return np.asarray(np.max(self.values, axis=0))
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        place: int = 0,
+        *,
+        label: str = "result [SI]",
+        bins: int = 20,
+    ) -> "Axes":
+        """Draw how often one result lies where, with the nominal one and the middle 90 percent.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        place : int, optional
+            Which of several results, from 0; several dimensions are counted in rows.
+        label : str, optional
+            Of the axis, with the unit.
+        bins : int, optional
+            Number of bars.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            Unbounded samples are counted in the title, not drawn.
+
+        Raises
+        ------
+        InputError
+            If there is no such place, or no sample is bounded there.
+        """
+        columns = self.values.reshape(len(self.values), -1)
+        if not 0 <= place < columns.shape[1]:
+            raise InputError(
+                f"place: given {place}; allowed are 0 to {columns.shape[1] - 1}, because each sample has "
+                "that many results."
+            )
+        own = columns[:, place]
+        bounded = own[np.isfinite(own)]
+        if not bounded.size:
+            raise InputError(
+                f"place: given {place}, where all samples are unbounded; allowed is one with bounded "
+                "samples, because bars show these."
+            )
+        axes = new_axes(axes)
+        axes.hist(bounded, bins=bins, color=BLUE, alpha=0.7, label="samples")
+        nominal = float(np.ravel(self.nominal)[place])
+        if np.isfinite(nominal):
+            axes.axvline(nominal, color=RED, linewidth=1.4, label="nominal")
+        low, high = np.percentile(bounded, [5.0, 95.0])
+        axes.axvspan(low, high, color=GRAY, alpha=0.15, zorder=0, label="middle 90 %")
+        axes.set_xlabel(label)
+        axes.set_ylabel("samples [1]")
+        lost = own.size - bounded.size
+        write_title(axes, f"{own.size} samples" + (f", {lost} unbounded" if lost else ""))
+        legend_inside(axes)
+        return axes
+
+    def to_xarray(self, unit: str = "SI") -> "Dataset":
+        """Return factors over sample and spread, and results over sample and place.
+
+        Parameters
+        ----------
+        unit : str, optional
+            Of the results.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        extra = self.values.shape[1:]
+        places = tuple(["place", *(f"place_{n}" for n in range(2, len(extra) + 1))][: len(extra)])
+        names = [spread.name or spread.kind for spread in self.spreads]
+        return grid(
+            {
+                "factors": (("sample", "spread"), self.factors, "1", "factor on the nominal value"),
+                "values": (("sample", *places), self.values, unit, "result"),
+                "nominal": (places, self.nominal, unit, "result with all factors 1"),
+            },
+            {
+                "sample": number_axis(len(self.values), "sample"),
+                "spread": name_axis(names, "what is uncertain"),
+            },
+        )
 
 
 def sampled_factors(

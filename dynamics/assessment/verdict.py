@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -19,8 +19,17 @@ from dynamics.assessment.limits import (
     shown_range,
     usage,
 )
+from dynamics.plots.quantities import RPM, SPEED_LABEL, in_unit
+from dynamics.plots.speed_curves import draw_barred, set_speed_axis
+from geometry.diagram_style import BLUE, COLORS, ORANGE, RED, new_axes, with_gaps
 from geometry.errors import InputError
+from geometry.frames import Row, table, table_of
+from geometry.plots.legends import legend_below, legend_inside, write_title
 from geometry.quantity import show_quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 Status = Literal["fine", "barred range needed", "not acceptable"]
 
@@ -84,6 +93,82 @@ class LimitCheck:
             )
         return f"{self.limit.name}, {self.curve.name}: {found} ({source})."
 
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the amplitude over the speed with what is permitted, and a dot at the worst speed.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The curve has gaps where the vibration is unbounded; the limit ends where it is not stated.
+        """
+        drawn = in_unit(self.limit.unit)
+        speeds = self.curve.speeds
+        axes = new_axes(axes)
+        rpm, limit = RPM * speeds, self.limit
+        permitted = with_gaps(drawn.factor * limit.continuous.at(speeds))
+        axes.plot(rpm, with_gaps(drawn.factor * self.curve.values), color=BLUE, label="amplitude")
+        axes.plot(rpm, permitted, "--", color=RED, label="permitted")
+        if limit.passing is not None:
+            passing = with_gaps(drawn.factor * limit.passing.at(speeds))
+            axes.plot(rpm, passing, ":", color=ORANGE, label="permitted in passing")
+        if np.isfinite(self.worst_value):
+            worst = (RPM * self.worst_speed, drawn.factor * self.worst_value)
+            axes.plot(*worst, "o", color=BLUE, label=f"worst: {100.0 * self.used:.3g} % used")
+        else:
+            axes.axvline(RPM * self.worst_speed, color=RED, linestyle=":", label="unbounded")
+        set_speed_axis(axes, speeds)
+        axes.set_ylim(bottom=0.0)
+        axes.set_ylabel(drawn.label)
+        write_title(axes, f"{limit.name}, {self.curve.name}")
+        legend_inside(axes)
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return a row for each speed: amplitude, what is permitted (inf if nothing is stated), its use.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        unit = self.limit.unit
+        return table(
+            {
+                "speed": (self.curve.speeds, "rad/s"),
+                "amplitude": (self.curve.values, unit),
+                "permitted": (self.limit.continuous.at(self.curve.speeds), unit),
+                "used": (usage(self.limit, self.curve), "1"),
+            }
+        )
+
+    def row(self) -> Row:
+        """Return what a table of checks shows, each value with its unit; see `table_of`.
+
+        The worst value and the permitted one are in the unit that the row names.
+        """
+        return {
+            "limit": (self.limit.name, ""),
+            "curve": (self.curve.name, ""),
+            "passed": (self.passed, ""),
+            "used": (self.used, "1"),
+            "worst_speed": (self.worst_speed, "rad/s"),
+            "worst_value": (self.worst_value, "SI"),
+            "permitted": (self.permitted, "SI"),
+            "unit": (self.limit.unit, ""),
+            "source": (self.limit.source, ""),
+            "assumed": (self.limit.assumed, ""),
+        }
+
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
@@ -125,6 +210,55 @@ class Verdict:
             return f"Not acceptable: {worst.sentence} {why}."
         ranges = ", ".join(one.shown for one in self.barred)
         return f"Barred range needed, {ranges}: {worst.sentence}"
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw which share of each limit is used over the speed, with ranges that may be barred shaded.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The dashed line is what is permitted; gaps are where the vibration is unbounded or the
+            limit states nothing.
+        """
+        axes = new_axes(axes)
+        draw_barred(axes, [(one.low, one.high) for one in self.barred if one.allowed])
+        for place, check in enumerate(self.checks):
+            stated = np.isfinite(check.limit.continuous.at(check.curve.speeds))
+            used = np.where(stated, 100.0 * usage(check.limit, check.curve), np.inf)
+            axes.plot(
+                RPM * check.curve.speeds,
+                with_gaps(used),
+                color=COLORS[place % len(COLORS)],
+                label=f"{check.limit.name}, {check.curve.name}",
+            )
+        axes.axhline(100.0, color=RED, linestyle="--", linewidth=1.2, label="permitted")
+        axes.set_xlabel(SPEED_LABEL)
+        axes.set_xlim(RPM * self.running_range[0], RPM * self.running_range[1])
+        axes.set_ylim(bottom=0.0)
+        axes.set_ylabel("used of the permitted amplitude [%]")
+        write_title(axes, f"Vibration against its limits: {self.status}")
+        legend_below(axes, 1)
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return one row for each check, the worst use first.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table_of(self.checks)
 
 
 def judge(

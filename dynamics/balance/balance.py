@@ -1,9 +1,10 @@
 """What the inertia of the moving parts leaves over: forces and moments on the engine, by order."""
 
 import cmath
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
@@ -18,7 +19,15 @@ from dynamics.checks import ComplexArray, FloatArray, finite_array, positive_num
 from dynamics.engine.layout import EngineLayout, check_places
 from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.orders import checked_orders
+from dynamics.plots.hodographs import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 BalanceModel = Literal["rigid", "two-mass"]
 # Forces below this share of the sum of all masses times R w^2 are round-off.
@@ -131,6 +140,70 @@ class Balance:
             f"order: given {order}; allowed are {', '.join(str(row.order) for row in self.rows)}, "
             "because these were asked for."
         )
+
+    def plot(self, axes: "Axes | None" = None, of: Literal["force", "moment"] = "force") -> "Axes":
+        """Draw the forces or moments that are left over, a curve for each order not balanced.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        of : {"force", "moment"}, optional
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            Seen from the free end: y up, x to the left; thin lines are the cylinders' axes.
+        """
+        curves = unbalanced(self, of)
+        axes = new_axes(axes, width=4.6, height=5.6)
+        empty = "balanced: orders " + ", ".join(str(row.order) for row in self.rows)
+        if of == "force":
+            banks = [cylinder.bank_angle for cylinder in self.engine.cylinders]
+            draw_hodographs(axes, curves, FORCE_LABELS, banks=banks, empty=empty)
+            write_title(axes, "inertia force")
+        else:
+            draw_hodographs(axes, curves, MOMENT_LABELS, empty=empty)
+            write_title(axes, f"moment of inertia forces about z = {self.about:.4g} m")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return one row for each order: semi-axes, direction and amplitudes of force and moment.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+            A direction is not a number where the curve is a circle or a point.
+        """
+        columns: dict[str, tuple[list[object], str]] = {
+            "order": ([row.order for row in self.rows], "1")
+        }
+        for name, unit in (("force", "N"), ("moment", "N m")):
+            own: list[Hodograph] = [getattr(row, name) for row in self.rows]
+            columns[f"{name}_major"] = ([one.major for one in own], unit)
+            columns[f"{name}_minor"] = ([one.minor for one in own], unit)
+            columns[f"{name}_x"] = ([one.x for one in own], unit)
+            columns[f"{name}_y"] = ([one.y for one in own], unit)
+            angles = [math.nan if one.angle is None else one.angle for one in own]
+            columns[f"{name}_angle"] = (list(angles), "rad")
+            kept = [getattr(row, f"{name}_balanced") for row in self.rows]
+            columns[f"{name}_balanced"] = (kept, "")
+        return table(columns)
+
+
+def unbalanced(found: Balance, of: Literal["force", "moment"]) -> dict[str, Hodograph]:
+    """Return the forces or moments of the orders that are not balanced, by name."""
+    return {
+        f"order {row.order}": getattr(row, of)
+        for row in found.rows
+        if not getattr(row, f"{of}_balanced")
+    }
 
 
 def balance(

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from dynamics.balance.cylinder_forces import reciprocating_forces
 from dynamics.balance.hodograph import Hodograph, hodograph_sum
@@ -10,7 +11,15 @@ from dynamics.balance.moving_masses import moving_masses
 from dynamics.checks import positive_number
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.orders import checked_cylinder, checked_orders
+from dynamics.plots.hodographs import FORCE_LABELS, draw_hodographs
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 
 @dataclass(frozen=True)
@@ -67,6 +76,58 @@ class HingedRodEffects:
     kinematics: Hodograph
     masses: Hodograph
     hinged: Hodograph
+
+    @property
+    def curves(self) -> dict[str, Hodograph]:
+        """The four forces by name."""
+        return {
+            "rods side by side": self.side_by_side,
+            "movement alone": self.kinematics,
+            "masses alone": self.masses,
+            "hinged rods": self.hinged,
+        }
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the four forces as the free end shows them: y up, x to the left.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        axes = new_axes(axes, width=4.6, height=5.6)
+        draw_hodographs(axes, self.curves, FORCE_LABELS)
+        write_title(axes, f"order {self.order}")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return one row for each of the four forces: semi-axes and amplitudes.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        own = list(self.curves.values())
+        return table(
+            {
+                "case": (list(self.curves), ""),
+                "order": ([self.order] * len(own), "1"),
+                "major": ([one.major for one in own], "N"),
+                "minor": ([one.minor for one in own], "N"),
+                "x": ([one.x for one in own], "N"),
+                "y": ([one.y for one in own], "N"),
+            }
+        )
 
 
 def hinged_rod_effects(

@@ -4,13 +4,22 @@ import cmath
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.checks import ComplexArray, FloatArray, finite_array
 from dynamics.engine.orders import checked_orders
+from dynamics.plots.hodographs import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 # An ellipse whose axes differ by less than this share is a circle; one so flat is a line.
 ROUND_OFF = 1e-12
@@ -141,6 +150,58 @@ class Hodograph:
     def times(self, factor: complex) -> "Hodograph":
         """Return the hodograph of the vector times a complex number: stretched and turned."""
         return Hodograph(self.order, self.forward * factor, self.backward * factor)
+
+    def plot(
+        self, axes: "Axes | None" = None, *, of: Literal["force", "moment"] = "force"
+    ) -> "Axes":
+        """Draw the curve of the vector as the free end shows it: y up, x to the left.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        of : {"force", "moment"}, optional
+            What the vector is, for the labels; N and N m are shown as kN and kN m.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            A dot marks the vector at shaft angle zero, an arrowhead the way that it goes.
+        """
+        labels = FORCE_LABELS if of == "force" else MOMENT_LABELS
+        axes = new_axes(axes, width=4.6, height=5.2)
+        draw_hodographs(axes, {f"order {self.order}": self}, labels)
+        write_title(axes, f"{of} of order {self.order}")
+        return axes
+
+    def to_pandas(self, unit: str = "N", count: int = 181) -> "DataFrame":
+        """Return the vector at so many even shaft angles over one turn, both ends included.
+
+        Parameters
+        ----------
+        unit : str, optional
+            N, or N m for a moment.
+        count : int, optional
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        angles = np.linspace(0.0, 2.0 * math.pi, count)
+        vector = self.at(angles)
+        return table(
+            {
+                "shaft_angle": (angles, "rad"),
+                "x": (-vector.imag, unit),
+                "y": (vector.real, unit),
+            }
+        )
 
 
 def _unit(number: complex) -> complex:

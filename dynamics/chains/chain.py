@@ -263,6 +263,7 @@ class Chain:
             self.connections,
             self.is_row,
             expand,
+            self.names,
         )
         if not found.residual <= RESIDUAL_LIMIT:
             raise np.linalg.LinAlgError(

@@ -2,10 +2,21 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dynamics.checks import FloatArray, read_only
+from dynamics.checks import FloatArray, read_only, whole_number
+from dynamics.plots.coordinates import name_axis
+from dynamics.plots.mode_shapes import draw_chain_shapes
+from geometry.diagram_style import new_axes
+from geometry.frames import grid, table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
+    from xarray import Dataset
 
 # A displacement below this share of both next to it is zero.
 ZERO_DISPLACEMENT = 1e-11
@@ -27,8 +38,8 @@ class Modes:
         One mode per column, one node per row; the largest absolute displacement is +1, at the
         first node that reaches it.
     rigid : int
-        Number of rigid-body modes: 1 for a free chain, 0 with any stiffness to ground; one more
-        for each part that only a dashpot holds.
+        Number of rigid-body modes, which come first: 1 for a free chain, 0 with any stiffness to
+        ground; one more for each part that only a dashpot holds.
     node_positions : tuple of tuple of float
         For each mode, where it does not move: 2.37 lies at 37 % of the element number 2, from its
         first to its second node. In a row that is between nodes 2 and 3; the first node is 0.
@@ -42,8 +53,11 @@ class Modes:
         Share of each node in the mode's kinetic energy; columns sum to 1.
     strain_shares : ndarray of shape (e + n, q)
         Share of each of the e elements, then of each connection to ground, in the mode's strain
-        energy; columns sum to 1, those of rigid-body modes are 0. It is also the relative change
-        of the squared frequency per relative change of that stiffness.
+        energy, in the order of `strain_names`; columns sum to 1, those of rigid-body modes are 0. It
+        is also the relative change of the squared frequency per relative change of that stiffness.
+    node_names : tuple of n str
+    connections : tuple of e pairs of int
+        Nodes that each element joins.
     """
 
     angular_frequencies: FloatArray
@@ -55,11 +69,127 @@ class Modes:
     modal_inertia: FloatArray
     kinetic_shares: FloatArray
     strain_shares: FloatArray
+    node_names: tuple[str, ...]
+    connections: tuple[tuple[int, int], ...]
 
     @property
     def frequencies(self) -> FloatArray:
         """Natural frequencies [Hz], shape (q,), ascending."""
         return self.angular_frequencies / (2.0 * np.pi)
+
+    @property
+    def elastic_frequencies(self) -> FloatArray:
+        """Natural frequencies without those of rigid-body modes [Hz], shape (q - rigid,), ascending.
+
+        A chain that turns freely has one rigid-body mode, and one more with the ring of each viscous
+        damper, which nothing but its oil holds.
+        """
+        return self.frequencies[self.rigid :]
+
+    @property
+    def strain_names(self) -> tuple[str, ...]:
+        """Name of each row of `strain_shares`, (e + n,): "node 0 - node 1", then "node 0 - ground"."""
+        joined = [
+            f"{self.node_names[left]} - {self.node_names[right]}"
+            for left, right in self.connections
+        ]
+        return (*joined, *(f"{name} - ground" for name in self.node_names))
+
+    def plot(self, axes: "Axes | None" = None, *, count: int = 3) -> "Axes":
+        """Draw the shapes of the first elastic modes over the nodes.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        count : int, optional
+            How many modes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            Lines join nodes that an element joins; a cross marks where a mode does not move.
+
+        Raises
+        ------
+        InputError
+            If the count is not a whole number of 1 or more.
+        """
+        most = whole_number("count", count, 1, "a diagram shows some modes")
+        shown = range(self.rigid, min(self.rigid + most, len(self.names)))
+        labels = []
+        for mode in shown:
+            nodes = len(self.node_positions[mode])
+            said = f"{nodes} node{'s' if nodes != 1 else ''}"
+            labels.append(f"{self.frequencies[mode]:.1f} Hz, {said}")
+        axes = new_axes(axes, height=3.4)
+        draw_chain_shapes(
+            axes,
+            self.shapes[:, shown.start : shown.stop],
+            labels,
+            [self.node_positions[mode] for mode in shown],
+            self.connections,
+            self.node_names,
+        )
+        write_title(axes, "Mode shapes")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return one row for each mode: name, frequency, number of nodes, modal inertia.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "mode": (list(self.names), ""),
+                "frequency": (self.frequencies, "Hz"),
+                "angular_frequency": (self.angular_frequencies, "rad/s"),
+                "nodes": ([len(found) for found in self.node_positions], "1"),
+                "modal_inertia": (self.modal_inertia, "kg m^2 or kg"),
+            }
+        )
+
+    def to_xarray(self) -> "Dataset":
+        """Return shapes and energy shares over mode, node and spring, with the frequencies.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        over = ("node", "mode")
+        return grid(
+            {
+                "frequency": (("mode",), self.frequencies, "Hz", "natural frequency"),
+                "shapes": (over, self.shapes, "1", "relative displacement"),
+                "kinetic_shares": (over, self.kinetic_shares, "1", "share of kinetic energy"),
+                "strain_shares": (
+                    ("spring", "mode"),
+                    self.strain_shares,
+                    "1",
+                    "share of strain energy",
+                ),
+                "modal_inertia": (("mode",), self.modal_inertia, "kg m^2 or kg", "modal inertia"),
+            },
+            {
+                "mode": name_axis(self.names, "mode"),
+                "node": name_axis(self.node_names, "node"),
+                "spring": name_axis(self.strain_names, "element, or spring to ground"),
+            },
+        )
 
 
 def elastic_modes(rows: FloatArray, mass: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
@@ -115,6 +245,7 @@ def collected(
     pairs: tuple[tuple[int, int], ...],
     is_row: bool,
     expand: FloatArray,
+    node_names: tuple[str, ...],
 ) -> Modes:
     """Put modes together with what follows from their shapes.
 
@@ -131,6 +262,7 @@ def collected(
         Whether the elements join neighbors one after the other.
     expand : ndarray of shape (n, q)
         Motion of the nodes per motion of the unknowns that gears leave.
+    node_names : tuple of n str
     """
     inertia_forces = mass @ shapes
     modal_inertia = np.sum(shapes * inertia_forces, axis=0)
@@ -150,6 +282,8 @@ def collected(
         modal_inertia=read_only(modal_inertia),
         kinetic_shares=read_only(shapes * inertia_forces / modal_inertia),
         strain_shares=read_only(energies / strain),
+        node_names=node_names,
+        connections=pairs,
     )
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,9 +12,18 @@ from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.crankshaft.shaft_throw import RZ, UZ
 from dynamics.crankshaft.stations import CLASSES
+from dynamics.plots.quantities import MICRO, MILLI
+from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.synthesis import synthesis
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import Row, table, table_of
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 # A chain suffices where its frequencies, the purity of the modes and the free end's amplitude are within
 # these. 3 % of frequency is what compliances from finite elements are worth; a share of 95 % leaves at
@@ -62,6 +72,19 @@ class ModeMatch:
             return np.inf
         return self.chain_frequency / self.shaft_frequency - 1.0
 
+    def row(self) -> Row:
+        """Return what a table of matches shows, each value with its unit; see `table_of`."""
+        return {
+            "kind": (self.kind, ""),
+            "chain_mode": (self.chain_mode, "1"),
+            "chain_frequency": (self.chain_frequency, "Hz"),
+            "shaft_mode": (self.shaft_mode, "1"),
+            "shaft_frequency": (self.shaft_frequency, "Hz"),
+            "share": (self.share, "1"),
+            "likeness": (self.likeness, "1"),
+            "difference": (self.difference, "1"),
+        }
+
 
 @dataclass(frozen=True, eq=False)
 class ResponseMatch:
@@ -91,6 +114,49 @@ class ResponseMatch:
             return 0.0 if chain == shaft else np.inf
         return chain / shaft - 1.0 if shaft > 0.0 else (0.0 if chain == 0.0 else np.inf)
 
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the amplitude of the free end by the chain and by the whole shaft over the speed.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            Curves have gaps where the vibration is unbounded.
+        """
+        axial = self.kind == "axial"
+        factor, label = (MICRO, "amplitude [um]") if axial else (MILLI, "amplitude [mrad]")
+        curves = {"whole shaft": factor * self.shaft, "chain": factor * self.chain}
+        axes = new_axes(axes, height=3.8)
+        draw_named_curves(axes, self.speeds, curves, label, dashed=True)
+        write_title(axes, f"{self.kind} vibration of the free end, all orders together")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return a row for each speed: amplitude by the chain and by the shaft.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        unit = "m" if self.kind == "axial" else "rad"
+        return table(
+            {
+                "speed": (self.speeds, "rad/s"),
+                "chain": (self.chain, unit),
+                "shaft": (self.shaft, unit),
+            }
+        )
+
 
 @dataclass(frozen=True)
 class ChainVerdict:
@@ -112,6 +178,21 @@ class ChainVerdict:
     reasons: tuple[str, ...]
     modes: tuple[ModeMatch, ...]
     response: ResponseMatch | None
+
+    def to_pandas(self) -> "DataFrame":
+        """Return a row for each mode that was compared; amplitudes are in ``response``.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table_of(self.modes)
 
 
 def matching_modes(

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -9,10 +10,20 @@ from numpy.typing import ArrayLike, NDArray
 from dynamics.checks import ComplexArray, FloatArray
 from dynamics.crankshaft.pin_excitation import PinForces, shaft_excitation
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
+from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
+from dynamics.plots.quantities import MICRO, MILLI, RPM
+from dynamics.plots.speed_curves import set_speed_axis
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.synthesis import synthesis
+from geometry.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import legend_inside, write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +90,67 @@ class CoupledResponse:
             summed = synthesis(self.orders, self.speeds, motion, self.unbounded).amplitude
             found.append((amplitude, summed))
         (by_t, sum_t), (by_z, sum_z), (by_both, sum_both) = found
-        return SplitMotion(point, by_t, by_z, by_both, sum_t, sum_z, sum_both)
+        return SplitMotion(
+            point, by_t, by_z, by_both, sum_t, sum_z, sum_both, self.orders, self.speeds
+        )
+
+    def plot(self, axes: "Axes | None" = None, point: str = "section 0 uz") -> "Axes":
+        """Draw the amplitude of a point over the speed by tangential forces, by radial ones, by all.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        point : str, optional
+            Such as "section 0 uz", the free end along the shaft.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        ValueError
+            If there is no such point.
+        """
+        return self.split(point).plot(axes)
+
+    def to_xarray(self) -> "Dataset":
+        """Return complex motions of all points by tangential and by radial forces.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+            Motions are infinite where unbounded; points that turn are in rad.
+        """
+        over = ("order", "speed", "point")
+        names = self.crankshaft.names
+        units = [point_unit(name) for name in names]
+        return grid(
+            {
+                **{
+                    kind: (
+                        over,
+                        endless(own.motion, self.unbounded),
+                        "m or rad",
+                        f"phasor of the motion by {kind} forces",
+                    )
+                    for kind, own in (("tangential", self.tangential), ("radial", self.radial))
+                },
+                "unbounded": (("order", "speed"), self.unbounded, "1", "no steady vibration"),
+                "unit": (("point",), np.array(units), "", "unit of the point's motion"),
+            },
+            {
+                **orders_and_speeds(self.orders, self.speeds),
+                "point": name_axis(names, "point of the shaft"),
+            },
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +165,10 @@ class SplitMotion:
     tangential_sum, radial_sum, both_sum : (S,) array
         Half of the range that the sum of all orders covers over the working cycle; inf where one is
         unbounded.
+    orders : (K,) array
+        In cycles per revolution.
+    speeds : (S,) array
+        [rad/s]
     """
 
     point: str
@@ -103,6 +178,69 @@ class SplitMotion:
     tangential_sum: FloatArray
     radial_sum: FloatArray
     both_sum: FloatArray
+    orders: FloatArray
+    speeds: FloatArray
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the amplitude of all orders together over the speed, by tangential, radial, all forces.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            Curves have gaps where the motion is unbounded.
+        """
+        turning = point_unit(self.point) == "rad"
+        factor, unit = (MILLI, "mrad") if turning else (MICRO, "um")
+        axes = new_axes(axes, height=3.8)
+        for values, name, color in (
+            (self.both_sum, "all forces", RED),
+            (self.tangential_sum, "tangential forces alone", ORANGE),
+            (self.radial_sum, "radial forces alone", BLUE),
+        ):
+            drawn = with_gaps(factor * values)
+            axes.plot(self.speeds * RPM, drawn, color=color, linewidth=1.5, label=name)
+        set_speed_axis(axes, self.speeds)
+        axes.set_ylabel(f"amplitude [{unit}]")
+        axes.set_ylim(bottom=0.0)
+        write_title(
+            axes, f"{self.point}: half the range over the working cycle, all orders together", 9
+        )
+        legend_inside(axes)
+        return axes
+
+    def to_xarray(self) -> "Dataset":
+        """Return the amplitudes by order and speed, and of all orders together.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        unit = point_unit(self.point)
+        plane = ("order", "speed")
+        found: dict[str, tuple[tuple[str, ...], FloatArray, str, str]] = {}
+        for kind in ("tangential", "radial", "both"):
+            words = "all forces" if kind == "both" else f"{kind} forces"
+            found[kind] = (plane, getattr(self, kind), unit, f"amplitude by {words}")
+            total = getattr(self, f"{kind}_sum")
+            found[f"{kind}_sum"] = (("speed",), total, unit, f"all orders together, by {words}")
+        return grid(found, orders_and_speeds(self.orders, self.speeds))
+
+
+def point_unit(point: str) -> str:
+    """Return the unit of a point's motion: displacements are in m, bodies and sections turn in rad."""
+    turns = point.endswith((" rx", " ry", " rz", "damper ring", "driven machine"))
+    return "rad" if turns else "m"
 
 
 def coupled_response(

@@ -1,13 +1,25 @@
 """Natural modes of a whole crankshaft, told apart by their axial, torsional and bending shares."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dynamics.checks import FloatArray, positive_vector
+from dynamics.checks import FloatArray, is_whole, positive_number, positive_vector, whole_number
 from dynamics.crankshaft.assembly import AssembledShaft
 from dynamics.crankshaft.stations import CLASSES
+from dynamics.plots.coordinates import name_axis
+from dynamics.plots.mode_shapes import draw_mode_shares, draw_shaft_shape
 from dynamics.response.linear_system import natural_modes
+from geometry.diagram_style import new_axes
+from geometry.errors import InputError
+from geometry.frames import grid, table
+from geometry.plots.legends import legend_inside, write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
+    from xarray import Dataset
 
 # A mode is called pure above this share of one class.
 PURE = 0.95
@@ -74,6 +86,124 @@ class ShaftModes:
         if kind not in CLASSES:
             raise ValueError(f"{kind!r} is none of {', '.join(CLASSES)}")
         return self.kinds.index(kind, self.rigid)
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        mode: int | None = None,
+        radius: float | None = None,
+        *,
+        count: int = 12,
+    ) -> "Axes":
+        """Draw the energy shares of the first elastic modes as bars, or the shape of one mode.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        mode : int, optional
+            Number of the mode to be drawn along the shaft, as in the arrays, rigid motions included.
+        radius : float, optional
+            Crank radius, at which rotation about the shaft is shown as displacement [m]; a shape
+            needs it.
+        count : int, optional
+            How many modes get a bar.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If there is no such mode, or no radius for its shape.
+        """
+        if mode is None:
+            most = whole_number("count", count, 1, "a diagram shows some modes")
+            shown = slice(self.rigid, self.rigid + most)
+            bars = self.shares[:, shown].shape[1]
+            axes = new_axes(axes, height=1.4 + 0.28 * bars)
+            draw_mode_shares(axes, self.shares[:, shown], self.frequencies[shown])
+            write_title(axes, "Energy of the elastic modes")
+            return axes
+        if not is_whole(mode) or not 0 <= mode < len(self.names):
+            raise InputError(
+                f"mode: given {mode!r}; allowed are 0 to {len(self.names) - 1}, because the shaft has that "
+                "many modes."
+            )
+        if radius is None:
+            raise InputError(
+                "radius: given none; allowed is the crank radius in m, because rotation about the shaft is "
+                "shown as the displacement there."
+            )
+        arm = positive_number("radius", radius, "m", "rotation is shown as displacement there")
+        along = np.argsort(self.positions, kind="stable")
+        axes = new_axes(axes)
+        draw_shaft_shape(axes, self.positions[along], self.motions[along, :, mode], arm)
+        axes.set_ylabel("relative displacement [1]")
+        write_title(axes, f"{self.frequencies[mode]:.1f} Hz: {self.label(mode)}")
+        legend_inside(axes)
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return one row for each mode: name, frequency, and shares of its energy.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "mode": (list(self.names), ""),
+                "frequency": (self.frequencies, "Hz"),
+                "kind": (list(self.kinds), ""),
+                **{name: (own, "1") for name, own in zip(CLASSES, self.shares, strict=True)},
+            }
+        )
+
+    def to_xarray(self) -> "Dataset":
+        """Return frequencies, energy shares and the motions of all stations.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        return grid(
+            {
+                "frequency": (("mode",), self.frequencies, "Hz", "natural frequency"),
+                "shares": (("kind", "mode"), self.shares, "1", "share of the energy"),
+                "displacement": (
+                    ("station", "axis", "mode"),
+                    self.motions[:, :3],
+                    "m",
+                    "displacement of the station",
+                ),
+                "rotation": (
+                    ("station", "axis", "mode"),
+                    self.motions[:, 3:],
+                    "rad",
+                    "rotation of the station",
+                ),
+                "position": (("station",), self.positions, "m", "place along the shaft"),
+            },
+            {
+                "mode": name_axis(self.names, "mode"),
+                "kind": name_axis(CLASSES, "kind of motion"),
+                "axis": name_axis(("x", "y", "z"), "axis of the shaft's frame"),
+            },
+        )
 
 
 def crankshaft_modes(shaft: AssembledShaft) -> ShaftModes:

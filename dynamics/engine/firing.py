@@ -88,6 +88,31 @@ def firing_angles_of_order(
     return tuple(angles)
 
 
+def firing_intervals(firing_angles: Sequence[float], strokes: int) -> tuple[float, ...]:
+    """Return the shaft angles from each firing to the next, over one cycle.
+
+    Parameters
+    ----------
+    firing_angles : sequence of n float
+        In any order, all within one cycle [rad].
+    strokes : int
+
+    Returns
+    -------
+    tuple of n float
+        [rad]; together they are one cycle.
+
+    Examples
+    --------
+    >>> [round(math.degrees(step)) for step in firing_intervals([0.0, math.pi], 4)]
+    [180, 540]
+    """
+    angles = sorted(firing_angles)
+    cycle = math.radians(cycle_degrees(strokes))
+    following = [*angles[1:], angles[0] + cycle]
+    return tuple(after - before for before, after in zip(angles, following, strict=True))
+
+
 def _after(angle: float, least: float, turn: float) -> float:
     """Return the first of angle + k turns that is above `least`."""
     return angle + turn * (math.floor((least - angle) / turn) + 1)

@@ -2,16 +2,25 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import ComplexArray, FloatArray, finite_array, finite_vector
+from dynamics.checks import ComplexArray, FloatArray, finite_array, finite_vector, is_whole
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import CylinderMotion, cylinder_motion
 from dynamics.mechanism.rods import RodModel, RodModelName
+from dynamics.plots.coordinates import angle_axis, number_axis
+from geometry.diagram_style import BLUE, GREEN, ORANGE, new_axes
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import legend_inside, write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +86,87 @@ class MechanismForces:
     def torque(self) -> FloatArray:
         """R T, of each cylinder on the shaft, positive when it drives (n, m) [N m]."""
         return self.engine.crank_radius * self.tangential
+
+    def plot(self, axes: "Axes | None" = None, cylinder: int = 1) -> "Axes":
+        """Draw gas force, tangential force and side force of a cylinder over its cycle.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        cylinder : int, optional
+            Its number, from 1.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If there is no such cylinder.
+        """
+        count = len(self.gas)
+        if not is_whole(cylinder) or not 1 <= cylinder <= count:
+            raise InputError(
+                f"cylinder: given {cylinder!r}; allowed is 1 to {count}, because the engine has that many."
+            )
+        place, cycle = cylinder - 1, self.engine.cycle
+        degrees = np.degrees((self.shaft_angles - self.engine.firing[place]) % cycle)
+        order = np.argsort(degrees)
+        axes = new_axes(axes)
+        for values, color, label in (
+            (self.gas, BLUE, "gas, towards the shaft"),
+            (self.tangential, ORANGE, "tangential, T"),
+            (self.side, GREEN, "side, N"),
+        ):
+            axes.plot(
+                degrees[order],
+                1e-3 * values[place][order],
+                color=color,
+                linewidth=1.4,
+                label=label,
+            )
+        axes.set_xlim(0.0, np.degrees(cycle))
+        axes.set_xticks(np.arange(0.0, np.degrees(cycle) + 1.0, 90.0))
+        axes.set_xlabel("crank angle from the firing top [deg]")
+        axes.set_ylabel("force [kN]")
+        write_title(axes, f"Forces of cylinder {cylinder}")
+        legend_inside(axes)
+        return axes
+
+    def to_xarray(self) -> "Dataset":
+        """Return all forces over cylinder and shaft angle, with the speed.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+            Vectors are complex, in the frames that the class names.
+        """
+        over = ("cylinder", "shaft_angle")
+        return grid(
+            {
+                "gas": (over, self.gas, "N", "gas force on the piston, towards the shaft"),
+                "side": (over, self.side, "N", "side force of the wall on the piston"),
+                "tangential": (over, self.tangential, "N", "tangential force on the crankpin"),
+                "radial": (over, self.radial, "N", "radial force on the crankpin"),
+                "torque": (over, self.torque, "N m", "torque on the shaft"),
+                "piston_pin": (over, self.piston_pin, "N", "force on the piston pin, s + i n"),
+                "foot": (over, self.foot, "N", "force on the rod's lower pin, s + i n"),
+                "crankpin": (over, self.crankpin, "N", "force on the crankpin, y - i x"),
+                "speed": (("shaft_angle",), self.speed, "rad/s", "shaft speed"),
+            },
+            {
+                "cylinder": number_axis(len(self.gas), "cylinder"),
+                "shaft_angle": angle_axis(self.shaft_angles),
+            },
+        )
 
 
 def mechanism_forces(

@@ -45,7 +45,8 @@ class EngineLayout:
         Strokes per cycle, 2 or 4.
     firing_angles : sequence of n float, optional
         Shaft angle at which each cylinder fires [rad], where the order does not tell: cylinders
-        that fire together, or a top left out on purpose. In any cycle, in the firing order.
+        that fire together, or a top left out on purpose. In any cycle, in the firing order. Only
+        what is given stands here; the angles that hold in any case are in `firing`.
     rotating : sequence of RotatingMass, optional
         Counterweights and throws.
     shaft_inertia : float, optional
@@ -89,7 +90,10 @@ class EngineLayout:
 
     @property
     def firing(self) -> tuple[float, ...]:
-        """Shaft angle at which each cylinder fires, cylinder by cylinder [rad]."""
+        """Shaft angle at which each cylinder fires, cylinder by cylinder [rad].
+
+        Those given as `firing_angles`, or those that follow from the firing order.
+        """
         if self.firing_angles is not None:
             return tuple(self.firing_angles)
         tops = [cylinder.top_shaft_angle for cylinder in self.cylinders]

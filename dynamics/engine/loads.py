@@ -1,6 +1,7 @@
 """Load diagrams of crankpins and main bearings over one working cycle."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,7 +10,16 @@ from dynamics.checks import ComplexArray, FloatArray, finite_vector, positive_nu
 from dynamics.cycle import cycle_degrees, cycle_fault
 from dynamics.engine.forces import MechanismForces, pin_groups, summed
 from dynamics.engine.layout import check_places
+from dynamics.plots.load_diagrams import Frame, check_polar, draw_developed_loads, draw_polar_loads
+from dynamics.plots.quantities import KILO
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 FEWEST_ANGLES = 3
 
@@ -90,6 +100,74 @@ class LoadDiagram:
             "radial_N": -turning.real,
             "magnitude_N": self.magnitude,
         }
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        frame: Frame | None = None,
+        *,
+        mark_step_deg: float = 30.0,
+    ) -> "Axes":
+        """Draw the polar load diagram in a frame, or the size of the force over the shaft angle.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        frame : {"crank", "engine"}, optional
+            "crank": the locus of the force vector in the frame that turns with the crank, tangential
+            force to the right, radial force (towards the shaft) down. "engine": in the frame at rest,
+            seen from the free end. The size of the force over the shaft angle if not given.
+        mark_step_deg : float, optional
+            A dot on the locus at every such step of shaft angle [deg].
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the frame is unknown, or the step out of range.
+        """
+        if frame is None:
+            axes = new_axes(axes)
+            draw_developed_loads(axes, [(self.name, self)])
+            write_title(
+                axes,
+                f"{self.name}: mean {KILO * self.mean:.4g} kN, maximum {KILO * self.maximum:.4g} kN",
+            )
+            return axes
+        check_polar(frame, mark_step_deg)
+        axes = new_axes(axes, width=6.4, height=6.4)
+        draw_polar_loads(axes, [(self.name, self)], frame, mark_step_deg)
+        write_title(axes, self.name)
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return the force in both frames, a row for each shaft angle.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        turning = self.in_crank_frame
+        return table(
+            {
+                "shaft_angle": (self.angles, "rad"),
+                "force_x": (-self.force.imag, "N"),
+                "force_y": (self.force.real, "N"),
+                "tangential": (turning.imag, "N"),
+                "radial": (-turning.real, "N"),
+                "magnitude": (self.magnitude, "N"),
+            }
+        )
 
 
 def crankpin_loads(forces: MechanismForces) -> tuple[LoadDiagram, ...]:

@@ -1,15 +1,26 @@
 """Axial forces of throws by their own c beside those with the neighbors' pin forces."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import ComplexArray, FloatArray, finite_array
+from dynamics.checks import ComplexArray, FloatArray, finite_array, is_whole
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.on_chains import axial_throw_forces
+from dynamics.plots.coordinates import number_axis, orders_and_speeds
+from dynamics.plots.quantities import KILO, RPM
+from dynamics.plots.speed_curves import main_orders_of, set_speed_axis
 from dynamics.response.excitation import checked_speed_index
+from geometry.diagram_style import COLORS, new_axes
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import legend_inside, write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +93,83 @@ class AxialForceComparison:
 
     def _modal(self, pressing: ComplexArray) -> ComplexArray:
         return np.asarray(pressing @ np.diff(self.shapes, axis=1).T)
+
+    def plot(self, axes: "Axes | None" = None, throw: int = 1, *, main_orders: int = 3) -> "Axes":
+        """Draw the axial force of a throw by its main orders over the speed, found both ways.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        throw : int, optional
+            Its number, from 1 at the free end.
+        main_orders : int, optional
+            How many orders, those with the largest peaks.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            Full lines are those in the shaft, dashed ones those of the throw alone.
+
+        Raises
+        ------
+        InputError
+            If there is no such throw.
+        """
+        count = self.alone.shape[2]
+        if not is_whole(throw) or not 1 <= throw <= count:
+            raise InputError(
+                f"throw: given {throw!r}; allowed is 1 to {count}, because the shaft has that many."
+            )
+        alone, in_shaft = (
+            KILO * np.abs(found[:, :, throw - 1]) for found in (self.alone, self.in_shaft)
+        )
+        axes = new_axes(axes)
+        for place, order in enumerate(main_orders_of(in_shaft, main_orders)):
+            color, name = COLORS[place % len(COLORS)], f"order {self.orders[order]:g}"
+            rpm = RPM * self.speeds
+            axes.plot(rpm, in_shaft[order], color=color, label=f"{name}, in the shaft")
+            axes.plot(rpm, alone[order], "--", color=color, label=f"{name}, throw alone")
+        set_speed_axis(axes, self.speeds)
+        axes.set_ylim(bottom=0.0)
+        axes.set_ylabel("axial force [kN]")
+        write_title(axes, f"Axial force of throw {throw}")
+        legend_inside(axes)
+        return axes
+
+    def to_xarray(self) -> "Dataset":
+        """Return complex forces over order, speed and throw, and their work on the mode shapes.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        over, modal = ("order", "speed", "throw"), ("order", "speed", "mode")
+        return grid(
+            {
+                "alone": (over, self.alone, "N", "axial force of the throw alone"),
+                "in_shaft": (over, self.in_shaft, "N", "axial force in the shaft"),
+                "modal_alone": (modal, self.modal_alone, "N", "modal force, throws alone"),
+                "modal_in_shaft": (modal, self.modal_in_shaft, "N", "modal force in the shaft"),
+                "difference": (
+                    ("order", "speed"),
+                    self.difference,
+                    "1",
+                    "largest difference over the throws, as a share",
+                ),
+            },
+            {
+                **orders_and_speeds(self.orders, self.speeds),
+                "throw": number_axis(self.alone.shape[2], "throw, from the free end"),
+                "mode": number_axis(len(self.shapes), "mode"),
+            },
+        )
 
 
 def compare_axial_forces(

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import ComplexArray, FloatArray, finite_vector, read_only
+from dynamics.checks import ComplexArray, FloatArray, finite_vector, is_whole, read_only
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinder_harmonics import (
     CylinderHarmonics,
@@ -16,8 +17,19 @@ from dynamics.excitation.engine_load import Load, per_minute
 from dynamics.excitation.gas_sources import Pressures
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rods import RodModelName
+from dynamics.plots.coordinates import number_axis, orders_and_speeds
+from dynamics.plots.quantities import KILO
+from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis
 from dynamics.response.excitation import at_angles, checked_speed_index, checked_speeds
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
+from geometry.diagram_style import new_axes
+from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import legend_inside, write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +116,83 @@ class CylinderForces:
         return (
             self.mean_tangential[place] + at_angles(self.orders, self.tangential[:, place], angles),
             self.mean_radial[place] + at_angles(self.orders, self.radial[:, place], angles),
+        )
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        cylinder: int = 1,
+        component: Literal["tangential", "radial"] = "tangential",
+        *,
+        main_orders: int = MAIN_ORDERS,
+    ) -> "Axes":
+        """Draw the amplitudes of T or Z of a cylinder's main orders over the speed.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        cylinder : int, optional
+            Its number, from 1.
+        component : {"tangential", "radial"}, optional
+        main_orders : int, optional
+            How many orders, those with the largest peaks.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If there is no such cylinder or component.
+        """
+        count = len(self.throws)
+        if not is_whole(cylinder) or not 1 <= cylinder <= count:
+            raise InputError(
+                f"cylinder: given {cylinder!r}; allowed is 1 to {count}, because the engine has that many."
+            )
+        if component not in ("tangential", "radial"):
+            raise InputError(
+                f"component: given {component!r}; allowed are tangential, radial, because these are the "
+                "forces on a crankpin."
+            )
+        phasors = self.tangential if component == "tangential" else self.radial
+        axes = new_axes(axes)
+        sizes = KILO * np.abs(phasors[:, :, cylinder - 1])
+        draw_orders(axes, self.speeds, self.orders, sizes, main_orders)
+        set_speed_axis(axes, self.speeds)
+        axes.set_ylim(bottom=0.0)
+        axes.set_ylabel("amplitude [kN]")
+        write_title(axes, f"Orders of the {component} force, cylinder {cylinder}")
+        legend_inside(axes)
+        return axes
+
+    def to_xarray(self) -> "Dataset":
+        """Return complex T and Z over order, speed and cylinder, and their means.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        over, mean = ("order", "speed", "cylinder"), ("speed", "cylinder")
+        return grid(
+            {
+                "tangential": (over, self.tangential, "N", "phasor of the tangential force"),
+                "radial": (over, self.radial, "N", "phasor of the radial force"),
+                "mean_tangential": (mean, self.mean_tangential, "N", "mean tangential force"),
+                "mean_radial": (mean, self.mean_radial, "N", "mean radial force"),
+            },
+            {
+                **orders_and_speeds(self.orders, self.speeds),
+                "cylinder": number_axis(len(self.throws), "cylinder"),
+            },
         )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +13,17 @@ from dynamics.cycle import even_angles
 from dynamics.excitation.engine_load import Load, load_at, per_minute
 from dynamics.excitation.samples import order_places, phasors_of_samples
 from dynamics.gas.pressure import GasPressure, gas_pressure
+from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
+from dynamics.plots.coordinates import speed_axis
+from dynamics.plots.quantities import MEGA
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 Method = Literal["cubic", "linear"]
 # Speeds or loads of two points are one within this share.
@@ -171,6 +181,82 @@ class PressureMap:
         """Return all diagrams at the samples of the finest (a * b, m) [Pa]."""
         angles = self._angles()
         return np.array([diagram.at(angles) for diagram in self.diagrams])
+
+    def plot(
+        self, axes: "Axes | None" = None, *, speed: float | None = None, load: float | None = None
+    ) -> "Axes":
+        """Draw the map's diagrams over the crank angle, or the one at a speed and load.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        speed : float, optional
+            At which one diagram is interpolated [rad/s]; all diagrams of the map if not given.
+        load : float, optional
+            With the speed, if the map has loads.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            As `at`.
+        """
+        if speed is not None:
+            axes = self.at(speed, load).plot(axes)
+            write_title(axes, f"Gas pressure at {per_minute(speed)}")
+            return axes
+        axes = new_axes(axes)
+        loads = self.loads if self.loads is not None else self.load_of_speed
+        apart = 1 if self.loads is None else len(self.loads)
+        curves = {}
+        for place, values in enumerate(self._sampled):
+            name = per_minute(float(self.speeds[place // apart]))
+            if loads is not None:
+                own = loads[place % apart] if self.loads is not None else loads[place]
+                name += f", load {own:g}"
+            curves[name] = MEGA * values
+        draw_over_angle(
+            axes, self._angles(), curves, "absolute pressure [MPa]", angle_label=FROM_FIRING
+        )
+        axes.set_ylim(bottom=0.0)
+        write_title(axes, "Gas pressure")
+        return axes
+
+    def to_xarray(self) -> "Dataset":
+        """Return ``pressure`` over speed, load (if the map has several for each) and crank angle.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        angles = self._angles()
+        coordinates = {
+            "speed": speed_axis(self.speeds),
+            "crank_angle": (angles, "rad", "crank angle from the firing top dead center"),
+        }
+        over: tuple[str, ...] = ("speed", "crank_angle")
+        shape = [len(self.speeds), len(angles)]
+        if self.loads is not None:
+            over = ("speed", "load", "crank_angle")
+            shape.insert(1, len(self.loads))
+            coordinates["load"] = (self.loads, "1", "load, in the measure of the map")
+        words = "absolute pressure"
+        found: dict[str, tuple[tuple[str, ...], FloatArray, str, str]] = {
+            "pressure": (over, self._sampled.reshape(shape), "Pa", words)
+        }
+        if self.load_of_speed is not None:
+            found["load_of_speed"] = (("speed",), self.load_of_speed, "1", "load at the speed")
+        return grid(found, coordinates)
 
 
 def pressure_map(

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -13,7 +13,15 @@ from dynamics.gas.cycle_values import DEGREE, GasCycle, assumption_remarks
 from dynamics.gas.cylinder_volume import CylinderVolume, Position, cylinder_volume
 from dynamics.gas.pressure import HIGHEST_PEAK, GasPressure, gas_pressure
 from dynamics.gas.sampled_cycle import CycleSamples, cycle_samples
+from dynamics.plots.quantities import MEGA
+from geometry.diagram_style import BLUE, new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 SAMPLES_PER_TURN = 1440
 FEWEST_PER_TURN = 360
@@ -64,6 +72,64 @@ class GasCycleResult:
         It is above the indicated efficiency of the fuel by the heat that the walls take.
         """
         return self.work / self.heat if self.heat > 0.0 else None
+
+    def plot(
+        self, axes: "Axes | None" = None, over: Literal["volume", "angle"] = "volume"
+    ) -> "Axes":
+        """Draw the indicator diagram, or the pressure over the crank angle.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        over : {"volume", "angle"}, optional
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the axis is unknown.
+        """
+        if over not in ("volume", "angle"):
+            raise InputError(
+                f"over: given {over!r}; allowed are volume, angle, because the pressure is known over these."
+            )
+        if over == "angle":
+            return self.pressure.plot(axes)
+        axes = new_axes(axes)
+        angles = np.append(self.pressure.angles, self.pressure.angles[0])
+        pressure = np.append(self.pressure.pressure, self.pressure.pressure[0])
+        axes.plot(1e3 * self.volume.at(angles), MEGA * pressure, color=BLUE, linewidth=1.4)
+        axes.set_xlim(left=0.0)
+        axes.set_ylim(bottom=0.0)
+        axes.set_xlabel("volume [dm$^3$]")
+        axes.set_ylabel("absolute pressure [MPa]")
+        write_title(axes, f"Indicator diagram, mean {MEGA * self.mean_effective_pressure:.4g} MPa")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return crank angle, volume and pressure, a row for each sample.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "crank_angle": (self.pressure.angles, "rad"),
+                "volume": (self.volume.at(self.pressure.angles), "m^3"),
+                "pressure": (self.pressure.pressure, "Pa"),
+            }
+        )
 
 
 def gas_cycle(

@@ -10,9 +10,16 @@ from numpy.typing import ArrayLike
 
 from dynamics.checks import FloatArray, finite_array, finite_vector, positive_vector, read_only
 from dynamics.cycle import checked_strokes, cycle_degrees, cycle_fault, first_not_increasing
+from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
+from dynamics.plots.quantities import MEGA
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
     from scipy.interpolate import PchipInterpolator
 
 # [Pa] The standard atmosphere.
@@ -107,6 +114,41 @@ class GasPressure:
     @cached_property
     def _curve(self) -> "PchipInterpolator":
         return _periodic_curve(self.angles, self.pressure, self.cycle)
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the pressure over the crank angle from the firing top dead center.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        axes = new_axes(axes)
+        label = "absolute pressure [MPa]"
+        curves = {"pressure": MEGA * self.pressure}
+        draw_over_angle(axes, self.angles, curves, label, angle_label=FROM_FIRING)
+        axes.set_ylim(bottom=0.0)
+        write_title(axes, "Gas pressure")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return crank angles from the firing top and pressures, a row for each sample.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table({"crank_angle": (self.angles, "rad"), "pressure": (self.pressure, "Pa")})
 
 
 def gas_pressure(

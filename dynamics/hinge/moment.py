@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +13,17 @@ from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.periodic import TURN, antiderivative, periodic_spline, turn_integral
 from dynamics.hinge.reduced import Kinematics, ReducedCrank, reduced_crank
+from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
+from dynamics.plots.quantities import KILO
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+from geometry.quantity import show_quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 # Force on the piston towards the shaft [N] at crank angles [rad] of shape (m,).
 GasForce = Callable[[FloatArray], FloatArray]
@@ -78,6 +89,55 @@ class HingeMoment:
         reduced = reduced_crank(self.engine, angles, self.kinematics)
         gas = self.gas_force(angles) * reduced.travel_rate
         return reduced, gas + reduced.weight_moment - self.load
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the moments of hinge, gas and driven machine over the crank angle.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        axes = new_axes(axes)
+        curves = {
+            "hinge": KILO * self.moment,
+            "gas": KILO * self.gas_moment,
+            "driven machine": np.full(self.angles.shape, -KILO * self.load),
+        }
+        draw_over_angle(axes, self.angles, curves, "moment [kN m]", angle_label=FROM_TOP)
+        write_title(axes, f"Moments at {show_quantity(self.speed, 'rad/s', 5)}")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return a row for each crank angle: gas force, moments, energy, the engine reduced to its crank.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "crank_angle": (self.angles, "rad"),
+                "gas_force": (self.gas, "N"),
+                "gas_moment": (self.gas_moment, "N m"),
+                "hinge_moment": (self.moment, "N m"),
+                "stored_energy": (self.stored_energy, "J"),
+                "inertia": (self.reduced.inertia, "kg m^2"),
+                "inertia_rate": (self.reduced.inertia_rate, "kg m^2/rad"),
+                "travel_rate": (self.reduced.travel_rate, "m/rad"),
+                "weight_moment": (self.reduced.weight_moment, "N m"),
+            }
+        )
 
 
 def hinge_moment(

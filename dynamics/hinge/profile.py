@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -12,9 +12,17 @@ from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.periodic import TURN, periodic_spline
 from dynamics.hinge.polar import check_roller, outer_parallel, polar_curvature, smallest_hollow
 from dynamics.hinge.spring import LEAST_COLUMN, GasSpring
+from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
+from dynamics.plots.quantities import KILO, MILLI
+from geometry.diagram_style import BLUE, GRAY, RED, new_axes
 from geometry.errors import InputError
+from geometry.frames import Row, table
+from geometry.plots.legends import legend_inside, write_title
+from geometry.quantity import show_quantity
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
     from scipy.interpolate import CubicSpline
 
 # [rad] Steeper guides press a sliding follower hard to the side; 30 deg is the usual limit of cams.
@@ -30,10 +38,10 @@ class ProfileCheck:
     name : str
     met : bool
     value, limit : float
-        What was found and what it is compared with, in `unit`.
+        What was found and what it is compared with, in `unit`; inf where a path has no hollow.
     unit : str
-    sentence : str
-        What it means.
+    reason : str
+        What must hold, and why.
     """
 
     name: str
@@ -41,7 +49,32 @@ class ProfileCheck:
     value: float
     limit: float
     unit: str
-    sentence: str
+    reason: str
+
+    @property
+    def shown(self) -> str:
+        """The value with its unit; "none" where there is nothing to measure."""
+        return show_quantity(self.value, self.unit, 4) if np.isfinite(self.value) else "none"
+
+    @property
+    def sentence(self) -> str:
+        """What was found, whether it is as it must be, and why it must."""
+        outcome = "met" if self.met else "not met"
+        return f"{self.name.capitalize()}: {self.shown}, {outcome}; it must be {self.reason}."
+
+    def row(self) -> Row:
+        """Return what a table of checks shows, each value with its unit; see `table_of`.
+
+        Value and limit are in the unit that the row names.
+        """
+        return {
+            "name": (self.name, ""),
+            "met": (self.met, ""),
+            "value": (self.value, "SI"),
+            "limit": (self.limit, "SI"),
+            "unit": (self.unit, ""),
+            "sentence": (self.sentence, ""),
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,6 +253,86 @@ class HingeProfile:
                 "needs a guide of its own, one turned by 180 deg against the other."
             )
         return tuple(found)
+
+    def plot(
+        self, axes: "Axes | None" = None, of: Literal["guide", "moment", "radius"] = "guide"
+    ) -> "Axes":
+        """Draw the guide and the path of the rollers, or moment or radius over the crank angle.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        of : {"guide", "moment", "radius"}, optional
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If it is none of these.
+        """
+        if of not in ("guide", "moment", "radius"):
+            raise InputError(
+                f"of: given {of!r}; allowed are guide, moment, radius, because these are known over the turn."
+            )
+        if of == "guide":
+            axes = new_axes(axes, width=6.0, height=6.0)
+            path = self.radius * np.exp(1j * self.angles)
+            for curve, color, name in (
+                (path, BLUE, "path of the rollers"),
+                (self.guide(), RED, "guide"),
+            ):
+                closed = MILLI * np.append(curve, curve[0])
+                axes.plot(closed.real, closed.imag, color=color, linewidth=1.4, label=name)
+            axes.plot([0.0], [0.0], "+", color=GRAY)
+            axes.set_aspect("equal")
+            axes.set_xlabel("$\\rho\\,\\cos\\,\\varphi$ [mm]")
+            axes.set_ylabel("$\\rho\\,\\sin\\,\\varphi$ [mm]")
+            legend_inside(axes)
+        else:
+            axes = new_axes(axes)
+            curve, label = (
+                (KILO * self.moment, "moment on the crank [kN m]")
+                if of == "moment"
+                else (MILLI * self.radius, "radius [mm]")
+            )
+            draw_over_angle(axes, self.angles, {of: curve}, label, angle_label=FROM_TOP)
+        write_title(axes, f"Guides for {show_quantity(self.speed, 'rad/s', 5)}")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return a row for each crank angle: radius, spring, forces, moment.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        guide = self.guide()
+        return table(
+            {
+                "crank_angle": (self.angles, "rad"),
+                "radius": (self.radius, "m"),
+                "slope": (self.slope, "m/rad"),
+                "curvature": (self.curvature, "1/m"),
+                "compression": (self.compression, "m"),
+                "pressure": (self.pressure, "Pa"),
+                "spring_force": (self.spring_force, "N"),
+                "force_angle": (self.force_angle, "rad"),
+                "normal_force": (self.normal_force, "N"),
+                "moment": (self.moment, "N m"),
+                "guide_x": (guide.real, "m"),
+                "guide_y": (guide.imag, "m"),
+            }
+        )
 
 
 def hinge_profile(

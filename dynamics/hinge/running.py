@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,10 +12,19 @@ from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.periodic import TURN, periodic_spline
 from dynamics.hinge.profile import HingeProfile
 from dynamics.hinge.reduced import ReducedCrank
+from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
+from dynamics.plots.quantities import RPM
 from dynamics.turning.speed_over_angle import SpeedOverAngle, speed_over_angle
 from dynamics.turning.steady_energy import energy_for_mean_speed, mean_speed, slowest_mean_speed
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
 from geometry.quantity import show_quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 # Angles over a turn of the energy equation, twice those of a hinge moment by default.
 STEPS = 2880
@@ -48,6 +58,39 @@ class SteadyHingeTurn:
     def fluctuation(self) -> float:
         """Coefficient of speed fluctuation, (highest - lowest) / mean."""
         return float((self.speed.max() - self.speed.min()) / self.mean_speed)
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the speed over the crank angle.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        axes = new_axes(axes)
+        curves = {"speed": RPM * self.speed}
+        draw_over_angle(axes, self.angles, curves, "crank speed [1/min]", angle_label=FROM_TOP)
+        write_title(axes, f"Speed over a turn, fluctuation {self.fluctuation:.2g}")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return crank angles and speeds.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table({"crank_angle": (self.angles, "rad"), "speed": (self.speed, "rad/s")})
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,7 @@
 """Exciting forces by orders over a range of speeds."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,12 +12,23 @@ from dynamics.checks import (
     complex_array,
     finite_vector,
     is_whole,
+    node_index,
     positive_vector,
     read_only,
 )
 from dynamics.harmonics import Harmonics
+from dynamics.plots.coordinates import orders_and_speeds
+from dynamics.plots.quantities import Quantity, shown
+from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis
 from dynamics.response.over_speed import OverSpeed
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import legend_inside, write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 # Room for the round-off of a speed at the end of a range.
 ROOM = 1e-12
@@ -153,6 +165,77 @@ class OrderExcitation:
                 "by one."
             )
         return OrderExcitation(self.orders, self.speeds, self.forces + other.forces)
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        node: int = 0,
+        quantity: Quantity | None = None,
+        *,
+        main_orders: int = MAIN_ORDERS,
+    ) -> "Axes":
+        """Draw the amplitudes of one node's main orders over the speed.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        node : int, optional
+            From 0.
+        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
+            What the values are, for the unit of the axis; SI if it is not told.
+        main_orders : int, optional
+            How many orders, those with the largest peaks.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If there is no such node or quantity.
+        """
+        place = node_index("node", node, self.forces.shape[2])
+        drawn = shown(quantity, "N m or N", "alternating load")
+        axes = new_axes(axes)
+        sizes = drawn.factor * np.abs(self.forces[:, :, place])
+        draw_orders(axes, self.speeds, self.orders, sizes, main_orders)
+        set_speed_axis(axes, self.speeds)
+        axes.set_ylim(bottom=0.0)
+        axes.set_ylabel(drawn.label)
+        write_title(axes, f"Excitation of node {place}")
+        legend_inside(axes)
+        return axes
+
+    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
+        """Return complex ``forces`` over order, speed and node.
+
+        Parameters
+        ----------
+        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
+            What the values are, for the unit of the axis; SI if it is not told.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        unit = shown(quantity, "N m or N").unit
+        over = ("order", "speed", "node")
+        nodes = np.arange(self.forces.shape[2])
+        return grid(
+            {"forces": (over, self.forces, unit, "phasor of the exciting force or torque")},
+            {
+                **orders_and_speeds(self.orders, self.speeds),
+                "node": (nodes, "1", "number of the node, from 0"),
+            },
+        )
 
 
 def phasors_of(found: Harmonics, orders: ArrayLike) -> ComplexArray:

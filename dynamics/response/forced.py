@@ -1,20 +1,30 @@
 """Forced vibration of a chain, or of any linear system, by orders over a range of speeds."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dynamics.chains.chain import Chain
 from dynamics.checks import ComplexArray, FloatArray
+from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
+from dynamics.plots.quantities import Quantity, shown
+from dynamics.plots.speed_curves import MAIN_ORDERS
 from dynamics.response.damping import DampedChain, check_one_of
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.harmonic import Method, harmonic_answer
 from dynamics.response.linear_system import LinearSystem, chain_system
-from dynamics.response.series import OrderSeries
+from dynamics.response.series import OrderSeries, plot_series
 from dynamics.response.synthesis import Synthesis
 from geometry.errors import InputError
+from geometry.frames import grid
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +99,90 @@ class ForcedResponse:
 
     def _series(self, values: ComplexArray) -> OrderSeries:
         return OrderSeries(self.orders, self.speeds, values, self.unbounded, self.names)
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        node: int | str = 0,
+        quantity: Quantity | None = None,
+        *,
+        elastic: bool = True,
+        limits: Mapping[str, ArrayLike] | None = None,
+        barred: Sequence[tuple[float, float]] = (),
+        main_orders: int = MAIN_ORDERS,
+    ) -> "Axes":
+        """Draw one node's main orders, their synthesis and their plain sum over the speed.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        node : int or str, optional
+            By number from 0 or name.
+        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
+            What the values are, for the unit of the axis; SI if it is not told.
+        elastic : bool, optional
+            Whether motion of the rigid body, which strains nothing, is left out.
+        limits : mapping of str to float or array_like of shape (S,), optional
+            Limits by name, in SI, constant or over the speeds; inf where none is stated.
+        barred : sequence of pairs of floats, optional
+            Ranges of speed [rad/s], shaded.
+        main_orders : int, optional
+            How many orders, those with the largest peaks, get a line of their own.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            Curves have gaps where the vibration is unbounded, with an upright line there.
+
+        Raises
+        ------
+        InputError
+            If the node or the quantity is unknown.
+        """
+        return plot_series(
+            axes,
+            self.elastic if elastic else self.nodes,
+            node,
+            shown(quantity, "rad or m"),
+            limits=limits,
+            barred=barred,
+            main_orders=main_orders,
+            field="node",
+        )
+
+    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
+        """Return complex ``motion``, ``elastic`` and ``unbounded`` over order, speed and node.
+
+        Parameters
+        ----------
+        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
+            What the values are, for the unit of the axis; SI if it is not told.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+            Motion is infinite where it is unbounded; ``elastic`` is that without the rigid body's.
+        """
+        unit = shown(quantity, "rad or m").unit
+        over = ("order", "speed", "node")
+        whole, elastic = (
+            endless(values, self.unbounded) for values in (self.motion, self.elastic.values)
+        )
+        return grid(
+            {
+                "motion": (over, whole, unit, "phasor of the motion"),
+                "elastic": (over, elastic, unit, "phasor of the motion less the rigid body's"),
+                "unbounded": (("order", "speed"), self.unbounded, "1", "no steady vibration"),
+            },
+            {**orders_and_speeds(self.orders, self.speeds), "node": name_axis(self.names, "node")},
+        )
 
 
 def forced_response(

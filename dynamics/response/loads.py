@@ -1,17 +1,25 @@
 """Vibratory torque or force in each element, and the nominal stress from it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.chains.chain import Chain
 from dynamics.checks import ComplexArray, FloatArray, finite_array, place_of, positive_vector
+from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
+from dynamics.plots.quantities import Quantity, shown
+from dynamics.plots.speed_curves import MAIN_ORDERS
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.series import OrderSeries
+from dynamics.response.series import OrderSeries, plot_series
 from geometry.errors import InputError
+from geometry.frames import grid
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +49,110 @@ class ElementLoads:
     elastic: OrderSeries
     ground: OrderSeries
     dashpots: OrderSeries
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        element: int | str = 0,
+        quantity: Quantity | None = None,
+        *,
+        part: Literal["elastic", "elements", "ground", "dashpots"] = "elastic",
+        limits: Mapping[str, ArrayLike] | None = None,
+        barred: Sequence[tuple[float, float]] = (),
+        main_orders: int = MAIN_ORDERS,
+    ) -> "Axes":
+        """Draw one element's main orders, their synthesis and their plain sum over the speed.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        element : int or str, optional
+            By number from 0 or name; of nodes or dashpots for these parts.
+        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
+            What the values are, for the unit of the axis; SI if it is not told.
+        part : {"elastic", "elements", "ground", "dashpots"}, optional
+            Which of the four series.
+        limits : mapping of str to float or array_like of shape (S,), optional
+            Limits by name, in SI, constant or over the speeds; inf where none is stated.
+        barred : sequence of pairs of floats, optional
+            Ranges of speed [rad/s], shaded.
+        main_orders : int, optional
+            How many orders, those with the largest peaks, get a line of their own.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If element, quantity or part is unknown.
+        """
+        if part not in PARTS:
+            raise InputError(
+                f"part: given {part!r}; allowed are {', '.join(PARTS)}, because one series is drawn."
+            )
+        return plot_series(
+            axes,
+            getattr(self, part),
+            element,
+            shown(quantity, "N m or N", "alternating load"),
+            limits=limits,
+            barred=barred,
+            main_orders=main_orders,
+            field="element",
+        )
+
+    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
+        """Return the complex loads of elements, nodes to ground and dashpots, with ``unbounded``.
+
+        Parameters
+        ----------
+        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
+            What the values are, for the unit of the axis; SI if it is not told.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+            Loads are infinite where the vibration is unbounded.
+        """
+        unit = shown(quantity, "N m or N").unit
+        found = {
+            part: (
+                ("order", "speed", over),
+                endless(getattr(self, part).values, self.elements.unbounded),
+                unit,
+                words,
+            )
+            for part, (over, words) in PARTS.items()
+        }
+        first = self.elements
+        unbounded = (("order", "speed"), first.unbounded, "1", "no steady vibration")
+        return grid(
+            {**found, "unbounded": unbounded},
+            {
+                **orders_and_speeds(first.orders, first.speeds),
+                "element": name_axis(first.names, "element"),
+                "node": name_axis(self.ground.names, "node"),
+                "dashpot": name_axis(self.dashpots.names, "dashpot"),
+            },
+        )
+
+
+# The place that each part has in a grid, and its name in words.
+PARTS = {
+    "elastic": ("element", "load that strains the element"),
+    "elements": ("element", "load that the element passes on"),
+    "ground": ("node", "load passed on to ground"),
+    "dashpots": ("dashpot", "load that the dashpot passes on"),
+}
 
 
 def element_loads(response: ForcedResponse) -> ElementLoads:

@@ -1,14 +1,25 @@
 """Where the power that excites a vibration goes: heat in each element and damper."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dynamics.checks import ComplexArray, FloatArray
+from dynamics.plots.coordinates import name_axis, orders_and_speeds
+from dynamics.plots.quantities import KILO
+from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import dashpot_names, dashpot_rows
 from dynamics.response.series import with_unbounded
+from geometry.diagram_style import new_axes
+from geometry.frames import grid
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 # Heat below this share of the apparent power is lost in the round-off of that.
 NO_HEAT = 1e-10
@@ -37,6 +48,10 @@ class PowerBalance:
         What modal damping or a magnifier takes; for a system that is no chain, all of its damping.
     unbounded : ndarray of shape (K, S), bool
     element_names, dashpot_names, node_names : tuple of str
+    orders : ndarray of shape (K,)
+        In cycles per crankshaft revolution.
+    speeds : ndarray of shape (S,)
+        [rad/s].
     """
 
     power_in: FloatArray
@@ -49,6 +64,8 @@ class PowerBalance:
     element_names: tuple[str, ...]
     dashpot_names: tuple[str, ...]
     node_names: tuple[str, ...]
+    orders: FloatArray
+    speeds: FloatArray
 
     @property
     def dissipated(self) -> FloatArray:
@@ -69,6 +86,66 @@ class PowerBalance:
         apparent = self.apparent[:, bounded].sum(axis=0)
         whole = np.where(heat > NO_HEAT * apparent, heat, apparent)
         return float(np.max(left / np.where(whole > 0.0, whole, 1.0), initial=0.0))
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw what comes in and where it goes over the speed, all orders together.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            Kinds of damping that take nothing are left out.
+        """
+        axes = new_axes(axes)
+        sinks = {
+            "in elements": self.elements.sum(axis=2),
+            "in dashpots": self.dashpots.sum(axis=2),
+            "to ground": self.ground.sum(axis=2),
+            "modal damping": self.rest,
+        }
+        curves = {"power in": KILO * self.power_in.sum(axis=0)}
+        for name, values in sinks.items():
+            if np.any(values[~self.unbounded]):
+                curves[name] = KILO * values.sum(axis=0)
+        draw_named_curves(axes, self.speeds, curves, "mean power [kW]")
+        write_title(axes, "Power of vibration, all orders together")
+        return axes
+
+    def to_xarray(self) -> "Dataset":
+        """Return all powers over order, speed and place.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        plane = ("order", "speed")
+        return grid(
+            {
+                "power_in": (plane, self.power_in, "W", "power of the exciting forces"),
+                "apparent": (plane, self.apparent, "W", "power if all were in phase"),
+                "elements": ((*plane, "element"), self.elements, "W", "heat in the element"),
+                "dashpots": ((*plane, "dashpot"), self.dashpots, "W", "heat in the dashpot"),
+                "ground": ((*plane, "node"), self.ground, "W", "heat in the damper to ground"),
+                "rest": (plane, self.rest, "W", "modal damping"),
+                "unbounded": (plane, self.unbounded, "1", "no steady vibration"),
+            },
+            {
+                **orders_and_speeds(self.orders, self.speeds),
+                "element": name_axis(self.element_names, "element"),
+                "dashpot": name_axis(self.dashpot_names, "dashpot"),
+                "node": name_axis(self.node_names, "node"),
+            },
+        )
 
 
 def power_balance(response: ForcedResponse) -> PowerBalance:
@@ -118,6 +195,8 @@ def power_balance(response: ForcedResponse) -> PowerBalance:
         element_names=names[0],
         dashpot_names=names[1],
         node_names=response.names,
+        orders=response.orders,
+        speeds=response.speeds,
     )
 
 

@@ -12,6 +12,7 @@ from dynamics.critical import critical_speeds
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import NO_WORK, UNDAMPED, harmonic_answer
 from geometry.errors import InputError
+from geometry.frames import Row
 
 # Forces act together if their sum reaches this share of the sum of their sizes.
 IN_PHASE = 0.99
@@ -68,6 +69,23 @@ class Resonance:
     def speed_rpm(self) -> float:
         """Speed of the crankshaft [1/min]."""
         return self.speed * 30.0 / pi
+
+    def row(self) -> Row:
+        """Return what a table of resonances shows, each value with its unit; see `table_of`."""
+        return {
+            "mode": (self.mode, "1"),
+            "order": (self.order, "1"),
+            "speed": (self.speed, "rad/s"),
+            "frequency": (self.frequency, "Hz"),
+            "amplitude": (self.amplitude, "rad or m"),
+            "equilibrium": (self.equilibrium, "rad or m"),
+            "magnifier": (self.magnifier, "1"),
+            "estimate": (self.estimate, "rad or m"),
+            "share": (self.share, "1"),
+            "severity": (self.severity, "1"),
+            "kind": (self.kind, ""),
+            "unbounded": (self.unbounded, ""),
+        }
 
 
 def resonances(

@@ -1,15 +1,27 @@
 """Any quantity that vibrates by orders: motions, loads, stresses."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dynamics.checks import ComplexArray, FloatArray, finite_vector
+from dynamics.checks import ComplexArray, FloatArray, finite_vector, place_of
+from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
+from dynamics.plots.quantities import Quantity, Shown, shown
+from dynamics.plots.speed_curves import MAIN_ORDERS, draw_series
 from dynamics.response.excitation import at_angles, checked_speed_index
 from dynamics.response.synthesis import Synthesis, synthesis
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +87,116 @@ class OrderSeries:
                 "without bounds."
             )
         return at_angles(self.orders, self.values[:, place], angles)
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        place: int | str = 0,
+        quantity: Quantity | None = None,
+        *,
+        limits: Mapping[str, ArrayLike] | None = None,
+        barred: Sequence[tuple[float, float]] = (),
+        main_orders: int = MAIN_ORDERS,
+    ) -> "Axes":
+        """Draw one place's main orders, their synthesis and their plain sum over the speed.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        place : int or str, optional
+            Which one, by number from 0 or name.
+        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
+            What the values are, for the unit of the axis; SI if it is not told.
+        limits : mapping of str to float or array_like of shape (S,), optional
+            Limits by name, in SI, constant or over the speeds; inf where none is stated.
+        barred : sequence of pairs of floats, optional
+            Ranges of speed [rad/s], shaded.
+        main_orders : int, optional
+            How many orders, those with the largest peaks, get a line of their own.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            Curves have gaps where the vibration is unbounded, with an upright line there.
+
+        Raises
+        ------
+        InputError
+            If the place or the quantity is unknown.
+        """
+        drawn = shown(quantity, "SI")
+        return plot_series(
+            axes, self, place, drawn, limits=limits, barred=barred, main_orders=main_orders
+        )
+
+    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
+        """Return complex ``values`` and ``unbounded`` over order, speed and place.
+
+        Parameters
+        ----------
+        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
+            What the values are, for the unit of the axis; SI if it is not told.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+            Values are infinite where the vibration is unbounded.
+        """
+        unit = shown(quantity, "SI").unit
+        return grid(
+            {
+                "values": (
+                    ("order", "speed", "place"),
+                    endless(self.values, self.unbounded),
+                    unit,
+                    "phasor by order",
+                ),
+                "unbounded": (("order", "speed"), self.unbounded, "1", "no steady vibration"),
+            },
+            {
+                **orders_and_speeds(self.orders, self.speeds),
+                "place": name_axis(self.names, "place"),
+            },
+        )
+
+
+def plot_series(
+    axes: "Axes | None",
+    series: OrderSeries,
+    place: int | str,
+    quantity: Shown,
+    *,
+    limits: Mapping[str, ArrayLike] | None = None,
+    barred: Sequence[tuple[float, float]] = (),
+    main_orders: int = MAIN_ORDERS,
+    field: str = "place",
+) -> "Axes":
+    """Draw one place of a series over the speed, as `OrderSeries.plot` does; `field` names the place."""
+    number = place_of(field, place, series.names, "the series", "one curve is that of one place")
+    axes = new_axes(axes, height=4.4)
+    both = series.synthesis
+    draw_series(
+        axes,
+        series.speeds,
+        series.orders,
+        series.amplitude[:, :, number],
+        both.amplitude[:, number],
+        both.plain_sum[:, number],
+        both.unbounded,
+        quantity,
+        limits=limits,
+        barred=barred,
+        main_orders=main_orders,
+    )
+    write_title(axes, series.names[number], 10)
+    return axes
 
 
 def with_unbounded(values: FloatArray, unbounded: NDArray[np.bool_]) -> FloatArray:

@@ -3,12 +3,23 @@
 from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd, lcm
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dynamics.checks import ComplexArray, FloatArray
+from dynamics.plots.coordinates import speed_axis
+from dynamics.plots.quantities import Quantity, shown
+from dynamics.plots.speed_curves import draw_sums, finish_over_speed
+from geometry.diagram_style import new_axes, with_gaps
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 # Largest denominator of an order: 1/2 in a four-stroke engine, teeth of a gear behind it.
 LARGEST_DENOMINATOR = 1000
@@ -53,6 +64,85 @@ class Synthesis:
     plain_sum: FloatArray
     unbounded: NDArray[np.bool_]
     period: float
+
+    def plot(
+        self, axes: "Axes | None" = None, place: int = 0, quantity: Quantity | None = None
+    ) -> "Axes":
+        """Draw the amplitude of all orders together and their plain sum over the speed.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        place : int, optional
+            Which one, from 0; several dimensions are counted in rows.
+        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
+            What the values are, for the unit of the axis; SI if it is not told.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If there is no such place or quantity.
+        """
+        count = int(np.prod(self.amplitude.shape[1:]))
+        if not 0 <= place < count:
+            raise InputError(
+                f"place: given {place}; allowed are 0 to {count - 1}, because the sum was taken at that many "
+                "places."
+            )
+        drawn = shown(quantity, "SI")
+        total, plain = (
+            drawn.factor * values.reshape(len(self.speeds), -1)[:, place]
+            for values in (self.amplitude, self.plain_sum)
+        )
+        axes = new_axes(axes)
+        draw_sums(axes, self.speeds, total, plain)
+        finish_over_speed(axes, self.speeds, with_gaps(plain), self.unbounded, drawn)
+        write_title(axes, "all orders together")
+        return axes
+
+    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
+        """Return amplitude, extremes and plain sum over speed and place.
+
+        Parameters
+        ----------
+        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
+            What the values are, for the unit of the axis; SI if it is not told.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        unit = shown(quantity, "SI").unit
+        extra = self.amplitude.shape[1:]
+        places = ["place", *(f"place_{number}" for number in range(2, len(extra) + 1))]
+        dimensions = ("speed", *places[: len(extra)])
+        return grid(
+            {
+                "amplitude": (dimensions, self.amplitude, unit, "half of the range over the cycle"),
+                "highest": (dimensions, self.highest, unit, "highest value over the cycle"),
+                "lowest": (dimensions, self.lowest, unit, "lowest value over the cycle"),
+                "plain_sum": (dimensions, self.plain_sum, unit, "sum of the orders' amplitudes"),
+                "unbounded": (("speed",), self.unbounded, "1", "no steady vibration"),
+            },
+            {
+                "speed": speed_axis(self.speeds),
+                **{
+                    name: (np.arange(size), "1", "number from 0")
+                    for name, size in zip(places, extra, strict=False)
+                },
+            },
+        )
 
 
 def synthesis(

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 from numpy.typing import ArrayLike
 
@@ -12,7 +13,17 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics
 from dynamics.mechanism.rods import RodModelName
+from dynamics.plots.bars import draw_harmonics
+from dynamics.plots.quantities import KILO
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
+from geometry.diagram_style import new_axes
+from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +54,79 @@ class PinForceHarmonics:
     radial_gas: Harmonics
     radial_inertia: Harmonics
     radial: Harmonics
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        component: Literal["tangential", "radial"] = "tangential",
+        *,
+        highest_order: float | None = None,
+    ) -> "Axes":
+        """Draw the amplitudes of T or Z by order: of the gas, of moving masses, of both.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        component : {"tangential", "radial"}, optional
+        highest_order : float, optional
+            Up to which orders are drawn; all by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the component is unknown, or no order is left.
+        """
+        if component not in ("tangential", "radial"):
+            raise InputError(
+                f"component: given {component!r}; allowed are tangential, radial, because these are the "
+                "forces on a crankpin."
+            )
+        found = {
+            name: getattr(self, component + ending)
+            for name, ending in (("gas", "_gas"), ("inertia", "_inertia"), ("both", ""))
+        }
+        if highest_order is not None:
+            found = {name: own.up_to(highest_order) for name, own in found.items()}
+        axes = new_axes(axes)
+        bars = {name: KILO * own.amplitude for name, own in found.items()}
+        draw_harmonics(axes, found["both"].orders, bars, "amplitude [kN]")
+        write_title(axes, f"Harmonics of the {component} force, cylinder {self.number}")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return one row for each order: amplitude and phase of T and Z by cause.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        columns: dict[str, tuple[FloatArray, str]] = {"order": (self.tangential.orders, "1")}
+        for name in CAUSES:
+            own: Harmonics = getattr(self, name)
+            columns[name] = (own.amplitude, "N")
+            columns[f"{name}_phase"] = (own.phase, "rad")
+        return table(columns)
+
+
+CAUSES = (
+    "tangential_gas",
+    "tangential_inertia",
+    "tangential",
+    "radial_gas",
+    "radial_inertia",
+    "radial",
+)
 
 
 def pin_force_harmonics(

@@ -4,7 +4,7 @@ import cmath
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,15 @@ from dynamics.checks import FloatArray, finite_array, finite_vector, positive_ve
 from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
 from dynamics.cycle import checked_strokes, order_step
 from dynamics.engine.layout import EngineLayout
+from dynamics.plots.stars import draw_star, finish_stars
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 Kind = Literal["major", "minor", "balanced"]
 # Two directions are one within this angle [rad].
@@ -75,6 +83,46 @@ class Star:
         if self.share >= 1.0 - FULL_SUM_TOLERANCE:
             return "major"
         return "balanced" if self.share <= FULL_SUM_TOLERANCE else "minor"
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the star: firing at shaft angle zero points up, angles turn clockwise.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            In lengths of the longest vector, without ticks.
+        """
+        axes = new_axes(axes, width=3.2, height=3.6)
+        draw_star(axes, self, f"order {self.order:g}")
+        finish_stars(axes)
+        write_title(axes, f"Star of order {self.order:g}")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return one row for each cylinder: direction and length of its vector.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "cylinder": (np.arange(1, len(self.weights) + 1), "1"),
+                "direction": (self.directions, "rad"),
+                "weight": (self.weights, "1"),
+            }
+        )
 
 
 def star_diagram(

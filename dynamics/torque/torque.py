@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,9 +17,18 @@ from dynamics.gas.indicated import indicated_work
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics, harmonics
 from dynamics.mechanism.rods import RodModelName
+from dynamics.plots.coordinates import angle_axis, number_axis
+from dynamics.plots.quantities import KILO
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
 from dynamics.torque.throws import checked_throws, throws_along_shaft
+from geometry.diagram_style import BLUE, COLORS, ORANGE, new_axes
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import legend_above, write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 # A mean torque below this share of the largest is round-off.
 NO_MEAN = 1e-12
@@ -113,12 +123,7 @@ class EngineTorque:
         """
         if throw is None:
             return harmonics(self.total, self.engine.strokes)
-        if not is_whole(throw) or not 1 <= throw <= len(self.throws):
-            raise InputError(
-                f"throw: given {throw!r}; allowed is 1 to {len(self.throws)}, because the shaft has that "
-                "many throws."
-            )
-        return harmonics(self.per_throw[throw - 1], self.engine.strokes)
+        return harmonics(self.per_throw[self._checked_throw(throw)], self.engine.strokes)
 
     def cylinder_harmonics(self, number: int) -> Harmonics:
         """Return the harmonics of one cylinder's torque, phases counted from its own firing top.
@@ -130,6 +135,87 @@ class EngineTorque:
         """
         place = checked_cylinder(self.engine, number) - 1
         return from_firing_top(self.engine, place, self.shaft_angles, self.per_cylinder[place])
+
+    def plot(self, axes: "Axes | None" = None, throw: int | None = None) -> "Axes":
+        """Draw the torque of the engine with its mean, or that of one throw by cause, over the cycle.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        throw : int, optional
+            Number of the throw, from 1 at the free end; the whole engine if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If there is no such throw.
+        """
+        place = None if throw is None else self._checked_throw(throw)
+        axes = new_axes(axes)
+        angles = np.rad2deg(self.shaft_angles)
+        if place is None:
+            axes.plot(angles, KILO * self.total, color=BLUE, label="engine")
+            axes.axhline(
+                KILO * self.mean, color=ORANGE, linestyle="--", linewidth=1.2, label="mean"
+            )
+            write_title(axes, "Torque of the engine")
+        else:
+            own = [number - 1 for number in self.throws[place]]
+            parts = (("gas", self.gas), ("inertia", self.inertia), ("both", self.per_cylinder))
+            colors = (COLORS[1], COLORS[2], COLORS[0])
+            for (label, values), color in zip(parts, colors, strict=True):
+                drawn = KILO * values[own].sum(axis=0)
+                axes.plot(angles, drawn, color=color, label=label, linewidth=1.3)
+            write_title(axes, f"Torque of throw {throw}")
+        axes.set_ylabel("torque [kN m]")
+        axes.set_xlabel("shaft angle [deg]")
+        axes.set_xticks(np.arange(0, 180 * self.engine.strokes + 1, 90))
+        axes.set_xlim(0.0, 180.0 * self.engine.strokes)
+        # Above the curves, which fill the axes.
+        legend_above(axes)
+        return axes
+
+    def to_xarray(self) -> "Dataset":
+        """Return the torques over cylinder, throw and shaft angle.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        by_cylinder, by_throw = ("cylinder", "shaft_angle"), ("throw", "shaft_angle")
+        return grid(
+            {
+                "gas": (by_cylinder, self.gas, "N m", "torque of the gas"),
+                "inertia": (by_cylinder, self.inertia, "N m", "torque of moving masses"),
+                "per_throw": (by_throw, self.per_throw, "N m", "torque of the throw"),
+                "passed_on": (by_throw, self.passed_on, "N m", "torque passed on behind the throw"),
+                "total": (("shaft_angle",), self.total, "N m", "torque of the engine"),
+            },
+            {
+                "cylinder": number_axis(len(self.gas), "cylinder"),
+                "throw": number_axis(len(self.throws), "throw, from the free end"),
+                "shaft_angle": angle_axis(self.shaft_angles),
+            },
+        )
+
+    def _checked_throw(self, throw: int) -> int:
+        if not is_whole(throw) or not 1 <= throw <= len(self.throws):
+            raise InputError(
+                f"throw: given {throw!r}; allowed is 1 to {len(self.throws)}, because the shaft has that "
+                "many throws."
+            )
+        return throw - 1
 
 
 def engine_torque(

@@ -2,11 +2,24 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from dynamics.checks import FloatArray, whole_number
+from dynamics.checks import FloatArray, node_index, whole_number
+from dynamics.plots.angle_curves import draw_over_time
+from dynamics.plots.coordinates import time_axis
+from dynamics.plots.quantities import MOVING, RPM
+from dynamics.plots.speed_curves import draw_named_curves
+from dynamics.transient.picking import OF_ELEMENTS, Moving, units_of
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +45,89 @@ class Envelope:
     speed: FloatArray
     motion: FloatArray
     torque: FloatArray
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        place: int = 0,
+        quantity: Moving = "torque",
+        *,
+        over: Literal["speed", "time"] = "speed",
+    ) -> "Axes":
+        """Draw the amplitude of one element or node over the speed or the time.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        place : int, optional
+            Element, or node for "twist" and "displacement", from 0.
+        quantity : {"torque", "force", "twist", "displacement"}, optional
+        over : {"speed", "time"}, optional
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If there is no such place, quantity or axis.
+        """
+        if quantity not in MOVING or over not in ("speed", "time"):
+            raise InputError(
+                f"quantity, over: given {quantity!r}, {over!r}; allowed are {', '.join(MOVING)} over speed "
+                "or time, because amplitudes of these are known."
+            )
+        of_element = quantity in OF_ELEMENTS
+        values = self.torque if of_element else self.motion
+        index = node_index("place", place, values.shape[1])
+        label, factor = MOVING[quantity]
+        name = f"amplitude over {self.turns} turn{'s' if self.turns > 1 else ''}"
+        axes = new_axes(axes)
+        if over == "speed":
+            draw_named_curves(axes, self.speed, {name: factor * values[:, index]}, label)
+            low, high = RPM * float(self.speed.min()), RPM * float(self.speed.max())
+            if high > low:
+                axes.set_xlim(low, high)
+        else:
+            draw_over_time(axes, self.time, {name: factor * values[:, index]}, label)
+            axes.set_ylim(bottom=0.0)
+        write_title(axes, f"{'element' if of_element else 'node'} {index}, {name}")
+        return axes
+
+    def to_xarray(self, *, axial: bool = False) -> "Dataset":
+        """Return speed and amplitudes over time, node and element.
+
+        Parameters
+        ----------
+        axial : bool, optional
+            Whether the chain is an axial one: units m and N in place of rad and N m.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        moved, loaded = units_of(axial)
+        nodes, elements = np.arange(self.motion.shape[1]), np.arange(self.torque.shape[1])
+        return grid(
+            {
+                "speed": (("time",), self.speed, "rad/s", "shaft speed"),
+                "motion": (("time", "node"), self.motion, moved, "amplitude of the node"),
+                "torque": (("time", "element"), self.torque, loaded, "amplitude of the element"),
+            },
+            {
+                "time": time_axis(self.time),
+                "node": (nodes, "1", "number of the node, from 0"),
+                "element": (elements, "1", "number of the element, from 0"),
+            },
+        )
 
 
 def envelope_over(

@@ -3,7 +3,7 @@
 import contextlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,8 @@ from dynamics.checks import (
     FloatArray,
     positive_number,
 )
+from dynamics.plots.coordinates import name_axis, time_axis
+from dynamics.plots.over_time import draw_amplitude, draw_band, draw_steady
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.linear_system import LinearSystem
 from dynamics.transient.acting import ActingForces, LoadStep, Piece, even_pieces
@@ -24,11 +26,19 @@ from dynamics.transient.order_forces import (
     missed_at_middle,
     sampling_note,
 )
+from dynamics.transient.picking import Moving, axis_names, pick, units_of
 from dynamics.transient.propagator import PLACES, Propagator, StateSpace
 from dynamics.transient.speed_curve import SpeedCurve
 from dynamics.transient.steady import spring_torques, steady_from
 from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import legend_above, write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 # Steps between two reports of progress.
 STRETCH = 2000
@@ -113,6 +123,91 @@ class TransientMotion:
             self.motion + self.rigid_motion if rigid else self.motion,
             self.torque,
             self.turns if turns is None else turns,
+        )
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        place: int | str = 0,
+        quantity: Moving = "torque",
+        *,
+        steady: tuple[ArrayLike, ArrayLike] | None = None,
+        turns: int | None = None,
+    ) -> "Axes":
+        """Draw the extremes of one element or node over the time, and its amplitude.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        place : int or str, optional
+            Element, or node for "twist" and "displacement", by number from 0 or name.
+        quantity : {"torque", "force", "twist", "displacement"}, optional
+            Torque or force in the spring of an element, or twist or displacement of a node.
+        steady : (speeds [rad/s], amplitudes), optional
+            Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
+        turns : int, optional
+            Of the shaft for which one amplitude is taken; by default after which the run repeats.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If it is not the run of a chain, there is no such place or quantity, or the run is shorter
+            than one window of its envelope.
+        """
+        picked = pick(self.system.chain, quantity, place, self.motion, self.torque)
+        envelope = self.envelope(turns)
+        both = envelope.torque if picked.of_element else envelope.motion
+        axes = new_axes(axes)
+        draw_band(axes, self.time, picked.values)
+        amplitude = picked.factor * both[:, picked.number]
+        draw_amplitude(axes, envelope.time, amplitude, envelope.turns)
+        if steady is not None:
+            draw_steady(axes, self.time, self.shaft_speed, steady, picked.factor)
+        axes.set_xlim(self.time[0], self.time[-1])
+        axes.set_xlabel("time [s]")
+        axes.set_ylabel(picked.label)
+        write_title(axes, picked.name, 9)
+        legend_above(axes)
+        return axes
+
+    def to_xarray(self, *, axial: bool = False) -> "Dataset":
+        """Return speed, angle, motions and torques over time, node and element.
+
+        Parameters
+        ----------
+        axial : bool, optional
+            Whether the chain is an axial one: units m and N in place of rad and N m.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        moved, loaded = units_of(axial)
+        nodes, elements = axis_names(self.system.chain, self.motion.shape[1], self.torque.shape[1])
+        return grid(
+            {
+                "shaft_speed": (("time",), self.shaft_speed, "rad/s", "shaft speed"),
+                "shaft_angle": (("time",), self.shaft_angle, "rad", "shaft angle"),
+                "motion": (("time", "node"), self.motion, moved, "motion beside even turning"),
+                "rigid_motion": (("time", "node"), self.rigid_motion, moved, "rigid-body motion"),
+                "torque": (("time", "element"), self.torque, loaded, "load of the spring"),
+            },
+            {
+                "time": time_axis(self.time),
+                "node": name_axis(nodes, "node"),
+                "element": name_axis(elements, "element"),
+            },
         )
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +16,16 @@ from dynamics.checks import (
     read_only,
     whole_number,
 )
+from dynamics.plots.angle_curves import draw_over_time
+from dynamics.plots.quantities import RPM
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,3 +216,41 @@ class SpeedCurve:
                 f"{self.times[0]:g} to {self.times[-1]:g} s, because the speed is known there."
             )
         return times
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the speed over the time.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        axes = new_axes(axes, height=3.4)
+        draw_over_time(axes, self.times, {"speed": RPM * self.speeds}, "crankshaft speed [1/min]")
+        write_title(axes, "Speed over time")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return times, speeds and shaft angles at the values given.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "time": (self.times, "s"),
+                "speed": (self.speeds, "rad/s"),
+                "shaft_angle": (self._angles, "rad"),
+            }
+        )

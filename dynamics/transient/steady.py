@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,6 +10,8 @@ from numpy.typing import ArrayLike
 from dynamics.chains.chain import Chain
 from dynamics.checks import ComplexArray, FloatArray, finite_array, positive_number, whole_number
 from dynamics.cycle import even_angles
+from dynamics.plots.angle_curves import draw_over_angle
+from dynamics.plots.coordinates import angle_axis, name_axis
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.linear_system import LinearSystem
 from dynamics.transient.envelope import half_between_extremes
@@ -18,9 +21,18 @@ from dynamics.transient.order_forces import (
     checked_step,
     cycle_turns,
 )
+from dynamics.transient.picking import Moving, axis_names, pick, units_of
 from dynamics.transient.propagator import PLACES, Propagator, StateSpace
 from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import write_title
+from geometry.quantity import show_quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 # An undamped mode that comes round within this share of a whole number of its periods, while forces
 # go on driving it there, answers without bounds; as in `harmonic_answer`.
@@ -97,6 +109,72 @@ class SteadyMotion:
         if self.unbounded:
             return np.full(values.shape[1], np.inf)
         return half_over_cycle(values)
+
+    def plot(
+        self, axes: "Axes | None" = None, place: int | str = 0, quantity: Moving = "torque"
+    ) -> "Axes":
+        """Draw one element or node over the shaft angle of the cycle.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        place : int or str, optional
+            Element, or node for "twist" and "displacement", by number from 0 or name.
+        quantity : {"torque", "force", "twist", "displacement"}, optional
+            Torque or force in the spring of an element, or twist or displacement of a node.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If it is not the motion of a chain, or there is no such place or quantity, or it is unbounded.
+        """
+        if self.unbounded:
+            raise InputError(
+                f"speed: given {show_quantity(self.speed, 'rad/s', 5)}; allowed are speeds with a steady "
+                "vibration, because this one grows without bounds."
+            )
+        picked = pick(self.system.chain, quantity, place, self.motion, self.torque)
+        axes = new_axes(axes)
+        draw_over_angle(axes, self.shaft_angle, {picked.name: picked.values}, picked.label)
+        write_title(axes, f"{picked.name}, {show_quantity(self.speed, 'rad/s', 5)}")
+        return axes
+
+    def to_xarray(self, *, axial: bool = False) -> "Dataset":
+        """Return motions and torques over shaft angle, node and element.
+
+        Parameters
+        ----------
+        axial : bool, optional
+            Whether the chain is an axial one: units m and N in place of rad and N m.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        moved, loaded = units_of(axial)
+        nodes, elements = axis_names(self.system.chain, self.motion.shape[1], self.torque.shape[1])
+        return grid(
+            {
+                "motion": (("shaft_angle", "node"), self.motion, moved, "motion"),
+                "torque": (("shaft_angle", "element"), self.torque, loaded, "load of the spring"),
+            },
+            {
+                "shaft_angle": angle_axis(self.shaft_angle),
+                "node": name_axis(nodes, "node"),
+                "element": name_axis(elements, "element"),
+            },
+        )
 
 
 def phasors_over_cycle(

@@ -2,17 +2,29 @@
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.checks import ComplexArray, FloatArray, positive_number, whole_number
 from dynamics.cycle import even_angles
+from dynamics.plots.angle_curves import draw_over_angle
+from dynamics.plots.coordinates import angle_axis, name_axis
 from dynamics.transient.order_forces import cycle_turns
+from dynamics.transient.picking import Moving, axis_names, pick, units_of
 from dynamics.transient.steady import half_over_cycle, phasors_over_cycle, spring_torques
 from dynamics.transient.turning_chain import TurningChain
 from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import write_title
+from geometry.quantity import show_quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 # The cycle closes to this share of the sizes of motion, after so many trials at most.
 CLOSED = 1e-7
@@ -91,6 +103,65 @@ class TurningCycle:
 
     def _phasors(self, orders: ArrayLike, values: FloatArray) -> ComplexArray:
         return phasors_over_cycle(orders, self.shaft_angle, values, self.turns)
+
+    def plot(
+        self, axes: "Axes | None" = None, place: int | str = 0, quantity: Moving = "torque"
+    ) -> "Axes":
+        """Draw one element or node over the shaft angle of the cycle.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        place : int or str, optional
+            Element, or node for "twist" and "displacement", by number from 0 or name.
+        quantity : {"torque", "force", "twist", "displacement"}, optional
+            Torque or force in the spring of an element, or twist or displacement of a node.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If it is not the motion of a chain, or there is no such place or quantity.
+        """
+        picked = pick(self.chain.system.chain, quantity, place, self.motion, self.torque)
+        axes = new_axes(axes)
+        draw_over_angle(axes, self.shaft_angle, {picked.name: picked.values}, picked.label)
+        write_title(axes, f"{picked.name}, {show_quantity(self.mean_speed, 'rad/s', 5)}")
+        return axes
+
+    def to_xarray(self) -> "Dataset":
+        """Return motions and torques over shaft angle, node and element.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        moved, loaded = units_of(axial=False)
+        nodes, elements = axis_names(
+            self.chain.system.chain, self.motion.shape[1], self.torque.shape[1]
+        )
+        return grid(
+            {
+                "motion": (("shaft_angle", "node"), self.motion, moved, "motion"),
+                "speed": (("shaft_angle", "node"), self.speed, "rad/s", "speed of the node"),
+                "torque": (("shaft_angle", "element"), self.torque, loaded, "load of the spring"),
+            },
+            {
+                "shaft_angle": angle_axis(self.shaft_angle),
+                "node": name_axis(nodes, "node"),
+                "element": name_axis(elements, "element"),
+            },
+        )
 
 
 def steady_cycle(

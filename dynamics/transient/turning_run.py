@@ -4,20 +4,33 @@ import contextlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dynamics.checks import FloatArray, finite_array, positive_number, whole_number
+from dynamics.plots.coordinates import name_axis, time_axis
+from dynamics.plots.over_time import draw_amplitude, draw_band, draw_steady
 from dynamics.transient.envelope import Envelope, envelope_over
 from dynamics.transient.order_forces import cycle_turns
+from dynamics.transient.picking import Moving, axis_names, pick, units_of
 from dynamics.transient.steady import spring_torques
 from dynamics.transient.turning_chain import TurningChain
 from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
 from dynamics.transient.viscous import ViscousSystem
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import grid
+from geometry.plots.legends import legend_above, write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
 
 # The shaft stops where its speed has fallen to this share within about a turn.
 STOPPED = 1e-3
+ENERGIES = ("kinetic_energy", "strain_energy", "gas_work", "load_work", "damping_work")
 # Moment that brakes [N m], of shaft speed [rad/s] and time [s].
 Load = Callable[[float, float], float]
 
@@ -89,6 +102,90 @@ class TurningRun:
             self.motion,
             self.torque,
             self.turns if turns is None else turns,
+        )
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        place: int | str = 0,
+        quantity: Moving = "torque",
+        *,
+        steady: tuple[ArrayLike, ArrayLike] | None = None,
+        turns: int | None = None,
+    ) -> "Axes":
+        """Draw the extremes of one element or node over the time, and its amplitude.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        place : int or str, optional
+            Element, or node for "twist" and "displacement", by number from 0 or name.
+        quantity : {"torque", "force", "twist", "displacement"}, optional
+            Torque or force in the spring of an element, or twist or displacement of a node.
+        steady : (speeds [rad/s], amplitudes), optional
+            Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
+        turns : int, optional
+            Of the shaft for which one amplitude is taken; by default after which the run repeats.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If it is not the run of a chain, there is no such place or quantity, or the run is shorter
+            than one window of its envelope.
+        """
+        picked = pick(self.system.chain, quantity, place, self.motion, self.torque)
+        envelope = self.envelope(turns)
+        both = envelope.torque if picked.of_element else envelope.motion
+        axes = new_axes(axes)
+        draw_band(axes, self.time, picked.values)
+        amplitude = picked.factor * both[:, picked.number]
+        draw_amplitude(axes, envelope.time, amplitude, envelope.turns)
+        if steady is not None:
+            draw_steady(axes, self.time, self.shaft_speed, steady, picked.factor)
+        axes.set_xlim(self.time[0], self.time[-1])
+        axes.set_xlabel("time [s]")
+        axes.set_ylabel(picked.label)
+        write_title(axes, picked.name, 9)
+        legend_above(axes)
+        return axes
+
+    def to_xarray(self) -> "Dataset":
+        """Return speed, angle, motions, torques, energies and works over time, node and element.
+
+        Returns
+        -------
+        xarray.Dataset
+            Units in the ``attrs["units"]`` of each array and coordinate.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        moved, loaded = units_of(axial=False)
+        nodes, elements = axis_names(self.system.chain, self.motion.shape[1], self.torque.shape[1])
+        return grid(
+            {
+                "shaft_speed": (("time",), self.shaft_speed, "rad/s", "shaft speed"),
+                "shaft_angle": (("time",), self.shaft_angle, "rad", "shaft angle"),
+                "motion": (("time", "node"), self.motion, moved, "motion beside even turning"),
+                "speed": (("time", "node"), self.speed, "rad/s", "speed of the node"),
+                **{
+                    name: (("time",), getattr(self, name), "J", name.replace("_", " "))
+                    for name in ENERGIES
+                },
+                "torque": (("time", "element"), self.torque, loaded, "load of the spring"),
+            },
+            {
+                "time": time_axis(self.time),
+                "node": name_axis(nodes, "node"),
+                "element": name_axis(elements, "element"),
+            },
         )
 
 

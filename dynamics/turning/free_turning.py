@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,9 +19,18 @@ from dynamics.checks import (
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rods import RodModelName
+from dynamics.plots.angle_curves import draw_over_time
+from dynamics.plots.quantities import KILO, RPM
 from dynamics.turning.piston_gas import Gas
 from dynamics.turning.shaft_moments import Resistance, ShaftMoments, shaft_moments
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 # Of the integration, relative; absolute ones are this share of a radian, start speed and energy.
 TOLERANCE = 1e-11
@@ -93,6 +102,67 @@ class FreeTurning:
         largest = float(max(np.max(self.kinetic_energy), np.max(np.abs(done))))
         worst = float(np.max(np.abs(gained - done.sum(axis=0))))
         return worst / largest if largest > 0.0 else 0.0
+
+    def plot(
+        self, axes: "Axes | None" = None, of: Literal["speed", "moment", "work"] = "speed"
+    ) -> "Axes":
+        """Draw the speed over the time, or the moments or works of all causes.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        of : {"speed", "moment", "work"}, optional
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If it is none of these.
+        """
+        if of not in ("speed", "moment", "work"):
+            raise InputError(
+                f"of: given {of!r}; allowed are speed, moment, work, because these are known over the time."
+            )
+        axes = new_axes(axes)
+        if of == "speed":
+            draw_over_time(axes, self.time, {"speed": RPM * self.speed}, "speed [1/min]")
+            write_title(axes, "Speed of the engine left to itself")
+            return axes
+        curves = {name: KILO * getattr(getattr(self, name), of) for name in SHARES}
+        label = "moment [kN m]" if of == "moment" else "work since the start [kJ]"
+        draw_over_time(axes, self.time, curves, label)
+        write_title(axes, "What drives and brakes the shaft")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return a row for each time: angle, speed, energy, moments and works.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        columns = {
+            "time": (self.time, "s"),
+            "angle": (self.angle, "rad"),
+            "speed": (self.speed, "rad/s"),
+            "acceleration": (self.acceleration, "rad/s^2"),
+            "kinetic_energy": (self.kinetic_energy, "J"),
+        }
+        for name in SHARES:
+            share: WorkShare = getattr(self, name)
+            columns[f"{name}_moment"] = (share.moment, "N m")
+            columns[f"{name}_work"] = (share.work, "J")
+        return table(columns)
 
 
 def turn_freely(

@@ -3,12 +3,22 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dynamics.checks import FloatArray, finite_array, positive_number, read_only, whole_number
+from dynamics.plots.angle_curves import draw_over_angle
+from dynamics.plots.quantities import RPM
 from dynamics.turning.given_functions import checked_inertia, checked_moment
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 # Inertia [kg m^2] at an angle [rad].
 Inertia = Callable[[float], float]
@@ -70,6 +80,47 @@ class SpeedOverAngle:
     def fluctuation(self) -> float:
         """Coefficient of speed fluctuation: (highest - lowest speed) / mean speed."""
         return float((self.speed.max() - self.speed.min()) / self.mean_speed)
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the speed over the shaft angle.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        axes = new_axes(axes)
+        draw_over_angle(
+            axes, self.angle, {"speed": RPM * self.speed}, "speed [1/min]", cyclic=False
+        )
+        write_title(axes, "Speed over the shaft angle")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return a row for each angle: speed, time, kinetic energy.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "angle": (self.angle, "rad"),
+                "speed": (self.speed, "rad/s"),
+                "time": (self.time, "s"),
+                "kinetic_energy": (self.energy, "J"),
+            }
+        )
 
 
 def speed_over_angle(

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +18,11 @@ from dynamics.turning.speed_over_angle import (
 )
 from dynamics.turning.steady_energy import LEAST_ENERGY, energy_for_mean_speed
 from geometry.errors import InputError
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
 
 # Results per turn while a steady speed is sought.
 SEARCH_SAMPLES = 360
@@ -45,6 +51,37 @@ class SteadyTurning:
 
     load: float
     turning: SpeedOverAngle
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the speed over the shaft angle of one period.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        axes = self.turning.plot(axes)
+        write_title(axes, f"Steady turning under a load of {self.load:.4g} N m")
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return a row for each angle: speed, time, kinetic energy.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return self.turning.to_pandas()
 
 
 def steady_turning(

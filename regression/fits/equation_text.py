@@ -4,14 +4,12 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.model import InputModel, field_extra, part_kind
-from geometry.quantity import DISPLAY_UNITS
-from geometry.throw import CrankThrow
+from regression.factor_labels import FactorLabel as FactorLabel
+from regression.factor_labels import factor_label as factor_label
 from regression.fits.forms import Basis, FittedForm
 from regression.fits.terms import Term, design_matrix, term_name
 
@@ -31,47 +29,6 @@ SCALED_SYMBOLS: Mapping[str, str] = {
     "kg": "{} / (rho D_shm^3)",
     "": "{}",
 }
-
-
-@dataclass(frozen=True)
-class FactorLabel:
-    """How a factor stands in a printed equation: its symbol, its unit and that unit's size."""
-
-    symbol: str
-    unit: str
-    size: float
-
-
-def factor_label(name: str) -> FactorLabel:
-    """Label of a throw's dimension from its declaration; of another factor its plain name.
-
-    Examples
-    --------
-    >>> factor_label("web_width")
-    FactorLabel(symbol='B', unit='mm', size=0.001)
-    >>> factor_label("counterweight.thickness")
-    FactorLabel(symbol='counterweight.thickness', unit='mm', size=0.001)
-    >>> factor_label("web_outline=rectangle")
-    FactorLabel(symbol='[web_outline = rectangle]', unit='', size=1.0)
-    """
-    field, equals, label = name.partition("=")
-    if equals:
-        return FactorLabel(f"[{field} = {label}]", "", 1.0)
-    kind: type[InputModel] = CrankThrow
-    *parts, last = name.split(".")
-    for part in (part for part in parts if not part.isdigit()):
-        info = kind.model_fields.get(part)
-        inner = None if info is None else part_kind(info)
-        if inner is None:
-            return FactorLabel(name, "", 1.0)
-        kind = inner
-    declared = kind.model_fields.get(last)
-    if declared is None:
-        return FactorLabel(name, "", 1.0)
-    unit = str(field_extra(declared, "unit") or "")
-    shown, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
-    symbol = str(field_extra(declared, "symbol") or "")
-    return FactorLabel(symbol if symbol and not parts else name, shown, size)
 
 
 def equation_text(

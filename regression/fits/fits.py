@@ -7,11 +7,15 @@ between its levels either. A fit is therefore judged by held-out designs spread 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from regression.fits.effects import term_effects
 from regression.fits.forms import Basis, FittedForm, Form, form_named, form_terms
 from regression.fits.groups import group_named
 from regression.fits.selection import backward
@@ -23,6 +27,10 @@ from regression.fits.statistics import (
     least_squares,
 )
 from regression.fits.terms import Term, code, design_matrix, divisors, levels_needed, term_name
+from regression.plots.equations import draw_effects
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 
@@ -76,6 +84,17 @@ class Fit:
     highest: tuple[float, ...]
     undetermined: tuple[str, ...] = ()
     dropped: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        """Say in a line what it is; coefficients and statistics would fill screens."""
+        heldout = self.largest_heldout_error
+        judged = (
+            "" if heldout is None else f", {100.0 * heldout:.3g} % at {self.heldout_runs} held out"
+        )
+        return (
+            f"Fit({self.form} of {', '.join(self.factors)}: {self.coefficient_count} coefficients, largest "
+            f"error {100.0 * self.largest_error:.3g} % at {self.runs} runs{judged})"
+        )
 
     @property
     def form(self) -> str:
@@ -133,6 +152,51 @@ class Fit:
     def predict(self, x: ArrayLike) -> NDArray[np.float64]:
         """Evaluate at points (..., k); see `FittedForm.predict`."""
         return self.fitted.predict(x)
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw the coded coefficients in the order of their size (Pareto); the constant is left out.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        names, values = term_effects(self)
+        logarithmic = self.fitted.logarithmic
+        label = "coded coefficient of ln y [%]" if logarithmic else "coded coefficient [unit of y]"
+        axes = new_axes(axes)
+        draw_effects(axes, names, values / (0.01 if logarithmic else 1.0), label, self.form)
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the terms: natural coefficients, in SI units, and coded ones.
+
+        Returns
+        -------
+        pandas.DataFrame
+            ``term``, ``coefficient``, ``coded_coefficient`` (0 for a term that only the natural
+            equation has) and, with degrees of freedom, ``standard_error`` of the natural one.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        natural, coded = self.coefficients, self.coded_coefficients
+        mixed = "SI, by term"
+        columns: dict[str, tuple[Any, str]] = {
+            "term": (list(natural), ""),
+            "coefficient": (list(natural.values()), mixed),
+            "coded_coefficient": ([coded.get(name, 0.0) for name in natural], "unit of y"),
+        }
+        errors = self.natural_standard_errors
+        if errors is not None:
+            columns["standard_error"] = ([errors[name] for name in natural], mixed)
+        return table(columns)
 
 
 def _names(

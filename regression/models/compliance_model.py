@@ -9,7 +9,7 @@ import os
 import warnings
 from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,9 @@ from regression.models.outside import Outside, OutsideRangeWarning
 from regression.models.question import Answer
 from regression.models.ready_model import ReadyModel, column_ranges
 from regression.models.response_model import ResponseModel
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 __all__ = [
     "FILE_FORMAT",
@@ -415,6 +418,97 @@ class ComplianceModel(InputModel):
                 f"only with {', '.join(needed)}, because the angle law is made of these."
             )
         return needed
+
+    # --------------------------------------------------------------------- diagrams and tables
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        response: str | None = None,
+        over: str | None = None,
+        gamma_deg: float | None = None,
+        **dimensions: float | str,
+    ) -> "Axes":
+        """Draw a response over one factor, with the band of its error.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        response : str, optional
+            The first of the model by default.
+        over : str, optional
+            A numeric factor, by default the first; or "gamma_deg", the angle to the neighbors.
+        gamma_deg, **dimensions
+            As in `lookup`. Factors that are not given stand in the middle of their range, choices at
+            their first label.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            As in `lookup`, or if `over` is no numeric factor.
+        """
+        from regression.models.model_sections import plot_section
+
+        return plot_section(self, axes, response, over, gamma_deg, dimensions)
+
+    def to_pandas(self) -> Any:
+        """Return a table of the responses: symbol, unit, support, equation and its errors.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Errors are relative; ``frame.attrs["units"]`` has the units of the columns.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        from regression.models.model_sections import response_table
+
+        return response_table(self)
+
+    def to_xarray(
+        self,
+        *responses: str,
+        points: int = 5,
+        gamma_deg: ArrayLike | None = None,
+        **dimensions: ArrayLike | str,
+    ) -> Any:
+        """Return responses on a grid of the factors.
+
+        Parameters
+        ----------
+        *responses : str
+            Names; all of the model if none is given.
+        points : int
+            How many of each numeric factor, if no dimension is given as an array.
+        gamma_deg : float or (n,) array_like, optional
+            As in `axial_compliance`; an array makes a dimension of its own.
+        **dimensions : float, str or (n,) array_like
+            Arrays make the grid. Factors that are not given stand in the middle of their range,
+            choices at their first label; these are in ``attrs`` of the dataset.
+
+        Returns
+        -------
+        xarray.Dataset
+
+        Raises
+        ------
+        InputError
+            As in `axial_compliance`, or if the grid has more than a million points.
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        from regression.models.model_sections import response_grid
+
+        return response_grid(self, responses, points, gamma_deg, dimensions)
 
     # ----------------------------------------------------------------------------------- file
 

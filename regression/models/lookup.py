@@ -58,6 +58,15 @@ class Lookup:
     band: str = ""
     symbol: str = ""
 
+    def __repr__(self) -> str:
+        """Say in a line what it is; equation and remarks would fill screens."""
+        if self.lower is not None and self.upper is not None:
+            band = f", between {self.lower:.4g} and {self.upper:.4g}"
+        else:
+            band = "" if self.inside else ", outside the range of the fit"
+        support = f", {self.support}" if self.support else ""
+        return f"Lookup({self.symbol or 'value'} = {self.value:.6g} {self.unit}{support}{band})"
+
 
 def tell(
     response: ResponseModel, band: ErrorBand, value: float, beyond: Sequence[Outside] = ()

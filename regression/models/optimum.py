@@ -12,13 +12,17 @@ programming then brings the best design onto its limits.
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
+from geometry.diagram_style import RED, new_axes
 from geometry.errors import InputError
+from geometry.frames import table
+from geometry.plots.bars import draw_groups
+from geometry.plots.legends import write_title
 from geometry.quantity import show_quantity
 from geometry.throw import CrankThrow
 from regression.models.compliance_model import ComplianceModel, Lookup
@@ -30,6 +34,10 @@ from regression.models.optimum_limits import (
     worst_values,
 )
 from regression.models.optimum_space import SearchSpace, search_space
+from regression.throw_values import field_unit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 _optimize: Any = optimize  # its declarations know no vectorized functions
@@ -100,6 +108,82 @@ class Optimum:
     throw: CrankThrow | None
     remarks: tuple[str, ...]
     evaluations: int
+
+    def __repr__(self) -> str:
+        """Say in a line what it is; throw and lookups would fill screens."""
+        at = ", ".join(
+            f"{name} {value if isinstance(value, str) else f'{value:.6g}'}"
+            for name, value in self.factors.items()
+        )
+        active = ", ".join(one.limit.name for one in self.limits if one.active)
+        limits = f", at the limit of {active}" if active else ""
+        return (
+            f"Optimum({self.minimized} {self.value:.6g} {self.unit}".rstrip() + f" at {at}{limits})"
+        )
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw how far each limit is used, by the equation and at the worst end of its error band.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the optimum was found without limits, or a bound is 0.
+        """
+        if not self.limits or any(check.limit.bound == 0.0 for check in self.limits):
+            raise InputError(
+                f"limits: given {', '.join(c.limit.name for c in self.limits) or 'none'}; allowed for a "
+                "plot are one or more whose bound is not 0, because values are drawn as a share of it."
+            )
+        names = [
+            f"{one.limit.name} {one.limit.sign} {show_quantity(one.limit.bound, one.limit.unit)}"
+            for one in self.limits
+        ]
+        shares = {
+            "by the equation": [100.0 * one.value / one.limit.bound for one in self.limits],
+            "worst in its error band": [100.0 * one.worst / one.limit.bound for one in self.limits],
+        }
+        axes = new_axes(axes)
+        draw_groups(axes, names, shares, "share of the bound [%]")
+        axes.axhline(100.0, color=RED, linestyle="--", linewidth=1.2)
+        write_title(axes, f"Limits at the least {self.minimized.replace('_', ' ')}")
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the optimum: its factors, its other dimensions, and its responses.
+
+        Returns
+        -------
+        pandas.DataFrame
+            ``name``, ``kind`` ("factor", "dimension", "response"), ``value`` [SI] and ``unit``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        rows: list[tuple[str, str, float | str, str]] = [
+            (name, "factor" if name in self.factors else "dimension", value, field_unit(name) or "")
+            for name, value in {**self.factors, **self.dimensions}.items()
+        ]
+        rows += [(name, "response", one.value, one.unit) for name, one in self.lookups.items()]
+        names, kinds, values, units = zip(*rows, strict=True)
+        return table(
+            {
+                "name": (names, ""),
+                "kind": (kinds, ""),
+                "value": (values, "SI, see the column unit"),
+                "unit": (units, ""),
+            }
+        )
 
 
 @dataclass(frozen=True)

@@ -384,7 +384,8 @@ class DaskCluster:
             from distributed import Client
         except ImportError:
             raise MissingLibraryError(
-                "dask: given, but the package distributed is not installed; install crankfem[cluster]."
+                "dask: given, but the package distributed is not installed; install it with: "
+                "pip install 'crankfem[cluster]'"
             ) from None
         self.address = address
         self.run = uuid.uuid4().hex[:12]

@@ -166,7 +166,7 @@ def _parquet() -> tuple[Any, Any]:
         import pyarrow.parquet as parquet
     except ImportError:
         raise MissingLibraryError(
-            "export: given a Parquet file, but the package pyarrow is not installed; install "
-            "crankfem[tables], or write a .csv file."
+            "export: given a Parquet file, but the package pyarrow is not installed; install it with: "
+            "pip install 'crankfem[tables]', or write a .csv file."
         ) from None
     return pyarrow, parquet

@@ -2,16 +2,28 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.responses import RESPONSES
+from geometry.diagram_style import new_axes
+from geometry.errors import InputError
+from geometry.frames import table
 from geometry.model import field_extra
+from geometry.plots.legends import legend_inside, write_title
+from geometry.plots.shown_units import shown_unit
 from geometry.throw import CrankThrow
+from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedDesign, StudyPlan
+from regression.plots.factor_axis import factor_size, label_factor_axis, response_text
+from regression.plots.runs import draw_runs
 from regression.records import HELD_OUT, MEASURED, ExtraRow, Outcome
 from regression.throw_values import same
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
 
@@ -104,6 +116,88 @@ class StudyTable:
     computed: int = 0
     extra: tuple[ExtraRow, ...] = ()
     rows: tuple[StudyRow, ...] = field(default=(), repr=False)
+
+    def plot(
+        self, axes: "Axes | None" = None, *, response: str | None = None, factor: str | None = None
+    ) -> "Axes":
+        """Draw a response of all designs over one of the factors.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        response : str, optional
+            A column of `responses`; the first by default.
+        factor : str, optional
+            The first by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the study has no such response or factor.
+        """
+        column = _one_of("response", response, list(self.responses))
+        name = _one_of("factor", factor, [one.name for one in self.plan.factors])
+        place = [one.name for one in self.plan.factors].index(name)
+        chosen = self.plan.factors[place]
+        kind = RESPONSES.get(column)
+        symbol, unit = (column.replace("_", " "), "") if kind is None else (kind.symbol, kind.unit)
+        axes = new_axes(axes)
+        draw_runs(
+            axes,
+            self.values[:, place] / factor_size(chosen.unit, chosen.labels),
+            self.responses[column] / shown_unit(unit)[1],
+            self.held_out,
+        )
+        label_factor_axis(axes, chosen.name, chosen.unit, chosen.labels)
+        axes.set_ylabel(response_text(symbol, unit))
+        write_title(axes, f"Designs of the study, {column.replace('_', ' ')}")
+        legend_inside(axes)
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the designs that have a result, one a row.
+
+        Returns
+        -------
+        pandas.DataFrame
+            ``held_out``, the factors (choices as their labels), the responses, their estimated
+            relative errors as "NAME error", and ``seconds``; units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        columns: dict[str, tuple[Any, str]] = {"held_out": (self.held_out, "")}
+        for place, factor in enumerate(self.plan.factors):
+            columns[factor.name] = _cells(factor, self.values[:, place])
+        for name, values in self.responses.items():
+            kind = RESPONSES.get(name)
+            columns[name] = (values, "1" if kind is None else kind.unit or "1")
+        columns |= {f"{name} error": (values, "1") for name, values in self.errors.items()}
+        return table(columns | {"seconds": (self.seconds, "s")})
+
+
+def _one_of(argument: str, given: str | None, names: list[str]) -> str:
+    """Return what was given, or the first name."""
+    if not names or (given is not None and given not in names):
+        raise InputError(
+            f"{argument}: given {given!r}; allowed are {', '.join(names) or 'none'}, because the study "
+            "has these."
+        )
+    return names[0] if given is None else given
+
+
+def _cells(factor: Factor, values: Array) -> tuple[Any, str]:
+    """Values of a factor with their unit; labels of a choice."""
+    if factor.labels:
+        return [factor.labels[round(value)] for value in values.tolist()], ""
+    return values, factor.unit or "1"
 
 
 def throw_dimensions(throw: Mapping[str, Any]) -> dict[str, float]:

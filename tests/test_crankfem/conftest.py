@@ -12,6 +12,7 @@ import pytest
 
 from crankfem import cli
 from crankfem.data_files import engine_path
+from fem import fillet_stress
 from fem.analysis import analyze_throw
 from geometry.errors import MissingLibraryError
 from regression.fits.fits import fit_form
@@ -123,6 +124,7 @@ def call(monkeypatch, capsys):
 
 
 analyzed = cache(analyze_throw)
+stressed = cache(fillet_stress.fillet_stresses)
 
 
 class NotRendered:
@@ -139,11 +141,15 @@ class NotRendered:
 
 
 @pytest.fixture
-def lightly(monkeypatch):
-    """Let runs in this process share the analyses of their throws, and render nothing."""
+def lightly(monkeypatch, coarse_stresses):
+    """Let runs in this process share analyses and coarse stresses of their throws, and render nothing."""
     for module in ("crankfem.pipeline", "crankfem.vibration.run"):
         monkeypatch.setattr(f"{module}.analyze_throw", analyzed)
-    monkeypatch.setattr("crankfem.pipeline.Rendering", NotRendered)
+    for name in ("Rendering", "StressRendering"):
+        monkeypatch.setattr(f"crankfem.pipeline.{name}", NotRendered)
+    for name, value in coarse_stresses.items():
+        monkeypatch.setattr(fillet_stress, name, value)
+    monkeypatch.setattr(fillet_stress, "fillet_stresses", stressed)
 
 
 @pytest.fixture

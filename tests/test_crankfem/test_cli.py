@@ -1,15 +1,27 @@
 import json
+import math
 import re
+import shlex
 import sqlite3
+import sys
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import typer.main
 
 from crankfem import cli
-from crankfem.data_files import engine_path
+from crankfem.angle_argument import parse_gamma
+from crankfem.commands import completion
+from crankfem.console import RunProgress
+from crankfem.data_files import engine_path, shipped_engines
+from crankfem.exit_codes import MEANINGS
+from crankfem.field_tables import SECTIONS
+from geometry.errors import InputError, MissingLibraryError
 from regression.models.compliance_model import ComplianceModel
 
+ENTRY = [sys.executable, "-c", "from crankfem.entry import main; main()"]
 COMMANDS = sorted(typer.main.get_command(cli.app).commands)
 
 
@@ -31,11 +43,208 @@ def test_commands_that_answer_have_json(command):
     assert "--json" in options
 
 
-@pytest.mark.parametrize("arguments", [(), ("nonsense",), ("check",), ("check", "--nonsense")])
-def test_wrong_use_is_told(call, arguments):
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_can_be_quiet(command):
+    options = [o for p in typer.main.get_command(cli.app).commands[command].params for o in p.opts]
+    assert {"--quiet", "-q"} <= set(options)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("nonsense",), "No such command 'nonsense'"),
+        (("check",), "Missing argument 'FILE.toml'"),
+        (("check", "--nonsense"), "No such option: --nonsense"),
+        (("throw", "6chn25-34", "--accuracy", "fine"), "Invalid value for '--accuracy'"),
+    ],
+)
+def test_wrong_use_is_told_in_a_sentence(call, arguments, told):
     answer = call(*arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith(f"Error: {told}")
+    assert answer.err.count("\n") == 1
+    assert "--help`." in answer.err
+
+
+def test_without_a_command_there_is_help_and_code_2(call):
+    answer = call()
+    assert (answer.code, answer.err) == (2, "")
+    shown = " ".join(answer.out.split())
+    for group in ("Main job", "Throw", "Compliance", "Forces", "Vibration", "Files"):
+        assert f"─ {group} ─" in shown
+    for code in MEANINGS:
+        assert f" {code} " in shown.partition("Exit codes:")[2]
+
+
+def test_version(call):
+    answer = call("--version")
+    assert (answer.code, answer.err) == (0, "")
+    assert re.fullmatch(r"crankfem \S.*\n", answer.out)
+
+
+# -------------------------------------------------------------------------------- ends and streams
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "sentence"),
+    [
+        (InputError("field: wrong."), 2, "field: wrong."),
+        (FileNotFoundError(2, "No such file", "a.csv"), 2, "a.csv: No such file."),
+        (OSError(28, "No space left on device", "a.csv"), 3, "a.csv: No space left on device."),
+        (MissingLibraryError("no gmsh."), 3, "no gmsh."),
+        (MemoryError(), 3, "The machine has not enough memory for this."),
+        (ImportError("No module named 'x'"), 3, "No module named 'x'."),
+        (
+            ZeroDivisionError("division by zero"),
+            3,
+            "ZeroDivisionError: division by zero, which nobody expected; set CRANKFEM_TRACEBACK=1 to see "
+            "where it comes from.",
+        ),
+        (BrokenPipeError(), 141, None),
+    ],
+)
+def test_every_error_is_a_sentence_and_a_code(call, monkeypatch, error, code, sentence):
+    def fail(_):
+        raise error
+
+    monkeypatch.setattr("crankfem.field_tables.section_tables", fail)
+    answer = call("fields")
+    assert (answer.code, answer.out) == (code, "")
+    assert answer.err == ("" if sentence is None else f"Error: {sentence}\n")
+
+
+def test_a_traceback_is_shown_on_demand(call, monkeypatch):
+    monkeypatch.setenv("CRANKFEM_TRACEBACK", "1")
+    answer = call("fields", "nothing")
     assert answer.code == 2
-    assert "Traceback" not in answer.err
+    assert "Traceback" in answer.err
+    assert answer.err.splitlines()[-1].startswith("Error: section: given 'nothing'")
+
+
+def test_an_output_that_nobody_reads_ends_quietly(spawn):
+    piped = ["bash", "-c", f"{shlex.join(ENTRY)} fields | head -1; echo ${{PIPESTATUS[0]}}"]
+    answer = spawn(command=piped)
+    assert answer.out.splitlines()[0].startswith("[engine]")
+    assert answer.out.splitlines()[-1] == "141"
+    assert answer.err == ""
+
+
+VERDICTS = {
+    "fine": (0, ""),
+    "barred range needed": (0, ""),
+    "not acceptable": (4, "Limits are exceeded: The verdict.\n"),
+    None: (2, "Error: --strict: nothing could be judged, because the engine file gives no gas"),
+}
+
+
+@pytest.mark.parametrize("status", VERDICTS)
+@pytest.mark.parametrize("option", ["--json", "--quiet"])
+def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
+    code, sentence = VERDICTS[status]
+    judged = None if status is None else {"status": status, "sentence": "The verdict."}
+    monkeypatch.setattr("crankfem.vibration.run.engine_vibration", lambda *_, **__: None)
+    for name in ("run_record", "print_run"):
+        made = {"assessment": judged}
+        monkeypatch.setattr(f"crankfem.vibration.records.{name}", lambda *_, made=made, **__: made)
+    answer = call("vibration", "6chn25-34", "--strict", option)
+    assert answer.code == code
+    assert sentence in answer.err
+    if option == "--json":
+        assert answer.json()["assessment"] == judged
+    # Without the option the verdict does not matter.
+    assert call("vibration", "6chn25-34", option).code == 0
+
+
+def test_quiet_leaves_only_results(call, monkeypatch):
+    plain = call("formulas", "6chn25-34", "--no-fe", "--gamma", "120")
+    assert plain.err == 'Note: --gamma 120 is taken as "120 deg"; write the unit with it.\n'
+    quiet = call("formulas", "6chn25-34", "--no-fe", "--gamma", "120", "-q")
+    assert (quiet.err, quiet.out) == ("", plain.out)
+    assert call("formulas", "6chn25-34", "--no-fe", "--gamma", "120 deg").out == plain.out
+    # Errors are told all the same.
+    assert call("fields", "nothing", "-q").err.startswith("Error: section")
+
+
+def test_quiet_progress_prints_nothing(capsys):
+    with RunProgress(quiet=True) as progress:
+        progress.step("Working")
+        progress.design(0, 2, None)
+        progress.note("a remark")
+        progress.finish()
+    captured = capsys.readouterr()
+    assert captured.out + captured.err == ""
+
+
+@pytest.mark.parametrize("given", ["2 rad", "114.591559026 deg", "0.318309886 turn"])
+def test_gamma_takes_any_angle(given):
+    # Nine digits were given.
+    assert parse_gamma(given, quiet=True) == pytest.approx(math.degrees(2.0), rel=1e-8)
+
+
+# -------------------------------------------------------------------------------------- completion
+
+
+def test_names_and_files_are_completed(tmp_path, model_file):
+    (tmp_path / "6mine.toml").touch()
+    (tmp_path / "notes.md").touch()
+    (tmp_path / "6folder").mkdir()
+    (tmp_path / "6folder" / "a.toml").touch()
+    assert completion.engines("6") == [
+        *(name for name in shipped_engines() if name.startswith("6")),
+        "6folder/",
+        "6mine.toml",
+    ]
+    assert completion.engines("6folder/") == ["6folder/a.toml"]
+    assert completion.engines("nowhere/") == []
+    assert "mwm-six" in completion.engines_and_chains("m")
+    assert completion.sections("tors") == ["torsional_damper"]
+    assert set(completion.sections("")) == {model.section for model, _ in SECTIONS}
+    context = SimpleNamespace(params={"model": model_file})
+    assert completion.dimensions(context, "web_w") == ["web_width="]
+    assert completion.dimensions(context, "web_width=3") == []
+    assert completion.dimensions(SimpleNamespace(params={}), "w") == []
+
+
+def test_completion_and_help_load_nothing_slow(spawn):
+    code = (
+        "import sys, crankfem.cli; from crankfem.commands import completion; "
+        "completion.any_input(''); completion.shipped(''); "
+        "print([name for name in ('numpy', 'scipy', 'pydantic', 'pint', 'gmsh', 'matplotlib') "
+        "if name in sys.modules])"
+    )
+    answer = spawn(command=[sys.executable, "-c", code])
+    assert answer.out.strip() == "[]", answer.err
+
+
+def test_a_shell_is_answered(spawn, spawn_environment):
+    words = {"COMP_WORDS": "crankfem throw 6chn25", "COMP_CWORD": "2"}
+    answer = spawn(env=spawn_environment(_CRANKFEM_COMPLETE="complete_bash", **words))
+    assert answer.out.split() == ["6chn25-34"], answer.err
+
+
+# ------------------------------------------------------------------------------- packages of extras
+
+
+@pytest.mark.parametrize(
+    ("package", "arguments", "extra"),
+    [
+        ("distributed", ("doe", "6chn25-34", "--dask", "tcp://127.0.0.1:9"), "cluster"),
+        ("pyarrow", ("doe", "6chn25-34", "--export", "runs.parquet"), "tables"),
+        (
+            "h5py",
+            ("export", "6chn25-34", "throw.med", "--part", "quarter", "--size", "10"),
+            "formats",
+        ),
+    ],
+)
+def test_a_missing_package_is_named_with_its_extra(call, monkeypatch, package, arguments, extra):
+    for name in [name for name in sys.modules if name.partition(".")[0] == package]:
+        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.setitem(sys.modules, package, None)
+    answer = call(*arguments)
+    assert (answer.code, answer.out) == (3, "")
+    assert f"pip install 'crankfem[{extra}]'" in answer.err
+    assert answer.err.count("Error: ") == 1
 
 
 # ------------------------------------------------------------------------------------- new, check
@@ -49,11 +258,6 @@ def test_new_copies_a_shipped_engine(call, tmp_path, name):
     copied = (tmp_path / "mine.toml").read_bytes()
     assert copied == engine_path(name).read_bytes()
     assert call("check", "mine.toml").code == 0
-
-
-def test_new_takes_the_six_cylinders_by_default(call, tmp_path):
-    assert call("new", "mine.toml").code == 0
-    assert (tmp_path / "mine.toml").read_bytes() == engine_path("6chn25-34").read_bytes()
 
 
 def test_new_overwrites_nothing(call, tmp_path):
@@ -73,7 +277,7 @@ def test_new_refuses_an_unknown_engine(call, tmp_path):
 
 def test_new_into_a_folder_that_is_not_there(call):
     answer = call("new", "nowhere/mine.toml")
-    assert answer.code in (1, 2)
+    assert answer.code == 2
     assert answer.err.startswith("Error: ")
     assert "nowhere" in answer.err
 
@@ -496,3 +700,10 @@ def test_pictures_of_stresses_need_a_folder(call, tmp_path):
     answer = call("stress", "6chn25-34", "--pictures", file)
     assert answer.code == 2
     assert "which is a file; allowed is a folder" in " ".join(answer.err.split())
+
+
+def test_the_page_tells_all_commands_and_exit_codes():
+    page = (Path(__file__).parents[2] / "docs" / "command-line.md").read_text(encoding="utf-8")
+    assert sorted(re.findall(r"^\| `(\w+)` \| .* \| .* \|$", page, re.M)) == COMMANDS
+    for code, meaning in MEANINGS.items():
+        assert f"| {code} | {meaning} |" in page

@@ -164,7 +164,7 @@ def test_limits_are_quantities(call, study, monkeypatch):
     answer = call(
         "doe", study, "--time-limit", "2 min", "--memory-limit", "4 GiB", "--dask", "tcp://h:1"
     )
-    assert answer.code == 1
+    assert answer.code == 3
     assert answer.err.strip() == "Error: store: runs.sqlite cannot be used now (the disk is full)."
     assert (given["time_limit"], given["memory_limit"]) == (120.0, 4 * 2.0**30)
     assert given["dask"] == "tcp://h:1"
@@ -185,7 +185,7 @@ def test_a_design_beyond_its_time_is_told_and_the_others_are_fitted(call, study,
     assert counted in answer.out
 
 
-def test_a_locked_store_ends_doe_with_one_sentence_and_1(call, study, tmp_path, monkeypatch):
+def test_a_locked_store_ends_doe_with_one_sentence_and_3(call, study, tmp_path, monkeypatch):
     monkeypatch.setattr(store_module, "PATIENCE", 0.1)
     with ResultStore(tmp_path / "runs.sqlite"):
         pass
@@ -193,7 +193,7 @@ def test_a_locked_store_ends_doe_with_one_sentence_and_1(call, study, tmp_path, 
     other.execute("BEGIN IMMEDIATE")
     answer = call("doe", study)
     other.close()
-    assert (answer.code, answer.out) == (1, "")
+    assert (answer.code, answer.out) == (3, "")
     assert answer.err.strip().startswith(
         "Error: store: runs.sqlite cannot be used now (another program"
     )

@@ -2,8 +2,11 @@
 
 import signal
 import sys
+import time
 
 import pytest
+
+from crankfem.interrupts import interrupts_end_at_once, interrupts_raise
 
 # A module's loading is where the interrupt comes, in the midst of clearing an object away: what is
 # raised there, Python tells of with a traceback and goes on.
@@ -25,6 +28,12 @@ main()
 """
 
 
+def test_python_runs_the_package(spawn):
+    answer = spawn("--version", command=[sys.executable, "-P", "-m", "crankfem"])
+    assert answer.code == 0
+    assert answer.out.startswith("crankfem ")
+
+
 @pytest.mark.parametrize(
     ("command", "sentence"), [("mechanism", "Stopped."), ("run", "Stopped. Finished designs")]
 )
@@ -36,9 +45,31 @@ def test_an_interrupt_while_modules_load(spawn, command, sentence):
 
 
 def test_afterwards_interrupts_are_what_they_were():
-    from crankfem.entry import _interrupts_end_at_once
-
     usual = signal.getsignal(signal.SIGINT)
-    with _interrupts_end_at_once():
+    with interrupts_end_at_once():
         assert signal.getsignal(signal.SIGINT) is not usual
     assert signal.getsignal(signal.SIGINT) is usual
+
+
+def test_work_that_must_be_closed_sees_an_interrupt():
+    with interrupts_end_at_once():
+        ending = signal.getsignal(signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt), interrupts_raise():
+            signal.raise_signal(signal.SIGINT)
+        assert signal.getsignal(signal.SIGINT) is ending
+
+
+class Cleared:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+
+def work():
+    Cleared()
+    time.sleep(5.0)  # the interrupt comes again much sooner
+
+
+def test_an_interrupt_while_something_is_cleared_away_is_not_lost(capsys):
+    with interrupts_end_at_once(), interrupts_raise(), pytest.raises(KeyboardInterrupt):
+        work()
+    assert capsys.readouterr().err == ""

@@ -3,13 +3,9 @@
 import numpy as np
 import pytest
 
-from crankfem.pictures.load_plots import (
-    _drawn,
-    _square_round,
-    plot_developed_loads,
-    plot_polar_loads,
-)
+from crankfem.pictures.load_plots import plot_developed_loads, plot_polar_loads
 from dynamics.engine.loads import LoadDiagram
+from dynamics.plots.load_diagrams import on_paper, square_round
 from geometry.errors import InputError
 
 ANGLES = np.radians(np.arange(0.0, 720.0, 15.0))
@@ -24,14 +20,14 @@ def diagram():
 
 def test_the_crank_stands_upright_and_turns_clockwise(diagram):
     """Right is with the rotation and up outwards; at rest, right is -x, seen from the free end."""
-    np.testing.assert_allclose(_drawn(diagram, "crank"), 4.0 + 3.0j, rtol=1e-12)
+    np.testing.assert_allclose(on_paper(diagram, "crank"), 4.0 + 3.0j, rtol=1e-12)
     columns = diagram.columns()
     at_rest = 1e-3 * (-columns["force_x_N"] + 1j * columns["force_y_N"])
-    np.testing.assert_allclose(_drawn(diagram, "engine"), at_rest, rtol=1e-12)
+    np.testing.assert_allclose(on_paper(diagram, "engine"), at_rest, rtol=1e-12)
 
 
 def test_the_square_holds_curves_and_origin():
-    low, high = _square_round([np.array([2.0 + 1.0j, 6.0 + 3.0j])])
+    low, high = square_round([np.array([2.0 + 1.0j, 6.0 + 3.0j])])
     assert high[0] - low[0] == pytest.approx(high[1] - low[1])
     assert low[0] < 0.0
     assert low[1] < 0.0

@@ -2,9 +2,6 @@
 
 import itertools
 import json
-import re
-import shlex
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -406,50 +403,3 @@ def test_a_frequency_needs_its_compliance(run, path):
 
 def test_the_command_says_what_it_is_for():
     assert optimum_command.optimum.__doc__.startswith("Find the thinnest web")
-
-
-# -------------------------------------------------------------------------------------------- docs
-
-PAGE = Path(__file__).parents[2] / "docs" / "lookup.md"
-
-
-def blocks(language):
-    return re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-
-
-@pytest.fixture
-def documented(tmp_path, monkeypatch, frequencies, short_search):
-    """The model of the page: three dimensions, in the folder where its examples run."""
-    box = BOX | {"web_thickness": (0.038, 0.098), "pin_length": (0.120, 0.158)}
-    grid = np.array(list(itertools.product(*(np.linspace(*ends, 3) for ends in box.values()))))
-    responses = {}
-    sizes = SIZES | {"influence_coefficient": (0.6e-9, -1.0, "c", "m/N")}
-    for name, (size, exponent, symbol, unit) in sizes.items():
-        values = power(size, exponent)(grid)
-        fit = fit_form("log-quadratic", tuple(box), grid, values, grid, values)
-        made = ResponseModel.from_fit(fit, symbol=symbol, unit=unit, fe_error=0.01)
-        responses[name] = ResponseModel(**(made.model_dump() | {"largest_heldout_error": 0.005}))
-    fixed = {name: getattr(THROW, name) for name in FIXED if name != "pin_length"}
-    made_model(responses=responses, fixed=fixed, ranges=box).save(tmp_path / "model.json")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(crankfem.frequency_limits, "engine_frequencies", lambda _: frequencies)
-
-
-def test_the_page_of_lookups_runs(documented):
-    examples = blocks("python")
-    assert len(examples) == 7
-    names = {}
-    for example in examples:
-        exec(compile(example, str(PAGE), "exec"), names)
-    assert names["thinnest"].limits[0].worst == pytest.approx(1.2e-9, rel=1e-6)
-    assert names["at_120"] < names["e"]
-    assert names["lightest"].factors["pin_length"] == 0.139
-
-
-def test_the_commands_of_the_page_run(documented, run):
-    (lines,) = blocks("sh")
-    commands = [shlex.split(line) for line in lines.splitlines()]
-    assert len(commands) == 4
-    for program, *arguments in commands:
-        assert program == "crankfem"
-        assert run(*arguments)

@@ -95,9 +95,9 @@ def test_json(call):
     ("arguments", "message"),
     [
         (("--speed", "1000"), "--speed: given '1000', a bare number"),
-        (("--speed", "0 1/min"), "--speed: given '0 1/min'; allowed is 0.5 to 3000 rad/s"),
-        (("--speed", "4.77 1/min"), "allowed is 0.5 to 3000 rad/s (4.7746 1/min to 28648 1/min)"),
-        (("--speed", "30000 1/min"), "allowed is 0.5 to 3000 rad/s"),
+        (("--speed", "0 1/min"), "--speed: given '0 1/min'; allowed is 5 1/min to 30000 1/min"),
+        (("--speed", "4.99 1/min"), "allowed is 5 1/min to 30000 1/min, because"),
+        (("--speed", "30001 1/min"), "allowed is 5 1/min to 30000 1/min"),
         (("--speed", "3 m"), "is no speed of rotation"),
         (("--model", "stiff"), "--model: given 'stiff'; allowed are rigid, three-mass"),
         (("--csv", "/no/such/folder/x.csv"), "there is no folder /no/such/folder"),

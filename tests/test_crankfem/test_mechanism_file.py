@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import crankfem as cf
 from crankfem.data_files import engine_path
 from crankfem.engine_file import EngineFile, load_engine
+from crankfem.engine_sections import Engine
 from crankfem.mechanism_file import MechanismFile, load_any, load_mechanism, with_throws
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import gas_forces
@@ -293,3 +295,42 @@ def test_all_cylinders_breathe_from_one_receiver():
     assert first is mechanism.pressure[3]
     assert hinged is mechanism.pressure[7]
     assert np.abs(first.pressure / hinged.pressure - 1.0).max() > 1e-4
+
+
+def three_cylinders(**changes):
+    given = {
+        "name": "three",
+        "cylinders": 3,
+        "strokes": 4,
+        "bore": 0.08,
+        "stroke": 0.1,
+        "rated_speed": 300.0,
+        "lowest_speed": 100.0,
+        "highest_speed": 310.0,
+        "crank_angles": tuple(math.radians(angle) for angle in (0.0, 120.0, 240.0)),
+        "firing_order": (1, 3, 2),
+    }
+    return Engine(**(given | changes))
+
+
+def test_an_order_that_fits_both_senses_turns_so_that_it_fires_evenly():
+    engine = three_cylinders()
+    assert sorted(np.rad2deg(engine.firing_angles)) == pytest.approx([0.0, 240.0, 480.0])
+    assert engine.firing_remark is None
+
+
+def test_uneven_firing_is_told():
+    angles = tuple(math.radians(angle) for angle in (0.0, 90.0, 240.0))
+    remark = three_cylinders(crank_angles=angles).firing_remark
+    assert remark.startswith("engine.firing_order: fires at uneven intervals of")
+
+
+def test_a_shipped_torque_table_by_name(tmp_path):
+    shipped = cf.load_torque_table("yamz5340_torque_one_throw.csv")
+    assert shipped.torque.size == 36
+    path = tmp_path / "own.csv"
+    path.write_text("crank_angle_deg,torque_Nm\n0,1\n180,2\n360,3\n540,4\n", encoding="utf-8")
+    assert cf.load_torque_table(path).torque.tolist() == [1.0, 2.0, 3.0, 4.0]
+    for missing in ("none.csv", tmp_path / "yamz5340_torque_one_throw.csv"):
+        with pytest.raises(InputError, match="cannot be read"):
+            cf.load_torque_table(missing)

@@ -9,7 +9,7 @@ import pytest
 
 from crankfem import console
 from crankfem.design_tables import plan_record, print_plan
-from crankfem.studies import study_key
+from crankfem.studies import run_study, study_key
 from crankfem.study_file import FIELDS, study_plan
 from crankfem.toml_file import read_toml
 from fem.material import STEEL
@@ -18,6 +18,7 @@ from geometry.throw import CrankThrow
 from regression.plans.designs import OPTIONS, DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
+from regression.records import StudyStoppedError
 
 ROOT = Path(__file__).resolve().parents[2]
 THROW = CrankThrow(
@@ -454,3 +455,17 @@ def test_the_page_names_every_field_and_design():
     }
     for name in (*FIELDS, *OPTIONS):
         assert re.search(rf"`[^`]*\b{name}\b[^`]*`", PAGE)
+
+
+def test_notes_of_a_study_go_to_standard_error_or_where_they_are_wanted(monkeypatch, capsys):
+    def run_plan(*_, note, **__):
+        note("the cluster has no workers; waiting for one")
+        raise StudyStoppedError("dask: gone.")
+
+    monkeypatch.setattr("crankfem.studies.run_plan", run_plan)
+    told = []
+    for options in ({}, {"note": told.append}):
+        with pytest.raises(StudyStoppedError):
+            run_study("6chn25-34", dask="tcp://h:1", **options)
+    assert told == ["the cluster has no workers; waiting for one"]
+    assert capsys.readouterr() == ("", f"{told[0]}\n")

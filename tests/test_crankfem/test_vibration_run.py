@@ -149,6 +149,19 @@ def test_forced_vibration_of_an_engine(run):
 
 
 @pytest.mark.slow
+def test_what_is_asked_for_most_has_a_short_name(run, coarse):
+    assert run.torsional_chain is run.forced_torsional.engine_chain.chain
+    assert run.axial_chain is run.axial.chosen.chain.chain
+    checks = run.assessment.verdict.checks
+    assert run.worst_check.used == max(check.used for check in checks)
+    silent = engine_vibration(run.engine_file.changed(gas=None, ranges=None), analysis=coarse)
+    assert silent.worst_check is None
+    thicker = run.engine_file.changed(throw={"web_thickness": 0.070})
+    with pytest.raises(InputError, match="analysis: given that of another throw"):
+        engine_vibration(thicker, analysis=coarse)
+
+
+@pytest.mark.slow
 def test_exciting_forces_do_not_depend_on_the_chains_compliances(coarse, run):
     engine = run.engine_file
     settings = engine.vibration.model_copy(update={"axial_source": "fe pinned"})

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from dynamics.assessment.damper_search import Tried, thinned
 from dynamics.assessment.damper_sizing import (
     size_axial_damper,
     size_rubber_damper,
@@ -52,6 +53,29 @@ def test_axial_damper_at_a_node_can_be_too_strong():
     assert found.used_at_best[0] > 10.0 * found.used
     assert found.used_at_best[-1] > 10.0 * found.used
     assert found.sentence.startswith("No damper in the ranges searched keeps the limit")
+
+
+def test_sizes_of_a_searchs_end_are_told_once():
+    tried = [Tried(size, np.empty(0), 2.0 - size) for size in (0.1, 0.5, 0.999, 1.001, 1.002, 3.0)]
+    assert [one.size for one in thinned(tried)] == [0.1, 0.5, 1.001, 3.0]
+    assert thinned(tried[:1]) == tuple(tried[:1])
+
+
+def test_a_free_nodes_amplitude_is_with_or_without_the_rigid_body():
+    """Two equal masses, a unit force on one: 1 / (2 w^2) as one body, 1 / (2 (2 - w^2)) apart."""
+    chain = Chain([1.0, 1.0], [1.0])
+    force = np.zeros((1, 1, 2))
+    force[..., 0] = 1.0
+    speed = 0.5
+    excitation = OrderExcitation([1.0], [speed], force)
+    rigid, swinging = 0.5 / speed**2, 0.5 / (2.0 - speed**2)
+    whole, elastic = (
+        float(node_amplitude(excitation, 0, elastic=only)(chain).values[0])
+        for only in (False, True)
+    )
+    # Half of the range over 360 samples of the turn or better: 1 - cos(0.5 deg) is 4e-5.
+    assert whole == pytest.approx(abs(swinging - rigid), rel=1e-4)
+    assert elastic == pytest.approx(swinging, rel=1e-4)
 
 
 def test_limit_out_of_reach_is_said_with_the_reason():

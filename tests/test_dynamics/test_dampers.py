@@ -38,7 +38,12 @@ def test_viscous_damper_on_a_chain():
     assert chain.inertia.tolist() == [1.2, 2.0, 0.3]
     assert chain.damping_matrix().tolist() == [[4.0, 0.0, -4.0], [0.0, 0.0, 0.0], [-4.0, 0.0, 4.0]]
     assert chain.stiffness.tolist() == [5.0]
-    assert chain.modes().rigid == 2
+    modes = chain.modes()
+    assert modes.rigid == 2
+    assert modes.elastic_frequencies.tolist() == modes.frequencies[2:].tolist()
+    assert np.all(modes.elastic_frequencies > 0.0)
+    assert modes.strain_names == (*chain.elements, *(f"{name} - ground" for name in chain.names))
+    assert len(modes.strain_names) == len(modes.strain_shares)
 
 
 def test_rubber_damper_on_a_chain():

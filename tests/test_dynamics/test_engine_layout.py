@@ -8,7 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
-from dynamics.engine.firing import IN_LINE, firing_angles_of_order, firing_order_of_angles
+from dynamics.engine.firing import (
+    IN_LINE,
+    firing_angles_of_order,
+    firing_intervals,
+    firing_order_of_angles,
+)
 from dynamics.engine.gas_forces import piston_position
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion, piston_ends
@@ -319,3 +324,10 @@ def test_impossible_parts_are_refused(make, words):
 def test_a_rod_is_a_rod():
     with pytest.raises(InputError, match="rod: given 'rod'; allowed is a ConnectingRod"):
         EngineCylinder(0.1, 1.0, "rod")
+
+
+@pytest.mark.parametrize(("strokes", "total"), [(2, 2.0), (4, 4.0)])
+def test_firing_intervals_are_one_cycle_together(strokes, total):
+    steps = firing_intervals([0.5, 0.1, 3.0], strokes)
+    assert steps[:2] == pytest.approx((0.4, 2.5))
+    assert sum(steps) == pytest.approx(total * np.pi)

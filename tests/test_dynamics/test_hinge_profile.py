@@ -232,6 +232,12 @@ def test_a_roller_larger_than_the_hollow_has_a_cusp():
 
 def test_checks_of_guides(moment, profile):
     assert all(check.met for check in profile.checks)
+    radius, *_, hollow = (check.sentence for check in profile.checks)
+    assert radius.startswith("Smallest radius: 5")
+    assert radius.endswith(
+        " mm, met; it must be above the roller's radius, or the two rollers would meet."
+    )
+    assert hollow.startswith("Smallest hollow: none, met; it must be above the roller's radius")
     small = hinge_profile(moment, GasSpring(0.031, 0.4, 3e6), 0.3, roller_radius=0.2)
     met = {check.name: check.met for check in small.checks}
     assert met["lowest spring pressure"]

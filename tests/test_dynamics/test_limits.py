@@ -79,6 +79,15 @@ def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so(
             "given 700 MPa; allowed is 590 MPa or less for carbon steel",
         ),
         (
+            lambda: crankshaft_limit(100.0, strokes=4, tensile_strength=900e6),
+            "ends there; for low alloy steel set alloy to true, which allows up to 835 MPa; for a stronger "
+            "steel give 835 MPa, which is on the safe side",
+        ),
+        (
+            lambda: crankshaft_limit(100.0, strokes=4, tensile_strength=900e6, alloy=True),
+            "835 MPa or less for low alloy steel, .* ends there; for a stronger steel give 835 MPa",
+        ),
+        (
             lambda: generator_set_limit(100.0, part="pump"),
             "part: given 'pump'; allowed are crankshaft and generator shaft",
         ),

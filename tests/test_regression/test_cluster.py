@@ -437,7 +437,7 @@ def test_a_run_that_stops_ends_its_own_designs_alone(puppets):
 
 def test_dask_that_is_not_installed_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(MissingLibraryError, match=r"install crankfem\[cluster\]\.$"):
+    with pytest.raises(MissingLibraryError, match=r"pip install 'crankfem\[cluster\]'$"):
         DaskCluster("tcp://127.0.0.1:1")
 
 

@@ -177,6 +177,11 @@ def test_models_are_shown_in_a_line(model):
     assert repr(model.responses["mass"]).startswith("<ResponseModel m [kg]: ")
     # Responses by name and factors, and none of the equations' numbers.
     assert len(repr(model)) < 500
+    found = repr(model.lookup("axial_compliance", **MIDDLE))
+    assert found.startswith(f"Lookup({model.responses['axial_compliance'].symbol} = 1.")
+    assert " m/N, " in found
+    assert ", between 1." in found
+    assert "\n" not in found
 
 
 @settings(deadline=None, max_examples=30)

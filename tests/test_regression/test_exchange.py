@@ -138,7 +138,9 @@ def test_parquet_holds_the_same_table_with_units_as_metadata(store, tmp_path):
 def test_parquet_without_its_package_and_other_formats(store, tmp_path, monkeypatch):
     table = run_plan(PLAN, store)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(MissingLibraryError, match=r"install crankfem\[tables\], or write a \.csv"):
+    with pytest.raises(
+        MissingLibraryError, match=r"pip install 'crankfem\[tables\]', or write a \.csv"
+    ):
         export_table(table, tmp_path / "runs.parquet")
     with pytest.raises(InputError, match=r"^export: given '.*\.xlsx'; allowed are \.csv and"):
         export_table(table, tmp_path / "runs.xlsx")

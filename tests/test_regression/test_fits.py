@@ -60,6 +60,14 @@ def test_recovers_its_own_form(form):
     assert found.largest_heldout_error < 1e-12
 
 
+def test_a_fit_is_shown_in_a_line():
+    found = fit("linear")
+    assert repr(found).startswith(
+        f"Fit(linear of {', '.join(found.factors)}: 4 coefficients, largest error "
+    )
+    assert repr(found).endswith(f" % at {len(HELDOUT)} held out)")
+
+
 def test_coefficients_are_named_by_their_terms():
     assert list(fit("linear").coefficients) == ["1", *FACTORS]
     assert list(fit("quadratic").coefficients)[4:] == [

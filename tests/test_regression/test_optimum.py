@@ -5,6 +5,7 @@ one step of it: the tolerance of the grid tests is that step.
 """
 
 import itertools
+import re
 
 import numpy as np
 import pytest
@@ -89,6 +90,11 @@ def test_lightest_throw_against_a_grid(model):
     assert found.lookups["axial_compliance"].upper == pytest.approx(check.worst, rel=1e-12)
     assert all(answer.inside for answer in found.lookups.values())
     assert found.throw.web_thickness == found.factors["web_thickness"]
+    assert re.fullmatch(
+        r"Optimum\(mass [\d.]+ kg at web_width 0.\d+, web_thickness 0.\d+, pin_length 0.\d+, "
+        r"at the limit of axial_compliance\)",
+        repr(found),
+    )
 
 
 def test_thinnest_web_has_the_widest_web_and_the_shortest_pin(model):

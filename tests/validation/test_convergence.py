@@ -143,9 +143,10 @@ def exponents():
     return reentrant, held
 
 
-def test_exponents(exponents):
+def test_exponents(exponents, figure):
     """The first is in every textbook."""
-    assert exponents == pytest.approx((0.5445, 0.711), abs=5e-4)
+    wanted = (0.5445, 0.711)
+    figure("exponents of the two corners", exponents, wanted, 5e-4, "", "absolute")
 
 
 def test_refined_mesh_is_the_same_solid():
@@ -166,7 +167,7 @@ def test_refined_mesh_is_the_same_solid():
     [(0.0, 0, 1.45), (0.012, 1, 1.9)],
     ids=["sharp", "filleted"],
 )
-def test_nested_meshes(exponents, fillet_radius, corner, highest):
+def test_nested_meshes(exponents, fillet_radius, corner, highest, figure):
     mesh = first_mesh(fillet_radius)
     values = [axial_compliance(mesh)]
     for _ in range(2):
@@ -178,7 +179,9 @@ def test_nested_meshes(exponents, fillet_radius, corner, highest):
     # What the order leads to is what the program's own meshes lead to.
     steps = np.diff(values)
     limit = values[2] + steps[1] ** 2 / (steps[0] - steps[1])
-    assert limit == pytest.approx({0.0: 1.416e-9, 0.012: 1.281e-9}[fillet_radius], rel=5e-3)
+    own = {0.0: 1.416e-9, 0.012: 1.281e-9}[fillet_radius]
+    corners = "filleted" if fillet_radius else "sharp"
+    figure(f"e_n to which nested meshes lead, {corners}", limit, own, 5e-3, "m/N")
 
 
 @pytest.mark.slow
@@ -187,10 +190,12 @@ def test_nested_meshes(exponents, fillet_radius, corner, highest):
     [(0.0, (2.4, 2.0), 1.0), (0.012, (1.5,), 1.6)],
     ids=["sharp", "filleted"],
 )
-def test_meshes_of_the_own_sizes(fillet_radius, factors, expected):
+def test_meshes_of_the_own_sizes(fillet_radius, factors, expected, figure):
     values = [
         np.mean([axial_compliance(mesh_throw(throw(fillet_radius), share * f)) for f in factors])
         for share in (1.0, 0.5, 0.25)
     ]
     assert values[0] < values[1] < values[2]
-    assert order(values) == pytest.approx(expected, abs=0.4)
+    corners = "filleted" if fillet_radius else "sharp"
+    found = order(values)
+    figure(f"order of convergence, own meshes, {corners}", found, expected, 0.4, "", "absolute")

@@ -35,19 +35,20 @@ def limit(value):
 
 
 @pytest.mark.parametrize("mu", [0.1, 0.5])
-def test_best_viscous_damper(mu):
+def test_best_viscous_damper(mu, figure):
     found = size_viscous_damper(MAIN, 0, RESULT, limit(1.0), ring_inertia=mu)
-    assert found.curve.peak == pytest.approx((2.0 + mu) / mu, rel=5e-4)
+    figure("viscous damper: least peak", found.curve.peak, (2.0 + mu) / mu, 5e-4)
     best = 1.0 / np.sqrt(2.0 * (1.0 + mu) * (2.0 + mu))
-    assert found.damper.damping / (2.0 * mu) == pytest.approx(best, rel=0.02)
+    figure("viscous damper: its damping ratio", found.damper.damping / (2.0 * mu), best, 0.02)
 
 
 @pytest.mark.slow
-def test_smallest_viscous_damper():
+def test_smallest_viscous_damper(figure):
     """(2 + mu) / mu = 9 asks for mu = 1/4."""
     found = size_viscous_damper(MAIN, 0, RESULT, limit(9.0), ring_inertia=(0.02, 1.0))
     assert found.reached
-    assert found.damper.ring_inertia == pytest.approx(0.25, rel=2e-3)
+    ring = found.damper.ring_inertia
+    figure("smallest viscous damper for a peak of 9: its ring", ring, 0.25, 2e-3, "kg m^2")
 
 
 def peak_of_rubber_damper(mu, tuning, loss):
@@ -59,7 +60,7 @@ def peak_of_rubber_damper(mu, tuning, loss):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("mu", [0.1, 0.5])
-def test_best_rubber_damper(mu):
+def test_best_rubber_damper(mu, figure):
     found = size_rubber_damper(MAIN, 0, RESULT, limit(1.0), ring_inertia=mu)
     best = minimize(
         lambda x: peak_of_rubber_damper(mu, *x),
@@ -68,10 +69,11 @@ def test_best_rubber_damper(mu):
         options={"xatol": 1e-5, "fatol": 1e-7},
     )
     assert best.fun > np.sqrt(1.0 + 2.0 / mu)
-    assert found.curve.peak == pytest.approx(best.fun, rel=1e-3)
-    assert found.damper.angular_frequency == pytest.approx(best.x[0], rel=2e-3)
-    assert found.damper.loss_factor == pytest.approx(best.x[1], rel=0.02)
-    assert found.damper.angular_frequency == pytest.approx(1.0 / (1.0 + mu), rel=5e-3)
+    tuning = found.damper.angular_frequency
+    figure("rubber damper: least peak", found.curve.peak, best.fun, 1e-3)
+    figure("rubber damper: its tuning", tuning, best.x[0], 2e-3, "rad/s")
+    figure("rubber damper: its loss factor", found.damper.loss_factor, best.x[1], 0.02)
+    figure("rubber damper: tuning of the fixed points", tuning, 1.0 / (1.0 + mu), 5e-3, "rad/s")
 
 
 def test_rubber_damper_of_given_loss_factor():

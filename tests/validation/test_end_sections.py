@@ -193,7 +193,7 @@ def case(request, dimensions):
     return length, quarter, bounds["rigid"], bounds["averaged"]
 
 
-def test_throws_in_line(case):
+def test_throws_in_line(case, figure):
     length, quarter, rigid, averaged = case
     truth, sideways = in_line(quarter)
     # It is the symmetry, and no bearing, that keeps the journal where it is.
@@ -202,18 +202,19 @@ def test_throws_in_line(case):
     assert less > ROUND_OFF
     assert more > ROUND_OFF
     expected = {0.120: (0.017, 0.026), 0.250: (0.0163, 0.0008)}[length]
-    assert (less, more) == pytest.approx(expected, rel=0.15)
+    figure("rigid sections, in line: too stiff by", less, expected[0], 0.15)
+    figure("averaged sections, in line: too soft by", more, expected[1], 0.15)
 
 
-def test_throws_opposite_each_other(case):
+def test_throws_opposite_each_other(case, figure):
     length, quarter, rigid, averaged = case
     stiffer = [opposite_too_stiff(quarter, degree) for degree in (1, 3, 5)]
     softer = [opposite_too_soft(quarter, degree) for degree in (1, 3, 5)]
     # Richer motions soften, more conditions stiffen, and they meet.
     assert np.diff([rigid[180], *stiffer]).min() >= -ROUND_OFF * rigid[180]
-    assert softer[0] == pytest.approx(averaged[180], rel=QUADRATURE)
+    figure("e_n by averaged sections, two ways", softer[0], averaged[180], QUADRATURE, "m/N")
     assert np.diff(softer).max() <= ROUND_OFF * rigid[180]
-    assert stiffer[-1] == pytest.approx(softer[-1], rel=BRACKET)
+    figure("bounds of the truth, opposite", stiffer[-1], softer[-1], BRACKET, "m/N")
     truth = 0.5 * (stiffer[-1] + softer[-1])
     less, more = 1.0 - rigid[180] / truth, averaged[180] / truth - 1.0
     expected = {0.120: (0.0050, 0.0031), 0.250: (0.0014, 0.00007)}[length]

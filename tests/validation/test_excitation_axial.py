@@ -89,7 +89,7 @@ def first_mode(stiffness, mass):
     return np.sqrt(values[0]), shape
 
 
-def test_chain_with_influence_has_the_modal_force_of_the_shaft(analysis):
+def test_chain_with_influence_has_the_modal_force_of_the_shaft(analysis, figure):
     throw = analysis.superelement
     throws = [throw.turned(crank) for crank in CRANKS]
     shaft = shaft_compliances([throw] * COUNT, CRANKS)
@@ -103,13 +103,13 @@ def test_chain_with_influence_has_the_modal_force_of_the_shaft(analysis):
     mass[-1] += FLYWHEEL
     chain = differences.T @ np.diag(1.0 / shaft.axial) @ differences
     (natural, shape), (reference, own_shape) = first_mode(chain, mass), first_mode(matrix, mass)
-    assert natural == pytest.approx(reference, rel=2e-3)
+    figure("first axial mode of the chain", natural, reference, 2e-3, "rad/s")
     wanted = own_shape @ exact
     by_influence = shape @ differences.T @ (shaft.influence / shaft.axial[:, None])
     ratio = analysis.influence_coefficient("pinned") / analysis.axial_compliance("pinned")
     alone = ratio * np.diff(shape)
     largest = np.max(np.abs(wanted))
-    assert by_influence == pytest.approx(wanted, abs=3e-3 * largest)
+    figure("work of unit radial forces in it", by_influence, wanted, 3e-3, scale=largest)
     assert np.max(np.abs(alone - wanted)) > 0.1 * largest
     # c of a pinned throw over e in the shaft mixes two supports, and is further off still.
     mixed = analysis.influence_coefficient("pinned") / shaft.axial * np.diff(shape)
@@ -127,7 +127,7 @@ def test_tangential_forces_lengthen_throws_unless_cranks_lie_in_one_plane(analys
     assert np.max(np.abs(flat_through)) * 0.170 < 1e-8 * own
 
 
-def test_lengthening_by_torques_of_parts_knows_no_support(analysis):
+def test_lengthening_by_torques_of_parts_knows_no_support(analysis, figure):
     """Held at the flywheel's end in place of the free end: T less its torque through the shaft."""
     throw = analysis.superelement
     pins, through = tangential_influence(throw, CRANKS)
@@ -143,6 +143,7 @@ def test_lengthening_by_torques_of_parts_knows_no_support(analysis):
     motions[free] = np.linalg.solve(matrix[np.ix_(free, free)], loads[free])
     other = np.diff(motions[UZ::6], axis=0)
     found = tangential_towards_flywheel(pins, through, 0.170)
-    assert found == pytest.approx(other, abs=2e-6 * np.abs(other).max())
+    largest = np.abs(other).max()
+    figure("lengthening by tangential forces", found, other, 2e-6, "m/N", scale=largest)
     # No part between two cranks is twisted by the whole shaft's torque alone.
     assert by_torque.sum(axis=1) == pytest.approx(through, rel=1e-9)

@@ -28,26 +28,28 @@ FIRING = np.radians([0.0, 540.0, 180.0, 360.0])
 SPEEDS = np.array([100.0, 2300.0 * np.pi / 30.0])
 
 
-def test_printed_harmonics_excite_with_their_phases():
+def test_printed_harmonics_excite_with_their_phases(figure):
     found = forces_at_speeds(
         torque_harmonics(TABLE.harmonics(), FIRING, 8.5, crank_radius=RADIUS), SPEEDS
     )
     first = found.torque[:2, 1, 0]
-    assert np.abs(first) == pytest.approx([279.68, 396.44], abs=0.005)
+    figure("orders 0.5 and 1", np.abs(first), [279.68, 396.44], 0.005, "N m", "absolute")
     # M sin(x + a) is Re(M exp(i (x + a - pi / 2))); printed 230.16 and, corrected, 20.38 deg.
-    assert np.degrees(np.angle(first * 1j)) % 360.0 == pytest.approx([230.16, 20.38], abs=0.005)
-    assert found.mean_torque == pytest.approx(4 * 123.36 * np.ones(2), abs=0.02)
+    phases = np.degrees(np.angle(first * 1j)) % 360.0
+    figure("their phases", phases, [230.16, 20.38], 0.005, "deg", "absolute")
+    figure("mean torque of four", found.mean_torque, 4 * 123.36, 0.02, "N m", "absolute")
     assert found.remarks[0].startswith("One torque diagram was used at all speeds from 954.93")
 
 
-def test_series_meets_the_table_and_even_firing_leaves_even_orders():
+def test_series_meets_the_table_and_even_firing_leaves_even_orders(figure):
     harmonics = torque_harmonics(TABLE.harmonics(), FIRING, 8.5, crank_radius=RADIUS)
     found = forces_at_speeds(harmonics, SPEEDS)
     tangential, radial = found.at_angle(0, np.radians(TABLE.crank_angle_deg) + FIRING[2])
     # 36 samples also hold the order 9, which alternates from sample to sample and has no phase.
     alternating = np.cos(9.0 * np.radians(TABLE.crank_angle_deg))
     left = TABLE.torque - RADIUS * tangential[:, 2]
-    assert left == pytest.approx(np.mean(left * alternating) * alternating, abs=1e-9)
+    ninth = np.mean(left * alternating) * alternating
+    figure("what the series leaves of the table", left, ninth, 1e-9, "N m", "absolute")
     assert np.all(radial == 0.0)
     total = np.abs(found.torque[:, 0].sum(axis=1))
     even = found.orders % 2.0 == 0.0

@@ -44,20 +44,20 @@ def closed_work(cycle, law, heat):
 
 
 @pytest.mark.parametrize(("ratio", "gamma"), [(8.0, 1.4), (14.0, 1.35), (22.0, 1.3)])
-def test_isentropic_compression_from_the_bottom(ratio, gamma):
+def test_isentropic_compression_from_the_bottom(ratio, gamma, figure):
     cycle = usual_gas_cycle(ratio, intake_closes=-np.pi, heat_capacity_ratio=gamma)
     found = gas_cycle(cycle, position, AREA, heat=0.0)
     expected = 2.5e5 * ratio**gamma
-    assert found.compression_pressure == pytest.approx(expected, rel=1e-12)
+    figure("isentropic compression pressure", found.compression_pressure, expected, 1e-12, "Pa")
     assert found.pressure.peak_pressure == pytest.approx(expected, rel=1e-12)
     angles = np.radians([-120.0, -60.0, -30.0, 10.0, 100.0])
     law = 2.5e5 * (volume_law(np.pi, ratio) / volume_law(angles, ratio)) ** gamma
     # Between its samples the pressure is a cubic; these angles are samples.
-    assert found.pressure.at(angles) == pytest.approx(law, rel=1e-11)
+    figure("isentropic pressure over the angle", found.pressure.at(angles), law, 1e-11, "Pa")
 
 
 @pytest.mark.parametrize(("ratio", "gamma"), [(8.0, 1.4), (14.0, 1.35), (22.0, 1.3)])
-def test_instant_combustion_at_the_top_is_the_constant_volume_cycle(ratio, gamma):
+def test_instant_combustion_at_the_top_is_the_constant_volume_cycle(ratio, gamma, figure):
     """Opening as far after the top as closing before it, the cycle closes over volumes V_o, V_c."""
     opens, heat = 150.0 * DEGREE, 3000.0
     cycle = usual_gas_cycle(
@@ -68,14 +68,16 @@ def test_instant_combustion_at_the_top_is_the_constant_volume_cycle(ratio, gamma
     otto = 1.0 - effective ** (1.0 - gamma)
     instant = replace(cycle, combustion_start=0.0, combustion_duration=1e-6)
     # The volume grows by 1e-12 during combustion.
-    assert closed_work(instant, law, heat) / heat == pytest.approx(otto, rel=1e-11)
+    figure(
+        "constant-volume cycle: work by heat", closed_work(instant, law, heat) / heat, otto, 1e-11
+    )
     rise = (gamma - 1.0) * heat / float(volume_law(0.0, ratio))
     before = 2.5e5 * effective**gamma
     after = closed_pressure(instant, law, heat, [2e-6])[0]
-    assert after - before == pytest.approx(rise, rel=1e-9)
+    figure("constant-volume rise of pressure", after - before, rise, 1e-9, "Pa")
 
 
-def test_shortfall_of_a_short_combustion_grows_with_the_square_of_its_duration():
+def test_shortfall_of_a_short_combustion_grows_with_the_square_of_its_duration(figure):
     ratio, gamma, opens = 14.0, 1.35, 150.0 * DEGREE
     cycle = usual_gas_cycle(
         ratio, intake_closes=-opens, exhaust_opens=opens, heat_capacity_ratio=gamma
@@ -93,10 +95,10 @@ def test_shortfall_of_a_short_combustion_grows_with_the_square_of_its_duration()
         growth = (ratio - 1.0) * (1.0 + R / L) / 4.0 * mean_square
         expected = effective ** (1.0 - gamma) * (gamma - 1.0) * growth
         shortfall = otto - closed_work(short, law, 3000.0) / 3000.0
-        assert shortfall == pytest.approx(expected, rel=0.01)
+        figure("shortfall of a short combustion", shortfall, expected, 0.01)
 
 
-def test_wiebe_law_with_the_customary_factor():
+def test_wiebe_law_with_the_customary_factor(figure):
     """x = 1 - exp(-6.908 t^2) for the shape 1, which the model scales by 1 / 0.999.
 
     The rise of p V / (g - 1) by one joule is the burnt share where V^(g - 1) is constant: a ratio of
@@ -108,10 +110,10 @@ def test_wiebe_law_with_the_customary_factor():
     angles = cycle.combustion_start + share * cycle.combustion_duration
     expected = 1.0 - np.exp(-6.907755278982137 * share**2)
     burnt = rise_per_heat(cycle, law, angles) * law.at(angles) * 2.0**36
-    assert 0.999 * burnt == pytest.approx(expected, rel=1e-9)
+    figure("burnt share by Wiebe's law", 0.999 * burnt, expected, 1e-9)
 
 
-def test_gas_exchange_does_the_work_of_its_two_pressures():
+def test_gas_exchange_does_the_work_of_its_two_pressures(figure):
     """Exhaust from the bottom to the top and intake back to the bottom: (p_i - p_e) V_s.
 
     Blow-down is left out by opening at the lowest pressure difference, a motored cycle that
@@ -130,4 +132,4 @@ def test_gas_exchange_does_the_work_of_its_two_pressures():
     )
     found = gas_cycle(cycle, position, AREA, heat=0.0)
     # Overlap and blow-down over 5 deg at a dead center: V_s (1 + R / L) half^2 / 4 at most each.
-    assert found.mean_effective_pressure == pytest.approx(1e5, rel=2e-3)
+    figure("work of the gas exchange", found.mean_effective_pressure, 1e5, 2e-3, "Pa")

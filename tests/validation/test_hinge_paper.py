@@ -45,26 +45,28 @@ def profile(file, point):
 
 
 @pytest.mark.parametrize(("rpm", "kinematics"), [(89, "exact"), (129, "series"), (142, "printed")])
-def test_the_moment_is_potential(file, rpm, kinematics):
+def test_the_moment_is_potential(file, rpm, kinematics, figure):
     found = file.moment(rpm * np.pi / 30.0, kinematics)
-    assert abs(found.closing_error) < 1e-9
+    closing = found.closing_error
+    figure("integral of the hinge moment over a turn", closing, 0.0, 1e-9, "", "absolute")
     # (5), by its own sum.
     gas = found.gas_force(found.angles) * found.reduced.travel_rate
-    assert found.load == pytest.approx(np.mean(gas), rel=1e-12)
+    figure("load of constant torque by (5)", found.load, np.mean(gas), 1e-12, "N m")
 
 
-def test_the_hinge_at_its_design_speed(point, profile):
+def test_the_hinge_at_its_design_speed(point, profile, figure):
     """Bound: 0.1 % of the fluctuation without the hinge. Found: less than a millionth of it."""
     with_hinge = simulate_hinge(point, profile, samples=720)
     without = simulate_hinge(point, start_speed=point.speed, samples=720)
     assert without.fluctuation == pytest.approx(1.68, abs=0.02)
     assert with_hinge.fluctuation < 1e-3 * without.fluctuation
     # Splines between 1440 radii, and a pressure curve whose second derivative jumps.
-    assert with_hinge.fluctuation < 1e-5
+    left = with_hinge.fluctuation
+    figure("fluctuation of speed with the hinge", left, 0.0, 1e-5, "", "absolute")
     # The same from the energy alone, which decides: 1.42e-6.
     found = steady_hinge_turn(point, profile)
     assert found.fluctuation == pytest.approx(1.42e-6, abs=0.005e-6)
-    assert found.mean_speed == pytest.approx(point.speed, rel=1e-12)
+    figure("mean speed with the hinge", found.mean_speed, point.speed, 1e-12, "rad/s")
 
 
 def test_the_series_costs_what_it_leaves_out(file, point, profile):
@@ -120,7 +122,7 @@ def test_pressure_for_another_speed(file, profile):
     assert with_hinge < 0.1 * flywheel_for(fast, 0.02)
 
 
-def test_proportional_forces(file, point, profile):
+def test_proportional_forces(file, point, profile, figure):
     """With the force of 89 1/min times 1.95 at 142 1/min, 1.95 times the pressure, 9.75 MPa, is best.
 
     The swing of the energy is between the dead centers, where the reduced inertia is almost equal, so
@@ -135,7 +137,8 @@ def test_proportional_forces(file, point, profile):
             file.engine, lambda angles, times=times: times * point.gas_force(angles), fast
         )
         found[times] = best_pressure(scaled, profile)
-        assert found[times].ratio == pytest.approx(times, abs=0.005)
+        what = f"best pressure ratio for {times:.2f} times the force"
+        figure(what, found[times].ratio, times, 0.005, "", "absolute")
     mild, square = found.values()
     assert mild.fluctuation == pytest.approx(0.20, abs=0.01)
     assert mild.moment_residual == pytest.approx(0.059, abs=0.002)

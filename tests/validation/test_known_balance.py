@@ -81,17 +81,17 @@ def approx(value):
     return pytest.approx(value, rel=EXACT)
 
 
-def test_series_of_the_slider_crank():
+def test_series_of_the_slider_crank(figure):
     for ratio in (0.15, 0.25, 0.3125):
         rod = ConnectingRod(RADIUS / ratio, 0.6, 0.04, 0.003)
         single = EngineLayout(RADIUS, [EngineCylinder(0.09, PISTON, rod)], [1])
         found = acceleration_orders(single, 1, SPEED, 8)
         unit = RADIUS * SPEED**2
-        assert found.cosine[0] == approx(unit)
+        figure("orders of one cylinder: first", found.cosine[0], unit, EXACT, "m/s^2")
         for order in (2, 4, 6, 8):
-            assert found.cosine[order - 1] == pytest.approx(
-                unit * coefficient(order, ratio), abs=1e-14 * unit
-            )
+            wanted = unit * coefficient(order, ratio)
+            what = f"orders of one cylinder: {order}, of the first"
+            figure(what, found.cosine[order - 1], wanted, 1e-14, "m/s^2", scale=unit)
         np.testing.assert_allclose(found.amplitude[2:8:2], 0.0, atol=1e-14 * unit)
         # What the first terms leave is of the order of the next one, with coefficients below 0.15.
         second = ratio + ratio**3 / 4 + 15 * ratio**5 / 128
@@ -165,32 +165,35 @@ def test_three_in_line():
     assert rotating.minor == approx(rotating.major)
 
 
-def test_four_in_line():
+def test_four_in_line(figure):
     """Cranks 0-180-180-0: 4 h_2 and 4 h_4, nothing else."""
     found = balance(engine([0.0, 180.0, 180.0, 0.0]), SPEED)
     assert found.of(1).force_balanced
     for order in (2, 4):
-        assert found.of(order).force.major == approx(4.0 * size(order))
+        force = found.of(order).force.major
+        figure(f"four in line: force of order {order}", force, 4.0 * size(order), EXACT, "N")
     assert all(row.moment_balanced for row in found.rows)
 
 
-def test_five_in_line():
+def test_five_in_line(figure):
     """Firing order 1-2-4-5-3: moments 0.449 h_1 a and 4.980 h_2 a, as handbooks print."""
     cranks = [0.0] * 5
     for place, number in enumerate((1, 2, 4, 5, 3)):
         cranks[number - 1] = -144.0 * place
     found = balance(rotating_balanced(cranks), SPEED)
     assert all(row.force_balanced for row in found.rows)
-    assert found.of(1).moment.major / (size(1) * PITCH) == pytest.approx(0.449, abs=5e-4)
-    assert found.of(2).moment.major / (size(2) * PITCH) == pytest.approx(4.980, abs=5e-4)
+    first, second = (found.of(k).moment.major / (size(k) * PITCH) for k in (1, 2))
+    figure("five in line: moment of order 1 by h a", first, 0.449, 5e-4, "", "absolute")
+    figure("five in line: moment of order 2 by h a", second, 4.980, 5e-4, "", "absolute")
 
 
-def test_six_in_line():
+def test_six_in_line(figure):
     """Cranks 0-120-240-240-120-0: only 6 h_6 and its multiples are left."""
     found = balance(engine([0.0, 120.0, 240.0, 240.0, 120.0, 0.0]), SPEED, (1, 2, 3, 4, 5, 6))
     assert all(row.moment_balanced for row in found.rows)
     assert [row.order for row in found.rows if not row.force_balanced] == [6]
-    assert found.of(6).force.major == pytest.approx(6.0 * size(6), abs=EXACT * UNIT)
+    force = found.of(6).force.major
+    figure("six in line: force of order 6", force, 6.0 * size(6), EXACT, "N", scale=UNIT)
 
 
 def test_flat_twin():
@@ -211,25 +214,28 @@ def test_flat_twin():
         assert row.moment.angle == pytest.approx(0.0, abs=1e-12)
 
 
-def test_vee_of_90_degrees():
+def test_vee_of_90_degrees(figure):
     """Each throw: first order m R w^2, turning; second sqrt(2) h_2 across, fourth up and down."""
     found = balance(rotating_balanced([0.0], (-45.0, 45.0)), SPEED)
     first, second, fourth = (row.force for row in found.rows)
     assert first.major == approx(UNIT)
     assert first.minor == approx(UNIT)
     assert first.sense == 1
-    assert second.major == approx(math.sqrt(2.0) * size(2))
+    wanted = math.sqrt(2.0) * size(2)
+    figure("V of 90 deg: force of order 2, across", second.major, wanted, EXACT, "N")
     assert abs(second.angle) == approx(math.pi / 2)
     assert fourth.major == approx(math.sqrt(2.0) * size(4))
     assert fourth.angle == pytest.approx(0.0, abs=1e-12)
 
 
-def test_cross_plane_v8():
+def test_cross_plane_v8(figure):
     """Cranks 0-90-270-180: the moment sqrt(10) h_1 a turns with the shaft, counterweights cancel it."""
     cranks, banks = [0.0, 90.0, 270.0, 180.0], (-45.0, 45.0)
     found = balance(rotating_balanced(cranks, banks), SPEED)
     assert found.of(1).force_balanced
-    assert found.of(1).moment.major == approx(math.sqrt(10.0) * UNIT * PITCH)
+    turning = found.of(1).moment.major
+    wanted = math.sqrt(10.0) * UNIT * PITCH
+    figure("cross-plane V8: turning moment of order 1", turning, wanted, EXACT, "N m")
     assert found.of(1).moment.minor == approx(math.sqrt(10.0) * UNIT * PITCH)
     assert found.of(1).moment.sense == 1
     assert found.of(2).force_balanced
@@ -261,13 +267,14 @@ def test_v6_of_90_degrees_with_three_throws():
     assert second.moment.sense == 0
 
 
-def test_v6_of_60_degrees_with_six_pins():
+def test_v6_of_60_degrees_with_six_pins(figure):
     """Pins of a throw 60 deg apart: moments 1.5 h_1 a with the shaft, 1.5 h_2 a against it."""
     found = balance(rotating_balanced([0.0, 120.0, 240.0], (-30.0, 30.0), -60.0), SPEED)
     first, second = found.of(1), found.of(2)
     assert first.force_balanced
     assert second.force_balanced
     for row, sense in ((first, 1), (second, -1)):
-        assert row.moment.major == approx(1.5 * size(row.order) * PITCH)
+        what, wanted = f"V6 of 60 deg: moment of order {row.order}", 1.5 * size(row.order) * PITCH
+        figure(what, row.moment.major, wanted, EXACT, "N m")
         assert row.moment.minor == approx(row.moment.major)
         assert row.moment.sense == sense

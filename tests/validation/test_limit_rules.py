@@ -22,29 +22,30 @@ def at(curve, *ratios):
     return (curve.at(100.0 * np.array(ratios)) / 1e6).tolist()
 
 
-def test_intermediate_shaft_of_500_mm():
+def test_intermediate_shaft_of_500_mm(figure):
     """c_D = 0.35 + 0.93 * 500^-0.2 = 0.61834; (560 + 160) / 18 = 40."""
     limit = propulsion_shaft_limit(560e6, 0.5, 100.0)
-    assert at(limit.continuous, 0.5, 0.9, 1.0, 1.06) == pytest.approx(
-        [61.83, 34.13, 34.13, np.inf], abs=0.005
-    )
-    assert at(limit.passing, 0.5) == pytest.approx([105.12], abs=0.01)
+    kept = at(limit.continuous, 0.5, 0.9, 1.0, 1.06)
+    wanted = [61.83, 34.13, 34.13, np.inf]
+    figure("intermediate shaft, kept speeds", kept, wanted, 0.005, "MPa", "absolute")
+    passed = at(limit.passing, 0.5)
+    figure("intermediate shaft, passed speeds", passed, 105.12, 0.01, "MPa", "absolute")
     assert limit.passing.high == pytest.approx(80.0)
 
 
-def test_propeller_shaft_may_be_passed_with_more_of_its_lower_limit():
+def test_propeller_shaft_may_be_passed_with_more_of_its_lower_limit(figure):
     """1.7 / sqrt(0.55) = 2.2923 times 0.55 * 61.834 = 34.01."""
     limit = propulsion_shaft_limit(560e6, 0.5, 100.0, feature="propeller shaft")
-    assert at(limit.continuous, 0.5) == pytest.approx([34.01], abs=0.005)
-    assert at(limit.passing, 0.5) == pytest.approx([77.96], abs=0.02)
+    kept, passed = at(limit.continuous, 0.5), at(limit.passing, 0.5)
+    figure("propeller shaft, kept speeds", kept, 34.01, 0.005, "MPa", "absolute")
+    figure("propeller shaft, passed speeds", passed, 77.96, 0.02, "MPa", "absolute")
 
 
-def test_crankshaft_of_a_main_engine():
+def test_crankshaft_of_a_main_engine(figure):
     """45 - 24 * 0.25 = 39; 45 - 24 = 21; 21 + 237 * 0.3 * sqrt(0.1) = 43.48."""
     limit = crankshaft_limit(100.0, strokes=4)
-    assert at(limit.continuous, 0.5, 1.0, 1.1, 1.16) == pytest.approx(
-        [39.0, 21.0, 43.48, np.inf], abs=0.005
-    )
+    kept, wanted = at(limit.continuous, 0.5, 1.0, 1.1, 1.16), [39.0, 21.0, 43.48, np.inf]
+    figure("crankshaft, kept speeds", kept, wanted, 0.005, "MPa", "absolute")
     assert at(limit.passing, 0.5, 0.81) == pytest.approx([78.0, np.inf])
 
 
@@ -77,6 +78,7 @@ def test_generator_set():
     assert at(crank.passing, 0.5) == pytest.approx([90.0])
 
 
-def test_barred_range_about_half_of_the_rated_speed():
+def test_barred_range_about_half_of_the_rated_speed(figure):
     """16 * 50 / 17.5 = 45.714 and 17.5 * 50 / 16 = 54.6875."""
-    assert BarredRangeRule(100.0).bounds(50.0) == pytest.approx((45.714, 54.6875), abs=5e-4)
+    bounds = BarredRangeRule(100.0).bounds(50.0)
+    figure("barred range", bounds, (45.714, 54.6875), 5e-4, "rad/s", "absolute")

@@ -65,7 +65,7 @@ def engine(**damping):
 
 
 @pytest.mark.parametrize("method", ["modal", "direct"])
-def test_hysteretic_damping_order_by_order(excitation, method):
+def test_hysteretic_damping_order_by_order(excitation, method, figure):
     found = forced_response(engine(loss_factor=LOSS_FACTOR), excitation, method=method)
     loads = element_loads(found)
     stiffness = TWIST.T @ np.diag(STIFFNESS * (1.0 + 1j * LOSS_FACTOR)) @ TWIST
@@ -77,12 +77,12 @@ def test_hysteretic_damping_order_by_order(excitation, method):
             dynamic = stiffness + np.diag(1j * w * absolute - w**2 * INERTIA)
             motion = np.linalg.solve(dynamic, excitation.forces[number, place])
             size = np.max(np.abs(motion))
-            np.testing.assert_allclose(found.motion[number, place], motion, atol=1e-10 * size)
+            own = found.motion[number, place]
+            figure(f"motion, {method}, of the largest", own, motion, 1e-10, "rad", scale=size)
             torque = STIFFNESS * (1.0 + 1j * LOSS_FACTOR) * (TWIST @ motion)
-            np.testing.assert_allclose(
-                loads.elements.values[number, place], torque, atol=1e-10 * np.max(np.abs(torque))
-            )
-    assert power_balance(found).error < 1e-12
+            own, size = loads.elements.values[number, place], np.max(np.abs(torque))
+            figure(f"torque, {method}, of the largest", own, torque, 1e-10, "N m", scale=size)
+    figure(f"power balance, {method}", power_balance(found).error, 0.0, 1e-12, "", "absolute")
 
 
 def test_synthesis_and_plain_sum_are_kept_apart(excitation):
@@ -101,7 +101,7 @@ def test_synthesis_and_plain_sum_are_kept_apart(excitation):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("place", [0, 1])
-def test_time_integration(excitation, place):
+def test_time_integration(excitation, place, figure):
     """One cycle of the periodic motion: velocities, twists, and the angle of the free end."""
     speed = SPEEDS[place]
     relative = LOSS_FACTOR * STIFFNESS / FIRST
@@ -138,9 +138,14 @@ def test_time_integration(excitation, place):
     angles = states[17] + np.vstack((np.zeros(times.size), np.cumsum(twists, axis=0)))
     torques = STIFFNESS[:, np.newaxis] * twists + relative[:, np.newaxis] * (TWIST @ states[:9])
     loads = element_loads(found)
-    for series, own in ((found.nodes, angles), (loads.elements, torques)):
+    for what, series, own in (
+        ("angles", found.nodes, angles),
+        ("torques", loads.elements, torques),
+    ):
         half = 0.5 * (own.max(axis=1) - own.min(axis=1))
-        np.testing.assert_allclose(series.synthesis.amplitude[place], half, rtol=2e-5)
+        unit = "rad" if what == "angles" else "N m"
+        figure(f"amplitudes of {what}", series.synthesis.amplitude[place], half, 2e-5, unit)
         assert np.all(series.synthesis.plain_sum[place] > 1.05 * half)
     curve = loads.elements.at_angle(place, speed * times)
-    np.testing.assert_allclose(curve.T, torques, atol=1e-6 * np.max(np.abs(torques)))
+    largest = np.max(np.abs(torques))
+    figure("torques over time, of the largest", curve.T, torques, 1e-6, "N m", scale=largest)

@@ -33,34 +33,35 @@ def mwm():
     return Chain(MWM_INERTIA, MWM_STIFFNESS).modes()
 
 
-def test_mwm_frequencies(mwm):
+def test_mwm_frequencies(mwm, figure):
     expected = [
         0.0, 216.584, 592.740, 984.923, 1171.017, 1415.995, 1660.044, 1794.388, 2993.474,
     ]  # fmt: skip
     assert mwm.rigid == 1
-    assert mwm.frequencies == pytest.approx(expected, abs=5.1e-4)
+    figure("MWM: frequencies", mwm.frequencies, expected, 5.1e-4, "Hz", "absolute")
 
 
-def test_mwm_first_mode(mwm):
+def test_mwm_first_mode(mwm, figure):
     expected = [1.0, 0.9715, 0.9423, 0.8392, 0.6956, 0.5525, 0.3227, 0.0773, -0.0818]
-    assert mwm.shapes[:, 1] == pytest.approx(expected, abs=5.1e-5)
+    figure("MWM: first mode shape", mwm.shapes[:, 1], expected, 5.1e-5, "", "absolute")
     (node,) = mwm.node_positions[1]
     assert node == pytest.approx(7.0 + 0.0773 / (0.0773 + 0.0818), abs=1e-3)
     assert [len(positions) for positions in mwm.node_positions] == list(range(9))
 
 
-def test_friswell_example_9_7_1():
+def test_friswell_example_9_7_1(figure):
     chain = Chain([3.5e-3, 3.5e-3, 3.5e-3, 0.15, 0.05], [12e3, 12e3, 14e3, 10e3])
     expected = [0.0, 81.21, 141.21, 378.95, 536.36]
-    assert chain.modes().frequencies == pytest.approx(expected, abs=5.1e-3)
+    found = chain.modes().frequencies
+    figure("Friswell 9.7.1: frequencies", found, expected, 5.1e-3, "Hz", "absolute")
 
 
-def test_friswell_two_disks():
+def test_friswell_two_disks(figure):
     modes = Chain([211.4, 8.3], [9.775e6]).modes()
-    assert modes.frequencies == pytest.approx([0.0, 176.1], abs=0.051)
+    figure("two disks: frequencies", modes.frequencies, [0.0, 176.1], 0.051, "Hz", "absolute")
 
 
-def test_friswell_geared_rotors():
+def test_friswell_geared_rotors(figure):
     chain = Chain(
         [400e-6, 25e-6, 25e-6, 700e-6, 700e-6],
         [10000.0, 5000.0, 5000.0],
@@ -68,7 +69,8 @@ def test_friswell_geared_rotors():
         gears=[Gear(1, 2, -1.0)],
     )
     expected = [0.0, 425.4, 634.1, 3247.2]
-    assert chain.modes().frequencies == pytest.approx(expected, abs=0.051)
+    found = chain.modes().frequencies
+    figure("geared rotors: frequencies", found, expected, 0.051, "Hz", "absolute")
 
 
 @pytest.mark.parametrize(
@@ -79,7 +81,7 @@ def test_friswell_geared_rotors():
         (50, [1.9106, 3.8232, 5.7394, 7.6613]),
     ],
 )
-def test_friswell_long_shaft(elements, expected):
+def test_friswell_long_shaft(elements, expected, figure):
     # The modulus of elasticity plays no part in torsion.
     material = ShaftMaterial(youngs_modulus=2e11, shear_modulus=75e9, density=8000.0)
     line = ShaftLine(
@@ -90,7 +92,8 @@ def test_friswell_long_shaft(elements, expected):
         ]
     )
     modes = line.chain(parts=elements).modes()
-    assert modes.frequencies[1:5] == pytest.approx(expected, abs=5.1e-5)
+    what = f"long shaft of {elements} elements: frequencies"
+    figure(what, modes.frequencies[1:5], expected, 5.1e-5, "Hz", "absolute")
 
 
 def test_shipped_files_hold_these_figures():

@@ -78,14 +78,14 @@ def off(values, wanted):
 # --- Masses, positions and accelerations.
 
 
-def test_masses_1_keep_all_but_the_lateral_static_moment():
+def test_masses_1_keep_all_but_the_lateral_static_moment(figure):
     rod = rod_of()
     below = L_SHP * L_SHK + L_D**2 * L_SHK / L_SHP + L_SHK**2 + L_D**2
     at_piston = rod.inertia * L_SHK / L_SHP / below
     at_crank = rod.inertia / below
     at_center = ROD - rod.inertia * (1.0 + L_SHK / L_SHP) / below
     model = rod.model("three-mass")
-    assert model.masses == pytest.approx((at_crank, at_piston, at_center), rel=1e-13)
+    figure("masses (1)", model.masses, (at_crank, at_piston, at_center), 1e-13, "kg")
     assert at_crank + at_piston + at_center == pytest.approx(ROD, rel=1e-13)
     assert at_crank * L_SHK == pytest.approx(at_piston * L_SHP, rel=1e-13)
     about = at_crank * (L_SHK**2 + L_D**2) + at_piston * (L_SHP**2 + L_D**2)
@@ -101,11 +101,11 @@ def positions(along):
     return x, y
 
 
-def test_positions_3_and_4_hold_with_the_distance_from_the_crankpin():
+def test_positions_3_and_4_hold_with_the_distance_from_the_crankpin(figure):
     """The length is l_shk; with l_shp, as the subscript may be read, the point is 71 mm away."""
     wanted = SliderCrank(R, L).rod_point(ANGLES, L_SHK, L_D).place
     x, y = positions(L_SHK)
-    np.testing.assert_allclose(1j * x - y, wanted, rtol=0.0, atol=1e-15)
+    figure("positions (3) and (4)", 1j * x - y, wanted, 1e-15, "m", "absolute")
     angle_form = R * SINE - L_SHK * np.sin(BETA) + L_D * COS_BETA
     np.testing.assert_allclose(angle_form, x, rtol=0.0, atol=1e-15)
     x, y = positions(L_SHP)
@@ -186,7 +186,7 @@ def equations_7_9_10(push, x_d, y_d, sign):
     }
 
 
-def test_equilibrium_5_to_10_of_the_three_mass_model():
+def test_equilibrium_5_to_10_of_the_three_mass_model(figure):
     push, x_d, y_d, wanted = paper_quantities(rod_of().model("three-mass"))
     # (5) as printed, all three lines, with the forces that equilibrium gives.
     n, x_a, y_a = wanted["N"], wanted["X_A"], wanted["Y_A"]
@@ -199,12 +199,14 @@ def test_equilibrium_5_to_10_of_the_three_mass_model():
     # Mended, every line of (7), (9), (10) is exact; (6) is (7) times L cos b.
     mended = equations_7_9_10(push, x_d, y_d, sign=-1.0)
     for name, values in wanted.items():
-        assert off(mended[name], values) < 1e-12
+        what = f"equilibrium (7), (9), (10), mended: {name}"
+        figure(what, mended[name], values, 1e-12, "N", scale=largest(values))
     printed = equations_7_9_10(push, x_d, y_d, sign=1.0)
     assert off(printed["N"], wanted["N"]) < 1e-12
     assert off(printed["Y_A"], wanted["Y_A"]) < 1e-12
     wrong = [off(printed[name], wanted[name]) for name in ("X_A", "t", "z")]
-    assert wrong == pytest.approx([0.0504, 0.0087, 0.0041], abs=5e-5)
+    wanted = [0.0504, 0.0087, 0.0041]
+    figure("what the printed sign in X_A, t, z costs", wrong, wanted, 5e-5, "", "absolute")
 
 
 def test_inertia_force_2_has_the_sign_that_5_does_not_take():
@@ -226,15 +228,15 @@ def test_correction_8_takes_the_other_length():
     assert of_side_force == pytest.approx(0.0323, abs=5e-5)
 
 
-def test_equilibrium_11_and_12_of_two_masses_with_inertia():
+def test_equilibrium_11_and_12_of_two_masses_with_inertia(figure):
     """M_dop = -J_dop b'' w^2. (11) is sound; in (12) the sign of its term in t contradicts (11)."""
     model = rod_of().model("two-mass with inertia")
     push, _, _, wanted = paper_quantities(model)
     bending = -LAMBDA * (1.0 - LAMBDA**2) * SINE / Q**1.5
     moment = -model.added_inertia * SPEED**2 * bending
     n = wanted["N"]
-    assert off(wanted["X_A"], n) < 1e-12
-    assert off(wanted["Y_A"], push) < 1e-12
+    figure("equilibrium (11): X_A", wanted["X_A"], n, 1e-12, "N", scale=largest(n))
+    figure("equilibrium (11): Y_A", wanted["Y_A"], push, 1e-12, "N", scale=largest(push))
     left = n * L * COS_BETA + push * L * np.sin(BETA) + moment
     assert largest(left) < 1e-12 * L * largest(push)
     part = moment / (L * COS_BETA)
@@ -295,7 +297,9 @@ CASES = ((L, False), (SHORT, False), (L, True), (SHORT, True))
         (0.91, (3.6, 4.4, 4.1, 5.1), (1.4, 1.6, 2.1, 2.4), (0.3, 0.3, 1.2, 1.3)),
     ],
 )
-def test_static_and_dynamic_model_differ_by_5_to_8_percent(ratio, same_angle, of_mean, of_maximum):
+def test_static_and_dynamic_model_differ_by_5_to_8_percent(
+    ratio, same_angle, of_mean, of_maximum, figure
+):
     """Rated, rated with the rod cut to 0.225 m, motored, motored with the short rod.
 
     The paper speaks of momentary values: the reading that gives 5 to 8 % is the largest difference of
@@ -306,7 +310,8 @@ def test_static_and_dynamic_model_differ_by_5_to_8_percent(ratio, same_angle, of
     found = np.array(
         [largest_change(length, ratio, motored=motored) for length, motored in CASES]
     ).T
-    np.testing.assert_allclose(found[0], same_angle, rtol=0.0, atol=0.06)
+    what = "static beside dynamic model, at the same angle"
+    figure(what, found[0], same_angle, 0.06, "%", "absolute")
     np.testing.assert_allclose(found[1], of_mean, rtol=0.0, atol=0.06)
     np.testing.assert_allclose(found[2], of_maximum, rtol=0.0, atol=0.06)
     rated, rated_short, motored, motored_short = found[0]

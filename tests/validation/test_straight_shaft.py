@@ -131,26 +131,28 @@ def averaged(section):
     return flexibility(4.0 * DIAMETER, section.bore, "averaged")
 
 
-def test_torsion(shafts, section):
+def test_torsion(shafts, section, figure):
     for length, motions in shafts.items():
         expected = length / (2.0 * G * section.second_moment)
-        assert motions[RZ, RZ] == pytest.approx(expected, rel=TOLERANCE)
+        figure("rigid ends: twist", motions[RZ, RZ], expected, TOLERANCE, "rad/(N m)")
 
 
-def test_tension(shafts, grown, section):
-    assert grown[UZ, UZ] == pytest.approx((LONG - SHORT) / (E * section.area), rel=TOLERANCE)
+def test_tension(shafts, grown, section, figure):
+    expected = (LONG - SHORT) / (E * section.area)
+    figure("rigid ends, two lengths: stretch", grown[UZ, UZ], expected, TOLERANCE, "m/N")
     expected = LONG / (E * section.area)
     assert 0.985 * expected < shafts[LONG][UZ, UZ] < expected
 
 
-def test_slope_under_a_moment(shafts, grown, section):
+def test_slope_under_a_moment(shafts, grown, section, figure):
     expected = 1.0 / (E * section.second_moment)
     for tilt in (RX, RY):
-        assert grown[tilt, tilt] == pytest.approx((LONG - SHORT) * expected, rel=TOLERANCE)
+        found, wanted = grown[tilt, tilt], (LONG - SHORT) * expected
+        figure("rigid ends, two lengths: slope", found, wanted, TOLERANCE, "rad/(N m)")
         assert 0.985 * LONG * expected < shafts[LONG][tilt, tilt] < LONG * expected
 
 
-def test_deflection(shafts, grown, section):
+def test_deflection(shafts, grown, section, figure):
     """Under a force with the pieces put back, under a moment half the length times the slope."""
     stiffness = E * section.second_moment
     for across, tilt in ((UX, RY), (UY, RX)):
@@ -158,7 +160,8 @@ def test_deflection(shafts, grown, section):
         assert 0.01 * DIAMETER < piece < 0.03 * DIAMETER
         found = grown[across, across] + piece * (LONG**2 - SHORT**2) / stiffness
         expected = section.deflection(LONG) - section.deflection(SHORT)
-        assert found == pytest.approx(expected, rel=TOLERANCE_OF_DEFLECTIONS)
+        what = "rigid ends, two lengths: deflection"
+        figure(what, found, expected, TOLERANCE_OF_DEFLECTIONS, "m/N")
         for length, motions in shafts.items():
             # The two pieces, at equal distances from the middle, leave the lever as it is.
             assert abs(motions[across, tilt]) == pytest.approx(
@@ -167,7 +170,7 @@ def test_deflection(shafts, grown, section):
             assert motions[across, across] == pytest.approx(section.deflection(length), rel=0.02)
 
 
-def test_averaged_ends_leave_beam_theory_as_it_is(averaged, section):
+def test_averaged_ends_leave_beam_theory_as_it_is(averaged, section, figure):
     length, second = 4.0 * DIAMETER, section.second_moment
     expected = {
         UZ: length / (E * section.area),
@@ -176,12 +179,15 @@ def test_averaged_ends_leave_beam_theory_as_it_is(averaged, section):
         RZ: length / (2.0 * G * second),
     }
     for motion, value in expected.items():
-        assert averaged[motion, motion] == pytest.approx(value, rel=TOLERANCE)
+        what = {UZ: "stretch", RZ: "twist"}.get(motion, "slope")
+        unit = "m/N" if motion == UZ else "rad/(N m)"
+        figure(f"averaged ends: {what}", averaged[motion, motion], value, TOLERANCE, unit)
     for across, tilt in ((UX, RY), (UY, RX)):
         under_moment = length**2 / (2.0 * E * second)
         assert abs(averaged[across, tilt]) == pytest.approx(under_moment, rel=TOLERANCE)
         expected = section.deflection(length)
-        assert averaged[across, across] == pytest.approx(expected, rel=TOLERANCE_OF_DEFLECTIONS)
+        bound = TOLERANCE_OF_DEFLECTIONS
+        figure("averaged ends: deflection", averaged[across, across], expected, bound, "m/N")
 
 
 def test_a_round_shaft_has_no_preferred_plane(shafts, averaged):

@@ -113,7 +113,7 @@ def hyperbolic_notch(neck, root, reach):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("ratio", [2.0, 4.0])
-def test_hyperbolic_notch(ratio):
+def test_hyperbolic_notch(ratio, figure):
     neck, nu = 0.1, STEEL.poisson_ratio
     mesh = hyperbolic_notch(neck, neck / ratio, 2.5 * neck)
     found = largest_at_notch(mesh)
@@ -127,7 +127,10 @@ def test_hyperbolic_notch(ratio):
     torsion = 0.75 * (1.0 + root) ** 2 / (1.0 + 2.0 * root)
     area, modulus = math.pi * neck**2, math.pi * neck**3 / 4.0
     expected = [tension / area, torsion / (2.0 * modulus), bending / modulus, bending / modulus]
-    assert found == pytest.approx(expected, rel=0.015)
+    loads = ("tension", "torsion", "bending", "bending across")
+    for load, own, wanted in zip(loads, found, expected, strict=True):
+        unit = "1/m^2" if load == "tension" else "1/m^3"
+        figure(f"hyperbolic notch: {load}", own, wanted, 0.015, unit)
 
 
 def stepped_bar(small, large, radius):
@@ -199,13 +202,15 @@ def shoulder():
 
 
 @pytest.mark.slow
-def test_shoulder_fillet(shoulder):
+def test_shoulder_fillet(shoulder, figure):
     _, sizes, found = shoulder
     area, modulus = math.pi * sizes[0] ** 2 / 4.0, math.pi * sizes[0] ** 3 / 32.0
-    assert found[AXIAL] * area == pytest.approx(tipton_tension(*sizes), rel=0.03)
-    assert found[TORSION] * 2.0 * modulus == pytest.approx(peterson("torsion", *sizes), rel=0.04)
+    tension, torsion = found[AXIAL] * area, found[TORSION] * 2.0 * modulus
+    figure("shoulder fillet: factor in tension", tension, tipton_tension(*sizes), 0.03)
+    figure("shoulder fillet: factor in torsion", torsion, peterson("torsion", *sizes), 0.04)
     for plane in (BENDING, CROSS_BENDING):
-        assert found[plane] * modulus == pytest.approx(peterson("bending", *sizes), rel=0.04)
+        bending = found[plane] * modulus
+        figure("shoulder fillet: factor in bending", bending, peterson("bending", *sizes), 0.04)
 
 
 @pytest.mark.slow
@@ -233,7 +238,7 @@ def test_far_from_the_fillet_stresses_are_those_of_beams(shoulder):
 
 
 @pytest.mark.slow
-def test_stresses_over_the_middle_of_a_throw_carry_the_loads(dimensions):
+def test_stresses_over_the_middle_of_a_throw_carry_the_loads(dimensions, figure):
     throw = CrankThrow(**dimensions)
     coarse = mesh_throw(throw, 1.2)
     section = coarse.points[nodes_on(coarse, MIDDLE_PLANE)]
@@ -264,5 +269,7 @@ def test_stresses_over_the_middle_of_a_throw_carry_the_loads(dimensions):
     # The axial force bends the pin by the crank radius; a moment over the pin's radius is a force.
     moments = np.array([throw.crank_radius, 1.0, 1.0, 1.0, abs(expected[3, 4])])
     forces = moments / (0.5 * throw.pin_diameter)
-    assert resultants[:3] / forces == pytest.approx(expected[:3] / forces, abs=0.012)
-    assert resultants[3:] / moments == pytest.approx(expected[3:] / moments, abs=0.012)
+    found, wanted = resultants[:3] / forces, expected[:3] / forces
+    figure("resultant forces over a section", found, wanted, 0.012, "", "absolute")
+    found, wanted = resultants[3:] / moments, expected[3:] / moments
+    figure("resultant moments over a section", found, wanted, 0.012, "", "absolute")

@@ -62,27 +62,30 @@ def pair(request, parts):
     return parts[request.param], parts["quarter"]
 
 
-def test_stiffness(pair):
+def test_stiffness(pair, figure):
     found, expected = (part.stiffness for part in pair)
     size = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
-    assert np.abs((found - expected) / size).max() < TOLERANCE
+    figure(
+        "stiffness 12 x 12, by its diagonal", found / size, expected / size, TOLERANCE, scale=1.0
+    )
     # They are three meshes and not one.
     assert np.abs((found - expected) / size).max() > 1e-6
 
 
-def test_pin_loads(pair):
+def test_pin_loads(pair, figure):
     """Forces and moments on the ends per force and per moment on the pin, each beside its like."""
     found, expected = (part.pin_loads[0].reshape(2, 2, 3, 2, 3) for part in pair)
     size = np.abs(expected).max(axis=(2, 4), keepdims=True)
-    assert np.abs((found - expected) / size).max() < TOLERANCE_OF_PIN_LOADS
+    bound = TOLERANCE_OF_PIN_LOADS
+    figure("pin loads on the ends", found / size, expected / size, bound, scale=1.0)
 
 
 @pytest.mark.parametrize("support", SUPPORTS, ids=str)
-def test_compliances(pair, support):
+def test_compliances(pair, support, figure):
     found, expected = (support_throw(part, support) for part in pair)
-    assert found.axial == pytest.approx(expected.axial, rel=TOLERANCE)
-    assert found.torsional == pytest.approx(expected.torsional, rel=TOLERANCE)
-    assert found.influence == pytest.approx(expected.influence, rel=TOLERANCE)
+    figure("axial compliance", found.axial, expected.axial, TOLERANCE, "m/N")
+    figure("torsional compliance", found.torsional, expected.torsional, TOLERANCE, "rad/(N m)")
+    figure("influence coefficient", found.influence, expected.influence, TOLERANCE, "m/N")
 
 
 def test_a_cantilever_of_one_throw(pair):

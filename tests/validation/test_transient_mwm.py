@@ -49,18 +49,19 @@ def torque(failing=()):
 
 
 @pytest.mark.parametrize("failing", [(), (3,)])
-def test_steady_motion_is_the_harmonic_solution(failing):
+def test_steady_motion_is_the_harmonic_solution(failing, figure):
     chain, acting = mwm(), torque(failing)
     same = viscous_system(chain)
     for method in ("modal", "direct"):
         wanted = forced_response(same.system, acting, method=method).motion
         for place in (0, 3, 8):
             found = steady_motion(chain, acting, float(SPEEDS[place])).phasors(ORDERS)
-            left = np.abs(found - wanted[:, place])
-            assert np.max(left) < 1e-9 * np.max(np.abs(wanted[:, place]))
+            largest = np.max(np.abs(wanted[:, place]))
+            what = f"steady motion beside the harmonic one, {method}"
+            figure(what, found, wanted[:, place], 1e-9, "rad", scale=largest)
 
 
-def test_loss_factors_as_viscous_are_near_where_they_are_right():
+def test_loss_factors_as_viscous_are_near_where_they_are_right(figure):
     # Resonance of order 6 at the first mode: its size is set by damping right at that frequency.
     chain = mwm()
     speed = float(chain.modes().angular_frequencies[1]) / 6.0
@@ -71,7 +72,8 @@ def test_loss_factors_as_viscous_are_near_where_they_are_right():
     )
     wanted = forced_response(chain, exact).motion[0, 0]
     # 0.1 %: of the elastic motion the damping is equal, and the rest is far from resonance.
-    assert np.max(np.abs(found - wanted)) < 1e-3 * np.max(np.abs(wanted))
+    largest = np.max(np.abs(wanted))
+    figure("loss factors as viscous, at resonance", found, wanted, 1e-3, "rad", scale=largest)
 
 
 def _only(acting, speed):
@@ -82,7 +84,7 @@ def _only(acting, speed):
 
 
 @pytest.mark.slow
-def test_run_up_by_an_integrator_of_its_own():
+def test_run_up_by_an_integrator_of_its_own(figure):
     """The same run by DOP853 in the physical coordinates, forces written out by hand."""
     chain = mwm()
     start, rate, duration = 180.0, 400.0, 0.1
@@ -110,12 +112,13 @@ def test_run_up_by_an_integrator_of_its_own():
         t_eval=run.time,
     )
     springs = (STIFFNESS[:, np.newaxis] * chain.elongations() @ found.y[:9]).T
-    assert np.max(np.abs(run.torque - springs)) < 1e-6 * np.max(np.abs(springs))
-    whole = run.motion + run.rigid_motion
-    assert np.max(np.abs(whole - found.y[:9].T)) < 1e-6 * np.max(np.abs(found.y[:9]))
+    largest = np.max(np.abs(springs))
+    figure("run-up by DOP853: torques", run.torque, springs, 1e-6, "N m", scale=largest)
+    whole, own = run.motion + run.rigid_motion, found.y[:9].T
+    figure("run-up by DOP853: motion", whole, own, 1e-6, "rad", scale=np.max(np.abs(own)))
 
 
-def test_work_of_the_forces_is_what_damping_takes():
+def test_work_of_the_forces_is_what_damping_takes(figure):
     """Over a cycle of the steady motion; velocities by the exact derivative of its Fourier series."""
     chain, acting, speed = mwm(), torque(), 200.0
     found = steady_motion(chain, acting, speed)
@@ -127,7 +130,7 @@ def test_work_of_the_forces_is_what_damping_takes():
     work = np.sum(given * velocity)
     taken = np.sum(velocity @ found.system.system.damping * velocity)
     # 1e-6 is what power balances of this project keep; both sums are exact for such series.
-    assert work == pytest.approx(taken, rel=1e-6)
+    figure("work of the forces and of damping, each times a constant", work, taken, 1e-6)
     assert work > 0.0
 
 
@@ -140,7 +143,7 @@ def oscillator():
     return Chain([MASS], [], **held), OrderExcitation([2.0], [20.0, 80.0], forces)
 
 
-def test_sweep_through_resonance_is_duhamels_integral():
+def test_sweep_through_resonance_is_duhamels_integral(figure):
     """x(t) = integral of h(t - s) F cos(2 phi(s) + a) ds / m, phi = phi_0 + W s + c s^2 / 2.
 
     By 600 Gauss points over at most 100 radians of the integrand, which leaves round-off.
@@ -158,7 +161,8 @@ def test_sweep_through_resonance_is_duhamels_integral():
         turned = angle + start * s + 0.5 * rate * s**2
         swept = FORCE / (MASS * damped) * answer * np.cos(2.0 * turned + PHASE)
         wanted = 0.5 * time * np.sum(weights * swept)
-        assert abs(run.motion[number, 0] - wanted) < 1e-9 * np.abs(run.motion).max()
+        own, largest = run.motion[number, 0], np.abs(run.motion).max()
+        figure("sweep by Duhamel's integral", own, wanted, 1e-9, "m", scale=largest)
 
 
 @pytest.mark.slow

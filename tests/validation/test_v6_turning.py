@@ -80,18 +80,19 @@ def turned(times, **changes):
     return cf.turn_freely(engine(), 0.0, 10.0, float(times[-1]), times=times, **settings)
 
 
-def test_torque_at_the_start():
+def test_torque_at_the_start(figure):
     found = turned([0.0, 1e-6])
     # The load's inertia of 1 kg m^2 and its torque of 0.25 N m hang on the engine's flange.
-    assert found.acceleration[0] + 0.25 == pytest.approx(FIRST_TORQUE, rel=1e-12)
+    torque = found.acceleration[0] + 0.25
+    figure("Modelica: torque at the start", torque, FIRST_TORQUE, 1e-12, "N m")
 
 
 @pytest.mark.slow
-def test_trajectory_of_modelica():
+def test_trajectory_of_modelica(figure):
     time, angle, speed = np.array(TRAJECTORY).T
     found = turned(time)
-    assert found.angle == pytest.approx(angle, rel=1e-5)
-    assert found.speed == pytest.approx(speed, rel=1e-5)
+    figure("Modelica: angle", found.angle, angle, 1e-5, "rad")
+    figure("Modelica: speed", found.speed, speed, 1e-5, "rad/s")
     assert found.energy_error < 1e-9
 
 
@@ -130,7 +131,7 @@ def height(angles):
 
 
 @pytest.mark.slow
-def test_lagrange_equation_with_differences():
+def test_lagrange_equation_with_differences(figure):
     from scipy.integrate import solve_ivp
 
     area = 0.25 * math.pi * BORE**2
@@ -158,4 +159,4 @@ def test_lagrange_equation_with_differences():
     times, speeds = np.array(states).T
     free = turned(times)
     assert free.angle == pytest.approx(ends, rel=1e-9, abs=1e-9)
-    assert free.speed == pytest.approx(speeds, rel=1e-9)
+    figure("Lagrange: speed at the ends of the strokes", free.speed, speeds, 1e-9, "rad/s")

@@ -48,24 +48,28 @@ def test_table_keeps_its_source_and_loses_its_closing_sample(table):
 
 
 @pytest.mark.parametrize("route", ["transform", "sums"])
-def test_first_two_harmonics(table, route):
+def test_first_two_harmonics(table, route, figure):
     found = table.harmonics() if route == "transform" else harmonics_by_sums(table.torque)
-    assert found.mean == pytest.approx(123.36, abs=0.005)
+    figure("mean torque", found.mean, 123.36, 0.005, "N m", "absolute")
     assert found.orders[:2].tolist() == [0.5, 1.0]
     assert found.cosine[:2] == pytest.approx([-214.76, 138.05], abs=0.005)
     assert found.sine[:2] == pytest.approx([-179.16, 371.63], abs=0.005)
     # M_2 stands as 396.64 at its calculation and as 396.44 in the final equation, which is right.
-    assert found.amplitude[:2] == pytest.approx([279.68, 396.44], abs=0.005)
+    amplitudes = found.amplitude[:2]
+    figure("first two harmonics", amplitudes, [279.68, 396.44], 0.005, "N m", "absolute")
     # Printed 20.37 deg, from a tangent rounded to 0.37.
-    assert np.degrees(found.phase[:2]) == pytest.approx([230.16, 20.38], abs=0.005)
+    phases = np.degrees(found.phase[:2])
+    figure("their phases", phases, [230.16, 20.38], 0.005, "deg", "absolute")
 
 
-def test_two_mass_resonance(check):
+def test_two_mass_resonance(check, figure):
     # Printed 942,000; 3,260 and 31,146, from a pi of 3.14 and from rounded figures.
-    assert check.stiffness == pytest.approx(942.9e3, abs=0.05e3)
-    assert check.angular_frequency == pytest.approx(3261.5, abs=0.05)
+    figure("stiffness of the shaft", check.stiffness, 942.9e3, 0.05e3, "N m/rad", "absolute")
+    natural = check.angular_frequency
+    figure("natural frequency of two masses", natural, 3261.5, 0.05, "rad/s", "absolute")
     assert check.vibrations_per_minute == pytest.approx(31145.0, abs=0.5)
-    assert check.resonant_speed_rpm == pytest.approx(2224.7, abs=0.05)
+    speed = check.resonant_speed_rpm
+    figure("resonant speed of order 14", speed, 2224.7, 0.05, "1/min", "absolute")
     # Printed 232.8 rad/s, from a pi of 3.14.
     assert check.resonant_speed == pytest.approx(232.97, abs=0.005)
 

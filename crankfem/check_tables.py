@@ -1,0 +1,95 @@
+"""The tables of `crankfem check`, from its record."""
+
+import math
+
+from crankfem.console import print_line, print_table, rows_of
+from crankfem.output_units import SI, OutputUnits
+from crankfem.record import RPM, Record
+from crankfem.tables import print_shape
+
+KINDS = {
+    "engine": "It describes a whole engine",
+    "mechanism": "It describes cranks, rods and pistons, not a whole engine",
+    "throw": "It describes a throw, not an engine",
+    "hinge": "It describes an elastic hinge",
+    "chain": "It describes a chain of inertias and springs",
+}
+
+
+def print_check(record: Record, units: OutputUnits = SI) -> None:
+    """Print what a file was understood as."""
+    inputs = record["inputs"]
+    assumed = sum(one["assumed"] for one in inputs)
+    counted = f"; {assumed} of {len(inputs)} values are assumed" if inputs else ""
+    print_line(f"{record['file']}: valid {record['kind']} file{counted}.")
+    print_line(f"{KINDS[record['kind']]}: it serves {', '.join(record['commands'])}.")
+    print_line(f"Sections: {', '.join(record['sections'])}.")
+    if record["arrangement"] is not None:
+        _print_arrangement(record["engine"], record["arrangement"], units)
+    if record["shape"] is not None:
+        print_shape(record["shape"], units)
+        _print_dimensions(record["dimensions"], units)
+    for remark in record["remarks"]:
+        print_line(units.text(f"Note: {remark.rstrip('.')}."))
+    print_table(
+        "Inputs",
+        ["field", "value:", "assumed:", "source:"],
+        rows_of(
+            inputs,
+            lambda r: r["field"],
+            lambda r: r["given"],
+            lambda r: "yes" if r["assumed"] else "",
+            lambda r: r["source"],
+        ),
+    )
+
+
+def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
+    length, speed, angle = units.of("mm"), units.of("1/min"), units.of("deg")
+    kind = "in line" if engine["bank_angles_deg"] is None else "in banks"
+    speeds = [
+        speed.number(engine[f"{which}_speed_rpm"] / RPM, 6)
+        for which in ("lowest", "highest", "rated")
+    ]
+    print_line(
+        f"{name}: {engine['cylinders']} cylinders {kind}, {engine['strokes']}-stroke, bore x stroke "
+        f"{length.number(engine['bore'], 6)} x {length.number(engine['stroke'], 6)} {length.name}; runs from "
+        f"{speeds[0]} to {speeds[1]} {speed.name}, rated speed {speeds[2]} {speed.name}; firing order "
+        f"{'-'.join(map(str, engine['firing_order']))}."
+    )
+    fired = dict(zip(engine["firing_order"], engine["firing_angles_deg"], strict=True))
+    banks = engine["bank_angles_deg"]
+    print_table(
+        f"Cylinders [{angle.name}]",
+        ["cylinder", "crank angle", *([] if banks is None else ["bank angle"]), "fires at"],
+        [
+            [
+                str(place + 1),
+                *(
+                    _angle(value, units)
+                    for value in (
+                        crank,
+                        *([] if banks is None else [banks[place]]),
+                        fired[place + 1],
+                    )
+                ),
+            ]
+            for place, crank in enumerate(engine["crank_angles_deg"])
+        ],
+    )
+
+
+def _angle(degrees: float, units: OutputUnits) -> str:
+    return units.of("deg").number(math.radians(degrees), 6)
+
+
+def _print_dimensions(dimensions: list[Record], units: OutputUnits) -> None:
+    length = units.of("mm")
+    print_table(
+        "The throw as understood",
+        ["dimension", "symbol:", length.name, "meaning:"],
+        [
+            [one["name"], one["symbol"], length.number(one["value"], 6), one["meaning"]]
+            for one in dimensions
+        ],
+    )

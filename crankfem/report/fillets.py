@@ -1,0 +1,85 @@
+"""Stresses at the fillets in a run: computed coarsely, pictured for the loads that matter."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from crankfem.pictures.offscreen import OffscreenProcess
+from crankfem.pictures.stress_picture import picture_arrays, picture_name
+from fem import fillet_stress
+from fem.fillet_stress import FilletStresses
+from fem.material import Material
+from fem.solver import SolveError
+from geometry.errors import InputError, MeshError
+from geometry.throw import CrankThrow
+
+# Of the largest stresses: enough to compare fillets and to see which is the weakest.
+ACCURACY = 0.1
+# What loads a throw most in an engine: the rod's force and the torque.
+KINDS_SHOWN = ("radial", "torsion")
+
+
+def stresses_or_reason(
+    throw: CrankThrow, material: Material
+) -> tuple[FilletStresses | None, str | None]:
+    """Compute the stresses at a throw's fillets; a throw for which they cannot be had loses nothing else.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+    material : Material
+
+    Returns
+    -------
+    FilletStresses or None
+    str or None
+        Why there are none.
+    """
+    try:
+        return fillet_stress.fillet_stresses(throw, material, ACCURACY), None
+    except (InputError, MeshError, SolveError) as error:
+        return None, str(error)
+
+
+def shown_loads(stresses: FilletStresses) -> FilletStresses:
+    """Return the stresses under the loads that are pictured: radial on the first pin, and a torque."""
+    loaded = stresses.loaded
+    kept = [
+        place
+        for kind in KINDS_SHOWN
+        for place, load in enumerate(loaded.loads)
+        if load.kind == kind and load.pin in (None, 0)
+    ]
+    loads = tuple(loaded.loads[place] for place in kept)
+    return replace(
+        stresses,
+        peaks=tuple(peak for peak in stresses.peaks if peak.load in loads),
+        loaded=replace(
+            loaded,
+            loads=loads,
+            shares=tuple((symmetry, field[:, :, kept]) for symmetry, field in loaded.shares),
+        ),
+        surface=replace(stresses.surface, stress=np.take(stresses.surface.stress, kept, axis=1)),
+    )
+
+
+class StressRendering(OffscreenProcess):
+    """The pictures of stresses being rendered in the background, into a folder.
+
+    Parameters
+    ----------
+    stresses : FilletStresses
+        `shown_loads` of a throw.
+    folder : Path
+
+    Attributes
+    ----------
+    files : dict
+        Picture name to file name.
+    """
+
+    def __init__(self, stresses: FilletStresses, folder: Path) -> None:
+        names = [picture_name(load) for load in stresses.loaded.loads]
+        self.files = {Path(name).stem.replace("-", "_"): name for name in names}
+        super().__init__("crankfem.pictures.stress_picture", picture_arrays(stresses), folder)

@@ -1,0 +1,223 @@
+"""How numbers and names are written in a report: so many digits, with units, in an engineer's words."""
+
+import datetime
+import math
+import re
+
+from markupsafe import Markup, escape
+
+from crankfem.record import Record
+from geometry.quantity import show_quantity
+
+UNBOUNDED = "unbounded"
+# What the sources of compliances are called in results.json, and in words.
+SOURCE_WORDS = {"fe": "finite elements", "fe pinned": "finite elements, pinned"}
+# Displayed unit of the motion of the free end, and its size in SI.
+MOTION = {"axial": ("µm", 1e-6), "torsional": ("mrad", 1e-3)}
+UNIT_BEHIND = re.compile(r"(?<=\d) (?=(?:1/min|[MG]?Pa|kN|N|mm|m/N|Hz|%|µm|mrad|deg)(?![\w]))")
+MINUTE, HOUR = 60.0, 3600.0
+
+
+def significant(value: float, digits: int = 4) -> str:
+    """Write a number with so many significant digits, zeros at its end included.
+
+    Examples
+    --------
+    >>> significant(1.6)
+    '1.600'
+    >>> significant(15597.0, 5)
+    '15597'
+    """
+    return f"{value:#.{digits}g}".removesuffix(".")
+
+
+def nano(value: float, digits: int = 4) -> str:
+    """Write a number in 1e-9 of its unit."""
+    return significant(value * 1e9, digits)
+
+
+def percent(share: float, digits: int = 2) -> str:
+    """Write a share in per cent, without its sign; what is next to nothing as that.
+
+    Examples
+    --------
+    >>> percent(0.00958)
+    '0.96'
+    >>> percent(2e-12)
+    'below 0.001'
+    """
+    hundredfold = share * 100.0
+    return "below 0.001" if 0.0 < abs(hundredfold) < 1e-3 else f"{hundredfold:.{digits}g}"
+
+
+def fixed(value: float, digits: int = 1) -> str:
+    """Write a number with so many digits behind the point; round-off is a plain zero."""
+    return f"{round(value, digits) + 0.0:.{digits}f}"
+
+
+def quantity(value: float | None, unit: str, digits: int = 4) -> str:
+    """Write a quantity in the unit in which engineers read it, without bound where there is none."""
+    if value is None:
+        return UNBOUNDED
+    return show_quantity(value, unit, digits) if unit else f"{value:g}"
+
+
+def scaled(value: float | None, size: float, digits: int = 3) -> str:
+    """Write a number in units of `size`."""
+    return UNBOUNDED if value is None else significant(value / size, digits)
+
+
+def motion(value: float | None, kind: str, digits: int = 3) -> str:
+    """Write an amplitude of axial or torsional vibration with its unit."""
+    unit, size = MOTION[kind]
+    return UNBOUNDED if value is None else f"{significant(value / size, digits)} {unit}"
+
+
+def tiny(value: float) -> str:
+    """Write the size of an error that is round-off, or nearly.
+
+    Examples
+    --------
+    >>> tiny(3.87e-13)
+    '4e-13'
+    """
+    return "0" if value == 0.0 else f"{abs(value):.0e}".replace("e-0", "e-")
+
+
+def source_words(name: str) -> str:
+    """Say where compliances come from."""
+    return SOURCE_WORDS.get(name, name)
+
+
+def words(name: str) -> str:
+    """Write a field's name in words."""
+    return name.replace("_", " ")
+
+
+def sentence(text: str) -> str:
+    """Write a remark as a sentence."""
+    return f"{text[:1].upper()}{text[1:].removesuffix('.')}."
+
+
+def signs(text: str) -> str:
+    """Write the signs of an equation as they are printed in books."""
+    return text.replace(" * ", " · ").replace(" - ", " − ")
+
+
+def moment(text: str) -> str:
+    """Write a time of ISO 8601 so that it can be read.
+
+    Examples
+    --------
+    >>> moment("2026-11-21T21:30:07+00:00")
+    '21 November 2026, 21:30 UTC'
+    """
+    try:
+        time = datetime.datetime.fromisoformat(text)
+    except ValueError:
+        return text
+    offset = time.strftime("%z")
+    zone = " UTC" if offset in ("", "+0000") else f" UTC{offset[:3]}:{offset[3:]}"
+    return f"{time.day} {time:%B %Y, %H:%M}{zone}"
+
+
+def duration(seconds: float) -> str:
+    """Write how long something took.
+
+    Examples
+    --------
+    >>> duration(41.7)
+    '42 s'
+    >>> duration(125.0)
+    '2 min 5 s'
+    """
+    if seconds < 10.0:
+        return f"{seconds:.1f} s"
+    whole = round(seconds)
+    if whole < MINUTE:
+        return f"{whole} s"
+    if whole < HOUR:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+def check_figure(check: Record) -> str:
+    """Write the figure of a self-check."""
+    return _figure(check["figure"], check["unit"])
+
+
+def check_allowed(check: Record) -> str:
+    """Write what the figure of a self-check may be."""
+    allowed = check["allowed"]
+    if allowed is None:
+        return "not bounded" if check["met"] is None else "by its criteria"
+    return f"at most {_figure(allowed, check['unit'])}"
+
+
+def _figure(value: float | None, unit: str) -> str:
+    if value is None:
+        return "none"
+    if unit == "%":
+        return f"{percent(value)} %"
+    if unit == "1":
+        return tiny(value)
+    return f"{value:g} {unit}".strip()
+
+
+def at_most_one(value: float) -> float:
+    """Return a share for a bar that can be no longer than full."""
+    return min(1.0, value) if math.isfinite(value) else 1.0
+
+
+def used(share: float | None) -> str:
+    """Write how much of a limit is used; what is unbounded as that."""
+    return UNBOUNDED if share is None else f"{100.0 * share:.3g} %"
+
+
+def head(text: str) -> Markup:
+    """Write a column's head so that its unit stays in one piece.
+
+    Examples
+    --------
+    >>> str(head("speed [1/min]"))
+    'speed <span class="nowrap">[1/min]</span>'
+    """
+    name, bracket, unit = text.partition(" [")
+    return (
+        Markup('{} <span class="nowrap">[{}</span>').format(name, unit) if bracket else escape(text)
+    )
+
+
+def tied(text: str) -> str:
+    """Keep numbers and the units behind them on one line."""
+    return UNIT_BEHIND.sub("\N{NO-BREAK SPACE}", text)
+
+
+FILTERS = {
+    "sig": significant,
+    "plain": lambda value: f"{value:g}",
+    "count": lambda value: f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}"),
+    "nano": nano,
+    "percent": percent,
+    "fixed": fixed,
+    "quantity": quantity,
+    "given": lambda value, unit: quantity(value, unit, 6),
+    "scaled": scaled,
+    "motion": motion,
+    "tiny": tiny,
+    "source": source_words,
+    "words": words,
+    "sentence": sentence,
+    "signs": signs,
+    "moment": moment,
+    "duration": duration,
+    "check_figure": check_figure,
+    "check_allowed": check_allowed,
+    "bar": at_most_one,
+    "used": used,
+    "head": head,
+    "tied": tied,
+    "gpa": lambda value: f"{value / 1e9:.4g} GPa",
+    "length_of": lambda values: math.hypot(*values),
+    "sig_or_zero": lambda value: significant(value) if value else "0",
+}

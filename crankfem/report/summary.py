@@ -1,0 +1,180 @@
+"""The first screen of a report: the verdict, the dangerous speeds, the limits, and the key figures."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from crankfem.record import Record
+from crankfem.report.numbers import fixed, motion, percent, quantity, significant
+
+KINDS = ("axial", "torsional")
+# Speeds of each kind that the first screen names, and how severe beside the worst they are at least.
+SPEEDS_SHOWN, LEAST_SEVERITY = 4, 0.05
+# Resultant of the cylinders from which they count as acting together.
+TOGETHER = 0.5
+NOT_JUDGED = "Not judged: no gas pressure is given"
+
+
+def summary(results: Mapping[str, Any]) -> Record:
+    """Return what the first screen of a report says.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json.
+
+    Returns
+    -------
+    dict
+        "status" ("fine", "barred", "bad" or "open"), "headline", "sentences", "ranges", "speeds",
+        "limits", "remarks", "figures".
+    """
+    vibration = results["vibration"]
+    assessment, forced = vibration["assessment"], vibration["forced"]
+    return {
+        **(_open(results) if assessment is None else _verdict(assessment)),
+        "forced": forced is not None,
+        "speeds": _critical_speeds(vibration) if forced is None else _resonances(forced),
+        "limits": [] if assessment is None else _worst_of_each(assessment["checks"]),
+        "figures": [
+            _compliance(results["throw"]),
+            *(_frequency(vibration, kind) for kind in KINDS),
+        ],
+    }
+
+
+def _verdict(assessment: Mapping[str, Any]) -> Record:
+    status = {"fine": "fine", "not acceptable": "bad"}.get(assessment["status"], "barred")
+    worst = assessment["checks"][0]
+    reached = quantity(worst["value"], worst["unit"])
+    share = "" if worst["used"] is None else f", {100.0 * worst['used']:.3g} % of"
+    return {
+        "status": status,
+        "headline": assessment["sentence"].partition(":")[0],
+        "sentences": [
+            f"{worst['limit'].capitalize()}, {worst['place']}: {reached} at "
+            f"{fixed(worst['speed_rpm'])} 1/min{share or '; permitted is'} "
+            f"{'the permitted ' if share else ''}{quantity(worst['permitted'], worst['unit'])}."
+        ],
+        "ranges": [
+            {
+                "shown": one["shown"],
+                "text": "; ".join(one["refusals"]) or fine,
+                "allowed": one["allowed"],
+            }
+            for name, fine in (
+                ("barred", "may be barred"),
+                ("started_through", "is passed on every start"),
+            )
+            for one in assessment[name]
+        ],
+        "remarks": _left_open(assessment),
+    }
+
+
+def _left_open(assessment: Mapping[str, Any]) -> list[str]:
+    """What the verdict rests on, and what it leaves out."""
+    found = [
+        f"The limit on {limit['name']} is assumed ({limit['source']}), for none is given."
+        for limit in assessment["limits"]
+        if limit["assumed"]
+    ]
+    if not any(limit["name"].startswith("axial") for limit in assessment["limits"]):
+        found.append("Axial vibration is not judged: no limit is given.")
+    return found
+
+
+def _open(results: Mapping[str, Any]) -> Record:
+    count = sum(len(results["vibration"][kind]["criticals"]) for kind in KINDS)
+    engine = results["engine"]
+    return {
+        "status": "open",
+        "headline": NOT_JUDGED,
+        "sentences": [
+            "Amplitudes and stresses are not calculated, so nothing can be held against limits. "
+            f"{count} critical speed{'' if count == 1 else 's'} of orders up to "
+            f"{engine['highest_order']:g} {'lies' if count == 1 else 'lie'} in the running range."
+        ],
+        "ranges": [],
+        "remarks": ["With a section [gas] the engine file gives what excites vibration."],
+    }
+
+
+def _resonances(forced: Mapping[str, Any]) -> list[Record]:
+    """The most severe resonances of each kind."""
+    found = []
+    for kind in KINDS:
+        severe = sorted(
+            (one for one in forced[kind]["resonances"] if one["severity"] >= LEAST_SEVERITY),
+            key=lambda one: -float(one["severity"]),
+        )
+        found += [
+            {
+                "kind": kind,
+                "speed_rpm": one["speed_rpm"],
+                "order": one["order"],
+                "strength": motion(one["amplitude"], kind),
+                "major": one["kind"] == "major",
+            }
+            for one in severe[:SPEEDS_SHOWN]
+        ]
+    return found
+
+
+def _critical_speeds(vibration: Mapping[str, Any]) -> list[Record]:
+    """Critical speeds at which the cylinders act together, the strongest of each kind."""
+    found = []
+    for kind in KINDS:
+        together = sorted(
+            (one for one in vibration[kind]["criticals"] if one["phase_sum"] >= TOGETHER),
+            key=lambda one: -float(one["phase_sum"]),
+        )
+        found += [
+            {
+                "kind": kind,
+                "speed_rpm": one["speed_rpm"],
+                "order": one["order"],
+                "strength": fixed(one["phase_sum"], 2),
+                "major": one["phase_sum"] > 0.9,
+            }
+            for one in together[:SPEEDS_SHOWN]
+        ]
+    return found
+
+
+def _worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """The worst place of each limit; the checks come with the worst first."""
+    found: dict[str, Mapping[str, Any]] = {}
+    for check in checks:
+        found.setdefault(check["limit"], check)
+    return list(found.values())
+
+
+def _compliance(throw: Mapping[str, Any]) -> Record:
+    error = f"error about {percent(throw['error_estimate'])} %"
+    return {
+        "label": "Axial compliance of a throw,",
+        "symbol": ("e", "n"),
+        "value": f"{significant(throw['supports']['pinned']['axial_compliance'] * 1e9)}e-9",
+        "unit": "m/N",
+        "details": ["ends pinned, finite elements", f"{error}; the true value is larger by that"],
+    }
+
+
+def _frequency(vibration: Mapping[str, Any], kind: str) -> Record:
+    own = vibration[kind]
+    first = next((mode["frequency"] for mode in own["modes"] if not mode["rigid"]), None)
+    details = [] if first is None else [f"{first * 60.0:.0f} 1/min, chain of the throws"]
+    assessment, whole = vibration["assessment"], vibration["whole"]
+    if assessment is not None and assessment["uncertainty"][kind]["frequencies"]:
+        bounds = assessment["uncertainty"][kind]["frequencies"][0]
+        details[0] = f"{fixed(bounds['low'])} to {fixed(bounds['high'])} Hz with what is uncertain"
+    if whole is not None and whole["chains"].get(kind, {}).get("modes"):
+        shaft = whole["chains"][kind]["modes"][0]["shaft_frequency"]
+        details.append(f"whole crankshaft in its bearings: {fixed(shaft)} Hz")
+    return {
+        "label": f"First {kind} frequency",
+        "symbol": None,
+        "value": "none" if first is None else fixed(first),
+        "unit": "" if first is None else "Hz",
+        "details": details,
+    }

@@ -1,0 +1,440 @@
+/* Draws the report's interactive plots where scripts run, beside pictures that stay where they do not.
+
+A plot NAME has a holder <div class="interactive" data-plot="NAME" hidden> in a <figure> with its static
+picture, and its data in <script type="application/json" id="plot-NAME">. It is drawn when it comes near
+the screen; until then, on paper, and if anything fails, the picture is there. Nothing is fetched. */
+(function () {
+  "use strict";
+
+  var NARROW = 600; // pixels
+  var SQUARE = 440; // pixels, height of a narrow diagram with equal scales
+  var TURN = Math.PI / 12;
+  var ZOOM = 1.2;
+  var CONFIG = {
+    displaylogo: false,
+    // The width is given with each change of the page's, below.
+    responsive: false,
+    showSendToCloud: false,
+    showEditInChartStudio: false,
+    showLink: false,
+    plotlyServerURL: "",
+    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "tableRotation", "resetCameraLastSave3d"],
+    doubleClick: "reset",
+  };
+  var STYLE =
+    ".interactive .plot-tools{display:flex;flex-wrap:wrap;gap:.4rem .8rem;align-items:center;margin:0 0 .4rem}" +
+    ".interactive .plot-tools label{display:flex;gap:.4rem;align-items:center;max-width:100%}" +
+    ".interactive .plot-tools [role=group]{display:flex;flex-wrap:wrap;gap:.25rem}" +
+    ".interactive .plot-tools button,.interactive .plot-tools select{font:inherit;font-size:.9rem;" +
+    "min-height:2rem;padding:.2rem .6rem;border:1px solid #7b8794;border-radius:4px;background:#fff;" +
+    "color:#1d2733;max-width:100%;min-width:0}" +
+    ".interactive .plot-tools button{cursor:pointer}" +
+    ".interactive .plot-tools button[aria-pressed=true]{background:#1f5f99;border-color:#1f5f99;color:#fff}" +
+    ".interactive .plot-tools :focus-visible,.interactive .modebar-btn:focus-visible{outline:3px solid " +
+    "#d9822b;outline-offset:1px}" +
+    // However wide a plot was drawn, it does not keep the page from growing narrow.
+    ".interactive .plot-area{contain:inline-size;overflow:hidden}" +
+    ".interactive.waiting{position:absolute;visibility:hidden}" +
+    "@media screen{.plot-drawn>.plot-still{display:none!important}}" +
+    "@media print{.interactive{display:none!important}}" +
+    "@media (prefers-reduced-motion:reduce){.interactive *{transition:none!important;" +
+    "animation:none!important}}";
+
+  var Plotly = window.Plotly;
+
+  /* What differs from the figure's own layout on a narrow screen, and what brings that back. */
+  function fitting(own, width) {
+    var isNarrow = width < NARROW;
+    var legend = own.legend || {};
+    var margin = own.margin || {};
+    if (own.scene) {
+      return { width: width, height: isNarrow ? 400 : own.height };
+    }
+    if (!isNarrow) {
+      return {
+        width: width,
+        height: own.height,
+        "legend.orientation": "v",
+        "legend.x": 1.02,
+        "legend.xanchor": "left",
+        "legend.y": 1,
+        "legend.yanchor": "top",
+        "legend.yref": "paper",
+        "legend.maxheight": legend.maxheight || 0.95,
+        "margin.l": margin.l,
+        "margin.b": margin.b,
+        "margin.t": margin.t,
+        "title.font.size": 15,
+        "title.pad.t": 10,
+        "font.size": 13,
+      };
+    }
+    return {
+      width: width,
+      height: own.yaxis.scaleanchor ? SQUARE : own.height + (own.showlegend === false ? 24 : 134),
+      "legend.orientation": "h",
+      "legend.x": 0,
+      "legend.xanchor": "left",
+      "legend.y": 0,
+      "legend.yanchor": "bottom",
+      "legend.yref": "container",
+      "legend.maxheight": 0.26,
+      "margin.l": 48,
+      "margin.b": margin.b + (own.showlegend === false ? 0 : 100),
+      // Under the bar of buttons, which is always there where fingers point.
+      "margin.t": margin.t + 24,
+      "title.font.size": 12,
+      "title.pad.t": 36,
+      "font.size": 11,
+    };
+  }
+
+  function copy(content) {
+    return JSON.parse(JSON.stringify(content));
+  }
+
+  function element(name, attributes, text) {
+    var made = document.createElement(name);
+    Object.keys(attributes).forEach(function (key) {
+      made.setAttribute(key, attributes[key]);
+    });
+    if (text) {
+      made.textContent = text;
+    }
+    return made;
+  }
+
+  /* plotly's own menus are pictures without a keyboard: the page gets real ones in their place. */
+  function menu(tools, plot, given, label) {
+    function choose(place) {
+      var change = given.buttons[place].args;
+      Plotly.update(plot, change[0] || {}, change[1] || {}, change[2]);
+    }
+    if (given.type === "dropdown") {
+      var wrap = element("label", {}, given.name + " ");
+      var select = element("select", {});
+      given.buttons.forEach(function (button) {
+        select.appendChild(element("option", {}, button.label));
+      });
+      select.addEventListener("change", function () {
+        choose(select.selectedIndex);
+      });
+      wrap.appendChild(select);
+      tools.appendChild(wrap);
+      return;
+    }
+    var group = element("div", { role: "group", "aria-label": given.name + ": " + label });
+    given.buttons.forEach(function (button, place) {
+      var made = element("button", { type: "button", "aria-pressed": String(place === 0) }, button.label);
+      made.addEventListener("click", function () {
+        Array.prototype.forEach.call(group.children, function (other) {
+          other.setAttribute("aria-pressed", String(other === made));
+        });
+        choose(place);
+      });
+      group.appendChild(made);
+    });
+    tools.appendChild(group);
+  }
+
+  /* Buttons that do what dragging and the wheel do, for the keyboard and where there is no wheel. */
+  function turning(tools, plot, label) {
+    var start = copy({
+      "scene.camera": plot.layout.scene.camera,
+      "scene.aspectratio": plot.layout.scene.aspectratio,
+    });
+    var group = element("div", { role: "group", "aria-label": "view of " + label });
+    function turn(around, above) {
+      var camera = copy(plot.layout.scene.camera);
+      var eye = camera.eye;
+      var size = Math.sqrt(eye.x * eye.x + eye.y * eye.y + eye.z * eye.z);
+      var limit = 0.49 * Math.PI;
+      var height = Math.max(-limit, Math.min(limit, Math.asin(eye.y / size) + above));
+      var angle = Math.atan2(eye.x, eye.z) + around;
+      camera.eye = {
+        x: size * Math.cos(height) * Math.sin(angle),
+        y: size * Math.sin(height),
+        z: size * Math.cos(height) * Math.cos(angle),
+      };
+      camera.up = { x: 0, y: 1, z: 0 };
+      Plotly.relayout(plot, { "scene.camera": camera });
+    }
+    /* Without perspective the scene's lengths magnify, not the distance of the eye. */
+    function magnify(factor) {
+      var lengths = plot.layout.scene.aspectratio;
+      Plotly.relayout(plot, {
+        "scene.aspectratio": { x: factor * lengths.x, y: factor * lengths.y, z: factor * lengths.z },
+      });
+    }
+    [
+      ["\u25c0", "turn to the left", turn, -TURN, 0],
+      ["\u25b6", "turn to the right", turn, TURN, 0],
+      ["\u25b2", "look from further above", turn, 0, TURN],
+      ["\u25bc", "look from further below", turn, 0, -TURN],
+      ["+", "closer", magnify, ZOOM],
+      ["\u2212", "further away", magnify, 1 / ZOOM],
+    ].forEach(function (one) {
+      var made = element("button", { type: "button", "aria-label": one[1], title: one[1] }, one[0]);
+      made.addEventListener("click", function () {
+        one[2](one[3], one[4]);
+      });
+      group.appendChild(made);
+    });
+    var back = element("button", { type: "button" }, "first view");
+    back.addEventListener("click", function () {
+      Plotly.relayout(plot, copy(start));
+    });
+    group.appendChild(back);
+    tools.appendChild(group);
+  }
+
+  /* Two fingers magnify, which plotly does not know; the wheel does once the plot was clicked, so that
+  it does not hold up who scrolls past. */
+  function touching(plot) {
+    var apart = 0;
+    var lengths = null;
+    var wanted = null;
+    var chosen = false;
+    function distance(touches) {
+      return Math.hypot(touches[0].clientX - touches[1].clientX, touches[0].clientY - touches[1].clientY);
+    }
+    function two(event) {
+      if (event.touches.length !== 2) {
+        return;
+      }
+      event.preventDefault();
+      event.stopPropagation();
+      if (event.type === "touchstart" || !apart) {
+        keepCamera(plot);
+        apart = distance(event.touches);
+        lengths = copy(plot.layout.scene.aspectratio);
+        return;
+      }
+      var factor = distance(event.touches) / apart;
+      if (!wanted) {
+        window.requestAnimationFrame(function () {
+          Plotly.relayout(plot, { "scene.aspectratio": wanted });
+          wanted = null;
+        });
+      }
+      wanted = { x: factor * lengths.x, y: factor * lengths.y, z: factor * lengths.z };
+    }
+    plot.addEventListener("touchstart", two, { capture: true, passive: false });
+    plot.addEventListener("touchmove", two, { capture: true, passive: false });
+    plot.addEventListener("touchend", function (event) {
+      apart = 0;
+      if (!event.touches.length) {
+        keepCamera(plot);
+      }
+    });
+    plot.addEventListener("pointerdown", function () {
+      chosen = true;
+    });
+    plot.addEventListener("pointerleave", function () {
+      chosen = false;
+    });
+    plot.addEventListener(
+      "wheel",
+      function (event) {
+        if (!chosen) {
+          event.stopPropagation();
+        }
+      },
+      { capture: true, passive: true }
+    );
+  }
+
+  /* What a finger has turned, plotly keeps to itself: the next change of the layout would turn it back. */
+  function keepCamera(plot) {
+    var scene = (plot._fullLayout.scene || {})._scene;
+    if (scene && scene.getCamera) {
+      plot.layout.scene.camera = copy(scene.getCamera());
+      plot._fullLayout.scene.camera = copy(plot.layout.scene.camera);
+    }
+  }
+
+  /* Names for what plotly draws: its picture, and the buttons of its bar. */
+  function named(plot, label) {
+    var first = true;
+    plot.querySelectorAll("svg.main-svg").forEach(function (svg) {
+      if (first) {
+        svg.setAttribute("role", "img");
+        svg.setAttribute("aria-label", label);
+        first = false;
+      } else {
+        svg.setAttribute("aria-hidden", "true");
+      }
+    });
+    plot.querySelectorAll("canvas").forEach(function (canvas) {
+      canvas.setAttribute("role", "img");
+      canvas.setAttribute("aria-label", label);
+    });
+    plot.querySelectorAll(".modebar-btn").forEach(function (button) {
+      var name = button.getAttribute("data-title") || button.getAttribute("aria-label") || "plot";
+      button.setAttribute("aria-label", name);
+      if (button.tagName === "BUTTON") {
+        return;
+      }
+      button.setAttribute("role", "button");
+      button.setAttribute("tabindex", "0");
+      if (!button.getAttribute("data-keys")) {
+        button.setAttribute("data-keys", "1");
+        button.addEventListener("keydown", function (event) {
+          if (event.key === "Enter" || event.key === " ") {
+            event.preventDefault();
+            button.click();
+          }
+        });
+      }
+    });
+  }
+
+  function hasWebGL() {
+    try {
+      var context = document.createElement("canvas").getContext("webgl");
+      if (!context) {
+        return false;
+      }
+      var lose = context.getExtension("WEBGL_lose_context");
+      if (lose) {
+        lose.loseContext();
+      }
+      return true;
+    } catch (error) {
+      return false;
+    }
+  }
+
+  /* Back to the picture, whatever was drawn. */
+  function giveUp(holder) {
+    var plot = holder.querySelector(".plot-area");
+    if (plot) {
+      try {
+        Plotly.purge(plot);
+      } catch (error) {
+        /* It is taken away in any case. */
+      }
+    }
+    holder.textContent = "";
+    holder.hidden = true;
+    holder.classList.remove("waiting");
+    holder.parentNode.classList.remove("plot-drawn");
+    // A figure without a picture has nothing left to show.
+    holder.parentNode.hidden = !holder.parentNode.querySelector("img");
+  }
+
+  /* Draw again where the figure has grown wider or narrower; unseen, as on paper, it has no width. */
+  function follow(holder, plot, own, drawn) {
+    var waiting = false;
+    function fit() {
+      waiting = false;
+      var width = holder.hidden ? 0 : holder.clientWidth;
+      if (width && width !== drawn) {
+        drawn = width;
+        Plotly.relayout(plot, fitting(own, width));
+      }
+    }
+    if (window.ResizeObserver) {
+      new window.ResizeObserver(function () {
+        if (!waiting) {
+          waiting = true;
+          window.requestAnimationFrame(fit);
+        }
+      }).observe(holder.parentNode);
+    }
+  }
+
+  function draw(holder) {
+    var data = document.getElementById("plot-" + holder.getAttribute("data-plot"));
+    var still = holder.parentNode.querySelector("img");
+    var label = holder.getAttribute("data-label") || (still && still.getAttribute("alt")) || "plot";
+    var figure = JSON.parse(data.textContent);
+    if (figure.layout.scene && !hasWebGL()) {
+      giveUp(holder);
+      return null;
+    }
+    var menus = figure.layout.updatemenus || [];
+    var box = window.getComputedStyle(holder.parentNode);
+    var width =
+      holder.parentNode.clientWidth - (parseFloat(box.paddingLeft) || 0) - (parseFloat(box.paddingRight) || 0);
+    delete figure.layout.updatemenus;
+    if (window.matchMedia && window.matchMedia("(pointer: coarse)").matches && !figure.layout.scene) {
+      // A finger that moves shall scroll the page; one that taps is told the numbers.
+      figure.layout.dragmode = false;
+    }
+    var tools = element("div", { class: "plot-tools" });
+    var plot = element("div", { class: "plot-area" });
+    var own = copy(figure.layout);
+    holder.textContent = "";
+    holder.appendChild(tools);
+    holder.appendChild(plot);
+    holder.setAttribute("role", "group");
+    holder.setAttribute("aria-label", label);
+    // There, but unseen, until it is complete: plotly needs a width, the reader a picture.
+    holder.classList.add("waiting");
+    holder.style.width = width + "px";
+    figure.layout.width = width;
+    holder.hidden = false;
+    return Plotly.newPlot(plot, figure.data, figure.layout, CONFIG)
+      .then(function () {
+        return Plotly.relayout(plot, fitting(own, width));
+      })
+      .then(function () {
+        menus.forEach(function (given) {
+          menu(tools, plot, given, label);
+        });
+        if (own.scene) {
+          turning(tools, plot, label);
+          touching(plot);
+          plot.on("plotly_webglcontextlost", function () {
+            giveUp(holder);
+          });
+        }
+        if (!tools.children.length) {
+          tools.hidden = true;
+        }
+        named(plot, label);
+        plot.on("plotly_afterplot", function () {
+          named(plot, label);
+        });
+        if (still) {
+          still.classList.add("plot-still");
+        }
+        holder.classList.remove("waiting");
+        holder.style.width = "";
+        holder.parentNode.classList.add("plot-drawn");
+        follow(holder, plot, own, width);
+      });
+  }
+
+  function attempt(holder) {
+    try {
+      Promise.resolve(draw(holder)).catch(function () {
+        giveUp(holder);
+      });
+    } catch (error) {
+      giveUp(holder);
+    }
+  }
+
+  document.head.appendChild(element("style", {}, STYLE));
+  if (!Plotly || !window.IntersectionObserver) {
+    document.querySelectorAll(".interactive[data-plot]").forEach(giveUp);
+    return;
+  }
+  var seen = new IntersectionObserver(
+    function (entries) {
+      entries.forEach(function (entry) {
+        if (entry.isIntersecting) {
+          seen.unobserve(entry.target);
+          attempt(entry.target.querySelector(".interactive"));
+        }
+      });
+    },
+    { rootMargin: "300px 0px" }
+  );
+  document.querySelectorAll(".interactive[data-plot]").forEach(function (holder) {
+    // The figure is observed: what is hidden never comes near the screen.
+    seen.observe(holder.parentNode);
+  });
+})();

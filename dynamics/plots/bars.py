@@ -1,0 +1,46 @@
+"""Bars over the orders: amplitudes of harmonics."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dynamics.checks import FloatArray
+from geometry.diagram_style import COLORS
+from geometry.plots.legends import legend_inside
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+ORDER_LABEL = "harmonic order [cycles per revolution]"
+# Share of the distance of two orders that their bars take.
+FILLED = 0.6
+
+
+def draw_harmonics(
+    axes: "Axes",
+    orders: FloatArray,
+    amplitudes: Mapping[str, FloatArray],
+    label: str,
+) -> None:
+    """Draw amplitudes by order, side by side if there are several of each order.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    orders : ndarray of shape (K,)
+        Ascending.
+    amplitudes : mapping of str to ndarray of shape (K,)
+        By name, in the unit of the axis.
+    label : str
+        Of the upright axis, with its unit.
+    """
+    width = FILLED * float(orders[0] if len(orders) < 2 else np.min(np.diff(orders)))
+    each = width / len(amplitudes)
+    for place, (name, heights) in enumerate(amplitudes.items()):
+        shift = (place - 0.5 * (len(amplitudes) - 1)) * each
+        axes.bar(orders + shift, heights, width=each, color=COLORS[place % len(COLORS)], label=name)
+    axes.set_xlabel(ORDER_LABEL)
+    axes.set_ylabel(label)
+    if len(amplitudes) > 1:
+        legend_inside(axes)

@@ -1,0 +1,207 @@
+"""Load diagrams of a bearing: the locus of its force vector, and the size over the shaft angle."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dynamics.checks import ComplexArray, FloatArray
+from dynamics.plots.quantities import KILO
+from geometry.diagram_style import COLORS, GRAY
+from geometry.errors import InputError
+from geometry.plots.legends import legend_inside
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Labels of angles keep this share of the diagram's width from each other.
+LABEL_ROOM = 0.075
+# The outline of the journal is a symbol, its radius this share of the diagram's width.
+OUTLINE = 0.045
+MARGIN = 0.08
+
+Frame = Literal["crank", "engine"]
+
+
+class Load(Protocol):
+    """The force on a bearing; `dynamics.engine.loads.LoadDiagram` is one."""
+
+    @property
+    def angles(self) -> FloatArray:
+        """Shaft angles over one cycle [rad]."""
+
+    @property
+    def force(self) -> ComplexArray:
+        """In the engine's frame, y - i x [N]."""
+
+    @property
+    def in_crank_frame(self) -> ComplexArray:
+        """In the crank's frame, -Z + i T [N]."""
+
+    @property
+    def magnitude(self) -> FloatArray:
+        """Size of the force [N]."""
+
+    @property
+    def mean(self) -> float:
+        """Mean size [N]."""
+
+    @property
+    def maximum(self) -> float:
+        """Largest size [N]."""
+
+    @property
+    def maximum_angle(self) -> float:
+        """Where it is largest [rad]."""
+
+
+def check_polar(frame: str, mark_step_deg: float) -> None:
+    """Check the choices of a polar diagram.
+
+    Raises
+    ------
+    InputError
+        If the frame is unknown, or the step is not above 0 and up to 360 deg.
+    """
+    if frame not in ("crank", "engine"):
+        raise InputError(
+            f"frame: given {frame!r}; allowed are crank, engine, because a load is drawn in one of them."
+        )
+    if not 0.0 < mark_step_deg <= 360.0:
+        raise InputError(
+            f"mark_step_deg: given {mark_step_deg:g} deg; allowed is above 0 and up to 360 deg, because "
+            "marks follow each other along the curve."
+        )
+
+
+def draw_polar_loads(
+    axes: "Axes", loads: Sequence[tuple[str, Load]], frame: Frame, mark_step_deg: float
+) -> None:
+    """Draw the locus of a bearing's force vector, one curve for each load.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    loads : sequence of tuples of str and Load
+        Each with its name for the legend, one or more.
+    frame : {"crank", "engine"}
+        "crank": turning with the crank, which stands upright, tangential force to the right, radial
+        force (towards the shaft) down. "engine": at rest, y up, seen from the free end, where the
+        shaft turns clockwise and x points to the left.
+    mark_step_deg : float
+        A dot on the first curve at every such step of shaft angle [deg], with its angle where there
+        is room.
+    """
+    curves = [on_paper(load, frame) for _, load in loads]
+    low, high = square_round(curves)
+    axes.set_aspect("equal")
+    _outline(axes, frame, OUTLINE * (high[0] - low[0]))
+    for number, (curve, (name, _)) in enumerate(zip(curves, loads, strict=True)):
+        color = COLORS[number % len(COLORS)]
+        closed = np.append(curve, curve[:1])
+        axes.plot(closed.real, closed.imag, color=color, linewidth=1.3, label=name)
+    _marks(axes, loads[0][1].angles, curves[0], mark_step_deg, LABEL_ROOM * (high[0] - low[0]))
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    _name_axes(axes, frame)
+    if len(loads) > 1:
+        legend_inside(axes)
+
+
+def draw_developed_loads(axes: "Axes", loads: Sequence[tuple[str, Load]]) -> None:
+    """Draw the size of a bearing's force over the shaft angle, with mean and maximum.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    loads : sequence of tuples of str and Load
+        Each with its name for the legend, one or more.
+    """
+    for number, (name, load) in enumerate(loads):
+        color = COLORS[number % len(COLORS)]
+        degrees = np.degrees(load.angles)
+        mean, most = KILO * load.mean, KILO * load.maximum
+        axes.plot(
+            np.append(degrees, 2.0 * degrees[-1] - degrees[-2]),
+            KILO * np.append(load.magnitude, load.magnitude[0]),
+            color=color,
+            linewidth=1.3,
+            label=f"{name}: mean {mean:.4g} kN, maximum {most:.4g} kN",
+        )
+        axes.axhline(mean, color=color, linewidth=0.9, linestyle="--")
+        axes.plot(np.degrees(load.maximum_angle), most, "o", color=color, markersize=5)
+    axes.set_ylim(bottom=0.0)
+    span = np.degrees(loads[0][1].angles)
+    axes.set_xticks(np.arange(np.ceil(span[0] / 90.0) * 90.0, span[-1] + 90.0, 90.0))
+    axes.set_xlabel("shaft angle [deg]")
+    axes.set_ylabel("force [kN] (dashed: mean)")
+
+
+def on_paper(load: Load, frame: Frame) -> NDArray[np.complex128]:
+    """Return places on paper, right + i up [kN]."""
+    # Up are -Z, outwards along the crank, and y; to the right T, and -x as seen from the free end.
+    force = load.in_crank_frame if frame == "crank" else load.force
+    return np.asarray(KILO * (force.imag + 1j * force.real))
+
+
+def square_round(
+    curves: Sequence[NDArray[np.complex128]],
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the lower left and upper right corner of a square that holds curves and origin."""
+    points = np.concatenate([*curves, [0j]])
+    left, right = float(points.real.min()), float(points.real.max())
+    bottom, top = float(points.imag.min()), float(points.imag.max())
+    half = (0.5 + MARGIN) * max(right - left, top - bottom)
+    middle = (0.5 * (left + right), 0.5 * (bottom + top))
+    return (middle[0] - half, middle[1] - half), (middle[0] + half, middle[1] + half)
+
+
+def _outline(axes: "Axes", frame: Frame, radius: float) -> None:
+    """Draw the journal round the origin, and the crank below it in its own frame."""
+    from matplotlib.patches import Circle, Rectangle
+
+    if frame == "crank":
+        corner, width = (-0.7 * radius, -3.2 * radius), 1.4 * radius
+        axes.add_patch(
+            Rectangle(corner, width, 3.2 * radius, facecolor="#f1f3f6", edgecolor=GRAY, zorder=1.5)
+        )
+    axes.add_patch(Circle((0.0, 0.0), radius, facecolor="#e3e7ec", edgecolor=GRAY, zorder=1.6))
+    axes.axhline(0.0, color=GRAY, linewidth=0.8)
+    axes.axvline(0.0, color=GRAY, linewidth=0.8)
+
+
+def _marks(
+    axes: "Axes", angles: FloatArray, curve: NDArray[np.complex128], step: float, room: float
+) -> None:
+    """Put dots at whole steps of shaft angle, between samples by interpolation."""
+    degrees = np.degrees(angles)
+    wanted = np.arange(np.ceil(degrees[0] / step - 1e-9) * step, degrees[-1] + 1e-6, step)
+    points = np.interp(wanted, degrees, curve.real) + 1j * np.interp(wanted, degrees, curve.imag)
+    axes.plot(points.real, points.imag, "o", color=COLORS[0], markersize=3.5)
+    labeled: list[complex] = []
+    middle = complex(curve.mean())
+    for angle, point in zip(wanted.tolist(), points.tolist(), strict=True):
+        if all(abs(point - other) > room for other in labeled):
+            labeled.append(point)
+            out = (point - middle) / max(abs(point - middle), 1e-12)
+            axes.annotate(
+                # Adding zero turns -0 into 0.
+                f"{angle + 0.0:g}°",
+                (point.real, point.imag),
+                xytext=(11.0 * out.real, 9.0 * out.imag),
+                textcoords="offset points",
+                fontsize=8,
+                ha="center",
+                va="center",
+                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5},
+            )
+
+
+def _name_axes(axes: "Axes", frame: Frame) -> None:
+    if frame == "crank":
+        axes.set_xlabel("tangential force T [kN] (with the rotation: right)")
+        axes.set_ylabel("outward force -Z [kN] (towards the shaft: down)")
+    else:
+        axes.set_xlabel("force across, -x [kN] (seen from the free end)")
+        axes.set_ylabel("force up, y [kN]")

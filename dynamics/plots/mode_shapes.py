@@ -1,0 +1,148 @@
+"""Mode shapes of a chain over its nodes and of a whole shaft along it, and shares of its energy."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dynamics.checks import FloatArray
+from dynamics.plots.quantities import MILLI
+from geometry.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
+from geometry.plots.legends import legend_above, legend_below
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Letters that stand side by side under the axis.
+ROOM = 90
+SHARE_NAMES = ("axial", "torsional", "bending")
+
+
+def draw_chain_shapes(
+    axes: "Axes",
+    shapes: FloatArray,
+    labels: Sequence[str],
+    still: Sequence[tuple[float, ...]],
+    pairs: Sequence[tuple[int, int]],
+    names: Sequence[str],
+    motion: str = "displacement",
+) -> None:
+    """Draw mode shapes of a chain over its nodes, with a cross where they do not move.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    shapes : ndarray of shape (n, m)
+        One mode in each column.
+    labels : sequence of m str
+        For the legend.
+    still : sequence of m tuples of float
+        Positions on elements, as in `Modes.node_positions`.
+    pairs : sequence of pairs of int
+        Nodes that elements join.
+    names : sequence of n str
+        Of the nodes.
+    motion : str, optional
+        "twist" or "displacement".
+    """
+    places = np.arange(len(names))
+    axes.axhline(0.0, color=GRAY, linewidth=1.0)
+    for shown, (label, positions) in enumerate(zip(labels, still, strict=True)):
+        shape, color = shapes[:, shown], COLORS[shown % len(COLORS)]
+        for pair in pairs:
+            axes.plot(places[list(pair)], shape[list(pair)], "-", color=color)
+        axes.plot(places, shape, "o", color=color, markersize=4, label=label)
+        crosses = _between(positions, pairs)
+        axes.plot(crosses, np.zeros(len(crosses)), "x", color=color, markersize=7)
+    crowded = sum(max(map(len, name.split("\n"))) for name in names) > ROOM
+    axes.set_xticks(
+        places,
+        [name.replace("\n", " ") for name in names] if crowded else list(names),
+        fontsize=8,
+        rotation=40 if crowded else 0,
+        ha="right" if crowded else "center",
+    )
+    axes.set_ylabel(f"relative {motion} [1]")
+    legend_above(axes)
+
+
+def draw_shaft_shape(
+    axes: "Axes", positions: FloatArray, motion: FloatArray, radius: float
+) -> None:
+    """Draw axial, torsional and lateral motion along a whole shaft in one mode.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    positions : ndarray of shape (s,)
+        Of stations along the shaft [m], ascending.
+    motion : ndarray of shape (s, 6)
+        Displacements along x, y, z and rotations about them.
+    radius : float
+        Rotation about the shaft is shown as the displacement at this radius [m].
+    """
+    ux, uy, uz, rz = 0, 1, 2, 5
+    curves = {
+        "axial": motion[:, uz],
+        "torsional, at the crank radius": radius * motion[:, rz],
+        "lateral, x": motion[:, ux],
+        "lateral, y": motion[:, uy],
+    }
+    largest = max(float(np.abs(curve).max()) for curve in curves.values())
+    sign = _sign(list(curves.values()))
+    axes.axhline(0.0, color=GRAY, linewidth=1.0)
+    for (name, curve), color, line in zip(
+        curves.items(), (BLUE, ORANGE, GREEN, GREEN), ("-", "-", "-", "--"), strict=True
+    ):
+        axes.plot(
+            MILLI * positions,
+            sign * curve / largest,
+            line,
+            color=color,
+            marker="o",
+            markersize=2.5,
+            linewidth=1.4,
+            label=name,
+        )
+    axes.set_ylim(-1.1, 1.1)
+    axes.set_xlabel("place along the shaft [mm]")
+
+
+def draw_mode_shares(axes: "Axes", shares: FloatArray, frequencies: FloatArray) -> None:
+    """Draw the axial, torsional and bending shares of modes as bars.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    shares : ndarray of shape (3, m)
+        Of sum 1.
+    frequencies : ndarray of shape (m,)
+        [Hz]
+    """
+    rows = np.arange(shares.shape[1])
+    left = np.zeros(len(rows))
+    for values, name, color in zip(100.0 * shares, SHARE_NAMES, COLORS[:3], strict=True):
+        axes.barh(rows, values, left=left, color=color, label=name, height=0.7)
+        left = left + values
+    axes.set_yticks(rows, [f"{value:.1f} Hz" for value in frequencies], fontsize=8)
+    axes.invert_yaxis()
+    axes.set_xlim(0.0, 100.0)
+    axes.set_xlabel("share of the mode's energy [%]")
+    axes.grid(visible=False, axis="y")
+    legend_below(axes, 3)
+
+
+def _between(positions: tuple[float, ...], pairs: Sequence[tuple[int, int]]) -> list[float]:
+    """Return where positions on elements lie on the axis of node numbers."""
+    found = []
+    for position in positions:
+        number = min(int(position), len(pairs) - 1)
+        left, right = pairs[number]
+        found.append(left + (position - number) * (right - left))
+    return found
+
+
+def _sign(curves: list[FloatArray]) -> float:
+    """Return the sign that makes the largest displacement positive."""
+    every = np.concatenate(curves)
+    return float(np.sign(every[np.argmax(np.abs(every))])) or 1.0

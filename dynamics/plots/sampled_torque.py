@@ -1,0 +1,50 @@
+"""A torque over its cycle: the samples and the sum of their harmonics."""
+
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from dynamics.checks import FloatArray
+from geometry.diagram_style import BLUE, GREEN, ORANGE
+from geometry.plots.legends import legend_inside
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+POINTS = 721
+
+
+class Sum(Protocol):
+    """A sum of harmonics; `dynamics.harmonics.Harmonics` is one."""
+
+    @property
+    def mean(self) -> float:
+        """Mean value."""
+
+    @property
+    def strokes(self) -> int:
+        """Strokes per cycle."""
+
+    def at(self, crank_angle: FloatArray) -> FloatArray:
+        """Return the sum at crank angles [rad]."""
+
+
+def draw_samples(axes: "Axes", samples: FloatArray, found: Sum) -> None:
+    """Draw samples of the torque of one throw, the sum of all harmonics, and the mean.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    samples : ndarray of shape (m,)
+        Even over one cycle from crank angle zero [N m].
+    found : Sum
+    """
+    cycle = np.pi * found.strokes
+    angles = np.linspace(0.0, cycle, POINTS)
+    sample_angles = np.arange(len(samples)) * cycle / len(samples)
+    axes.plot(np.rad2deg(angles), found.at(angles), color=BLUE, label="sum of harmonics")
+    axes.plot(np.rad2deg(sample_angles), samples, "o", color=ORANGE, markersize=3.5, label="table")
+    axes.axhline(found.mean, color=GREEN, linestyle="--", linewidth=1.0, label="mean")
+    axes.set_xlabel("crank angle [deg]")
+    axes.set_ylabel("torque of one throw [N m]")
+    legend_inside(axes)

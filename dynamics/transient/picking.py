@@ -1,0 +1,91 @@
+"""Which node or element of a run a diagram shows, and in which unit."""
+
+from typing import Literal, NamedTuple, TypeAlias
+
+from dynamics.chains.chain import Chain
+from dynamics.checks import FloatArray, place_of
+from dynamics.plots.quantities import MOVING, SI_UNITS
+from geometry.errors import InputError
+
+Moving: TypeAlias = Literal["torque", "force", "twist", "displacement"]
+OF_ELEMENTS = ("torque", "force")
+
+
+class Picked(NamedTuple):
+    """What a diagram shows.
+
+    Parameters
+    ----------
+    values : ndarray of shape (m,)
+        In the unit of the axis.
+    number : int
+        Of the element or node.
+    name : str
+        Of the element or node.
+    label : str
+        Of the axis, with its unit.
+    factor : float
+        What a value in SI is multiplied by.
+    of_element : bool
+        Whether it is the load of an element, not the motion of a node.
+    """
+
+    values: FloatArray
+    number: int
+    name: str
+    label: str
+    factor: float
+    of_element: bool
+
+
+def pick(
+    chain: Chain | None,
+    quantity: Moving,
+    place: int | str,
+    motion: FloatArray,
+    torque: FloatArray,
+) -> Picked:
+    """Pick the motion of a node or the load of an element.
+
+    Parameters
+    ----------
+    chain : Chain or None
+    quantity : {"torque", "force", "twist", "displacement"}
+        Torque or force of an element, or twist or displacement of a node.
+    place : int or str
+        Number from 0, or name.
+    motion : ndarray of shape (m, n)
+    torque : ndarray of shape (m, e)
+
+    Raises
+    ------
+    InputError
+        If there is no chain, no such quantity, or no such element or node.
+    """
+    if chain is None or quantity not in MOVING:
+        raise InputError(
+            f"quantity: given {quantity!r}; allowed are {', '.join(MOVING)} of a run of a chain, because "
+            "its elements and nodes have names."
+        )
+    of_element = quantity in OF_ELEMENTS
+    names, values = (chain.elements, torque) if of_element else (chain.names, motion)
+    what = "the chain's elements" if of_element else "the chain's nodes"
+    index = place_of("place", place, names, what, "a diagram shows one of them")
+    label, factor = MOVING[quantity]
+    return Picked(factor * values[:, index], index, names[index], label, factor, of_element)
+
+
+def axis_names(chain: Chain | None, nodes: int, elements: int) -> tuple[list[str], list[str]]:
+    """Return the names of nodes and elements for a table, numbers from 0 if there is no chain."""
+    if chain is None:
+        return [str(number) for number in range(nodes)], [str(own) for own in range(elements)]
+    return list(chain.names), list(chain.elements)
+
+
+def units_of(axial: bool) -> tuple[str, str]:
+    """Return the units in SI of the motion of nodes and of the loads of elements."""
+    return (
+        (SI_UNITS["displacement"], SI_UNITS["force"])
+        if axial
+        else (SI_UNITS["twist"], SI_UNITS["torque"])
+    )

@@ -1,0 +1,1 @@
+"""What finite elements found, drawn on the axes of a diagram."""

@@ -1,0 +1,99 @@
+"""Compliances of a throw over the angle between neighboring cranks."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.diagram_style import BLUE
+from geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+Compliance = Literal["axial_compliance", "torsional_compliance", "influence_coefficient"]
+
+ANGLE_LABEL = r"angle between neighboring cranks $\gamma$ [deg]"
+# Label of each quantity's axis, in units of 1e-9 of its SI unit.
+LABELS: dict[Compliance, str] = {
+    "axial_compliance": r"axial compliance $e_\mathrm{n}$ [$10^{-9}$ m/N]",
+    "torsional_compliance": r"torsional compliance $e_\mathrm{t}$ [$10^{-9}$ rad/(N m)]",
+    "influence_coefficient": r"influence coefficient $c$ [$10^{-9}$ m/N]",
+}
+SHOWN = 1e9
+ANGLES_DEG = np.arange(0.0, 181.0, 5.0)
+
+
+def check_compliance(quantity: str) -> Compliance:
+    """Return the quantity.
+
+    Raises
+    ------
+    InputError
+        If it is none that is drawn over the angle.
+    """
+    for name in LABELS:
+        if name == quantity:
+            return name
+    raise InputError(
+        f"quantity: given {quantity!r}; allowed are {', '.join(LABELS)}, because these depend on the "
+        "throw's support."
+    )
+
+
+def draw_supports(axes: "Axes", bounds: Mapping[str, float]) -> None:
+    """Draw a line across the axes for each support's value [SI], with its name."""
+    for text, value in bounds.items():
+        axes.axhline(value * SHOWN, color="black", linewidth=0.8, linestyle=":")
+        axes.annotate(
+            text, (0.0, value * SHOWN), xytext=(2, 3), textcoords="offset points", fontsize=8
+        )
+
+
+def angle_axis(axes: "Axes") -> None:
+    """Give the axes the angle from 0 to 180 deg, and its name."""
+    axes.set_xlim(0.0, 180.0)
+    axes.set_xticks(np.arange(0, 181, 30))
+    axes.set_xlabel(ANGLE_LABEL)
+
+
+def draw_compliance(
+    axes: "Axes",
+    values: Array,
+    bounds: Mapping[str, float],
+    quantity: Compliance,
+    error: float | None,
+) -> None:
+    """Draw a throw's compliance over the angle to equal neighbors.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    values : (37,) array
+        At `ANGLES_DEG` [SI].
+    bounds : mapping of str to float
+        Values under other supports, by their names [SI].
+    quantity : str
+    error : float or None
+        Estimated relative error by which the values are too small.
+    """
+    shown = values * SHOWN
+    axes.plot(ANGLES_DEG, shown, color=BLUE, label="between equal neighbors")
+    if error is not None:
+        axes.fill_between(
+            ANGLES_DEG,
+            shown,
+            shown * (1.0 + error),
+            color=BLUE,
+            alpha=0.2,
+            linewidth=0.0,
+            label=f"estimated error, {100.0 * error:.2g} %",
+        )
+    draw_supports(axes, bounds)
+    ends = np.concatenate([shown, SHOWN * np.array(list(bounds.values()))])
+    axes.set_ylim(min(0.0, 1.1 * float(ends.min())), 1.1 * float(ends.max()))
+    angle_axis(axes)
+    axes.set_ylabel(LABELS[quantity])
+    axes.legend(frameon=False, fontsize=8, loc="lower right")

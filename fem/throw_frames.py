@@ -1,0 +1,75 @@
+"""A throw's stiffness and compliances as tables and grids with names and units."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.frames import grid, table
+
+Array = NDArray[np.float64]
+
+MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
+LOADS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+ENDS = ("left", "right")
+END_MOTIONS = tuple(f"{end} {motion}" for end in ENDS for motion in MOTIONS)
+END_LOADS = tuple(f"{end} {load}" for end in ENDS for load in LOADS)
+# Stiffness couples forces and moments with displacements and rotations.
+STIFFNESS_UNIT = "N or N m per m or rad"
+MOTION_UNITS = ("m",) * 3 + ("rad",) * 3
+LOAD_UNITS = ("N",) * 3 + ("N m",) * 3
+WORDS: Mapping[str, tuple[str, str]] = {
+    "axial_compliance": ("m/N", "axial compliance between equal neighbors"),
+    "torsional_compliance": ("rad/(N m)", "torsional compliance between equal neighbors"),
+    "influence_coefficient": ("m/N", "lengthening per unit radial force between equal neighbors"),
+}
+
+
+def compliance_table(answers: Mapping[str, tuple[float, float, float]]) -> Any:
+    """Return a pandas table of a throw's axial, torsional compliance and influence by support."""
+    columns = zip(WORDS, np.array(list(answers.values())).T, strict=True)
+    return table(
+        {"support": (list(answers), "")}
+        | {name: (column, WORDS[name][0]) for name, column in columns}
+    ).set_index("support")
+
+
+def stiffness_table(stiffness: Array) -> Any:
+    """Return a pandas table of a stiffness (12, 12), loads in rows and end motions in columns."""
+    columns = zip(END_MOTIONS, stiffness.T, strict=True)
+    return table(
+        {"load": (list(END_LOADS), "")}
+        | {name: (column, STIFFNESS_UNIT) for name, column in columns}
+    ).set_index("load")
+
+
+def motion_table(motions: Mapping[str, Array]) -> Any:
+    """Return a pandas table of motions (6,) by the place that moves."""
+    return _by_place(motions, MOTIONS, MOTION_UNITS)
+
+
+def load_table(loads: Mapping[str, Array]) -> Any:
+    """Return a pandas table of forces and moments (6,) by the place where they act."""
+    return _by_place(loads, LOADS, LOAD_UNITS)
+
+
+def throw_grid(stiffness: Array, gamma_deg: Array, compliances: Mapping[str, Array]) -> Any:
+    """Return an xarray dataset of a stiffness (12, 12) and of compliances (n,) over angles (n,)."""
+    return grid(
+        {"stiffness": (("load", "motion"), stiffness, STIFFNESS_UNIT, "stiffness of the throw")}
+        | {name: (("gamma_deg",), values, *WORDS[name]) for name, values in compliances.items()},
+        {
+            "load": (list(END_LOADS), "N or N m", "force or moment on an end section"),
+            "motion": (list(END_MOTIONS), "m or rad", "motion of an end section"),
+            "gamma_deg": (gamma_deg, "deg", "angle between neighboring cranks"),
+        },
+    )
+
+
+def _by_place(rows: Mapping[str, Array], names: tuple[str, ...], units: tuple[str, ...]) -> Any:
+    columns = np.array(list(rows.values())).T
+    return table(
+        {"place": (list(rows), "")}
+        | {name: (column, unit) for name, column, unit in zip(names, columns, units, strict=True)}
+    ).set_index("place")

@@ -1,0 +1,46 @@
+"""Titles and legends, the same on axes of the reader's own as in a figure in the common style."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Room for the ticks and the label of an axis above a legend [points].
+BELOW_AXIS = 34.0
+SIZE, TITLE_SIZE = 8, 11
+
+
+def legend_below(axes: "Axes", columns: int) -> None:
+    """Put the legend below the axes, which keep their width whatever it says."""
+    from matplotlib.transforms import ScaledTranslation
+
+    axes.legend(
+        fontsize=SIZE,
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0.0),
+        bbox_transform=axes.transAxes
+        + ScaledTranslation(0.0, -BELOW_AXIS / 72.0, axes.figure.dpi_scale_trans),
+        ncols=columns,
+        frameon=False,
+    )
+
+
+def legend_above(axes: "Axes", columns: int = 3) -> None:
+    """Put the legend above the curves, beside the title, where curves fill the axes."""
+    axes.legend(
+        fontsize=SIZE,
+        ncols=columns,
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        frameon=False,
+    )
+
+
+def legend_inside(axes: "Axes") -> None:
+    """Put the legend where it covers least."""
+    axes.legend(fontsize=SIZE, frameon=False)
+
+
+def write_title(axes: "Axes", title: str, size: float = TITLE_SIZE) -> None:
+    """Write a title over the left end of the axes."""
+    axes.set_title(title, fontsize=size, loc="left")

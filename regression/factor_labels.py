@@ -1,0 +1,69 @@
+"""How a study's factors are called where people read: symbols, units and words."""
+
+import re
+from dataclasses import dataclass
+
+from geometry.diagram_style import math_symbol
+from geometry.model import InputModel, field_extra, part_kind
+from geometry.quantity import DISPLAY_UNITS
+from geometry.throw import CrankThrow
+
+PAPER_SYMBOL = re.compile(r"[A-Za-z](_[a-z]+)?")
+
+
+@dataclass(frozen=True)
+class FactorLabel:
+    """How a factor stands in a printed equation: its symbol, its unit and that unit's size."""
+
+    symbol: str
+    unit: str
+    size: float
+
+
+def factor_label(name: str) -> FactorLabel:
+    """Label of a throw's dimension from its declaration; of another factor its plain name.
+
+    Examples
+    --------
+    >>> factor_label("web_width")
+    FactorLabel(symbol='B', unit='mm', size=0.001)
+    >>> factor_label("counterweight.thickness")
+    FactorLabel(symbol='counterweight.thickness', unit='mm', size=0.001)
+    >>> factor_label("web_outline=rectangle")
+    FactorLabel(symbol='[web_outline = rectangle]', unit='', size=1.0)
+    """
+    field, equals, label = name.partition("=")
+    if equals:
+        return FactorLabel(f"[{field} = {label}]", "", 1.0)
+    kind: type[InputModel] = CrankThrow
+    *parts, last = name.split(".")
+    for part in (part for part in parts if not part.isdigit()):
+        info = kind.model_fields.get(part)
+        inner = None if info is None else part_kind(info)
+        if inner is None:
+            return FactorLabel(name, "", 1.0)
+        kind = inner
+    declared = kind.model_fields.get(last)
+    if declared is None:
+        return FactorLabel(name, "", 1.0)
+    unit = str(field_extra(declared, "unit") or "")
+    shown, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
+    symbol = str(field_extra(declared, "symbol") or "")
+    return FactorLabel(symbol if symbol and not parts else name, shown, size)
+
+
+def factor_text(name: str) -> str:
+    """Write "web width B" for a diagram, in mathematics where the factor has a symbol."""
+    symbol = factor_label(name).symbol
+    words = name.replace("_", " ")
+    return words if symbol == name else f"{words} {math_symbol(symbol)}"
+
+
+def term_text(name: str) -> str:
+    """Write the papers' symbols in a term such as "ln(L_shm)^2 h" in mathematics, free names in words."""
+
+    def word(found: re.Match[str]) -> str:
+        text = found[0]
+        return math_symbol(text) if PAPER_SYMBOL.fullmatch(text) else text.replace("_", " ")
+
+    return re.sub(r"[A-Za-z][\w.]*", word, name)

@@ -1,0 +1,157 @@
+"""A compliance model over one factor as a diagram, over several as a grid, and its responses as a table."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fem.plots.over_angle import angle_axis
+from geometry.diagram_style import BLUE, RED, new_axes
+from geometry.errors import InputError
+from geometry.frames import grid, table
+from geometry.plots.legends import write_title
+from geometry.plots.shown_units import shown_unit
+from regression.models.lookup import Lookup
+from regression.plans.factors import rounded
+from regression.plots.factor_axis import POINTS, factor_size, label_factor_axis, response_text
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from regression.models.compliance_model import ComplianceModel
+
+Array = NDArray[np.float64]
+
+ANGLE = "gamma_deg"
+MOST_POINTS = 1_000_000
+
+
+def plot_section(
+    model: "ComplianceModel",
+    axes: "Axes | None",
+    response: str | None,
+    over: str | None,
+    gamma_deg: float | None,
+    dimensions: Mapping[str, Any],
+) -> "Axes":
+    """Draw a response over one factor; see `ComplianceModel.plot`."""
+    family = model.family
+    name = next(iter(model.responses)) if response is None else response
+    factor = next(iter(family.ranges)) if over is None else over
+    if factor != ANGLE and factor not in family.ranges:
+        raise InputError(
+            f"over: given {over!r}; allowed are {', '.join((*family.ranges, ANGLE))}, because the model "
+            "answers over these."
+        )
+    low, high = (0.0, 180.0) if factor == ANGLE else family.ranges[factor]
+    values = np.linspace(low, high, POINTS)
+    asked = {key: v for key, v in middle(model).items() if key != factor} | dict(dimensions)
+    found: list[Lookup] = [
+        model.lookup(name, **{**asked, ANGLE: gamma_deg, factor: value})
+        for value in values.tolist()
+    ]
+    size = shown_unit(found[0].unit)[1]
+    axes = new_axes(axes)
+    unit = family.unit(factor) if factor != ANGLE else "deg"
+    x = values / (1.0 if factor == ANGLE else factor_size(unit, ()))
+    axes.plot(x, [one.value / size for one in found], color=BLUE, label="equation")
+    banded = [
+        (place, one.lower / size, one.upper / size)
+        for place, one in zip(x.tolist(), found, strict=True)
+        if one.lower is not None and one.upper is not None
+    ]
+    if banded:
+        axes.fill_between(
+            *np.array(banded).T, color=BLUE, alpha=0.2, linewidth=0.0, label="error band"
+        )
+    outside = np.array([not one.inside for one in found])
+    if outside.any():
+        beyond = np.where(outside, [one.value / size for one in found], np.nan)
+        axes.plot(x, beyond, color=RED, linestyle="--", label="outside the range of the fit")
+    if factor == ANGLE:
+        angle_axis(axes)
+    else:
+        label_factor_axis(axes, factor, unit, ())
+    axes.set_ylabel(response_text(found[0].symbol.partition("(")[0], found[0].unit))
+    write_title(axes, f"{name.replace('_', ' ')}, {found[0].support}".rstrip(", "))
+    axes.legend(frameon=False, title=_others(model, asked, gamma_deg), title_fontsize=8, fontsize=8)
+    return axes
+
+
+def response_table(model: "ComplianceModel") -> Any:
+    """Return a pandas table of a model's responses; an error that is not known is None."""
+    found = model.responses.values()
+    columns: dict[str, tuple[Any, str]] = {
+        "response": (list(model.responses), ""),
+        "symbol": ([one.symbol for one in found], ""),
+        "unit": ([one.unit for one in found], ""),
+        "support": ([one.support for one in found], ""),
+        "form": ([one.form for one in found], ""),
+        "largest_error": ([one.largest_error for one in found], "1"),
+        "largest_heldout_error": ([one.largest_heldout_error for one in found], "1"),
+        "largest_fe_error": ([one.largest_fe_error for one in found], "1"),
+        "equation": ([one.equation for one in found], ""),
+    }
+    return table(columns)
+
+
+def response_grid(
+    model: "ComplianceModel",
+    responses: Sequence[str],
+    points: int,
+    gamma_deg: ArrayLike | None,
+    dimensions: Mapping[str, Any],
+) -> Any:
+    """Return responses on a grid of factors as an xarray dataset; see `ComplianceModel.to_xarray`."""
+    family = model.family
+    given: dict[str, Any] = dict(dimensions)
+    if gamma_deg is not None:
+        given[ANGLE] = gamma_deg
+    sides = {name: np.asarray(value) for name, value in given.items() if np.ndim(value) == 1}
+    fixed = {name: value for name, value in given.items() if name not in sides}
+    if not sides:
+        sides = {
+            name: np.array([rounded(value) for value in np.linspace(*ends, points).tolist()])
+            for name, ends in family.ranges.items()
+            if name not in fixed
+        }
+    count = int(np.prod([len(values) for values in sides.values()]))
+    if count > MOST_POINTS:
+        raise InputError(
+            f"points: given a grid of {count:,}; allowed are {MOST_POINTS:,}, because more fill the memory; "
+            "give fewer points, or arrays of some factors only."
+        )
+    others = {n: v for n, v in middle(model).items() if n not in sides} | fixed
+    asked = others | dict(zip(sides, np.meshgrid(*sides.values(), indexing="ij"), strict=True))
+    variables = {}
+    for name in responses or tuple(model.responses):
+        values = np.broadcast_to(model.value(name, **asked), [len(v) for v in sides.values()])
+        one = model.responses[name]
+        words = f"{name.replace('_', ' ')}, {one.support}".rstrip(", ")
+        variables[name] = (tuple(sides), values, one.unit or "1", words)
+    coordinates = {
+        name: (values, "deg" if name == ANGLE else family.unit(name) or "1", name.replace("_", " "))
+        for name, values in sides.items()
+    }
+    made = grid(variables, coordinates)
+    made.attrs |= others
+    return made
+
+
+def middle(model: "ComplianceModel") -> dict[str, float | str]:
+    """Return the middle of each factor's range, and the first label of each choice."""
+    family = model.family
+    numbers = {name: 0.5 * (low + high) for name, (low, high) in family.ranges.items()}
+    return numbers | {name: labels[0] for name, labels in family.categories.items()}
+
+
+def _others(model: "ComplianceModel", asked: Mapping[str, Any], gamma_deg: float | None) -> str:
+    """Say where the other factors stand."""
+    shown = [
+        f"{name.replace('_', ' ')} {v if isinstance(v, str) else model.family.show(name, float(v))}"
+        for name, v in asked.items()
+    ]
+    if gamma_deg is not None:
+        shown.append(f"neighbors at {gamma_deg:g} deg")
+    return "\n".join(shown)

@@ -1,0 +1,1 @@
+"""What studies, equations and formulas say, drawn on the axes of a diagram."""

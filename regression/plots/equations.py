@@ -1,0 +1,135 @@
+"""Equations over one factor, and the sizes of their terms and factors."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.diagram_style import BLUE, GRAY, GREEN, ORANGE
+from geometry.plots.legends import legend_inside, write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+# Bars of a Pareto diagram: what comes after them is hardly seen.
+BARS = 16
+PALE_BLUE = "#b9cfe4"
+
+
+class Curve(NamedTuple):
+    """Values of a form over a factor, in the unit of the axis."""
+
+    form: str
+    values: Array
+    chosen: bool
+
+
+def draw_curves(axes: "Axes", x: Array, curves: Sequence[Curve], at_labels: bool) -> None:
+    """Draw forms over a factor, the chosen one in front; over the labels of a choice as dashes."""
+    styles = iter(("--", ":", "-."))
+    for form, values, chosen in curves:
+        if chosen:
+            look: dict[str, Any] = {"color": BLUE, "linewidth": 1.8, "label": f"{form} (chosen)"}
+        else:
+            look = {"color": GRAY, "linestyle": next(styles), "label": form}
+        if at_labels:
+            look |= {"linestyle": "none", "marker": "_", "markersize": 22, "label": None}
+        axes.plot(x, values, **look)
+
+
+def draw_effects(axes: "Axes", names: Sequence[str], values: Array, label: str, form: str) -> None:
+    """Draw the coded coefficients of a form in the order of their size (Pareto).
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    names : sequence of n str
+        Terms, the largest first, as written on the axis.
+    values : (n,) array
+        In the unit of the axis.
+    label : str
+        Of the axis, with its unit.
+    form : str
+        For the title.
+    """
+    shown = values[:BARS]
+    places = np.arange(len(shown))
+    for sign, color, text in ((1.0, BLUE, "positive"), (-1.0, ORANGE, "negative")):
+        drawn = sign * shown >= 0.0
+        if drawn.any():
+            axes.barh(places[drawn], np.abs(shown[drawn]), color=color, label=text)
+    axes.legend(frameon=False, fontsize=8, loc="lower right")
+    for place, value in zip(places, shown, strict=True):
+        axes.annotate(
+            f"{value:+.3g}",
+            (abs(value), place),
+            xytext=(4, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=8,
+        )
+    axes.set_yticks(places, list(names[:BARS]), fontsize=8)
+    axes.invert_yaxis()
+    axes.margins(x=0.12)
+    axes.grid(axis="y", visible=False)
+    axes.set_xlabel(label)
+    rest = len(values) - len(shown)
+    more = f", {rest} smaller ones left out" if rest > 0 else ""
+    write_title(axes, f"{form}: effects{more}", 10)
+
+
+def draw_elasticities(
+    axes: "Axes", names: Sequence[str], slopes: Sequence[float | None], response: str
+) -> None:
+    """Draw elasticities as bars; a factor that is a choice has none.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    names : sequence of n str
+        Of the factors, as written on the axis.
+    slopes : sequence of n float or None
+    response : str
+        Symbol of the response in mathematics.
+    """
+    places = np.arange(len(names))
+    sizes = [0.0 if slope is None else slope for slope in slopes]
+    axes.barh(places, sizes, color=[BLUE if size >= 0.0 else ORANGE for size in sizes])
+    axes.axvline(0.0, color=GRAY, linewidth=1.0)
+    for place, (slope, size) in enumerate(zip(slopes, sizes, strict=True)):
+        axes.annotate(
+            "a choice" if slope is None else f"{round(size, 2) + 0.0:+.2f}",
+            (size, place),
+            xytext=(4 if size >= 0.0 else -4, 0),
+            textcoords="offset points",
+            va="center",
+            ha="left" if size >= 0.0 else "right",
+            fontsize=8,
+        )
+    axes.margins(x=0.22)
+    axes.set_xlabel(f"elasticity: % of {response} per % of the factor")
+    name_rows(axes, names)
+
+
+def draw_sobol(
+    axes: "Axes", names: Sequence[str], first: Sequence[float], total: Sequence[float]
+) -> None:
+    """Draw Sobol indices of factors: their share of the variance alone, and with others."""
+    places = np.arange(len(names))
+    if len(total):
+        axes.barh(places - 0.18, total, height=0.34, color=PALE_BLUE, label="with others")
+        axes.barh(places + 0.18, first, height=0.34, color=GREEN, label="alone")
+        legend_inside(axes)
+        axes.set_xlim(0.0, max(1.0, 1.05 * max(total)))
+    axes.set_xlabel("Sobol index: share of the variance")
+    name_rows(axes, names)
+
+
+def name_rows(axes: "Axes", names: Sequence[str]) -> None:
+    """Name lying bars from the top down."""
+    axes.set_yticks(np.arange(len(names)), list(names), fontsize=8)
+    axes.invert_yaxis()
+    axes.grid(axis="y", visible=False)

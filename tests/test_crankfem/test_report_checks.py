@@ -1,0 +1,107 @@
+"""The self-checks of a run.
+
+Round-off of a 12x12 matrix product is some 1e-16; 1e-13 leaves room for its few terms.
+"""
+
+import copy
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crankfem.report.checks import asymmetry, rigid_body_residual, run_checks, unbalanced_share
+
+STORED = Path(__file__).with_name("report_results.json")
+LENGTH, RADIUS = 0.41, 0.17
+ROUND_OFF = 1e-13
+
+
+def beam(length=LENGTH):
+    """Stiffness (12, 12) of a slender beam along z, from its textbook entries."""
+    bending, stretch, twist = 3.0e6, 5.0e9, 2.0e6
+    k = np.zeros((12, 12))
+    for row, stiffness in ((2, stretch), (5, twist)):
+        k[np.ix_([row, row + 6], [row, row + 6])] = stiffness * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    a, b, c, d = (
+        bending * value for value in (12.0 / length**3, 6.0 / length**2, 4.0 / length, 2.0 / length)
+    )
+    for shift, turn, sign in ((0, 4, 1.0), (1, 3, -1.0)):
+        places = [shift, turn, shift + 6, turn + 6]
+        s = sign * b
+        k[np.ix_(places, places)] = [[a, s, -a, s], [s, c, -s, d], [-a, -s, a, -s], [s, d, -s, c]]
+    return k
+
+
+@pytest.fixture
+def stored():
+    return json.loads(STORED.read_text(encoding="utf-8"))
+
+
+def checks_of(results):
+    return {own["name"]: own for own in run_checks(results, LENGTH, (0.0, RADIUS, LENGTH / 2.0))}
+
+
+def test_a_beam_moves_freely_as_one_body():
+    assert rigid_body_residual(beam(), LENGTH) < ROUND_OFF
+    # Held against the motions of another length, its turning meets forces.
+    assert rigid_body_residual(beam(), 0.9 * LENGTH) > 1e-4
+    held = beam()
+    held[0, 0] *= 1.001
+    assert rigid_body_residual(held, LENGTH) > 1e-6
+
+
+def test_a_stiffness_that_is_not_symmetric_is_found():
+    assert asymmetry(beam(), LENGTH) == 0.0
+    skew = beam()
+    skew[0, 4] *= 1.01
+    assert asymmetry(skew, LENGTH) > 1e-5
+
+
+def test_forces_and_moments_must_balance():
+    # Two supports carry a load in their middle, half each.
+    ends = [{"force": [0.0, 5.0, 0.0], "moment": [0.0, 0.0, 0.0]} for _ in range(2)]
+    places, load, middle = [(0, 0, 0), (0, 0, 2.0)], (0, -10.0, 0), (0, 0.3, 1.0)
+    assert unbalanced_share(ends, places, load, middle) == 0.0
+    # Off the middle by a tenth of the distance, a moment of that share is left over.
+    assert unbalanced_share(ends, places, load, (0, 0.3, 1.2)) == pytest.approx(0.1)
+    ends[0]["force"] = [0.0, 4.0, 0.0]
+    assert unbalanced_share(ends, places, load, middle) == pytest.approx(0.1)
+
+
+def test_all_checks_of_a_run(stored):
+    found = checks_of(stored)
+    assert len(found) == len(stored["checks"])
+    for name in ("Rigid-body motions of the stiffness", "Equilibrium of the reactions"):
+        assert found[name]["figure"] < ROUND_OFF
+        assert found[name]["met"] is True
+    assert found["Error of the axial compliance"]["figure"] == stored["throw"]["error_estimate"]
+    assert found["Elements mended"]["met"] is None
+    assert found["The axial chain beside the whole crankshaft"]["figure"] == pytest.approx(
+        76.7632 / 81.1461 - 1.0, abs=1e-5
+    )
+    assert found["The axial chain beside the whole crankshaft"]["met"] is False
+    json.dumps(list(found.values()), allow_nan=False)
+
+
+def test_what_a_run_does_not_hold_is_not_checked(stored):
+    results = copy.deepcopy(stored)
+    results |= {"study": None, "mechanism": None, "fillets": None}
+    results["vibration"] |= {"forced": None, "whole": None}
+    results["formulas"]["fe"]["angle_law"] = None
+    assert len(checks_of(results)) == 6
+
+
+def test_a_check_that_fails_says_so(stored):
+    results = copy.deepcopy(stored)
+    results["throw"]["supports"]["guided"]["reactions"]["left"]["force"][1] *= 1.01
+    results["mechanism"]["energy_error"] = -1e-3
+    results["vibration"]["forced"]["axial"]["power"]["error"] = 1e-3
+    found = checks_of(results)
+    for name in (
+        "Equilibrium of the reactions",
+        "Energy of the crank mechanism",
+        "Power of the axial vibration",
+    ):
+        assert found[name]["met"] is False
+    assert found["Power of the torsional vibration"]["met"] is True

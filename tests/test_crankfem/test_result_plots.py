@@ -1,0 +1,351 @@
+"""Diagrams and tables of the results that the face gives, and that every public result has some.
+
+What draws the curves is tested where it lives; here it is tested that the right numbers get there.
+"""
+
+import inspect
+
+import numpy as np
+import pytest
+from matplotlib import pyplot
+
+import crankfem as cf
+from crankfem.data_files import data_folder, engine_path
+from crankfem.engine_file import load_engine
+from crankfem.fitting import predicted
+from crankfem.formula_diagrams import (
+    plot_formulas,
+    plot_formulas_over_angle,
+    plot_run_formulas,
+)
+from crankfem.formula_spread import EngineSpread, Ratio
+from crankfem.hinge_file import load_hinge
+from crankfem.hinge_run import run_hinge
+from crankfem.mechanism_file import load_mechanism
+from crankfem.mechanism_run import run_mechanism
+from crankfem.pictures.vibration_panels import short_name
+from crankfem.studies import fitted
+from crankfem.vibration.run import engine_vibration
+from crankfem.vibration.run_up import run_up
+from fem.analysis import analyze_throw
+from geometry.errors import InputError
+from geometry.mass import MassProperties
+from regression.formulas.axial_formulas import axial_formulas
+from regression.formulas.formula_value import FormulaValue
+from regression.plans.plan import StudyPlan, plan_designs
+from regression.records import Outcome
+from regression.runs.study_table import study_table
+
+# Public classes of the packages below the face, and of the face, that neither draw nor make tables.
+DEPICTED_ELSEWHERE = {
+    "ChainFile": "an input; its chain has plots",
+    "ChainText": "an input; its chain has plots",
+    "Counterweight": "a part of a throw, which draws it",
+    "EndReaction": "a part of Reactions",
+    "EngineFile": "an input; its throw and its runs have plots",
+    "FilletPeak": "a part of FilletStresses",
+    "FormulaValue": "one number; plot_formulas and formulas_to_pandas take all formulas' values",
+    "FurtherPin": "a part of a throw, which draws it",
+    "HingeFile": "an input; its run has plots",
+    "ImportedThrow": "a solid of another program, known to us by its mesh, which has a plot",
+    "InputError": "an error",
+    "Limit": "an input; the optimum draws how far it is used",
+    "Lookup": "one number with its band; the model draws it over a factor",
+    "MassProperties": "a mass, a point and a tensor",
+    "Material": "a few constants",
+    "MechanismFile": "an input; its run has plots",
+    "MeshError": "an error",
+    "MissingLibraryError": "an error",
+    "Motion": "a part of PinResponse",
+    "Neighbors": "two angles, an input",
+    "OutsideRangeWarning": "a warning",
+    "RunResult": "its diagrams are the files of its folder; plot_run_formulas takes its results",
+    "ShaftEnds": "a part of a crankshaft, which draws it",
+    "SolveError": "an error",
+    "Unbalance": "two vectors",
+    "Web": "a part of a throw, which draws it",
+}
+PACKAGES = ("geometry", "fem", "regression", "crankfem")
+
+
+@pytest.fixture(autouse=True)
+def _figures_closed():
+    yield
+    pyplot.close("all")
+
+
+def public_classes():
+    found = {name: getattr(cf, name) for name in cf.__all__}
+    return {
+        name: one
+        for name, one in found.items()
+        if inspect.isclass(one) and one.__module__.partition(".")[0] in PACKAGES
+    }
+
+
+def test_every_public_result_draws_itself_or_says_why_not():
+    depicted = {
+        name
+        for name, one in public_classes().items()
+        if any(hasattr(one, method) for method in ("plot", "to_pandas", "to_xarray"))
+    }
+    missing = set(public_classes()) - depicted - set(DEPICTED_ELSEWHERE)
+    assert not missing
+    assert not depicted & set(DEPICTED_ELSEWHERE)
+    assert set(DEPICTED_ELSEWHERE) <= set(public_classes())
+
+
+def test_all_plots_take_axes_first():
+    for name, one in public_classes().items():
+        if hasattr(one, "plot"):
+            _, axes, *_ = inspect.signature(one.plot).parameters.values()
+            assert (axes.name, axes.default) == ("axes", None), name
+
+
+# ----------------------------------------------------------------------------------- studies
+
+
+def compliance(width, thickness):
+    return 1.2e-9 * (width / 0.3) ** -0.8 * (thickness / 0.07) ** -1.2
+
+
+@pytest.fixture(scope="module")
+def study(dimensions):
+    """A study with a power law instead of finite elements."""
+    levels = {"web_width": (0.27, 0.30, 0.33), "web_thickness": (0.05, 0.07, 0.09)}
+    plan = StudyPlan.from_levels(cf.CrankThrow(**dimensions), levels, held_out=3)
+    planned = plan_designs(plan)
+    outcomes = {}
+    for design in planned.designs:
+        throw = design.inputs["throw"]
+        value = {"axial_compliance_pinned": compliance(throw["web_width"], throw["web_thickness"])}
+        outcomes[design.key] = Outcome(design.key, design.inputs, value, None, 1.0)
+    return fitted(study_table(plan, planned.designs, outcomes))
+
+
+def test_parity_of_a_study(study):
+    axes = study.plot(form="linear")
+    found = study.fits["axial_compliance"]
+    values = predicted(study.table, found, found.fit_named("linear"))
+    _, runs, held = axes.lines
+    assert runs.get_ydata() == pytest.approx(1e9 * values[~study.table.held_out])
+    assert held.get_xdata() == pytest.approx(
+        1e9 * study.table.responses["axial_compliance_pinned"][study.table.held_out]
+    )
+    assert "[$10^{-9}$ m/N]" in axes.get_xlabel()
+
+
+@pytest.mark.parametrize("show", ["errors", "response", "effects", "elasticities", "sobol"])
+def test_other_diagrams_of_a_study(study, show):
+    given = pyplot.figure().add_subplot()
+    assert study.plot(given, show=show, factor="web_thickness") is given
+    assert given.get_xlabel()
+    assert given.lines or given.patches
+
+
+def test_elasticities_are_the_exponents(study):
+    axes = study.plot(show="elasticities")
+    # The chosen equation is the power law itself, to the round-off of its fit.
+    assert [bar.get_width() for bar in axes.patches] == pytest.approx([-0.8, -1.2], rel=1e-6)
+
+
+def test_forms_of_a_response(study):
+    found = study.fits["axial_compliance"]
+    frame = found.to_pandas()
+    assert frame.loc[frame["chosen"], "form"].item() == found.chosen.form
+    axes = found.plot()
+    assert [bar.get_width() for bar in axes.patches] == pytest.approx(
+        [100.0 * fit.largest_heldout_error for fit in found.fits]
+    )
+    assert study.to_pandas()["held_out"].sum() == 3
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"show": "all"}, "show: given 'all'; allowed are parity, errors, response, effects, "),
+        ({"response": "mass"}, "response: given 'mass'; allowed are axial_compliance, because"),
+        ({"factor": "fillet"}, "factor: given 'fillet'; allowed are web_width, web_thickness, "),
+        ({"form": "magic"}, "form: given 'magic'; allowed are"),
+    ],
+)
+def test_a_study_refuses_what_it_has_not(study, options, message):
+    with pytest.raises(InputError, match=message):
+        study.plot(**options)
+
+
+# ---------------------------------------------------------------------------------- formulas
+
+
+def test_formulas_of_a_throw_in_bars(dimensions):
+    found = axial_formulas(cf.CrankThrow(**dimensions), gamma_deg=180)
+    axes = plot_formulas(found, finite_elements=1.25e-9)
+    values = [1e9 * one.value for one in found.values()]
+    assert [bar.get_width() for bar in axes.patches] == pytest.approx(values)
+    assert axes.lines[0].get_xdata()[0] == pytest.approx(1.25)
+    assert axes.get_xlabel() == "axial compliance [$10^{-9}$ m/N]"
+    twist = FormulaValue(1e-8, True, (), "", "rad/(N m)", "corrected")
+    with pytest.raises(InputError, match=r"found: given values in m/N, rad/\(N m\); allowed are"):
+        plot_formulas({**found, "twist": twist})
+
+
+def test_formulas_over_the_angle(dimensions):
+    throw = cf.CrankThrow(**dimensions)
+    axes = plot_formulas_over_angle(throw)
+    found = axial_formulas(throw, gamma_deg=60.0)
+    curves = {line.get_label(): line.get_ydata()[12] for line in axes.lines}
+    assert curves == {
+        name: pytest.approx(1e9 * one.value if one.value > 0.0 else np.nan, nan_ok=True)
+        for name, one in found.items()
+    }
+
+
+def test_a_runs_formulas():
+    results = {
+        "angle_law": {
+            "gamma_deg": [0.0, 180.0],
+            "fe": [3e-10, 1.2e-9],
+            "formulas": {"one": [None, 2e-9]},
+        },
+        "throw": {
+            "supports": {
+                "guided": {"axial_compliance": 3e-10},
+                "pinned": {"axial_compliance": 1.2e-9},
+            }
+        },
+    }
+    axes = plot_run_formulas(results)
+    assert axes.lines[0].get_ydata() == pytest.approx([np.nan, 2.0], nan_ok=True)
+    assert axes.lines[1].get_ydata() == pytest.approx([0.3, 1.2])
+
+
+def test_the_spread_of_formulas():
+    ratios = {"axial": {"one": Ratio(1.5, True), "two": Ratio(2.0, False)}, "torsional": {}}
+    spread = EngineSpread("engine", 0.1, {"axial": 1e-9, "torsional": 1e-8}, 0.01, ratios)
+    axes = spread.plot()
+    assert [bar.get_width() for bar in axes.patches] == [1.5, 2.0]
+    assert len({bar.get_facecolor() for bar in axes.patches}) == 2
+    assert spread.to_pandas()["valid"].tolist() == [True, False]
+
+
+# --------------------------------------------------------------------------------- mechanism
+
+
+@pytest.fixture(scope="module")
+def mechanism():
+    masses = MassProperties(100.0, np.array([0.0, 0.05, 0.2]), np.eye(3))
+    return run_mechanism(load_mechanism(engine_path("6chn25-34")), masses=masses)
+
+
+def test_a_mechanism(mechanism):
+    axes = mechanism.plot()
+    assert axes.lines[0].get_ydata() == pytest.approx(1e-3 * mechanism.torque.total)
+    assert "[kN m]" in axes.get_ylabel()
+    for show in ("forces", "pressure", "crankpin", "bearing"):
+        assert mechanism.plot(show=show, number=1).has_data(), show
+    # Of a six nothing is left over.
+    balanced = mechanism.plot(show="moment balance")
+    assert balanced.get_title(loc="left").startswith("moment of inertia forces")
+    assert not balanced.has_data()
+    frame = mechanism.to_pandas()
+    assert frame["work"].tolist() == [one.work for one in mechanism.works]
+    with pytest.raises(InputError, match="number: given 8; allowed is 1 to 7 for bearing, because"):
+        mechanism.plot(show="bearing", number=8)
+
+
+# --------------------------------------------------------------------------------- vibration
+
+
+def test_nodes_have_short_names():
+    assert short_name("cylinder 6, flywheel") == "cyl. 6\nflywheel"
+
+
+@pytest.fixture(scope="module")
+def vibration():
+    engine = load_engine("6chn25-34")
+    analysis = analyze_throw(engine.throw, engine.material, accuracy=0.1)
+    return engine_vibration(engine, analysis=analysis, coupled=True)
+
+
+@pytest.mark.slow
+def test_vibration_of_an_engine(vibration):
+    axes = vibration.plot(kind="axial")
+    text = f"mode 1: {vibration.axial.chosen.elastic_frequencies[0]:.1f} Hz"
+    assert text in {one.get_text() for one in axes.texts}
+    forced = vibration.forced_torsional
+    axes = vibration.plot(show="amplitude")
+    drawn = {line.get_label(): line.get_ydata() for line in axes.lines}
+    assert drawn["all orders (synthesis)"] == pytest.approx(
+        1e3 * forced.free_end.synthesis.amplitude[:, 0]
+    )
+    axes = vibration.plot(show="stress")
+    assert "limit" in {line.get_label() for line in axes.lines}
+    assert "[MPa]" in axes.get_ylabel()
+    for show in ("modes", "load", "power", "limits", "shaft"):
+        assert vibration.plot(show=show).has_data(), show
+    frame = vibration.to_pandas()
+    torsional = frame.loc[frame["kind"] == "torsional", "frequency"]
+    assert torsional.to_numpy() == pytest.approx(vibration.torsional.chosen.elastic_frequencies)
+    with pytest.raises(InputError, match="show: given 'sound'; allowed are campbell, modes, "):
+        vibration.plot(show="sound")
+    with pytest.raises(InputError, match="show: given 'stress'; allowed for axial vibration are"):
+        vibration.plot(kind="axial", show="stress")
+
+
+@pytest.mark.slow
+def test_what_an_engines_vibration_is_made_of(vibration):
+    free, forced = vibration.torsional, vibration.forced_torsional
+    axes = free.plot()
+    assert axes.lines[-2].get_ydata() is not None
+    assert "twist" in axes.get_ylabel()
+    bars = free.plot(show="sources").patches
+    assert [bar.get_width() for bar in bars] == pytest.approx(
+        [one.elastic_frequencies[0] for one in free.others]
+    )
+    assert free.to_pandas()["speed"].tolist() == [one.critical.speed for one in free.criticals]
+    assert len(forced.to_pandas()) == len(forced.resonances)
+    assert forced.to_xarray().sizes["speed"] == len(forced.response.speeds)
+    assert vibration.forced_axial.plot(show="axial forces").has_data()
+
+    bounds = vibration.assessment.torsional
+    axes = bounds.plot()
+    drawn = [line.get_ydata() for line in axes.lines[:2]]
+    assert drawn[0] == pytest.approx(100.0 * (bounds.lowest / bounds.nominal - 1.0))
+    assert bounds.to_pandas()["highest"].to_numpy() == pytest.approx(bounds.highest)
+    with pytest.raises(
+        InputError, match="show: given 'amplitudes'; allowed is frequencies, because"
+    ):
+        bounds.plot(show="amplitudes")
+    checks = vibration.assessment.verdict.checks
+    assert len(vibration.assessment.to_pandas()) == len(checks)
+
+    shaft = vibration.whole
+    assert len(shaft.to_pandas()) == len(shaft.modes.frequencies)
+    assert shaft.plot(count=3).has_data()
+    axes = vibration.comparison.plot(show="axial")
+    match = vibration.comparison.axial.response
+    assert axes.lines[0].get_ydata() == pytest.approx(1e6 * match.shaft)
+    assert vibration.comparison.plot().has_data()
+    looked_at = sum(len(one.modes) for one in vibration.comparison.verdicts)
+    assert len(vibration.comparison.to_pandas()) == looked_at
+
+
+@pytest.mark.slow
+def test_a_run_up(vibration):
+    found = run_up(vibration, 0.5)
+    assert found.largest[found.worst] == max(found.largest)
+    assert found.plot().has_data()
+    assert found.to_pandas()["largest"].to_numpy() == pytest.approx(found.largest)
+
+
+@pytest.mark.slow
+def test_a_hinge():
+    run = run_hinge(load_hinge(data_folder() / "hinges/crosshead-30-100.toml"))
+    axes = run.plot()
+    assert axes.lines[0].get_ydata() == pytest.approx(1e-3 * run.moment.moment)
+    assert "[kN m]" in axes.get_ylabel()
+    for show in ("gas force", "speed", "fluctuation", "guides"):
+        assert run.plot(show=show).has_data(), show
+    assert run.to_pandas()["flywheel"].tolist() == [one.flywheel for one in run.others]
+    with pytest.raises(InputError, match="show: given 'sound'; allowed are moment, gas force, "):
+        run.plot(show="sound")

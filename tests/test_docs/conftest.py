@@ -1,0 +1,294 @@
+import contextlib
+import io
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+import crankfem as cf
+from crankfem import cli
+from crankfem.pictures import stress_picture
+from crankfem.pipeline import RunResult, run_engine
+from fem import fillet_stress
+from fem.analysis import analyze_throw
+from geometry.errors import MissingLibraryError
+from regression.runs import supervised
+
+ROOT = Path(__file__).resolve().parents[2]
+FENCE = re.compile(r"^(?P<indent> *)(?P<ticks>`{3,})(?P<language>[\w-]*)(?P<rest>.*)$")
+TITLE = re.compile(r'title="([^"]+)"')
+MARK = re.compile(r"<!-- not run:(.*)-->")
+EXIT_CODE = re.compile(r"# exit code (\d+)")
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+WRITTEN = ("toml", "csv", "txt", "text", "json")
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block of a page."""
+
+    line: int  # of its opening fence, from 1
+    language: str
+    title: str | None
+    text: str
+    not_run: str | None = None  # the reason
+
+
+def blocks_of(text):
+    """Return the fenced blocks of a page's text in order."""
+    found, lines, number, reason = [], text.splitlines(), 0, None
+    while number < len(lines):
+        line = lines[number]
+        opening = FENCE.match(line)
+        if opening is None:
+            mark = MARK.fullmatch(line.strip())
+            if mark is not None:
+                reason = mark[1].strip()
+                assert reason, f"line {number + 1}: a block that is not run needs a reason"
+            elif line.strip():
+                assert reason is None, f"line {number + 1}: 'not run' stands right before a block"
+            number += 1
+            continue
+        indent, ticks = len(opening["indent"]), opening["ticks"]
+        inside = lines[number + 1 :]
+        length = next((i for i, inner in enumerate(inside) if inner.strip() == ticks), None)
+        assert length is not None, f"line {number + 1}: this block has no end"
+        title = TITLE.search(opening["rest"])
+        found.append(
+            Block(
+                line=number + 1,
+                language=opening["language"],
+                title=title[1] if title else None,
+                text="".join(f"{inner[indent:]}\n" for inner in inside[:length]),
+                not_run=reason,
+            )
+        )
+        number, reason = number + length + 2, None
+    assert reason is None, "'not run' stands right before a block"
+    return found
+
+
+def commands_of(text):
+    """Return the lines of a shell block that call crankfem: words, exit code, file of the output."""
+    for line in text.replace("\\\n", " ").splitlines():
+        words = shlex.split(line, comments=True)
+        if words[:1] != ["crankfem"]:
+            continue
+        target = None
+        if ">" in words:
+            assert words.index(">") == len(words) - 2, f"{line}: what comes after '>'?"
+            *words, _, target = words
+        # Quoted words may hold such signs; alone they would ask for a shell.
+        assert not set(words) & {"|", "&&", "||", ";", "&", "<", ">>"}, f"{line}: not run so"
+        code = EXIT_CODE.search(line)
+        yield words[1:], int(code[1]) if code else 0, target
+
+
+def differing_lines(shown, printed):
+    """Return the first lines that differ; numbers may differ by one unit of the last digit shown."""
+    left, right = shown.rstrip().splitlines(), printed.rstrip().splitlines()
+    if len(left) != len(right):
+        return f"{len(left)} lines shown", f"{len(right)} lines printed: {printed}"
+    for one, other in zip(left, right, strict=True):
+        if not _alike(one.rstrip(), other.rstrip()):
+            return one, other
+    return None
+
+
+def _alike(one, other):
+    if one == other:
+        return True
+    if NUMBER.sub("#", one).split() != NUMBER.sub("#", other).split():
+        return False
+    pairs = zip(NUMBER.findall(one), NUMBER.findall(other), strict=True)
+    return all(abs(float(a) - float(b)) <= 1.001 * _last_digit(a) for a, b in pairs)
+
+
+def _last_digit(number):
+    digits, _, exponent = number.partition("e")
+    _, _, decimals = digits.partition(".")
+    return 10.0 ** (int(exponent or 0) - len(decimals))
+
+
+# ----------------------------------------------------------------------------------- light machinery
+
+# A worker that answers designs by power laws: that studies compute what they should is tested elsewhere.
+STAND_IN = """
+import json, sys
+SIZES = {
+    "axial_compliance_pinned": (1.3e-9, -1.0), "axial_compliance_guided": (0.26e-9, -0.5),
+    "axial_compliance_opposite": (1.3e-9, -1.0), "axial_compliance_in_line": (0.26e-9, -0.5),
+    "tilt_stiffness_ratio": (2.6, -0.2),
+    "torsional_compliance_pinned": (4e-8, -0.1), "torsional_compliance_guided": (3.6e-8, -0.1),
+    "influence_coefficient_pinned": (0.6e-9, -1.0), "influence_coefficient_guided": (0.1e-9, -0.5),
+    "influence_coefficient_opposite": (0.6e-9, -1.0), "influence_coefficient_in_line": (0.1e-9, -0.5),
+    "axial_reaction_pinned": (0.46, -0.1), "axial_reaction_guided": (0.38, -0.1),
+    "mass": (100.0, 0.8), "fillet_stress_factor": (4.0, -0.3),
+}
+for line in sys.stdin:
+    request = json.loads(line)
+    throw, stresses = request["inputs"]["throw"], request["inputs"]["stresses"]
+    radius, width = throw["crank_radius"], throw["web_width"]
+    thickness, pin = throw["web_thickness"], throw["pin_length"]
+    shape = (width / (1.7 * radius)) ** -0.5 * (pin / (0.8 * radius)) ** 0.3
+    responses = {
+        name: size * shape * (thickness / (0.4 * radius)) ** exponent
+        for name, (size, exponent) in SIZES.items()
+        if stresses or name != "fillet_stress_factor"
+    }
+    errors = dict.fromkeys(responses, 0.004)
+    answer = {"key": request["key"], "responses": responses, "errors": errors, "seconds": 0.1}
+    print(json.dumps(answer | {"unknowns": 9}), flush=True)
+"""
+analyzed = cache(analyze_throw)
+stressed = cache(fillet_stress.fillet_stresses)
+# Folders of runs by what they were made of: several pages run the same shipped engine.
+finished_runs = {}
+
+
+def run_once(engine, output=None, **options):
+    """Run an engine, or copy what the same file has given to another page."""
+    path = Path(engine)
+    if not path.is_file():
+        return run_engine(engine, output, **options)
+    beside = [path, *sorted(path.parent.glob("*.csv"))]
+    key = (path.stem, tuple((one.name, one.read_bytes()) for one in beside))
+    if key not in finished_runs:
+        found = run_engine(engine, output, **options)
+        finished_runs[key] = RunResult(found.folder.resolve(), found.report, found.results)
+        return found
+    first = finished_runs[key]
+    folder = Path(output) if output is not None else Path(f"{path.stem}-results")
+    shutil.copytree(first.folder, folder, dirs_exist_ok=True)
+    return RunResult(folder, folder / first.report.name, first.results)
+
+
+def stand_in_worker():
+    return subprocess.Popen(
+        [sys.executable, "-S", "-c", STAND_IN], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+
+
+def save_nothing(figure, path, **_):
+    """Write an empty diagram: to lay diagrams out takes half of a run."""
+    Path(path).write_text('<svg xmlns="http://www.w3.org/2000/svg"/>', encoding="utf-8")
+
+
+class NotRendered:
+    """The rendering of a machine without an OpenGL library."""
+
+    def __init__(self, *_):
+        pass
+
+    def wait(self):
+        raise MissingLibraryError("there is no OpenGL library")
+
+    def stop(self):
+        pass
+
+
+class Runner:
+    """Runs the blocks of one page in its folder and in one namespace."""
+
+    def __init__(self, page, folder, monkeypatch):
+        self.page, self.folder, self.monkeypatch = page, folder, monkeypatch
+        self.names = {"__name__": "__main__"}
+
+    def run(self, blocks):
+        """Run them all; return how many were run or written."""
+        count, printed = 0, None
+        for block in blocks:
+            place = f"{self.page.name}, line {block.line}"
+            if block.language == "text" and not block.title:
+                if printed and not block.not_run:
+                    differs = differing_lines(block.text, printed)
+                    assert differs is None, f"{place} shows and the block above prints:\n{differs}"
+                printed = None
+                continue
+            printed = None
+            if block.not_run:
+                continue
+            if block.language == "python":
+                printed = self._execute(block)
+            elif block.language == "sh":
+                for words, code, target in commands_of(block.text):
+                    self._call(words, code, target, place)
+            elif block.title and block.language in WRITTEN:
+                path = self.folder / block.title
+                assert path.resolve().is_relative_to(self.folder.resolve()), place
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(block.text, encoding="utf-8")
+            else:
+                continue
+            count += 1
+        return count
+
+    def _execute(self, block):
+        # Empty lines in front, so that a traceback names the line of the page.
+        code = compile("\n" * block.line + block.text, str(self.page), "exec")
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            exec(code, self.names)
+        return printed.getvalue()
+
+    def _call(self, words, code, target, place):
+        out, err = io.StringIO(), io.StringIO()
+        with self.monkeypatch.context() as patch:
+            patch.setattr(sys, "argv", ["crankfem", *words])
+            patch.setattr(supervised, "spawn_worker", stand_in_worker)
+            patch.setattr("crankfem.pipeline.run_engine", run_once)
+            patch.setattr(Figure, "savefig", save_nothing)
+            with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+                try:
+                    cli.main()
+                    ended = 0
+                except SystemExit as error:
+                    ended = error.code or 0
+        said = f"{place}: crankfem {shlex.join(words)}\n{out.getvalue()[-2000:]}\n{err.getvalue()}"
+        assert ended == code, f"{said}\nended with {ended}"
+        if target is not None:
+            (self.folder / target).write_text(out.getvalue(), encoding="utf-8")
+
+
+def put_everywhere(monkeypatch, original, other):
+    """Put another function in the place of one, in all modules that have imported it."""
+    name = original.__name__
+    getattr(cf, name)  # crankfem keeps what it has once given
+    for module in list(sys.modules.values()):
+        if vars(module).get(name) is original:
+            monkeypatch.setattr(module, name, other)
+
+
+@pytest.fixture
+def run_page(monkeypatch, tmp_path, coarse_stresses):
+    """Run a page's blocks in an empty folder: analyses shared, stresses coarse, nothing rendered."""
+    monkeypatch.chdir(tmp_path)
+    for name, value in coarse_stresses.items():
+        monkeypatch.setattr(fillet_stress, name, value)
+    put_everywhere(monkeypatch, analyze_throw, analyzed)
+    put_everywhere(monkeypatch, fillet_stress.fillet_stresses, stressed)
+    put_everywhere(monkeypatch, stress_picture.picture_stresses, lambda *_: ())
+    monkeypatch.setattr("crankfem.pipeline.Rendering", NotRendered)
+
+    def run(page):
+        blocks = blocks_of(page.read_text(encoding="utf-8"))
+        return Runner(page, tmp_path, monkeypatch).run(blocks)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def root():
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def page_tools():
+    """Take a page apart: its blocks, the commands of a block, what differs between two texts."""
+    return blocks_of, commands_of, differing_lines

@@ -1,0 +1,44 @@
+"""Every block of the documentation runs, in the order of its page, in an empty folder.
+
+Python blocks of a page share their names. Blocks of toml, csv, txt, text or json with a title are
+written to the file of that name. Lines of sh blocks that begin with `crankfem` go through the command
+line (`# exit code 2` at their end says that they shall end so, `> file` keeps what they print); other
+lines, and console blocks, are for the reader. A text block that follows a Python block shows what that
+prints. `<!-- not run: reason -->` leaves the next block out.
+"""
+
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+
+
+def name(page):
+    return page.relative_to(ROOT).as_posix()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_blocks_of_the_page_run(page, run_page):
+    run_page(page)
+
+
+def throws():
+    for page in PAGES:
+        if "[throw]" in page.read_text(encoding="utf-8"):
+            yield pytest.param(page, id=name(page))
+
+
+@pytest.mark.parametrize("page", list(throws()))
+def test_throws_of_the_page_can_be_built(page, page_tools, tmp_path):
+    from crankfem.throw_file import load_throw
+
+    blocks_of, _, _ = page_tools
+    for block in blocks_of(page.read_text(encoding="utf-8")):
+        if block.language == "toml" and "[throw]" in block.text and not block.not_run:
+            path = tmp_path / "throw.toml"
+            path.write_text(block.text, encoding="utf-8")
+            throw, _ = load_throw(path)
+            assert throw.volume > 0.0

@@ -1,0 +1,1030 @@
+"""What results draw and tabulate: their own numbers, on the axes given, with units.
+
+Numbers drawn are those of the object times the factor of the unit shown, so they are compared within
+round-off, 1e-12 of the largest.
+"""
+
+import dataclasses
+import inspect
+import math
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import crankfem as cf
+from dynamics.assessment.barred_ranges import BarredRangeRule
+from dynamics.assessment.damper_sizing import SizedDamper
+from dynamics.assessment.limits import AmplitudeCurve, given_limit
+from dynamics.assessment.separation import CriticalRange
+from dynamics.assessment.spreads import Spread
+from dynamics.assessment.uncertainty import Samples
+from dynamics.assessment.verdict import judge
+from dynamics.balance.balance import balance
+from dynamics.balance.hinged_rods import HingedRodEffects
+from dynamics.balance.hodograph import Hodograph
+from dynamics.chains.chain import Chain
+from dynamics.chains.dampers import ViscousDamper
+from dynamics.crankshaft.chain_comparison import ChainVerdict, ModeMatch, ResponseMatch
+from dynamics.crankshaft.coupled_response import CoupledResponse
+from dynamics.crankshaft.shaft_modes import ShaftModes
+from dynamics.critical import critical_speeds
+from dynamics.engine.cylinder import EngineCylinder
+from dynamics.engine.forces import mechanism_forces
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.loads import LoadDiagram
+from dynamics.excitation.axial_comparison import AxialForceComparison
+from dynamics.excitation.cylinders import CylinderForces
+from dynamics.excitation.pressure_map import pressure_map
+from dynamics.gas.gas_cycle import GasCycleResult
+from dynamics.gas.pressure import gas_pressure
+from dynamics.harmonics import harmonics
+from dynamics.hinge.crosshead import CrossheadEngine
+from dynamics.hinge.moment import hinge_moment
+from dynamics.hinge.profile import hinge_profile
+from dynamics.hinge.running import SteadyHingeTurn
+from dynamics.hinge.spring import GasSpring
+from dynamics.mechanism.rods import ConnectingRod
+from dynamics.response.campbell_diagram import campbell_diagram
+from dynamics.response.damping import damped
+from dynamics.response.excitation import OrderExcitation
+from dynamics.response.forced import forced_response
+from dynamics.response.loads import element_loads
+from dynamics.response.power import power_balance
+from dynamics.response.resonance import resonances
+from dynamics.torque.pin_harmonics import pin_force_harmonics
+from dynamics.torque.star import Star
+from dynamics.torque.torque import engine_torque
+from dynamics.torque_table import TorqueTable
+from dynamics.transient.run import TransientMotion
+from dynamics.transient.speed_curve import SpeedCurve
+from dynamics.transient.steady import SteadyMotion
+from dynamics.transient.turning_cycle import TurningCycle
+from dynamics.transient.turning_run import TurningRun
+from dynamics.turning.free_turning import FreeTurning, WorkShare
+from dynamics.turning.speed_over_angle import SpeedOverAngle
+from dynamics.turning.steady_turning import SteadyTurning
+from geometry.errors import InputError, MissingLibraryError
+from geometry.frames import pandas, table_of
+
+RPM = 30.0 / math.pi
+CHAIN = Chain([0.3, 0.2, 2.0], [4e4, 5e4], damping=3.0, names=["pulley", "crank", "flywheel"])
+SPEEDS = np.linspace(50.0, 150.0, 5)
+ANGLES = np.radians(np.arange(0.0, 720.0, 30.0))
+ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
+
+
+def rising(*shape):
+    """Numbers that all differ."""
+    return 1.0 + np.arange(math.prod(shape), dtype=float).reshape(shape)
+
+
+@cache
+def modes():
+    return CHAIN.modes()
+
+
+@cache
+def response(undamped=False):
+    """Forced at two orders; without damping the third speed is unbounded by order 2."""
+    chain = Chain([1.0, 1.0], [2e4], names=["pulley", "flywheel"])  # 200 rad/s
+    acting = OrderExcitation([1.0, 2.0], SPEEDS, np.ones((2, 5, 2)) * [1.0, -0.5])
+    return forced_response(
+        damped(chain, undamped=True) if undamped else damped(chain, magnifier=20.0), acting
+    )
+
+
+@cache
+def loads():
+    return element_loads(response())
+
+
+@cache
+def engine():
+    cylinders = [
+        EngineCylinder(0.12, 3.0, ROD, crank_angle=angle, position=0.2 * place)
+        for place, angle in enumerate((0.0, math.pi / 2.0))
+    ]
+    return EngineLayout(0.07, cylinders, [1, 2])
+
+
+@cache
+def gas():
+    return gas_pressure(np.radians(np.arange(0.0, 720.0, 1.0)), np.linspace(2e5, 1e5, 720))
+
+
+@cache
+def torque():
+    return engine_torque(engine(), 150.0, gas(), samples=24)
+
+
+@cache
+def pin_harmonics():
+    return pin_force_harmonics(engine(), 150.0, gas(), samples=24, highest_order=6.0)[0]
+
+
+@cache
+def forces():
+    return mechanism_forces(engine(), ANGLES, 150.0, 1e3 * rising(2, ANGLES.size))
+
+
+@cache
+def hinge():
+    force_engine = CrossheadEngine(
+        0.3, 0.5, 80.0, 0.2, 30.0, ConnectingRod(1.55, 150.0, 0.8, 50.0), 150.0, 200.0, 110.0
+    )
+    return hinge_moment(
+        force_engine, lambda a: 5e5 * np.exp(4.0 * (np.cos(a - 0.3) - 1.0)), 9.32, samples=72
+    )
+
+
+@cache
+def profile():
+    return hinge_profile(hinge(), GasSpring(0.031, 1.0, 5e6), 0.8)
+
+
+@cache
+def verdict():
+    values = 50e6 / (1.0 + ((SPEEDS - 100.0) / 5.0) ** 2)
+    limit = given_limit("torsional stress", 40e6, "Pa", applies_to="shaft", source="sheet")
+    curves = [AmplitudeCurve("shaft 1 - 2", SPEEDS, values)]
+    curves.append(AmplitudeCurve("shaft 2 - 3", SPEEDS, 0.2 * values))
+    return judge([(limit, one) for one in curves], (60.0, 140.0), BarredRangeRule(140.0))
+
+
+@cache
+def sized():
+    limit = given_limit("torque", 2e3, "N m", applies_to="coupling", source="sheet")
+    curve, without = (AmplitudeCurve("c", SPEEDS, top * rising(5)) for top in (100.0, 900.0))
+    damper = ViscousDamper(0.2, 10.0)
+    sizes, used = np.array([0.1, 0.2]), np.array([1.4, 0.25])
+    return SizedDamper(
+        damper, CHAIN, True, limit, curve, without, 0.25, 2.25, sizes, used, "It does."
+    )
+
+
+@cache
+def shaft_modes():
+    shares = np.array([[0.0, 0.7, 0.1], [1.0, 0.2, 0.1], [0.0, 0.1, 0.8]])
+    names = ("rotation about the shaft axis", "mode 1", "mode 2")
+    motions = rising(4, 6, 3) - 30.0
+    places = np.array([0.0, 0.4, 0.2, 0.6])
+    return ShaftModes(np.array([0.0, 300.0, 500.0]), np.eye(3), 1, names, shares, motions, places)
+
+
+@cache
+def coupled():
+    """Of a chain in place of a shaft: its nodes are the points."""
+    one = response()
+    names = ("section 0 uz", "damper ring")
+    shaft = SimpleNamespace(names=names, point=names.index, system=one.system)
+    return CoupledResponse(shaft, one, one)
+
+
+@cache
+def pressures():
+    angles = np.radians(np.arange(0.0, 720.0, 5.0))
+    low, high = (gas_pressure(angles, np.linspace(top, 1e5, 144)) for top in (2e5, 3e5))
+    return pressure_map([(100.0, 0.5, low), (100.0, 1.0, high)], method="linear")
+
+
+@cache
+def run():
+    time = np.linspace(0.0, 1.0, 101)
+    angle = 100.0 * time + 25.0 * time**2
+    motion = np.sin(angle)[:, np.newaxis] * [1e-3, 2e-3, 1e-4]
+    load = np.sin(angle)[:, np.newaxis] * [300.0, 50.0]
+    return TransientMotion(
+        time=time,
+        shaft_speed=100.0 + 50.0 * time,
+        shaft_angle=angle,
+        motion=motion,
+        rigid_motion=0.0 * motion,
+        torque=load,
+        complete=True,
+        step=0.01,
+        force_error=0.0,
+        orders=np.array([1.0]),
+        system=SimpleNamespace(chain=CHAIN),
+        notes=(),
+    )
+
+
+@cache
+def turning_run():
+    one = run()
+    rest = {name: rising(101) for name in ("kinetic_energy", "strain_energy")}
+    rest |= {name: rising(101) for name in ("gas_work", "load_work", "damping_work")}
+    return TurningRun(
+        time=one.time,
+        shaft_angle=one.shaft_angle,
+        shaft_speed=one.shaft_speed,
+        motion=one.motion,
+        speed=100.0 + one.motion,
+        torque=one.torque,
+        turns=1,
+        complete=True,
+        system=one.system,
+        notes=(),
+        **rest,
+    )
+
+
+def steady(unbounded=False):
+    motion, load = rising(24, 3) * 1e-4, rising(24, 2)
+    system = SimpleNamespace(chain=CHAIN)
+    return SteadyMotion(100.0, 2, ANGLES, motion, load, unbounded, 0.01, system, "")
+
+
+@cache
+def turning_cycle():
+    one = steady()
+    chain = SimpleNamespace(system=one.system)
+    rest = (0.0, 0.0, 0.0, 0.0, 0.0, chain, "")
+    motion = one.motion
+    return TurningCycle(100.0, 2, 50.0, ANGLES, motion, 100.0 + motion, one.torque, *rest)
+
+
+@cache
+def free_turning():
+    time = np.linspace(0.0, 1.0, 5)
+    shares = [WorkShare(number * rising(5), -number * rising(5)) for number in (1, 2, 3, 4)]
+    return FreeTurning(time, 10.0 * time, rising(5), rising(5), rising(5), *shares)
+
+
+@cache
+def turning():
+    angle = np.linspace(0.0, 2.0 * np.pi, 9)
+    return SpeedOverAngle(angle, 100.0 + np.sin(angle), angle / 100.0, rising(9))
+
+
+@cache
+def axial_comparison():
+    alone = rising(2, 5, 2) * (1.0 + 1.0j)
+    return AxialForceComparison(
+        np.array([0.5, 1.0]), SPEEDS, alone, 1.1 * alone, np.array([[1.0, 0.5, -0.2]])
+    )
+
+
+@cache
+def cylinder_forces():
+    phasors = rising(2, 5, 2) * (1.0 - 1.0j)
+    means = rising(5, 2)
+    orders = np.array([0.5, 1.0])
+    return CylinderForces(orders, SPEEDS, phasors, 2.0 * phasors, means, means, 0.07, (0, 1))
+
+
+@cache
+def load_diagram():
+    return LoadDiagram("pin", ANGLES, 1e3 * (3.0 + 4.0j) * np.exp(1j * (0.5 + ANGLES)), 0.5)
+
+
+@cache
+def samples():
+    spreads = (Spread("stiffness", 0.9, 1.1, (0,)),)
+    values = np.append(np.linspace(1.0, 2.0, 9), np.inf)[:, np.newaxis]
+    return Samples(spreads, np.linspace(0.9, 1.1, 10)[:, np.newaxis], values, np.array([1.5]))
+
+
+@cache
+def effects():
+    curves = (Hodograph(1, size, 0.2 * size) for size in (1e3, 2e3, 3e3, 4e3))
+    return HingedRodEffects(1, *curves)
+
+
+@cache
+def cycle():
+    volume = SimpleNamespace(at=lambda angles: 1e-3 * (2.0 - np.cos(angles)))
+    return GasCycleResult(gas(), None, volume, 1e3, 4e2, 8e5, 1e5)
+
+
+def closed(values):
+    return np.append(values, values[0])
+
+
+def over_cycle(angles, values):
+    """Degrees and values with the closing sample, which the object leaves out."""
+    degrees = np.degrees(angles)
+    return np.append(degrees, degrees[-1] + degrees[1] - degrees[0]), closed(values)
+
+
+def rpm_of(found):
+    return RPM * found.speeds
+
+
+DEGREES = np.degrees(ANGLES)
+# Of each case: the object, options of plot(), number of lines and of patches (bars, shaded ranges),
+# and by label a line that must be there: x and y as drawn.
+CASES = {
+    "Modes": (modes, {}, 9, 0, lambda o: {None: (range(3), o.shapes[:, 1])}),
+    "Modes, one": (modes, {"count": 1}, 5, 0, lambda o: {None: (range(3), o.shapes[:, 1])}),
+    "OrderSeries": (
+        lambda: response().nodes,
+        {"place": "flywheel", "quantity": "twist"},
+        4,
+        0,
+        lambda o: {
+            "order 2": (rpm_of(o), 1e3 * o.amplitude[1, :, 1]),
+            "all orders (synthesis)": (rpm_of(o), 1e3 * o.synthesis.amplitude[:, 1]),
+            "plain sum": (rpm_of(o), 1e3 * o.synthesis.plain_sum[:, 1]),
+        },
+    ),
+    "OrderSeries, limits": (
+        lambda: response().nodes,
+        {"limits": {"limit": 1e-4}, "barred": [(70.0, 80.0)], "main_orders": 1},
+        4,
+        1,
+        lambda o: {"limit": (rpm_of(o), np.full(5, 1e-4))},
+    ),
+    "Synthesis": (
+        lambda: response().synthesis,
+        {"place": 1, "quantity": "displacement"},
+        2,
+        0,
+        lambda o: {"plain sum": (rpm_of(o), 1e6 * o.plain_sum[:, 1])},
+    ),
+    "ForcedResponse": (
+        response,
+        {"node": "pulley", "quantity": "twist"},
+        4,
+        0,
+        lambda o: {"order 1": (rpm_of(o), 1e3 * o.elastic.amplitude[0, :, 0])},
+    ),
+    "ForcedResponse, whole": (
+        response,
+        {"elastic": False},
+        4,
+        0,
+        lambda o: {"order 1": (rpm_of(o), o.amplitude[0, :, 0])},
+    ),
+    "ElementLoads": (
+        loads,
+        {"quantity": "torque"},
+        4,
+        0,
+        lambda o: {"order 1": (rpm_of(o.elastic), 1e-3 * o.elastic.amplitude[0, :, 0])},
+    ),
+    "ElementLoads, ground": (
+        loads,
+        {"element": "flywheel", "part": "ground"},
+        4,
+        0,
+        lambda o: {"order 1": (rpm_of(o.ground), o.ground.amplitude[0, :, 1])},
+    ),
+    "PowerBalance": (
+        lambda: power_balance(response()),
+        {},
+        2,
+        0,
+        lambda o: {"power in": (rpm_of(o), 1e-3 * o.power_in.sum(axis=0))},
+    ),
+    "OrderExcitation": (
+        lambda: response().excitation,
+        {"node": 1, "quantity": "torque"},
+        2,
+        0,
+        lambda o: {"order 1": (rpm_of(o), 1e-3 * np.abs(o.forces[0, :, 1]))},
+    ),
+    "CylinderForces": (
+        cylinder_forces,
+        {"cylinder": 2, "component": "radial"},
+        2,
+        0,
+        lambda o: {"order 0.5": (rpm_of(o), 1e-3 * np.abs(o.radial[0, :, 1]))},
+    ),
+    "AxialForceComparison": (
+        axial_comparison,
+        {"throw": 2},
+        4,
+        0,
+        lambda o: {"order 1, throw alone": (rpm_of(o), 1e-3 * np.abs(o.alone[1, :, 1]))},
+    ),
+    "PressureMap": (
+        pressures,
+        {},
+        2,
+        0,
+        lambda o: {
+            "954.93 1/min, load 1": over_cycle(o.diagrams[1].angles, 1e-6 * o.diagrams[1].pressure)
+        },
+    ),
+    "PressureMap, at": (pressures, {"speed": 100.0, "load": 0.75}, 1, 0, None),
+    "Harmonics": (
+        lambda: harmonics([0.0, 1.0, 0.0, -1.0, 2.0, 0.0], 4),
+        {"unit": "N m", "highest_order": 1.0},
+        0,
+        2,
+        None,
+    ),
+    "PinForceHarmonics": (pin_harmonics, {"highest_order": 2.0}, 0, 12, None),
+    "TorqueTable": (
+        lambda: TorqueTable(np.arange(0.0, 720.0, 90.0), rising(8), "", 4),
+        {},
+        3,
+        0,
+        lambda o: {"table": (o.crank_angle_deg, o.torque)},
+    ),
+    "EngineTorque": (
+        torque,
+        {},
+        2,
+        0,
+        lambda o: {"engine": (np.degrees(o.shaft_angles), 1e-3 * o.total)},
+    ),
+    "EngineTorque, throw": (
+        torque,
+        {"throw": 2},
+        3,
+        0,
+        lambda o: {"both": (np.degrees(o.shaft_angles), 1e-3 * o.per_throw[1])},
+    ),
+    "Star": (lambda: Star(1.0, np.array([0.0, 2.0]), np.ones(2)), {}, 1, 0, None),
+    "MechanismForces": (
+        forces,
+        {},
+        3,
+        0,
+        lambda o: {"tangential, T": (DEGREES, 1e-3 * o.tangential[0])},
+    ),
+    "LoadDiagram": (
+        load_diagram,
+        {},
+        3,
+        0,
+        lambda o: {None: (closed(DEGREES)[:-1], 1e-3 * o.magnitude)},
+    ),
+    "LoadDiagram, polar": (
+        load_diagram,
+        {"frame": "crank"},
+        4,
+        2,
+        lambda _: {"pin": (closed(np.full(24, 4.0)), closed(np.full(24, 3.0)))},
+    ),
+    "Balance": (
+        lambda: balance(engine(), 100.0),
+        {"of": "moment"},
+        None,
+        0,
+        lambda o: {"order 1": tuple(np.array([-1e-3, 1e-3])[:, None] * o.of(1).moment.points(361))},
+    ),
+    "Hodograph": (
+        lambda: Hodograph(1, 100.0, 20.0),
+        {},
+        2,
+        0,
+        lambda o: {"order 1": tuple(np.array([-1e-3, 1e-3])[:, None] * o.points(361))},
+    ),
+    "HingedRodEffects": (effects, {}, 8, 0, None),
+    "GasPressure": (
+        gas,
+        {},
+        1,
+        0,
+        lambda o: {"pressure": over_cycle(o.angles, 1e-6 * o.pressure)},
+    ),
+    "GasCycleResult": (
+        cycle,
+        {},
+        1,
+        0,
+        lambda o: {
+            None: (closed(1e3 * o.volume.at(o.pressure.angles)), closed(1e-6 * o.pressure.pressure))
+        },
+    ),
+    "GasCycleResult, angle": (cycle, {"over": "angle"}, 1, 0, None),
+    "SteadyMotion": (
+        steady,
+        {"place": 1, "quantity": "force"},
+        1,
+        0,
+        lambda o: {"crank - flywheel": over_cycle(ANGLES, 1e-3 * o.torque[:, 1])},
+    ),
+    "TransientMotion": (
+        run,
+        {"place": "pulley", "quantity": "twist", "steady": ([110.0, 140.0], [1.0, 2.0])},
+        2,
+        0,
+        lambda o: {
+            "amplitude over each turn": (o.envelope().time, 1e3 * o.envelope().motion[:, 0])
+        },
+    ),
+    "TurningRun": (
+        turning_run,
+        {},
+        1,
+        0,
+        lambda o: {
+            "amplitude over each turn": (o.envelope().time, 1e-3 * o.envelope().torque[:, 0])
+        },
+    ),
+    "Envelope": (
+        lambda: run().envelope(),
+        {"place": 1},
+        1,
+        0,
+        lambda o: {"amplitude over 1 turn": (RPM * o.speed, 1e-3 * o.torque[:, 1])},
+    ),
+    "Envelope, time": (
+        lambda: run().envelope(),
+        {"quantity": "displacement", "over": "time"},
+        1,
+        0,
+        lambda o: {"amplitude over 1 turn": (o.time, 1e6 * o.motion[:, 0])},
+    ),
+    "TurningCycle": (
+        turning_cycle,
+        {"quantity": "twist"},
+        1,
+        0,
+        lambda o: {"pulley": over_cycle(ANGLES, 1e3 * o.motion[:, 0])},
+    ),
+    "SpeedCurve": (
+        lambda: SpeedCurve([0.0, 1.0], [50.0, 150.0]),
+        {},
+        1,
+        0,
+        lambda o: {"speed": (o.times, RPM * o.speeds)},
+    ),
+    "FreeTurning": (free_turning, {}, 1, 0, lambda o: {"speed": (o.time, RPM * o.speed)}),
+    "FreeTurning, work": (
+        free_turning,
+        {"of": "work"},
+        4,
+        0,
+        lambda o: {"gravity": (o.time, 1e-3 * o.gravity.work)},
+    ),
+    "SpeedOverAngle": (
+        turning,
+        {},
+        1,
+        0,
+        lambda o: {"speed": (np.degrees(o.angle), RPM * o.speed)},
+    ),
+    "SteadyTurning": (lambda: SteadyTurning(50.0, turning()), {}, 1, 0, None),
+    "HingeMoment": (
+        hinge,
+        {},
+        3,
+        0,
+        lambda o: {"hinge": over_cycle(o.angles, 1e-3 * o.moment)},
+    ),
+    "HingeProfile": (
+        profile,
+        {},
+        3,
+        0,
+        lambda o: {"guide": (closed(1e3 * o.guide().real), closed(1e3 * o.guide().imag))},
+    ),
+    "HingeProfile, moment": (
+        profile,
+        {"of": "moment"},
+        1,
+        0,
+        lambda o: {"moment": over_cycle(o.angles, 1e-3 * o.moment)},
+    ),
+    "SteadyHingeTurn": (
+        lambda: SteadyHingeTurn(ANGLES[:12], 9.0 + np.sin(ANGLES[:12]), 9.0, 0.0, 0.0),
+        {},
+        1,
+        0,
+        lambda o: {"speed": over_cycle(o.angles, RPM * o.speed)},
+    ),
+    "ShaftModes": (shaft_modes, {}, 0, 6, None),
+    "ShaftModes, shape": (
+        shaft_modes,
+        {"mode": 1, "radius": 0.1},
+        5,
+        0,
+        lambda o: {
+            "axial": (
+                [0.0, 200.0, 400.0, 600.0],
+                o.motions[[0, 2, 1, 3], 2, 1] / np.abs(o.motions[:, :3, 1]).max(),
+            )
+        },
+    ),
+    "CoupledResponse": (coupled, {}, 3, 0, None),
+    "CoupledResponse, ring": (coupled, {"point": "damper ring"}, 3, 0, None),
+    "SplitMotion": (
+        lambda: coupled().split("section 0 uz"),
+        {},
+        3,
+        0,
+        lambda o: {"all forces": (rpm_of(o), 1e6 * o.both_sum)},
+    ),
+    "ResponseMatch": (
+        lambda: ResponseMatch("axial", SPEEDS, rising(5), 2.0 * rising(5)),
+        {},
+        2,
+        0,
+        lambda o: {"chain": (rpm_of(o), 1e6 * o.chain)},
+    ),
+    "AmplitudeCurve": (
+        lambda: verdict().checks[0].curve,
+        {"quantity": "stress"},
+        1,
+        0,
+        lambda o: {o.name: (rpm_of(o), 1e-6 * o.values)},
+    ),
+    "LimitCheck": (
+        lambda: verdict().checks[0],
+        {},
+        3,
+        0,
+        lambda o: {
+            "amplitude": (rpm_of(o.curve), 1e-6 * o.curve.values),
+            "permitted": (rpm_of(o.curve), np.full(5, 40.0)),
+            "worst: 125 % used": ([RPM * 100.0], [50.0]),
+        },
+    ),
+    "Verdict": (
+        verdict,
+        {},
+        3,
+        1,
+        lambda o: {
+            "torsional stress of shaft, shaft 2 - 3": (
+                rpm_of(o.checks[1].curve),
+                100.0 * o.checks[1].curve.values / 40e6,
+            )
+        },
+    ),
+    "Samples": (samples, {"label": "frequency [Hz]"}, 1, 21, None),
+    "SizedDamper": (
+        sized,
+        {},
+        3,
+        0,
+        lambda o: {"without": (rpm_of(o.without), 1e-3 * o.without.values)},
+    ),
+    "SizedDamper, sizes": (
+        sized,
+        {"over": "size"},
+        2,
+        0,
+        lambda o: {None: (o.sizes, 100.0 * o.used_at_best)},
+    ),
+}
+# Without a unit: a star has no axes, and nodes stand at their names.
+NO_UNIT = {"Star": "xy", "Modes": "x", "Modes, one": "x", "ShaftModes": "y"}
+
+
+def has_line(axes, label, x, y):
+    """Tell whether a line of this label (any, for None) shows these numbers."""
+    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    for line in axes.lines:
+        if label is not None and line.get_label() != label:
+            continue
+        drawn = np.asarray(line.get_xdata(), dtype=float), np.asarray(line.get_ydata(), dtype=float)
+        if label is None:
+            drawn = tuple(values[: x.size] for values in drawn)
+        if all(
+            own.shape == wanted.shape
+            and np.allclose(own, wanted, rtol=1e-12, atol=1e-12 * np.abs(wanted).max())
+            for own, wanted in zip(drawn, (x, y), strict=True)
+        ):
+            return True
+    return False
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_plot_shows_the_numbers_of_the_object_with_units(name):
+    make, options, lines, patches, expected = CASES[name]
+    found = make()
+    given = Figure().subplots()
+    axes = found.plot(given, **options)
+    assert axes is given
+    if lines is not None:
+        assert len(axes.lines) == lines
+    assert len(axes.patches) == patches
+    for label, (x, y) in (expected(found) if expected else {}).items():
+        assert has_line(axes, label, x, y), label
+    assert axes.get_title(loc="left")
+    for own, label in (("x", axes.get_xlabel()), ("y", axes.get_ylabel())):
+        assert own in NO_UNIT.get(name, "") or ("[" in label and "]" in label), label
+
+
+def test_unbounded_vibration_leaves_gaps_and_says_so():
+    found = response(undamped=True)
+    assert found.unbounded[1].tolist() == [False, False, True, False, False]
+    axes = found.plot(Figure().subplots(), quantity="twist")
+    by_label = {line.get_label(): line for line in axes.lines}
+    for label in ("order 2", "all orders (synthesis)", "plain sum"):
+        assert np.isnan(by_label[label].get_ydata()).tolist() == [False] * 2 + [True] + [False] * 2
+    assert by_label["unbounded"].get_xdata()[0] == pytest.approx(RPM * 100.0)
+    grid = found.to_xarray()
+    assert np.isinf(np.abs(grid.motion.sel(order=2.0, speed=100.0))).all()
+    assert bool(grid.unbounded.sel(order=2.0, speed=100.0))
+    assert np.isfinite(np.abs(grid.motion.sel(order=1.0))).all()
+
+
+@pytest.mark.parametrize(
+    ("make", "options", "words"),
+    [
+        (response, {"node": 7}, "node: given 7"),
+        (response, {"quantity": "noise"}, "quantity: given 'noise'"),
+        (loads, {"part": "none"}, "part: given 'none'"),
+        (lambda: response().synthesis, {"place": 2}, "place: given 2"),
+        (torque, {"throw": 3}, "throw: given 3"),
+        (forces, {"cylinder": 0}, "cylinder: given 0"),
+        (cylinder_forces, {"cylinder": 3}, "cylinder: given 3"),
+        (cylinder_forces, {"component": "axial"}, "component: given 'axial'"),
+        (pin_harmonics, {"component": "axial"}, "component: given 'axial'"),
+        (axial_comparison, {"throw": 0}, "throw: given 0"),
+        (load_diagram, {"frame": "world"}, "frame: given 'world'"),
+        (cycle, {"over": "time"}, "over: given 'time'"),
+        (free_turning, {"of": "heat"}, "of: given 'heat'"),
+        (profile, {"of": "heat"}, "of: given 'heat'"),
+        (sized, {"over": "time"}, "over: given 'time'"),
+        (samples, {"place": 1}, "place: given 1"),
+        (modes, {"count": 0}, "count: given 0"),
+        (shaft_modes, {"mode": 3}, "mode: given 3"),
+        (shaft_modes, {"mode": 1}, "radius: given none"),
+        (lambda: steady(unbounded=True), {}, "speed: given"),
+        (steady, {"quantity": "heat"}, "quantity: given 'heat'"),
+        (lambda: run().envelope(), {"over": "angle"}, "quantity, over: given 'torque', 'angle'"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(make, options, words):
+    with pytest.raises(InputError, match=f"^{words}"):
+        make().plot(Figure().subplots(), **options)
+
+
+# Of each table: the object, and some columns with their values and units.
+TABLES = {
+    "Modes": (modes, lambda o: {"frequency": (o.frequencies, "Hz")}),
+    "Harmonics": (
+        lambda: harmonics([0.0, 1.0, 0.0, -1.0], 4),
+        lambda o: {"order": (o.orders, "1"), "amplitude": (o.amplitude, "unit of the samples")},
+    ),
+    "PinForceHarmonics": (
+        pin_harmonics,
+        lambda o: {"radial_inertia_phase": (o.radial_inertia.phase, "rad")},
+    ),
+    "TorqueTable": (
+        lambda: TorqueTable(np.arange(0.0, 720.0, 90.0), rising(8), "", 4),
+        lambda o: {"crank_angle": (np.radians(o.crank_angle_deg), "rad")},
+    ),
+    "Star": (
+        lambda: Star(1.0, np.array([0.0, 2.0]), np.ones(2)),
+        lambda o: {"direction": (o.directions, "rad")},
+    ),
+    "LoadDiagram": (
+        load_diagram,
+        lambda o: {"radial": (np.full(24, -3e3), "N"), "force_y": (o.force.real, "N")},
+    ),
+    "Balance": (
+        lambda: balance(engine(), 100.0),
+        lambda o: {"moment_major": ([row.moment.major for row in o.rows], "N m")},
+    ),
+    "Hodograph": (
+        lambda: Hodograph(1, 100.0, 20.0),
+        lambda o: {"y": (o.points(181)[1], "N"), "x": (o.points(181)[0], "N")},
+    ),
+    "HingedRodEffects": (effects, lambda _: {"major": ([1.2e3, 2.4e3, 3.6e3, 4.8e3], "N")}),
+    "GasPressure": (gas, lambda o: {"pressure": (o.pressure, "Pa")}),
+    "GasCycleResult": (cycle, lambda o: {"volume": (o.volume.at(o.pressure.angles), "m^3")}),
+    "SpeedCurve": (
+        lambda: SpeedCurve([0.0, 1.0], [50.0, 150.0]),
+        lambda _: {"shaft_angle": ([0.0, 100.0], "rad")},
+    ),
+    "FreeTurning": (free_turning, lambda o: {"load_moment": (o.load.moment, "N m")}),
+    "SpeedOverAngle": (turning, lambda o: {"kinetic_energy": (o.energy, "J")}),
+    "SteadyTurning": (
+        lambda: SteadyTurning(50.0, turning()),
+        lambda o: {"speed": (o.turning.speed, "rad/s")},
+    ),
+    "HingeMoment": (hinge, lambda o: {"hinge_moment": (o.moment, "N m")}),
+    "HingeProfile": (profile, lambda o: {"normal_force": (o.normal_force, "N")}),
+    "SteadyHingeTurn": (
+        lambda: SteadyHingeTurn(ANGLES, rising(24), 9.0, 0.0, 0.0),
+        lambda o: {"speed": (o.speed, "rad/s")},
+    ),
+    "ShaftModes": (shaft_modes, lambda o: {"torsional": (o.shares[1], "1")}),
+    "ResponseMatch": (
+        lambda: ResponseMatch("axial", SPEEDS, rising(5), 2.0 * rising(5)),
+        lambda o: {"shaft": (o.shaft, "m")},
+    ),
+    "ChainVerdict": (
+        lambda: ChainVerdict(
+            "axial", True, (), (ModeMatch("axial", 1, 50.0, 3, 51.0, 0.9, 0.99),), None
+        ),
+        lambda _: {"chain_frequency": ([50.0], "Hz"), "difference": ([50.0 / 51.0 - 1.0], "1")},
+    ),
+    "AmplitudeCurve": (
+        lambda: verdict().checks[0].curve,
+        lambda o: {"amplitude": (o.values, "SI")},
+    ),
+    "LimitCheck": (
+        lambda: verdict().checks[0],
+        lambda o: {"used": (o.curve.values / 40e6, "1"), "permitted": ([40e6] * 5, "Pa")},
+    ),
+    "Verdict": (
+        verdict,
+        lambda _: {"worst_speed": ([100.0, 100.0], "rad/s"), "used": ([1.25, 0.25], "1")},
+    ),
+    "SizedDamper": (sized, lambda o: {"size": (o.sizes, "kg m^2")}),
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_tables_hold_the_numbers_in_si(name):
+    make, expected = TABLES[name]
+    found = make()
+    frame = found.to_pandas()
+    assert set(frame.attrs["units"]) == set(frame.columns)
+    for column, (values, unit) in expected(found).items():
+        np.testing.assert_allclose(frame[column], values, rtol=1e-12, atol=1e-9)
+        assert frame.attrs["units"][column] == unit
+
+
+# Of each grid: the object, and some arrays with their dimensions, values and units.
+GRIDS = {
+    "Modes": (modes, lambda o: {"shapes": (("node", "mode"), o.shapes, "1")}),
+    "OrderSeries": (
+        lambda: response().nodes,
+        lambda o: {"values": (("order", "speed", "place"), o.values, "SI")},
+    ),
+    "Synthesis": (
+        lambda: response().synthesis,
+        lambda o: {"plain_sum": (("speed", "place"), o.plain_sum, "SI")},
+    ),
+    "ForcedResponse": (
+        response,
+        lambda o: {"motion": (("order", "speed", "node"), o.motion, "rad or m")},
+    ),
+    "ElementLoads": (
+        loads,
+        lambda o: {
+            "elastic": (("order", "speed", "element"), o.elastic.values, "N m or N"),
+            "ground": (("order", "speed", "node"), o.ground.values, "N m or N"),
+        },
+    ),
+    "PowerBalance": (
+        lambda: power_balance(response()),
+        lambda o: {"rest": (("order", "speed"), o.rest, "W")},
+    ),
+    "OrderExcitation": (
+        lambda: response().excitation,
+        lambda o: {"forces": (("order", "speed", "node"), o.forces, "N m or N")},
+    ),
+    "CylinderForces": (
+        cylinder_forces,
+        lambda o: {
+            "radial": (("order", "speed", "cylinder"), o.radial, "N"),
+            "mean_radial": (("speed", "cylinder"), o.mean_radial, "N"),
+        },
+    ),
+    "AxialForceComparison": (
+        axial_comparison,
+        lambda o: {"modal_alone": (("order", "speed", "mode"), o.modal_alone, "N")},
+    ),
+    "PressureMap": (
+        pressures,
+        lambda o: {
+            "pressure": (
+                ("speed", "load", "crank_angle"),
+                [[one.pressure for one in o.diagrams]],
+                "Pa",
+            )
+        },
+    ),
+    "EngineTorque": (
+        torque,
+        lambda o: {
+            "gas": (("cylinder", "shaft_angle"), o.gas, "N m"),
+            "total": (("shaft_angle",), o.total, "N m"),
+        },
+    ),
+    "MechanismForces": (
+        forces,
+        lambda o: {"crankpin": (("cylinder", "shaft_angle"), o.crankpin, "N")},
+    ),
+    "SteadyMotion": (steady, lambda o: {"motion": (("shaft_angle", "node"), o.motion, "rad")}),
+    "TransientMotion": (run, lambda o: {"torque": (("time", "element"), o.torque, "N m")}),
+    "TurningRun": (
+        turning_run,
+        lambda o: {"strain_energy": (("time",), o.strain_energy, "J")},
+    ),
+    "Envelope": (
+        lambda: run().envelope(),
+        lambda o: {"motion": (("time", "node"), o.motion, "rad")},
+    ),
+    "TurningCycle": (
+        turning_cycle,
+        lambda o: {"speed": (("shaft_angle", "node"), o.speed, "rad/s")},
+    ),
+    "ShaftModes": (
+        shaft_modes,
+        lambda o: {"rotation": (("station", "axis", "mode"), o.motions[:, 3:], "rad")},
+    ),
+    "CoupledResponse": (
+        coupled,
+        lambda o: {"radial": (("order", "speed", "point"), o.radial.motion, "m or rad")},
+    ),
+    "SplitMotion": (
+        lambda: coupled().split("damper ring"),
+        lambda o: {
+            "both": (("order", "speed"), o.both, "rad"),
+            "both_sum": (("speed",), o.both_sum, "rad"),
+        },
+    ),
+    "Samples": (samples, lambda o: {"values": (("sample", "place"), o.values, "SI")}),
+}
+
+
+@pytest.mark.parametrize("name", GRIDS)
+def test_grids_hold_the_numbers_over_named_coordinates(name):
+    make, expected = GRIDS[name]
+    found = make()
+    grid = found.to_xarray()
+    for array in (*grid.data_vars.values(), *grid.coords.values()):
+        assert {"units", "long_name"} <= set(array.attrs)
+    for variable, (dimensions, values, unit) in expected(found).items():
+        array = grid[variable]
+        assert array.dims == dimensions
+        assert array.dtype == np.asarray(values).dtype
+        # Equal, but for a pressure map, whose diagrams are read between their samples.
+        np.testing.assert_allclose(array, values, rtol=1e-15)
+        assert array.attrs["units"] == unit
+    for name_there in ("order", "speed"):
+        if name_there in grid.dims:
+            own = getattr(found, f"{name_there}s", None)
+            if own is not None:
+                np.testing.assert_array_equal(grid[name_there], own)
+
+
+def test_campbell_diagram_has_a_dot_at_each_resonance():
+    found = resonances(response())
+    given = Figure().subplots()
+    natural = response().system.elastic_frequencies
+    axes = campbell_diagram(natural, [1.0, 2.0], (50.0, 150.0), found, given)
+    assert axes is given
+    dots = [line for line in axes.lines if line.get_marker() == "o" and len(line.get_xdata())]
+    assert [line.get_xdata()[0] for line in dots] == [one.speed_rpm for one in found]
+    assert [line.get_ydata()[0] for line in dots] == [one.frequency for one in found]
+    assert axes.get_xlabel() == "crankshaft speed [1/min]"
+
+
+def test_units_follow_what_the_values_are():
+    assert response().to_xarray("twist").motion.attrs["units"] == "rad"
+    assert loads().to_xarray("force").elastic.attrs["units"] == "N"
+    assert run().to_xarray(axial=True).motion.attrs["units"] == "m"
+    assert Hodograph(1, 1.0, 1.0).to_pandas("N m").attrs["units"]["y"] == "N m"
+
+
+def test_lists_of_records_become_tables():
+    found = resonances(response())
+    frame = table_of(found)
+    assert list(frame["speed"]) == [one.speed for one in found]
+    assert frame.attrs["units"]["equilibrium"] == "rad or m"
+    speeds = critical_speeds([30.0, 60.0], [1.0, 2.0], (50.0, 400.0))
+    assert list(table_of(speeds)["speed"]) == [one.speed for one in speeds]
+    barred = table_of(verdict().barred)
+    assert list(barred["low"]) == [one.low for one in verdict().barred]
+    assert bool(barred["allowed"].all())
+    ranges = table_of([CriticalRange(1, 6.0, 100.0, 95.0, 105.0, 0.1, 0.15)])
+    assert ranges.attrs["units"]["margin"] == "1"
+    assert list(table_of(profile().checks)["met"]) == [one.met for one in profile().checks]
+    assert table_of([]).empty
+
+
+def test_a_missing_library_is_named_with_its_command(monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "pandas", None)
+    with pytest.raises(MissingLibraryError, match=r"pip install 'crankfem\[frames\]'"):
+        pandas()
+
+
+# Public classes of dynamics that neither draw nor tabulate, by the reason.
+LEFT_OUT = {
+    "input that is given, not found": """
+        AxialDamper AxialSupport BarredRangeRule Chain ConnectingRod Coupling CrossheadEngine Dashpot
+        DrivenMachine EndBody EngineChain EngineCylinder EngineLayout EngineMagnifier GasCycle
+        GasSpring Gear LimitCurve LoadStep MainBearings Propeller PropellerForces RigidBody
+        RotatingMass RubberDamper ShaftCone ShaftLine ShaftMaterial ShaftSurroundings ShaftThrow
+        SlavePin SliderCrank Spread TorsionalRing VibrationLimit ViscousDamper""",
+    "matrices in unknowns of its own; results have nodes and points with names": """
+        AssembledShaft CrankshaftSystem DampedChain HarmonicAnswer LinearSystem TurningChain
+        ViscousSystem""",
+    "a few numbers": "AbsorberOptimum BestPressure MovingMasses RodModel TwoMassCheck",
+    "does not know the angles it belongs to; HingeMoment tabulates its reduced crank": """
+        CylinderMotion PointMotion TurnMotion ReducedCrank""",
+    "depends on speed and load; CylinderForces at speeds draws it": "CylinderHarmonics",
+    "a row of Balance, made of hodographs that draw themselves": "OrderBalance",
+}
+
+
+def test_every_public_result_draws_or_tabulates_or_says_why_not():
+    without = set()
+    for name in cf.__all__:
+        own = getattr(cf, name)
+        if not (inspect.isclass(own) and own.__module__.startswith("dynamics.")):
+            continue
+        assert dataclasses.is_dataclass(own), name
+        if not any(hasattr(own, way) for way in ("plot", "to_pandas", "to_xarray", "row")):
+            without.add(name)
+        for way, cases in (("plot", CASES), ("to_pandas", TABLES), ("to_xarray", GRIDS)):
+            tested = {case.split(",")[0] for case in cases}
+            assert not hasattr(own, way) or name in tested, f"{name}.{way} is not tested here"
+    assert without == {name for names in LEFT_OUT.values() for name in names.split()}
