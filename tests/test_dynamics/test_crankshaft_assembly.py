@@ -273,7 +273,7 @@ def test_masses_at_pins_add_what_rods_add(surrounded):
 
 
 def test_turning_a_vector_about_the_shaft():
-    assert rotation(math.pi / 2) @ [0.0, 1.0, 0.0] == pytest.approx([-1.0, 0.0, 0.0])
+    assert rotation(math.pi / 2) @ [0.0, 1.0, 0.0] == pytest.approx([-1.0, 0.0, 0.0], abs=1e-15)
 
 
 def test_rotation_ratio():

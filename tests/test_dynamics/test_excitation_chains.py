@@ -75,8 +75,10 @@ def test_axial_forces_press_the_ends_of_throws_apart():
     own = np.array([0.5e-9, 0.4e-9, 0.6e-9])
     found = axial_excitation(FORCES, AXIAL, E_THROWS, own).forces
     pressing = (FORCES.radial[:, :, ::2] + FORCES.radial[:, :, 1::2]) * own / E_THROWS
-    assert found[:, :, 0] == pytest.approx(-pressing[:, :, 0], rel=1e-12)
-    assert found[:, :, 3] == pytest.approx(pressing[:, :, 2], rel=1e-12)
+    # Some orders cancel: what is left of them is round-off of the others.
+    round_off = 1e-13 * np.abs(pressing).max()
+    assert found[:, :, 0] == pytest.approx(-pressing[:, :, 0], rel=1e-12, abs=round_off)
+    assert found[:, :, 3] == pytest.approx(pressing[:, :, 2], rel=1e-12, abs=round_off)
     assert found.sum(axis=2) == pytest.approx(np.zeros(found.shape[:2]), abs=1e-9)
     # Statically, far below resonance, the chain lengthens as the free throws would: by c Z.
     quiet = axial_chain(E_THROWS, [1e-9] * 3, 1e-9, 3, 8e8)
@@ -108,7 +110,9 @@ def test_comparison_shows_what_neighbors_do():
     found = compare_axial_forces(FORCES, E_THROWS, own, influence, shapes=shapes)
     pins = FORCES.radial[:, :, ::2] + FORCES.radial[:, :, 1::2]
     apart = np.abs(0.1e-9 / E_THROWS * (pins - pins.sum(axis=2, keepdims=True))).max(axis=2)
-    assert found.difference * np.abs(found.in_shaft).max(axis=2) == pytest.approx(apart, rel=1e-9)
+    assert found.difference * np.abs(found.in_shaft).max(axis=2) == pytest.approx(
+        apart, rel=1e-9, abs=1e-13 * apart.max()
+    )
     assert found.modal_alone[..., 0] == pytest.approx(found.alone @ np.diff(shapes[0]))
     table = found.columns(1)
     assert list(table)[:3] == ["order", "throw_1_alone_N", "throw_1_in_shaft_N"]

@@ -63,8 +63,8 @@ def test_any_obround_is_convex_and_closed(foot, tip, distance, share):
         return
     outline = obround(width, foot, tip, distance)
     points = outline.polygon(30)
-    assert points[0] == pytest.approx([0.0, -foot])
-    assert points[-1] == pytest.approx([0.0, distance + tip])
+    assert points[0] == pytest.approx([0.0, -foot], abs=1e-15)
+    assert points[-1] == pytest.approx([0.0, distance + tip], abs=1e-15)
     steps = np.diff(points, axis=0)
     turns = steps[:-1, 0] * steps[1:, 1] - steps[:-1, 1] * steps[1:, 0]
     assert turns.min() > -1e-12

@@ -76,7 +76,7 @@ def test_no_other_views(throw):
 
 def test_parts_are_turned_and_moved(throw):
     placed = placed_parts(throw.parts, math.pi / 2.0, 1.0)
-    assert placed.pins[0].axis == pytest.approx((-0.170, 0.0))
+    assert placed.pins[0].axis == pytest.approx((-0.170, 0.0), abs=1e-15)
     assert placed.webs[1].end == pytest.approx(throw.parts.webs[1].end + 1.0)
     assert placed.cylinders[0].axis == pytest.approx((0.0, 0.0))
 
