@@ -3,7 +3,7 @@
 import math
 
 from crankfem.console import print_line, print_table, rows_of
-from crankfem.output_units import SI, OutputUnits
+from crankfem.output_units import SI, OutputUnit, OutputUnits
 from crankfem.record import RPM, Record
 from crankfem.tables import print_shape
 
@@ -20,7 +20,8 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
     """Print what a file was understood as."""
     inputs = record["inputs"]
     assumed = sum(one["assumed"] for one in inputs)
-    counted = f"; {assumed} of {len(inputs)} values are assumed" if inputs else ""
+    verb = "is" if assumed == 1 else "are"
+    counted = f"; {assumed} of {len(inputs)} values {verb} assumed" if inputs else ""
     print_line(f"{record['file']}: valid {record['kind']} file{counted}.")
     print_line(f"{KINDS[record['kind']]}: it serves {', '.join(record['commands'])}.")
     print_line(f"Sections: {', '.join(record['sections'])}.")
@@ -46,14 +47,16 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
 
 def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
     length, speed, angle = units.of("mm"), units.of("1/min"), units.of("deg")
+    digits = _digits(length)
     kind = "in line" if engine["bank_angles_deg"] is None else "in banks"
     speeds = [
         speed.number(engine[f"{which}_speed_rpm"] / RPM, 6)
         for which in ("lowest", "highest", "rated")
     ]
     print_line(
-        f"{name}: {engine['cylinders']} cylinders {kind}, {engine['strokes']}-stroke, bore x stroke "
-        f"{length.number(engine['bore'], 6)} x {length.number(engine['stroke'], 6)} {length.name}; runs from "
+        f"{name}: {_cylinders(engine['cylinders'])} {kind}, {engine['strokes']}-stroke, bore x stroke "
+        f"{length.number(engine['bore'], digits)} x {length.number(engine['stroke'], digits)} "
+        f"{length.name}; runs from "
         f"{speeds[0]} to {speeds[1]} {speed.name}, rated speed {speeds[2]} {speed.name}; firing order "
         f"{'-'.join(map(str, engine['firing_order']))}."
     )
@@ -79,6 +82,15 @@ def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
     )
 
 
+def _cylinders(count: int) -> str:
+    return "1 cylinder" if count == 1 else f"{count} cylinders"
+
+
+def _digits(unit: OutputUnit) -> int:
+    """Digits of a length that was given: all of them, and five where it was converted."""
+    return 5 if unit.wished else 6
+
+
 def _angle(degrees: float, units: OutputUnits) -> str:
     return units.of("deg").number(math.radians(degrees), 6)
 
@@ -89,7 +101,12 @@ def _print_dimensions(dimensions: list[Record], units: OutputUnits) -> None:
         "The throw as understood",
         ["dimension", "symbol:", length.name, "meaning:"],
         [
-            [one["name"], one["symbol"], length.number(one["value"], 6), one["meaning"]]
+            [
+                one["name"],
+                one["symbol"],
+                length.number(one["value"], _digits(length)),
+                one["meaning"],
+            ]
             for one in dimensions
         ],
     )

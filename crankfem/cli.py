@@ -135,12 +135,9 @@ def examples_text(examples: tuple[str, ...]) -> str:
 
 def _version(asked: bool) -> None:
     if asked:
-        from importlib.metadata import PackageNotFoundError, version
+        from crankfem.report.about import program_version
 
-        try:
-            console.print_line(f"crankfem {version('crankfem')}")
-        except PackageNotFoundError:
-            console.print_line("crankfem (not installed)")
+        console.print_line(f"crankfem {program_version()}")
         raise typer.Exit
 
 

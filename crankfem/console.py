@@ -288,6 +288,11 @@ class RunProgress:
         self._bar.stop()
         self._raising.close()
 
+    @property
+    def finished_designs(self) -> str:
+        """How many designs of the study are finished."""
+        return f"{self.finished} of {self.total} designs"
+
     def step(self, text: str) -> None:
         """Name the step that begins, and take the last one for done."""
         if self._task is not None:
@@ -313,9 +318,7 @@ class RunProgress:
 
     def note(self, text: str) -> None:
         """Print a remark above the bar."""
-        if self._quiet:
-            return
-        self._bar.console.print(f"[yellow]Note:[/] {escape(text)}")
+        note(f"Note: {text}", self._quiet)
 
     def finish(self) -> None:
         """Take the last step for done."""

@@ -86,6 +86,11 @@ def _shipped(folder: str) -> tuple[str, ...]:
 
 def _found(given: str | Path, folder: str, what: str) -> Path:
     path = Path(given)
+    if not str(given).strip():
+        raise InputError(
+            f'"": names no file; give the path of {what}, or the name of a shipped one '
+            f"({', '.join(_shipped(folder))})."
+        )
     if path.is_file():
         return path
     shipped = data_folder() / folder / f"{path.name.removesuffix('.toml')}.toml"

@@ -193,7 +193,10 @@ class ThrustBearing(InputModel):
 
     stiffness: float = quantity_field("axial stiffness", "N/m", minimum=1e4, maximum=1e13)
     bearing: int = quantity_field(
-        "main bearing it sits at, 0 at the free end", "", minimum=0, maximum=24
+        "main bearing it sits at, counted from 0 at the free end: the last of n throws is n",
+        "",
+        minimum=0,
+        maximum=24,
     )
 
 

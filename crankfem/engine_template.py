@@ -63,10 +63,11 @@ def engine_template(file: str = "mine.toml", cylinders: int = 6, strokes: int = 
         )
     order = known[cylinders]
     angles = crank_angles_deg(order, strokes)
+    counted = "cylinder" if cylinders == 1 else "cylinders"
     return Template(_text()).substitute(
-        title=f"{cylinders} cylinders in line, {strokes}-stroke",
+        title=f"{cylinders} {counted} in line, {strokes}-stroke",
         file=file,
-        name=f"Example, {cylinders} cylinders",
+        name=f"Example, {cylinders} {counted}",
         cylinders=cylinders,
         strokes=strokes,
         thrust=cylinders,

@@ -203,7 +203,7 @@ def _mechanism(read: MechanismFile, content: TomlFile) -> CheckedFile:
 
 def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
     study = ("doe",) if read.study is not None else ()
-    remarks = list(_checked_mechanism(read))
+    remarks = [_thrust_bearing(read), *_checked_mechanism(read)]
     if read.gas is None:
         remarks.append(_without_gas())
     if read.limits is None and read.gas is not None:
@@ -222,6 +222,15 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         read.throw,
         _arrangement(read.engine),
         tuple(remarks),
+    )
+
+
+def _thrust_bearing(read: EngineFile) -> str:
+    """Say which bearing is meant: the file counts from 0, tables of loads from 1."""
+    place, count = read.thrust_bearing.bearing, len(read.throw_angles) + 1
+    return (
+        f"thrust bearing at main bearing {place + 1} of {count}, counted from 1 at the free end "
+        f"(bearing = {place} in the file, which counts from 0)"
     )
 
 

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.choices import check_choice
+from crankfem.report.about import program_version
 from fem.responses import RESPONSES
+from geometry.choices import check_choice, check_not_given
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table as frame
@@ -136,7 +137,7 @@ class ResponseFits:
             New ones by default.
         show : {"errors", "effects"}
         form : str, optional
-            Whose effects; the chosen one's by default.
+            Whose effects, the chosen one's by default; errors are those of all forms.
 
         Returns
         -------
@@ -145,7 +146,7 @@ class ResponseFits:
         Raises
         ------
         InputError
-            If `show` is neither, or the form was not fitted.
+            If `show` is neither, the form was not fitted, or one is given with "errors".
         """
         check_choice("show", show, ("errors", "effects"), "these need the fits alone")
         if show == "effects":
@@ -155,6 +156,7 @@ class ResponseFits:
             axes = new_axes(axes)
             draw_fit_effects(axes, self, fit)
             return axes
+        check_not_given("form", form, show, "all forms are shown beside each other")
         judged = [fit for fit in self.fits if fit.largest_heldout_error is not None]
         axes = new_axes(axes)
         draw_rows(
@@ -521,7 +523,8 @@ def compliance_model(
             "study": plan.key,
             "accuracy": plan.accuracy,
             "model_version": MODEL_VERSION,
-            **{name: package_version(name) for name in ("crankfem", "gmsh", "scikit-fem")},
+            "crankfem": program_version(),
+            **{name: package_version(name) for name in ("gmsh", "scikit-fem")},
             "date": datetime.date.today().isoformat(),
             "design": plan.design.kind,
             "runs": int(np.sum(~table.held_out)),

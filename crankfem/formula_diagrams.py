@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dynamics.checks import positive_number
 from fem.analysis import ThrowAnalysis
 from fem.material import STEEL, Material
 from fem.plots.over_angle import ANGLES_DEG
@@ -45,8 +46,10 @@ def plot_formulas(
     Raises
     ------
     InputError
-        If there is no formula, or their units differ.
+        If there is no formula, their units differ, or the compliance is not above zero.
     """
+    if finite_elements is not None:
+        positive_number("finite_elements", finite_elements, "", "a compliance is above zero")
     units = {one.unit for one in found.values()}
     if len(units) != 1:
         raise InputError(
@@ -129,7 +132,17 @@ def plot_run_formulas(results: Mapping[str, Any], axes: "Axes | None" = None) ->
     Returns
     -------
     matplotlib.axes.Axes
+
+    Raises
+    ------
+    InputError
+        If the results have no compliances over the angle.
     """
+    if not isinstance(results, Mapping) or not {"angle_law", "throw"} <= set(results):
+        raise InputError(
+            "results: given some without angle_law and throw; allowed is the content of a run's "
+            "results.json, because these hold what is drawn."
+        )
     law, supports = results["angle_law"], results["throw"]["supports"]
     # Where a formula gives no compliance above zero, there is null.
     curves = {

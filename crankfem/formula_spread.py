@@ -5,11 +5,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from crankfem.choices import check_choice
 from crankfem.formula_records import fe_record, formula_records
 from crankfem.record import Record
 from fem.analysis import analyze_throw
 from fem.material import Material
+from geometry.choices import check_choice
 from geometry.diagram_style import BLUE, new_axes
 from geometry.frames import table
 from geometry.plots.bars import PALE, draw_rows

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from crankfem.choices import check_choice
 from crankfem.hinge_file import HingeFile
 from crankfem.pictures import hinge_panels
 from dynamics.hinge.evening import BestPressure, best_pressure, flywheel_for
@@ -16,6 +15,7 @@ from dynamics.hinge.reduced import KINEMATICS, Kinematics
 from dynamics.hinge.running import SteadyHingeTurn, simulate_hinge, steady_hinge_turn
 from dynamics.hinge.spring import GasSpring
 from dynamics.turning.speed_over_angle import SpeedOverAngle
+from geometry.choices import check_choice
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table

@@ -11,8 +11,8 @@ from typing import Any
 
 from crankfem.exit_codes import EXIT_INTERRUPTED
 
-# Commands whose finished work is kept and continued.
-CONTINUED = ("run", "doe")
+# The command whose finished work is always kept and continued; of a run it depends on its file.
+CONTINUED = "doe"
 STANDARD_ERROR = 2
 # In seconds.
 A_MOMENT = 0.02
@@ -20,7 +20,7 @@ A_MOMENT = 0.02
 
 def interrupted_sentence() -> str:
     """What to say of an interrupt, by the command that was given."""
-    if any(word in CONTINUED for word in sys.argv[1:2]):
+    if sys.argv[1:2] == [CONTINUED]:
         return "Stopped. Finished designs are kept; the same command continues where it stopped."
     return "Stopped."
 

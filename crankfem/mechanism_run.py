@@ -4,11 +4,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from crankfem.choices import check_choice
-from crankfem.mechanism_file import MechanismFile, with_throws
+from crankfem.engine_file import EngineFile
+from crankfem.mechanism_file import MechanismFile, mechanism_of, with_throws
 from crankfem.pressure_input import motored_pressures
 from dynamics.balance.balance import Balance, balance
 from dynamics.balance.hinged_rods import HingedRodEffects, hinged_rod_effects
+from dynamics.checks import is_whole
 from dynamics.engine.forces import MechanismForces, mechanism_forces, pin_groups
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_loads
@@ -18,6 +19,7 @@ from dynamics.gas.pressure import ATMOSPHERE, GasPressure
 from dynamics.mechanism.rods import RodModelName
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, samples_and_gas
 from dynamics.torque.torque import EngineTorque, engine_torque
+from geometry.choices import check_choice, check_not_given
 from geometry.errors import InputError
 from geometry.frames import table
 from geometry.mass import MassProperties
@@ -99,7 +101,7 @@ class MechanismRun:
         axes: "Axes | None" = None,
         *,
         show: Shown = "torque",
-        number: int = 1,
+        number: int | None = None,
         frame: Literal["crank", "engine"] | None = None,
     ) -> "Axes":
         """Draw one diagram of the mechanism.
@@ -111,8 +113,9 @@ class MechanismRun:
         show : str
             "torque" of the engine; "forces" and "pressure" of a cylinder; the load of a "crankpin" or
             main "bearing"; "force balance" or "moment balance": what inertia leaves over.
-        number : int
-            Of the cylinder, crankpin or bearing, from 1 at the free end.
+        number : int, optional
+            Of the cylinder, crankpin or bearing, from 1 at the free end, the first by default; torque
+            and balance are those of the whole engine.
         frame : {"crank", "engine"}, optional
             Draw the load of a crankpin or bearing as a polar diagram in this frame.
 
@@ -123,21 +126,23 @@ class MechanismRun:
         Raises
         ------
         InputError
-            If an option is none of these, or there is no such number.
+            If an option is none of these or of no use to what is shown, or there is no such number.
         """
         check_choice("show", show, SHOWN, "these are diagrams of a mechanism")
-        if show == "torque":
-            return self.torque.plot(axes)
-        if show == "forces":
-            return self.forces.plot(axes, number)
-        if show == "force balance":
-            return self.balance.plot(axes, "force")
-        if show == "moment balance":
-            return self.balance.plot(axes, "moment")
-        if show == "pressure":
-            return self.pressure[self._place(number, len(self.pressure), show)].plot(axes)
+        if show not in ("crankpin", "bearing"):
+            check_not_given("frame", frame, show, "only loads of bearings have a frame")
+        if show in ("torque", "force balance", "moment balance"):
+            check_not_given("number", number, show, "it is that of the whole engine")
+            if show == "torque":
+                return self.torque.plot(axes)
+            return self.balance.plot(axes, show="force" if show == "force balance" else "moment")
+        if show in ("forces", "pressure"):
+            place = _place(number, len(self.pressure), "the cylinders")
+            if show == "forces":
+                return self.forces.plot(axes, place + 1)
+            return self.pressure[place].plot(axes)
         loads = self.crankpins if show == "crankpin" else self.bearings
-        return loads[self._place(number, len(loads), show)].plot(axes, frame)
+        return loads[_place(number, len(loads), f"the {show}s")].plot(axes, frame=frame)
 
     def to_pandas(self) -> Any:
         """Return a table of what the gas does, a row for each cylinder.
@@ -167,16 +172,9 @@ class MechanismRun:
         """Return the forces of all cylinders over the cycle; see `MechanismForces.to_xarray`."""
         return self.forces.to_xarray()
 
-    def _place(self, number: int, count: int, what: str) -> int:
-        if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= count:
-            raise InputError(
-                f"number: given {number!r}; allowed is 1 to {count} for {what}, because there are that many."
-            )
-        return number - 1
-
 
 def run_mechanism(
-    mechanism: MechanismFile,
+    mechanism: MechanismFile | EngineFile,
     speed: float | None = None,
     model: RodModelName = "rigid",
     *,
@@ -187,8 +185,8 @@ def run_mechanism(
 
     Parameters
     ----------
-    mechanism : MechanismFile
-        From `load_mechanism`.
+    mechanism : MechanismFile or EngineFile
+        From `load_mechanism`, or a whole engine from `load_engine`.
     speed : float, optional
         [rad/s]; the rated speed by default.
     model : str, optional
@@ -205,6 +203,8 @@ def run_mechanism(
     MeshError
         If the throw's solid, whose unbalance counts, cannot be built.
     """
+    if isinstance(mechanism, EngineFile):
+        mechanism = mechanism_of(mechanism)
     if mechanism.gas is None:
         raise InputError(
             f"{mechanism.path.name}: given no section [gas]; allowed is one with peak_pressure, "
@@ -235,6 +235,17 @@ def run_mechanism(
         ),
         hinged_rods=_hinged_rods(layout, turning),
     )
+
+
+def _place(number: int | None, count: int, what: str) -> int:
+    """Return a place from 0 of a number from 1; the first if none is given."""
+    if number is None:
+        return 0
+    if not is_whole(number) or not 1 <= number <= count:
+        raise InputError(
+            f"number: given {number!r}; allowed is 1 to {count} for {what}, because there are that many."
+        )
+    return number - 1
 
 
 def _hinged_rods(layout: EngineLayout, speed: float) -> tuple[HingedRodEffects, ...]:

@@ -172,8 +172,8 @@ def print_mechanism(record: dict[str, Any], units: OutputUnits = SI) -> None:
         ),
     )
     print_line(
-        "p: peak pressure and its angle from the firing top; p_i: mean effective; N, pin, T: largest side "
-        "force, piston-pin force and tangential force."
+        "p: peak pressure, absolute, and its angle from the firing top; p_i: mean effective; N, pin, T: "
+        "largest side force, piston-pin force and tangential force."
     )
     columns = [
         f"mean [{force.name}]",

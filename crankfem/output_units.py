@@ -56,9 +56,12 @@ UNBOUNDED = "unbounded"
 WRITTEN_OUT = 1e7
 
 _NUMBER = r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
+# One unit behind a range or a list is that of all its numbers.
+_BETWEEN = r"(?:, | to | x |,? and |,? or )"
 _UNITS = "|".join(re.escape(unit) for unit in sorted(PRINTED, key=len, reverse=True))
+_NUMBERS = re.compile(_NUMBER)
 _QUANTITY = re.compile(
-    rf"(?<![\w./^-])(?P<range>{_NUMBER} (?:to|x) )?(?P<number>{_NUMBER}) (?P<unit>{_UNITS})"
+    rf"(?<![\w./^-])(?P<numbers>(?:{_NUMBER}{_BETWEEN})*{_NUMBER}) (?P<unit>{_UNITS})"
     r"(?![\w^/]|\s(?:m|s|rad)\b)"
 )
 
@@ -164,14 +167,10 @@ class OutputUnits:
             return found[0]
         own = OutputUnit(converted[0], converted[1], wished=True)
 
-        def write(text: str) -> str:
-            return own.number(float(text) * size, max(_digits(text), 3))
+        def write(number: re.Match[str]) -> str:
+            return own.number(float(number[0]) * size, max(_digits(number[0]), 3))
 
-        before = ""
-        if found["range"]:
-            first, _, word = found["range"].strip().partition(" ")
-            before = f"{write(first)} {word} "
-        return f"{before}{write(found['number'])} {own.name}"
+        return f"{_NUMBERS.sub(write, found['numbers'])} {own.name}"
 
     def _converted(self, unit: str) -> tuple[str, float] | None:
         """Return name and size of the unit in place of an SI one: as a whole, else by its factors."""

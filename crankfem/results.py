@@ -8,14 +8,16 @@ from numpy.typing import NDArray
 
 from crankfem.engine_file import EngineFile
 from crankfem.record import Record
+from crankfem.report.checks import asymmetry
 from crankfem.toml_file import InputRecord
 from crankfem.vibration.modes import SourceResult, Vibration
 from dynamics.chains.two_mass import TwoMassCheck
 from dynamics.harmonics import Harmonics
 from fem.analysis import ThrowAnalysis
 from fem.modes import ThrowModes
+from fem.reciprocity import superelement_of_end_forces
 from fem.shaft import ShaftCompliances
-from fem.supports import Support
+from fem.supports import Support, reactions
 from geometry.balance import unbalance
 from geometry.crankshaft import Crankshaft
 from geometry.mesher import Throw
@@ -83,6 +85,31 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
         "mended_elements": analysis.mesh.mended_elements,
         "solver": analysis.solver,
         "seconds": dict(analysis.seconds),
+    }
+
+
+def reciprocity_record(analysis: ThrowAnalysis) -> Record:
+    """How well reciprocity holds between separate solutions of a throw, as shares.
+
+    Returns
+    -------
+    dict
+        "asymmetry": largest difference between the stiffness made of end forces and its transpose,
+        beside the largest stiffness, with rotations measured as length x angle; "axial_reaction": the
+        largest difference, of the supports, between c Z / e_n and the axial reaction by the end forces
+        under a radial force Z on the first pin, beside Z.
+    """
+    elements = analysis.superelement
+    by_forces = superelement_of_end_forces(analysis.classes, elements.radials)
+    radial = elements.radials[0]
+    differences = []
+    for support in SUPPORTS:
+        answer = analysis.supported(support)
+        ends = reactions(elements, support, by_forces.end_load(radial))
+        differences.append(abs(ends.left.force[2] - answer.influence / answer.axial))
+    return {
+        "asymmetry": asymmetry(by_forces.stiffness, analysis.mesh.length),
+        "axial_reaction": float(max(differences)),
     }
 
 
@@ -170,6 +197,7 @@ def vibration_record(vibration: Vibration) -> Record:
                 "frequency": found.critical.frequency,
                 "mode": found.critical.mode + 1,
                 "phase_sum": found.phase_sum,
+                "in_running_range": found.in_running_range,
             }
             for found in vibration.criticals
         ],

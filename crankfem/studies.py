@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from crankfem.choices import check_choice
 from crankfem.fitting import ResponseFits, compliance_model, fit_study, sensitivities
 from crankfem.throw_file import load_study
+from geometry.choices import check_choice, check_not_given
 from geometry.diagram_style import new_axes
 from geometry.plots.legends import legend_inside, write_title
 from regression.factor_labels import factor_text
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 Shown = Literal["parity", "errors", "response", "effects", "elasticities", "sobol"]
 SHOWN: tuple[Shown, ...] = ("parity", "errors", "response", "effects", "elasticities", "sobol")
+# Diagrams of one equation.
+OF_A_FORM: tuple[Shown, ...] = ("parity", "errors", "effects")
 
 
 @dataclass(frozen=True)
@@ -60,9 +62,10 @@ class StudyResult:
             designs over one factor; "effects": sizes of the equation's terms; "elasticities": % of
             the response per % of each factor; "sobol": the factors' shares of the variance.
         factor : str, optional
-            Of "response"; the first by default.
+            Along which "response" is drawn, of no use to others; the first by default.
         form : str, optional
-            Of "parity", "errors" and "effects"; the chosen one by default.
+            Whose "parity", "errors" or "effects" are drawn, of no use to others; the chosen one by
+            default.
 
         Returns
         -------
@@ -71,13 +74,17 @@ class StudyResult:
         Raises
         ------
         InputError
-            If an option is none of these, or the form was not fitted.
+            If an option is none of these or of no use to what is shown, or the form was not fitted.
         """
         from crankfem.pictures import fit_panels
 
         check_choice("show", show, SHOWN, "these are diagrams of a study")
         name = next(iter(self.fits)) if response is None else response
         check_choice("response", name, self.fits, "these have equations")
+        if show not in OF_A_FORM:
+            check_not_given("form", form, show, "it shows no single form")
+        if show != "response":
+            check_not_given("factor", factor, show, "only a response is drawn over one")
         found, factors = self.fits[name], [one.name for one in self.table.plan.factors]
         fit = found.chosen if form is None else found.fit_named(form)
         if show == "effects":

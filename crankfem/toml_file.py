@@ -4,9 +4,11 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
 
+from crankfem.toml_errors import not_toml
 from geometry.errors import InputError
 from geometry.model import InputModel, field_extra, part_kind
 
@@ -71,8 +73,11 @@ class TomlFile:
         """
         for name in self.sections:
             if name not in allowed:
+                close = get_close_matches(name, allowed, n=1, cutoff=0.7)
+                hint = f"did you mean [{close[0]}]? " if close else ""
                 raise InputError(
-                    f"{self.path.name}: [{name}] is an unknown section; allowed are {', '.join(allowed)}."
+                    f"{self.path.name}: [{name}] is an unknown section; {hint}allowed are "
+                    f"{', '.join(allowed)}."
                 )
         for name, required in allowed.items():
             if required and name not in self.sections:
@@ -151,13 +156,15 @@ def read_toml(path: Path) -> TomlFile:
             f"{path}: is a STEP file; allowed is a TOML file here, for only `crankfem throw` takes STEP."
         )
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
             f"{path}: cannot be read as text ({error}); allowed is a TOML file."
         ) from None
+    try:
+        content = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{path}: is not TOML ({error}); allowed is a TOML file.") from None
+        raise InputError(f"{path}: {not_toml(text, error)}") from None
     sources = content.pop("sources", {})
     if not isinstance(sources, dict):
         raise InputError(

@@ -276,6 +276,104 @@ def place_of(field: str, given: object, names: Sequence[str], what: str, reason:
     )
 
 
+def place_number(field: str, given: object, count: int, reason: str) -> int:
+    """Return the number of one of `count` places, 0 the first.
+
+    Raises
+    ------
+    InputError
+        If it is not a whole number from 0 to count - 1.
+    """
+    if isinstance(given, int | np.integer) and is_whole(given) and 0 <= given < count:
+        return int(given)
+    raise InputError(
+        f"{field}: given {given!r}; allowed are the whole numbers 0 to {count - 1}, because {reason}."
+    )
+
+
+def checked_limits(
+    limits: Mapping[str, ArrayLike] | None, speed_count: int
+) -> dict[str, FloatArray]:
+    """Return limits that are drawn over speeds, each with a value at every speed.
+
+    Parameters
+    ----------
+    limits : mapping of str to float or array_like of shape (S,), or None
+        In SI; inf where none is stated.
+    speed_count : int
+        S.
+
+    Raises
+    ------
+    InputError
+        If it is no mapping, or a limit is neither a number nor one for each speed, below zero or not
+        a number.
+    """
+    if limits is None:
+        return {}
+    if not isinstance(limits, Mapping):
+        raise InputError(
+            f"limits: given {limits!r}; allowed is a mapping of names to limits, because each is drawn "
+            "with its name."
+        )
+    found = {}
+    for name, values in limits.items():
+        field = f"limits[{name!r}]"
+        array = np.array(_regular_array(field, values, "iuf", "real numbers only"), dtype=float)
+        if array.shape not in ((), (speed_count,)):
+            raise InputError(
+                f"{field}: given an array of shape {array.shape}; allowed is one number, or "
+                f"{speed_count}, because a limit is constant or has a value at each speed."
+            )
+        if not np.all(array >= 0.0):
+            worst = float(array[~(array >= 0.0)].flat[0])
+            raise InputError(
+                f"{field}: given {worst:g}; allowed are numbers of zero or more, inf where no limit is "
+                "stated, because amplitudes are compared with it."
+            )
+        found[str(name)] = np.array(np.broadcast_to(array, (speed_count,)))
+    return found
+
+
+def checked_barred(barred: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return barred ranges of speed [rad/s].
+
+    Raises
+    ------
+    InputError
+        If one is no pair of finite numbers of zero or more, the lower first.
+    """
+    if isinstance(barred, str) or not isinstance(barred, Sequence | np.ndarray):
+        raise InputError(
+            f"barred: given {barred!r}; allowed are pairs of speeds in rad/s, because each range is shaded."
+        )
+    reason = "a range from one to the other is shaded"
+    return [
+        checked_range(f"barred[{place}]", ends, "rad/s", reason)
+        for place, ends in enumerate(barred)
+    ]
+
+
+def checked_range(field: str, ends: object, unit: str, reason: str) -> tuple[float, float]:
+    """Return two finite numbers of zero or more, the first the lower.
+
+    Raises
+    ------
+    InputError
+        If they are not such.
+    """
+    try:
+        raw = np.asarray(ends)
+    except ValueError:  # rows of unequal length
+        raw = np.array(None)
+    if raw.shape == (2,) and raw.dtype.kind in "iuf" and 0.0 <= raw[0] < raw[1] < math.inf:
+        return float(raw[0]), float(raw[1])
+    raise InputError(
+        f"{field}: given {ends!r}; allowed are two finite numbers in {unit}, the lower first, because "
+        f"{reason}."
+    )
+
+
 def read_only(array: FloatArray) -> FloatArray:
     """Return the same array, closed to writing."""
     array.setflags(write=False)

@@ -50,9 +50,13 @@ class CriticalSpeed:
         return self.speed * 30.0 / math.pi
 
     def row(self) -> Row:
-        """Return what a table of critical speeds shows, each value with its unit; see `table_of`."""
+        """Return what a table of critical speeds shows, each value with its unit; see `table_of`.
+
+        Modes are counted from 1, in the order of the frequencies that were given: those of the elastic
+        modes alone make this the number that resonances have.
+        """
         return {
-            "mode": (self.mode, "1"),
+            "mode": (self.mode + 1, "1"),
             "frequency": (self.frequency, "Hz"),
             "order": (self.order, "1"),
             "speed": (self.speed, "rad/s"),

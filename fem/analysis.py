@@ -366,7 +366,9 @@ class ThrowAnalysis:
     ) -> "Axes":
         """Draw a compliance over the angle to equal neighbors, beside the pinned and the guided throw.
 
-        The band beside the axial compliance is its estimated discretization error.
+        With equal webs neighbors in line give the guided value and opposite ones the pinned value of the
+        axial compliance and the influence coefficient; for the torsional compliance it is the other way
+        round. The band beside the axial compliance is its estimated discretization error.
 
         Parameters
         ----------

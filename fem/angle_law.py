@@ -10,7 +10,7 @@ force is that of k_t t^2 (1 + rho cot^2(gamma / 2)) with rho = k_u / k_t, and th
     e(gamma) = e_0 + (e_180 - e_0) / (1 + rho cot^2(gamma / 2))
 
 The influence coefficient c follows the same law. rho = 1 makes it linear in cos gamma, as the angle
-factors of most published formulas are; throws have rho of 1.8 to 3.4.
+factors of most published formulas are; throws have rho of 1.7 to 3.3.
 """
 
 from dataclasses import dataclass
@@ -23,6 +23,7 @@ from fem.plots.over_angle import ANGLES_DEG, LABELS, SHOWN, angle_axis
 from fem.superelement import Superelement
 from fem.supports import Neighbors, support_throw
 from fem.symmetry import MIRROR_X, MIRROR_Z
+from geometry.choices import check_choice
 from geometry.diagram_style import BLUE, new_axes
 from geometry.errors import InputError
 from geometry.frames import grid, table
@@ -109,11 +110,7 @@ class AngleLaw:
             If the quantity is neither.
         """
         laws = {"axial_compliance": self.axial, "influence_coefficient": self.influence}
-        if quantity not in laws:
-            raise InputError(
-                f"quantity: given {quantity!r}; allowed are {', '.join(laws)}, because the law holds for "
-                "these."
-            )
+        check_choice("quantity", quantity, laws, "the law holds for these")
         values = laws[quantity](ANGLES_DEG) * SHOWN
         axes = new_axes(axes)
         axes.plot(ANGLES_DEG, values, color=BLUE, label=rf"law with $\rho$ = {self.ratio:.2f}")
@@ -141,11 +138,11 @@ class AngleLaw:
         Raises
         ------
         InputError
-            If an angle is not a finite number.
+            If an angle is not a finite number, or they do not stand in a row.
         MissingLibraryError
             If pandas is not installed.
         """
-        angles = np.atleast_1d(np.asarray(gamma_deg))
+        angles = _row_of_angles(gamma_deg)
         return table(
             {
                 "gamma_deg": (angles, "deg"),
@@ -156,7 +153,7 @@ class AngleLaw:
 
     def to_xarray(self, gamma_deg: ArrayLike = ANGLES_DEG) -> Any:
         """Return the law over angles as an `xarray.Dataset`; parameters and errors as `to_pandas`."""
-        angles = np.atleast_1d(np.asarray(gamma_deg))
+        angles = _row_of_angles(gamma_deg)
         return grid(
             {
                 "axial_compliance": (
@@ -195,6 +192,20 @@ def angle_law(throw: Superelement) -> AngleLaw:
             "angle law holds for equal webs only, for others use Neighbors(left_deg, right_deg)."
         )
     return effective_angle_law(throw)
+
+
+def _row_of_angles(gamma_deg: ArrayLike) -> NDArray[Any]:
+    """Return angles in a row, one at least; `AngleLaw.share` looks at their values."""
+    try:
+        angles = np.atleast_1d(np.asarray(gamma_deg))
+    except ValueError:  # rows of unequal length
+        angles = np.zeros((0, 0))
+    if angles.ndim != 1 or not angles.size:
+        raise InputError(
+            f"gamma_deg: given {gamma_deg!r}; allowed are one or more angles in a row, because the table "
+            "has a row for each."
+        )
+    return angles
 
 
 def effective_angle_law(throw: Superelement) -> AngleLaw:

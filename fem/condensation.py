@@ -53,6 +53,13 @@ class CondensedClass:
         Which solver did it.
     end_sections : {"rigid", "averaged"}
         What the end sections may do.
+    end_forces : (k, k) array
+        Work of the forces on the end sections under each unit motion (column) on each unit motion
+        (row). It equals `stiffness`, which is the strain energy of both motions and symmetric whatever
+        the fields are, as far as the fields are in equilibrium between the end sections.
+    pin_reactions : (pins, k, 6) array
+        The same as `pin_loads` from the other side: forces that hold the end sections under the unit
+        loads on the pins, reversed. The two are equal by reciprocity, from separate solutions.
     """
 
     symmetry: SymmetryClass
@@ -64,6 +71,8 @@ class CondensedClass:
     pin_flexibility: Array
     solver: str
     end_sections: str
+    end_forces: Array
+    pin_reactions: Array
 
 
 def condense(
@@ -115,10 +124,15 @@ def condense(
     if shared is not solver:
         shared.close()
     count = fields.shape[1]
-    energy = fields.T @ symmetric_product(stiffness, fields)
-    works = np.zeros((len(pins), count, 6))
+    forces = symmetric_product(stiffness, fields)
+    energy = fields.T @ forces
+    works, reactions = np.zeros((2, len(pins), count, 6))
+    ends = _end_unknowns(mesh, symmetry)
+    # The solutions hold the meshed part; forces on the whole throw are so many times theirs.
+    held = symmetry.copies * (symmetric_product(stiffness, pin_fields) - shares)[ends]
     for column, (pin, component) in enumerate(components):
         works[pin, :, component] = pin_loads[:, column] @ fields
+        reactions[pin, :, component] = -fields[ends].T @ held[:, column]
     flexibility = pin_loads.T @ pin_fields
     return CondensedClass(
         symmetry=symmetry,
@@ -130,7 +144,15 @@ def condense(
         pin_flexibility=0.5 * (flexibility + flexibility.T),
         solver=shared.solver,
         end_sections=end_sections,
+        end_forces=fields[ends].T @ forces[ends],
+        pin_reactions=reactions,
     )
+
+
+def _end_unknowns(mesh: ThrowMesh, symmetry: SymmetryClass) -> NDArray[np.int64]:
+    """Displacements, of 3 n, of the nodes on the meshed end sections."""
+    nodes = np.concatenate([nodes_on(mesh, section) for section in end_sections(symmetry)])
+    return (3 * nodes[:, None] + np.arange(3)).ravel()
 
 
 def _pin_loads(

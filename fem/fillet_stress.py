@@ -23,6 +23,7 @@ from fem.nominal_stress import nominal_stress
 from fem.plots.fillet_bars import LABELS, Criterion, draw_factors
 from fem.principal import largest_principal, principal_stresses, von_mises
 from fem.unit_loads import LoadedThrow, UnitLoad, solve_unit_loads, unit_loads
+from geometry.choices import check_choice
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid, table
@@ -164,11 +165,7 @@ class FilletStresses:
         InputError
             If the criterion is neither.
         """
-        if criterion not in LABELS:
-            raise InputError(
-                f"criterion: given {criterion!r}; allowed are {', '.join(LABELS)}, because factors are "
-                "made of these stresses."
-            )
+        check_choice("criterion", criterion, LABELS, "factors are made of these stresses")
         loads, fillets = self._names
         factors = self._array("factor" if criterion == "principal" else "von_mises_factor")
         axes = new_axes(axes, width=8.6)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.superelement import RZ, UX, UY, UZ, Superelement
+from geometry.choices import check_choice
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid, table
@@ -86,10 +87,7 @@ class ShaftCompliances:
         InputError
             If the quantity is none of these.
         """
-        if quantity not in SHOWN:
-            raise InputError(
-                f"quantity: given {quantity!r}; allowed are {', '.join(SHOWN)}, because a shaft has these."
-            )
+        check_choice("quantity", quantity, SHOWN, "a shaft has these")
         unit, words = SHOWN[quantity]
         text, size = shown_unit(unit)
         values = getattr(self, quantity) / size

@@ -11,3 +11,7 @@ class MissingLibraryError(ImportError):
 
 class MeshError(RuntimeError):
     """A throw could not be meshed, although its dimensions are valid; the message says why."""
+
+
+class RenderError(RuntimeError):
+    """A picture could not be rendered, although everything that is needed is there; the message says why."""

@@ -4,6 +4,8 @@ from collections.abc import Iterable, Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
+import numpy as np
+
 from geometry.errors import MissingLibraryError
 
 if TYPE_CHECKING:
@@ -125,6 +127,7 @@ def grid(
     -------
     xarray.Dataset
         ``attrs["units"]`` and ``attrs["long_name"]`` of every array and coordinate say what it is.
+        All arrays are copies: what is done to the dataset leaves the result as it was.
 
     Raises
     ------
@@ -143,11 +146,11 @@ def grid(
     library = xarray()
     return library.Dataset(
         {
-            name: (dimensions, values, _said(unit, words))
+            name: (dimensions, np.array(values), _said(unit, words))
             for name, (dimensions, values, unit, words) in variables.items()
         },
         coords={
-            name: ((name,), values, _said(unit, words))
+            name: ((name,), np.array(values), _said(unit, words))
             for name, (values, unit, words) in coordinates.items()
         },
     )

@@ -15,6 +15,7 @@ DISPLAY_UNITS: dict[str, tuple[str, float]] = {
     "rad/s": ("1/min", 2.0 * math.pi / 60.0),
     "m/N": ("1e-9 m/N", 1e-9),
     "rad/(N m)": ("1e-9 rad/(N m)", 1e-9),
+    "1/N": ("1e-9 1/N", 1e-9),
 }
 # Units that large numbers are shown a thousandfold in.
 THOUSANDFOLD, KILO_FROM = ("N", "N m", "W"), 1e4

@@ -192,7 +192,7 @@ def _run(
             progress.finish()
     if interrupted:
         console.end_interrupted(
-            f"Stopped. {progress.finished} of {progress.total} designs are finished and kept in {store}; "
-            "the same command continues where it stopped."
+            f"Stopped. {progress.finished_designs} are finished and kept in {store}; the same command "
+            "continues where it stopped."
         )
     return table

@@ -14,7 +14,7 @@ from crankfem.commands.options import (
     UnitsOption,
     WorkersOption,
 )
-from crankfem.commands.strict import end_strictly
+from crankfem.commands.strict import check_judged, end_strictly
 from crankfem.console import print_json
 from geometry.errors import InputError
 
@@ -37,21 +37,31 @@ def run(
 
     With --quiet only the path of the report is printed.
     """
+    from crankfem.engine_file import load_engine
     from crankfem.output_units import parse_output_units
-    from crankfem.pipeline import REPORT, run_engine
+    from crankfem.pipeline import run_engine
 
     shown = parse_output_units(units)
+    if strict:
+        check_judged(load_engine(engine))
     with console.RunProgress(quiet) as progress:
-        made = run_engine(engine, output, workers=workers, progress=progress)
+        try:
+            made = run_engine(engine, output, workers=workers, progress=progress)
+        except KeyboardInterrupt:
+            if not progress.total:  # there is no study, or nothing of it is known yet
+                raise
+            console.end_interrupted(
+                f"Stopped. {progress.finished_designs} are finished and kept; the same command takes them "
+                "over."
+            )
         progress.finish()
-    report = made.folder / REPORT
     if json:
         print_json(made.results)
     elif quiet:
-        console.print_line(str(report))
+        console.print_line(str(made.report))
     else:
         _print(made.results, shown)
-        console.print_line(f"Report: {report}")
+        console.print_line(f"Report: {made.report}")
     if strict:
         end_strictly(made.results["vibration"])
 
@@ -77,21 +87,32 @@ def report(
 
     from jinja2 import TemplateError
 
-    from crankfem.pipeline import REPORT, RESULTS
-    from crankfem.report.writing import write_report
+    from crankfem.report.writing import render_report
+    from crankfem.run_files import PICTURES, REPORT, RESULTS, write_whole
 
     path = folder / RESULTS
     if not path.is_file():
         raise InputError(
             f"{folder}: has no {RESULTS}; give the folder that crankfem run has written."
         )
+    content = path.read_bytes()
     try:
-        results = json_module.loads(path.read_text(encoding="utf-8"))
-        made = write_report(results, folder / "pictures", folder / REPORT)
-    except (OSError, ValueError, KeyError, TypeError, TemplateError) as error:
+        results = json_module.loads(content.decode("utf-8"))
+        text, unread = render_report(results, folder / PICTURES)
+    except (
+        ValueError,
+        LookupError,
+        TypeError,
+        AttributeError,
+        ArithmeticError,
+        TemplateError,
+    ) as error:
         raise InputError(
             f"{path}: is not what crankfem run writes ({error}); run it again."
         ) from None
+    made = write_whole(folder / REPORT, text)
+    if unread is not None:
+        console.note(f"Note: {unread}", quiet)
     if json:
         print_json({"report": str(made)})
     else:

@@ -8,8 +8,6 @@ import typer
 from crankfem import console
 from crankfem.commands.options import EngineArgument, JsonOption, QuietOption
 from crankfem.console import print_json
-from crankfem.data_files import engine_path
-from crankfem.toml_file import read_toml
 from geometry.errors import InputError
 
 
@@ -102,6 +100,7 @@ def draw(
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Draw a throw to scale with its dimensions, and picture the solid of throw and crankshaft."""
+    from crankfem.data_files import engine_path
     from crankfem.pictures.drawing import check_drawing_ending, write_drawing
     from crankfem.pictures.solid_picture import check_picture_ending, picture_shaft, picture_throw
     from crankfem.throw_file import load_crankshaft, load_throw
@@ -129,6 +128,9 @@ def draw(
 
 def _title(engine: str) -> str:
     """Return the engine's name, or its file's where that says none."""
+    from crankfem.data_files import engine_path
+    from crankfem.toml_file import read_toml
+
     path = engine_path(engine)
     name = read_toml(path).sections.get("engine", {}).get("name")
     return name if isinstance(name, str) and name.strip() else path.stem

@@ -1,11 +1,29 @@
 """How --strict ends: by the verdict of the assessment."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from crankfem import console
 from geometry.errors import InputError
 
+if TYPE_CHECKING:
+    from crankfem.engine_file import EngineFile
+
 NOT_ACCEPTABLE = "not acceptable"
+
+
+def check_judged(engine: "EngineFile") -> None:
+    """Refuse an engine that --strict cannot judge, before anything is computed for it.
+
+    Raises
+    ------
+    InputError
+        If its file gives no gas pressure: nothing is forced then, nor held against limits.
+    """
+    if engine.gas is None and engine.gas_map is None:
+        raise InputError(
+            "--strict: given for an engine file without gas pressure; allowed is one with a section [gas] "
+            "or [gas_map], because nothing can be judged otherwise."
+        )
 
 
 def end_strictly(vibration: dict[str, Any]) -> None:
@@ -14,20 +32,14 @@ def end_strictly(vibration: dict[str, Any]) -> None:
     Parameters
     ----------
     vibration : dict
-        Record of the vibration, `crankfem.vibration.records.run_record`.
+        Record of the vibration, `crankfem.vibration.records.run_record`, of an engine that
+        `check_judged` has let pass.
 
     Raises
     ------
     SystemExit
         With code 4 if the verdict is "not acceptable".
-    InputError
-        If there is no verdict.
     """
     assessment = vibration["assessment"]
-    if assessment is None:
-        raise InputError(
-            "--strict: nothing could be judged, because the engine file gives no gas pressure; allowed is "
-            "a file with the section [gas]."
-        )
     if assessment["status"] == NOT_ACCEPTABLE:
         console.end_exceeded(f"Limits are exceeded: {assessment['sentence']}")

@@ -8,7 +8,7 @@ import typer
 from crankfem import console
 from crankfem.commands import completion
 from crankfem.commands.options import JsonOption, QuietOption, StrictOption, UnitsOption
-from crankfem.commands.strict import end_strictly
+from crankfem.commands.strict import check_judged, end_strictly
 from crankfem.console import print_json
 from geometry.errors import InputError
 
@@ -72,6 +72,8 @@ def vibration(
 
     duration = None if run_up is None else parse_duration(run_up)
     read = load_engine(engine)
+    if strict:
+        check_judged(read)
     folders = [None if given is None else Path(given) for given in (csv, pictures)]
     for folder in folders:
         if folder is not None:

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.fitting import ResponseFits, Sensitivities, nominal_points, predicted, surface
+from crankfem.fitting import ResponseFits, Sensitivities, predicted, surface
+from crankfem.nominal_section import moved, nominal_section, same_designs
 from geometry.diagram_style import math_symbol
 from geometry.plots.legends import write_title
 from geometry.plots.shown_units import shown_unit
@@ -61,17 +62,17 @@ def draw_over_factor(
     keep their distance to it.
     """
     factor, size = table.plan.factors[place], shown_unit(found.unit)[1]
-    section = _section(table)
+    section = nominal_section(table)
     values = sweep(factor.lowest, factor.highest, factor.labels)
-    points = _moved(section, place, values)
+    points = moved(section, place, values)
     x_size = factor_size(factor.unit, factor.labels)
     drawn = [
         Curve(fit.form, curve(points) / size, fit is found.chosen) for fit, curve in curves.forms
     ]
     draw_curves(axes, values / x_size, drawn, bool(factor.labels))
-    here = _moved(section, place, table.values[:, place])
+    here = moved(section, place, table.values[:, place])
     dots = curves.chosen(here) * curves.off_curve / size
-    draw_section(axes, table.values[:, place] / x_size, dots, _same_designs(table, here))
+    draw_section(axes, table.values[:, place] / x_size, dots, same_designs(table, here))
     label_factor_axis(axes, factor.name, factor.unit, factor.labels)
 
 
@@ -134,28 +135,3 @@ def forms_drawn(found: ResponseFits) -> list[Fit]:
     others = [fit for name in COMPARED for fit in found.fits if fit.form == name]
     kept = [fit for fit in others if fit is not found.chosen][: FORMS_DRAWN - 1]
     return [fit for fit in found.fits if fit is found.chosen or fit in kept]
-
-
-def _section(table: StudyTable) -> Array:
-    """Return the values of the factors through which sections are drawn."""
-    return np.array(
-        [
-            min(factor.levels, key=lambda level: abs(level - nominal))
-            if factor.levels is not None
-            else nominal
-            for factor, nominal in zip(table.plan.factors, nominal_points(table.plan), strict=True)
-        ]
-    )
-
-
-def _moved(section: Array, place: int, values: Array) -> Array:
-    """Return points of the section in which one factor has other values."""
-    points = np.tile(section, (len(values), 1))
-    points[:, place] = values
-    return points
-
-
-def _same_designs(table: StudyTable, points: Array) -> NDArray[np.bool_]:
-    spans = np.array([factor.highest - factor.lowest for factor in table.plan.factors])
-    found: NDArray[np.bool_] = np.all(np.abs(table.values - points) <= 1e-6 * spans, axis=1)
-    return found

@@ -78,7 +78,7 @@ def draw_guides(axes: "Axes", run: "HingeRun", size: tuple[float, float]) -> Non
         axes.plot(closed.real, closed.imag, dash, color=color, label=label)
     axes.plot([0.0], [0.0], "+", color=GRAY)
     axes.set_aspect("equal")
-    write_title(axes, f"H = {height:g} m, $\\rho_0$ = {start:g} m")
+    write_title(axes, f"H = {height:g} m, $\\rho_0$ = {start:g} m", mathematics=True)
     axes.set_xlabel("$\\rho\\,\\cos\\,\\varphi$ [m]")
     axes.set_ylabel("$\\rho\\,\\sin\\,\\varphi$ [m]")
     axes.set_ylim(-1.15 * start, 1.6 * start)

@@ -7,6 +7,7 @@ from dynamics.engine.loads import LoadDiagram
 from dynamics.plots.load_diagrams import Frame, check_polar, draw_developed_loads, draw_polar_loads
 from geometry.diagram_style import figure
 from geometry.errors import InputError
+from geometry.plots.legends import plain_text
 
 
 def plot_polar_loads(
@@ -46,7 +47,7 @@ def plot_polar_loads(
     with figure(path, width=6.4, height=6.4) as axes:
         draw_polar_loads(axes, loads, frame, mark_step_deg)
         if title:
-            axes.set_title(title)
+            axes.set_title(plain_text(title))
 
 
 def plot_developed_loads(
@@ -75,7 +76,7 @@ def plot_developed_loads(
     with figure(path) as axes:
         draw_developed_loads(axes, loads)
         if title:
-            axes.set_title(title)
+            axes.set_title(plain_text(title))
         # Below the axes: the curve fills them.
         axes.figure.legend(fontsize=8, loc="outside lower center")
 

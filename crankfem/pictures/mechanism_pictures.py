@@ -6,9 +6,11 @@ from crankfem.mechanism_run import MechanismRun, hinged_group
 from crankfem.pictures.balance_plots import plot_balance, plot_hinged_rods
 from crankfem.pictures.load_plots import plot_developed_loads, plot_polar_loads
 from crankfem.pictures.titles import at_speed
+from crankfem.pictures.to_draw import ToDraw, draw_all
 from dynamics.engine.loads import LoadDiagram
 from dynamics.plots.load_diagrams import Frame
 from geometry.diagram_style import figure, make_folder
+from geometry.plots.legends import plain_text
 
 
 def picture_mechanism(folder: Path, run: MechanismRun) -> list[Path]:
@@ -25,28 +27,53 @@ def picture_mechanism(folder: Path, run: MechanismRun) -> list[Path]:
         If the folder cannot be made.
     """
     make_folder(folder)
+    return draw_all(mechanism_pictures(folder, run))
+
+
+def mechanism_pictures(folder: Path, run: MechanismRun) -> list[ToDraw]:
+    """Return the diagrams of a mechanism, still to be drawn into a folder."""
     engine = at_speed(run.mechanism.name, run.speed)
     heaviest = max(run.bearings, key=lambda load: load.maximum)
-    made = []
-    drawn: tuple[tuple[str, LoadDiagram, Frame], ...] = (
-        ("crankpin", run.crankpins[0], "crank"),
-        ("main_bearing", heaviest, "engine"),
-    )
-    for name, load, frame in drawn:
-        polar, developed = folder / f"{name}_polar.svg", folder / f"{name}_developed.svg"
-        plot_polar_loads(polar, [load], frame=frame, title=f"{load.name}\n{engine}")
-        plot_developed_loads(developed, [load], title=f"{load.name}, {engine}")
-        made += [polar, developed]
-    made.append(folder / "piston_forces.svg")
-    plot_piston_forces(made[-1], run)
+    made = [
+        *_load_pictures(folder, "crankpin", run.crankpins[0], "crank", engine),
+        *_load_pictures(folder, "main_bearing", heaviest, "engine", engine),
+        ToDraw(folder / "piston_forces.svg", lambda path: plot_piston_forces(path, run)),
+    ]
     if not all(row.force_balanced and row.moment_balanced for row in run.balance.rows):
-        made.append(folder / "balance.svg")
-        plot_balance(made[-1], run.balance, title=engine)
+        made.append(
+            ToDraw(
+                folder / "balance.svg", lambda path: plot_balance(path, run.balance, title=engine)
+            )
+        )
     if run.hinged_rods:
-        made.append(folder / "hinged_rods.svg")
         group = hinged_group(run.layout)
-        plot_hinged_rods(made[-1], run.layout, run.speed, cylinders=group, title=engine)
+        made.append(
+            ToDraw(
+                folder / "hinged_rods.svg",
+                lambda path: plot_hinged_rods(
+                    path, run.layout, run.speed, cylinders=group, title=engine
+                ),
+            )
+        )
     return made
+
+
+def _load_pictures(
+    folder: Path, name: str, load: LoadDiagram, frame: Frame, engine: str
+) -> list[ToDraw]:
+    """Both diagrams of a bearing's load."""
+    return [
+        ToDraw(
+            folder / f"{name}_polar.svg",
+            lambda path: plot_polar_loads(
+                path, [load], frame=frame, title=f"{load.name}\n{engine}"
+            ),
+        ),
+        ToDraw(
+            folder / f"{name}_developed.svg",
+            lambda path: plot_developed_loads(path, [load], title=f"{load.name}, {engine}"),
+        ),
+    ]
 
 
 def plot_piston_forces(path: Path, run: MechanismRun, cylinder: int = 1) -> None:
@@ -61,4 +88,5 @@ def plot_piston_forces(path: Path, run: MechanismRun, cylinder: int = 1) -> None
     """
     with figure(path) as axes:
         run.forces.plot(axes, cylinder)
-        axes.set_title(f"cylinder {cylinder}, {at_speed(run.mechanism.name, run.speed)}")
+        engine = plain_text(at_speed(run.mechanism.name, run.speed))
+        axes.set_title(f"cylinder {cylinder}, {engine}")

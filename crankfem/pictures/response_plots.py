@@ -7,10 +7,9 @@ from numpy.typing import ArrayLike
 
 from crankfem.pictures.titles import add_title
 from dynamics.checks import finite_array
-from dynamics.plots.campbell import draw_campbell
+from dynamics.plots.campbell import Meeting, draw_campbell
 from dynamics.plots.quantities import Quantity
 from dynamics.plots.speed_curves import MAIN_ORDERS
-from dynamics.response.resonance import Resonance
 from dynamics.response.series import OrderSeries
 from geometry.diagram_style import figure
 
@@ -20,7 +19,7 @@ def plot_response_campbell(
     frequencies: ArrayLike,
     orders: ArrayLike,
     speed_range: tuple[float, float],
-    found: Sequence[Resonance],
+    found: Sequence[Meeting],
     *,
     title: str = "",
 ) -> None:
@@ -36,8 +35,8 @@ def plot_response_campbell(
         In cycles per crankshaft revolution.
     speed_range : tuple of two floats
         Running range [rad/s].
-    found : sequence of Resonance
-        Dots grow with their severity.
+    found : sequence of Meeting
+        Such as `Resonance`; dots grow with their severity.
     title : str, optional
 
     Raises
@@ -91,7 +90,7 @@ def plot_over_speed(
         series.plot(
             axes,
             place,
-            quantity,
+            quantity=quantity,
             limits=limits,
             barred=barred,
             main_orders=main_orders,

@@ -73,7 +73,7 @@ def plot_axial_split(path: Path, response: CoupledResponse) -> None:
     """
     with figure(path, height=3.8) as axes:
         response.plot(axes)
-        axes.set_ylabel("axial amplitude of the free end [um]")
+        axes.set_ylabel("axial amplitude of the free end [µm]")
         axes.set_title("half the range over the working cycle, all orders together", fontsize=9)
 
 

@@ -4,6 +4,7 @@ import math
 
 from geometry.plots.dimension_lines import CENTER, EDGE, INK, View, text_size
 from geometry.plots.dimension_texts import millimeters
+from geometry.plots.legends import plain_text
 from geometry.plots.throw_shapes import Point, circle
 from geometry.throw import CrankThrow
 
@@ -17,7 +18,7 @@ def block_texts(throw: CrankThrow, title: str, scale: float) -> tuple[str, str, 
     ratio = f"1 : {scale:g}" if scale >= 1.0 else f"{1.0 / scale:g} : 1"
     drawn = f"lengths in mm\nscale {ratio}"
     derived = f"overlap {millimeters(throw.overlap)} mm\nvolume {1e3 * throw.volume:.4g} dm³"
-    plain = " ".join(title.split()).replace("$", r"\$")  # no mathematics, one line
+    plain = plain_text(" ".join(title.split()))  # one line
     return (plain or "Crank throw", drawn, derived)
 
 

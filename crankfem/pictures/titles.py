@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from geometry.plots.legends import plain_text
 from geometry.quantity import show_quantity
 
 
@@ -19,7 +20,7 @@ def at_speed(engine: str, speed: float) -> str:
 
 
 def add_title(axes: Any, title: str) -> None:
-    """Put a title above all axes of a figure, unless it is empty."""
+    """Put a title above all axes of a figure, as it is, unless it is empty."""
     if title:
         figure = np.atleast_1d(axes)[0].figure
-        figure.suptitle(title, fontsize=11, x=0.01, ha="left")
+        figure.suptitle(plain_text(title), fontsize=11, x=0.01, ha="left")

@@ -59,7 +59,7 @@ def plot_transient(
     moving: Moving = "torque" if quantity == "torque" else "twist"
     with figure(path, width=7.6, height=5.0) as axes:
         top, bottom = _two_rows(axes)
-        run.plot(top, place, moving, steady=steady, turns=turns)
+        run.plot(top, place, quantity=moving, steady=steady, turns=turns)
         top.set_xlabel("")
         top.tick_params(labelbottom=False)
         draw_speed(bottom, run.time, run.shaft_speed)

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crankfem.vibration.motion import MOTION
 from dynamics.checks import FloatArray
 from dynamics.plots.mode_shapes import draw_chain_shapes
-from dynamics.plots.quantities import RPM, Quantity
+from dynamics.plots.quantities import RPM
 from geometry.diagram_style import BLUE
 from geometry.plots.bars import draw_rows
 from geometry.plots.legends import legend_inside
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from crankfem.vibration.modes import SourceResult, Vibration, WeightedCritical
 
 SHAPES_SHOWN = 3
-# What a quantity of each kind of vibration is called on the axis.
-MOTION: dict[str, Quantity] = {"axial": "displacement", "torsional": "twist"}
 
 
 def draw_modes(axes: "Axes", result: "SourceResult", count: int = SHAPES_SHOWN) -> None:
@@ -41,7 +40,7 @@ def draw_modes(axes: "Axes", result: "SourceResult", count: int = SHAPES_SHOWN) 
         positions,
         result.chain.chain.connections,
         [short_name(name) for name in result.chain.nodes],
-        MOTION[result.chain.kind],
+        MOTION[result.chain.kind].quantity,
     )
 
 
@@ -101,6 +100,16 @@ def most_stressed(forced: "ForcedVibration") -> int:
     """Return the crankshaft's element with the largest stress."""
     assert forced.stress is not None
     return int(np.argmax(np.max(forced.stress.synthesis.amplitude, axis=0)))
+
+
+def free_end_title(engine: str, kind: str) -> str:
+    """Say of what the free end's amplitudes are."""
+    return f"{engine}, {kind} vibration of the free end"
+
+
+def stress_title(engine: str) -> str:
+    """Say of what stresses over the speed are."""
+    return f"{engine}, nominal torsional stress"
 
 
 @dataclass(frozen=True)

@@ -4,19 +4,24 @@ from pathlib import Path
 
 from crankfem.pictures.response_plots import plot_over_speed, plot_response_campbell
 from crankfem.pictures.shaft_mode_plots import plot_axial_split, plot_mode_shares, plot_shaft_modes
+from crankfem.pictures.to_draw import ToDraw, draw_all
 from crankfem.pictures.transient_plots import plot_transient
 from crankfem.pictures.vibration_panels import (
     barred_ranges,
+    critical_dots,
     draw_modes,
+    free_end_title,
     limit_curve,
     most_stressed,
+    stress_title,
 )
 from crankfem.vibration.assessment import Assessment
 from crankfem.vibration.forced import ForcedVibration
-from crankfem.vibration.modes import SourceResult
+from crankfem.vibration.modes import SourceResult, Vibration
+from crankfem.vibration.motion import MOTION
 from crankfem.vibration.run import EngineVibration
 from crankfem.vibration.run_up import RunUp
-from dynamics.critical import engine_orders
+from dynamics.critical import engine_orders, major_orders
 from geometry.diagram_style import figure, make_folder
 
 
@@ -34,34 +39,65 @@ def picture_vibration(folder: Path, run: EngineVibration) -> list[Path]:
         If the folder cannot be made.
     """
     make_folder(folder)
-    engine = run.engine_file.engine
-    orders = engine_orders(engine.strokes, run.engine_file.vibration.highest_order)
-    made = []
-    for vibration, forced in ((run.axial, run.forced_axial), (run.torsional, run.forced_torsional)):
-        kind = vibration.kind
-        made += [folder / f"{kind}_modes.svg", folder / f"{kind}_campbell.svg"]
-        plot_mode_shapes(made[-2], vibration.chosen)
-        plot_response_campbell(
-            made[-1],
-            vibration.chosen.elastic_frequencies,
-            orders,
-            (engine.lowest_speed, engine.highest_speed),
-            () if forced is None else forced.resonances,
-            title=f"{engine.name}, {kind}",
+    return draw_all(vibration_pictures(folder, run))
+
+
+def vibration_pictures(folder: Path, run: EngineVibration) -> list[ToDraw]:
+    """Return the diagrams of an engine's vibration, still to be drawn into a folder."""
+    made = [
+        *_kind_pictures(folder, run, run.axial, run.forced_axial),
+        *_kind_pictures(folder, run, run.torsional, run.forced_torsional),
+    ]
+    name, torsional, assessment = run.engine_file.engine.name, run.forced_torsional, run.assessment
+    if torsional is not None and assessment is not None:
+        made.append(
+            ToDraw(
+                folder / "torsional_stress.svg",
+                lambda path: _plot_stress(path, torsional, assessment, name),
+            )
         )
-        if forced is not None and run.assessment is not None:
-            made.append(folder / f"{kind}_amplitude.svg")
-            _plot_free_end(made[-1], forced, run.assessment, engine.name)
-    if run.forced_torsional is not None and run.assessment is not None:
-        made.append(folder / "torsional_stress.svg")
-        _plot_stress(made[-1], run.forced_torsional, run.assessment, engine.name)
     if run.whole is not None:
-        made += [folder / "shaft_modes.svg", folder / "shaft_shares.svg"]
-        plot_shaft_modes(made[-2], run.whole.modes, run.engine_file.throw.crank_radius)
-        plot_mode_shares(made[-1], run.whole.modes)
+        modes, radius = run.whole.modes, run.engine_file.throw.crank_radius
+        made += [
+            ToDraw(folder / "shaft_modes.svg", lambda path: plot_shaft_modes(path, modes, radius)),
+            ToDraw(folder / "shaft_shares.svg", lambda path: plot_mode_shares(path, modes)),
+        ]
     if run.comparison is not None and run.comparison.coupled is not None:
-        made.append(folder / "axial_split.svg")
-        plot_axial_split(made[-1], run.comparison.coupled)
+        coupled = run.comparison.coupled
+        made.append(
+            ToDraw(folder / "axial_split.svg", lambda path: plot_axial_split(path, coupled))
+        )
+    return made
+
+
+def _kind_pictures(
+    folder: Path, run: EngineVibration, vibration: Vibration, forced: ForcedVibration | None
+) -> list[ToDraw]:
+    """Mode shapes, Campbell diagram and amplitude of one kind of vibration."""
+    engine, kind, assessment = run.engine_file.engine, vibration.kind, run.assessment
+    orders = engine_orders(engine.strokes, run.engine_file.vibration.highest_order)
+    majors = major_orders(orders, engine.firing_angles)
+    made = [
+        ToDraw(folder / f"{kind}_modes.svg", lambda path: plot_mode_shapes(path, vibration.chosen)),
+        ToDraw(
+            folder / f"{kind}_campbell.svg",
+            lambda path: plot_response_campbell(
+                path,
+                vibration.chosen.elastic_frequencies,
+                orders,
+                (engine.lowest_speed, engine.highest_speed),
+                critical_dots(vibration, majors) if forced is None else forced.resonances,
+                title=f"{engine.name}, {kind}",
+            ),
+        ),
+    ]
+    if forced is not None and assessment is not None:
+        made.append(
+            ToDraw(
+                folder / f"{kind}_amplitude.svg",
+                lambda path: _plot_free_end(path, forced, assessment, engine.name),
+            )
+        )
     return made
 
 
@@ -89,15 +125,14 @@ def plot_mode_shapes(path: Path, result: SourceResult) -> None:
 def _plot_free_end(
     path: Path, forced: ForcedVibration, assessment: Assessment, engine: str
 ) -> None:
-    torsional = forced.kind == "torsional"
     plot_over_speed(
         path,
         forced.free_end,
         0,
-        "twist" if torsional else "displacement",
+        MOTION[forced.kind].quantity,
         limits=limit_curve(assessment, forced, f"{forced.kind}_amplitude"),
         barred=barred_ranges(assessment),
-        title=f"{engine}, {forced.kind} vibration of the free end",
+        title=free_end_title(engine, forced.kind),
     )
 
 
@@ -111,5 +146,5 @@ def _plot_stress(path: Path, forced: ForcedVibration, assessment: Assessment, en
         "stress",
         limits=limit_curve(assessment, forced, "crankshaft_stress"),
         barred=barred_ranges(assessment),
-        title=f"{engine}, nominal torsional stress",
+        title=stress_title(engine),
     )

@@ -4,11 +4,13 @@ import datetime
 import hashlib
 import os
 import platform
+import shlex
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from crankfem.data_files import data_folder
 from crankfem.record import Record
 
 # Packages whose versions a result may depend on.
@@ -56,43 +58,76 @@ def program_version() -> str:
         return f"{found}, development checkout"
 
 
-def repeat_record(
-    engine_file: Path, others: Iterable[Path], seconds: Mapping[str, float]
-) -> Record:
+def repeat_record(files: Sequence[Record], seconds: Mapping[str, float]) -> Record:
     """What is needed to repeat a run.
 
     Parameters
     ----------
-    engine_file : Path
-    others : iterable of Path
-        Further files that were read.
+    files : sequence of dict
+        The files that were read, the engine file first; see `file_records`.
     seconds : mapping
         Step of the run to the time it took [s].
 
     Returns
     -------
     dict
-        "command", "files" (name, sha256, and the text unless it is very long), "seconds".
+        "command", "files", "seconds".
     """
     return {
-        "command": f"crankfem run {_quoted(engine_file.name)}",
-        "files": [_file_record(path) for path in dict.fromkeys((engine_file, *others))],
+        "command": run_command(files[0]["name"]),
+        "files": list(files),
         "seconds": dict(seconds),
     }
 
 
-def _file_record(path: Path) -> Record:
+def file_records(engine_file: Path, tables: Iterable[Path]) -> list[Record]:
+    """Read the files of a run as they are now.
+
+    Parameters
+    ----------
+    engine_file : Path
+    tables : iterable of Path
+        Further files that were read.
+
+    Returns
+    -------
+    list of dict
+        "name", where the engine file looks for it; "sha256"; "text", None if it is very long.
+    """
+    return [
+        _file_record(path, _name_beside(engine_file, path))
+        for path in dict.fromkeys((engine_file, *tables))
+    ]
+
+
+def run_command(name: str) -> str:
+    """Return the command that runs an engine file, as a shell reads it.
+
+    Examples
+    --------
+    >>> run_command("my engine.toml")
+    "crankfem run 'my engine.toml'"
+    """
+    # What begins with a dash would be taken for an option.
+    return f"crankfem run {shlex.quote(f'./{name}' if name.startswith('-') else name)}"
+
+
+def _name_beside(engine_file: Path, path: Path) -> str:
+    """Name of a file as the engine file may call it: with its folders, a shipped table without."""
+    for folder in (engine_file.parent, data_folder() / "tables"):
+        if path.is_relative_to(folder):
+            return path.relative_to(folder).as_posix()
+    return path.as_posix()
+
+
+def _file_record(path: Path, name: str) -> Record:
     content = path.read_bytes()
     text = content.decode("utf-8", errors="replace")
     return {
-        "name": path.name,
+        "name": name,
         "sha256": hashlib.sha256(content).hexdigest(),
         "text": text if len(text) <= LONGEST_QUOTED else None,
     }
-
-
-def _quoted(name: str) -> str:
-    return f'"{name}"' if " " in name else name
 
 
 def _installed(name: str) -> str | None:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from crankfem.record import Record
+from crankfem.report.numbers import percent
 
 UNITS = {"axial": "m/N", "torsional": "rad/(N m)"}
 RESPONSES = {"axial": "axial_compliance", "torsional": "torsional_compliance"}
@@ -105,7 +106,7 @@ def regression_record(
             "largest_error_held_out": error,
             "remarks": [
                 f"{fits['chosen'].capitalize()} equation fitted to {study['runs']} designs; its largest "
-                f"error at designs held out is {100.0 * error:.2g} %."
+                f"error at designs held out is {percent(error)} %."
             ],
         }
     return found

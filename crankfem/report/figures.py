@@ -1,10 +1,11 @@
 """The figures of a report: static pictures and, where there are some, interactive plots beside them."""
 
 import base64
+import json
 import re
 import struct
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +36,7 @@ class Figure:
     plot: Markup | None = None
 
 
-def load_figures(results: Mapping[str, Any], folder: Path) -> dict[str, Figure]:
+def load_figures(results: Mapping[str, Any], folder: Path) -> tuple[dict[str, Figure], list[str]]:
     """Read all figures that results name.
 
     Parameters
@@ -47,23 +48,28 @@ def load_figures(results: Mapping[str, Any], folder: Path) -> dict[str, Figure]:
 
     Returns
     -------
-    dict
-        Name to figure.
-
-    Raises
-    ------
-    OSError
-        If a file is missing.
+    figures : dict
+        Name to figure; of a figure of two files the one that can be read.
+    unread : list of str
+        Names of the files that are missing, or are no pictures.
     """
     pictures, plots = results["pictures"], results.get("interactive", {})
-    found = {}
+    found, unread = {}, []
     for name in (*pictures, *(name for name in plots if name not in pictures)):
-        source, width, height = None, 0, 0
+        own = Figure()
         if name in pictures:
-            source, width, height = _picture(folder / pictures[name])
-        plot = script_text((folder / plots[name]).read_text("utf-8")) if name in plots else None
-        found[name] = Figure(source, width, height, plot)
-    return found
+            try:
+                own = _picture(folder / pictures[name])
+            except (OSError, KeyError, struct.error):
+                unread.append(pictures[name])
+        if name in plots:
+            try:
+                own = replace(own, plot=_plot(folder / plots[name]))
+            except (OSError, ValueError):
+                unread.append(plots[name])
+        if own.source is not None or own.plot is not None:
+            found[name] = own
+    return found, unread
 
 
 def script_text(text: str) -> Markup:
@@ -71,11 +77,17 @@ def script_text(text: str) -> Markup:
     return Markup(text.strip().replace("<", "\\u003c"))
 
 
-def _picture(path: Path) -> tuple[str, int, int]:
+def _plot(path: Path) -> Markup:
+    text = path.read_text(encoding="utf-8")
+    json.loads(text)  # one that was cut short would be found by the reader's browser only
+    return script_text(text)
+
+
+def _picture(path: Path) -> Figure:
     content = path.read_bytes()
     width, height = _size(content, path.suffix)
     text = base64.b64encode(content).decode()
-    return f"data:{MEDIA_TYPES[path.suffix]};base64,{text}", width, height
+    return Figure(f"data:{MEDIA_TYPES[path.suffix]};base64,{text}", width, height)
 
 
 def _size(content: bytes, suffix: str) -> tuple[int, int]:

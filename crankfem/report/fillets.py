@@ -64,6 +64,12 @@ def shown_loads(stresses: FilletStresses) -> FilletStresses:
     )
 
 
+def stress_files(stresses: FilletStresses) -> dict[str, str]:
+    """Return picture name to file name of the pictures of `StressRendering`."""
+    names = [picture_name(load) for load in stresses.loaded.loads]
+    return {Path(name).stem.replace("-", "_"): name for name in names}
+
+
 class StressRendering(OffscreenProcess):
     """The pictures of stresses being rendered in the background, into a folder.
 
@@ -72,14 +78,8 @@ class StressRendering(OffscreenProcess):
     stresses : FilletStresses
         `shown_loads` of a throw.
     folder : Path
-
-    Attributes
-    ----------
-    files : dict
-        Picture name to file name.
+        Where the `stress_files` go.
     """
 
     def __init__(self, stresses: FilletStresses, folder: Path) -> None:
-        names = [picture_name(load) for load in stresses.loaded.loads]
-        self.files = {Path(name).stem.replace("-", "_"): name for name in names}
         super().__init__("crankfem.pictures.stress_picture", picture_arrays(stresses), folder)

@@ -7,6 +7,7 @@ import re
 from markupsafe import Markup, escape
 
 from crankfem.record import Record
+from crankfem.report.about import run_command
 from geometry.quantity import show_quantity
 
 UNBOUNDED = "unbounded"
@@ -16,19 +17,33 @@ SOURCE_WORDS = {"fe": "finite elements", "fe pinned": "finite elements, pinned"}
 MOTION = {"axial": ("µm", 1e-6), "torsional": ("mrad", 1e-3)}
 UNIT_BEHIND = re.compile(r"(?<=\d) (?=(?:1/min|[MG]?Pa|kN|N|mm|m/N|Hz|%|µm|mrad|deg)(?![\w]))")
 MINUTE, HOUR = 60.0, 3600.0
+MOST_DIGITS = 15  # of a double
+
+
+def plain(value: float, digits: int) -> str:
+    """Write a number with so many significant digits or, if it is large, all before the point.
+
+    Examples
+    --------
+    >>> plain(57.25, 3), plain(1234.5, 3)
+    ('57.2', '1234')
+    """
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e+" in text else text
 
 
 def significant(value: float, digits: int = 4) -> str:
-    """Write a number with so many significant digits, zeros at its end included.
+    """Write a number with so many significant digits, zeros at its end included; see `plain`.
 
     Examples
     --------
     >>> significant(1.6)
     '1.600'
-    >>> significant(15597.0, 5)
+    >>> significant(15597.0)
     '15597'
     """
-    return f"{value:#.{digits}g}".removesuffix(".")
+    text = f"{value:#.{digits}g}"
+    return f"{value:.0f}" if "e+" in text else text.removesuffix(".")
 
 
 def nano(value: float, digits: int = 4) -> str:
@@ -37,17 +52,19 @@ def nano(value: float, digits: int = 4) -> str:
 
 
 def percent(share: float, digits: int = 2) -> str:
-    """Write a share in per cent, without its sign; what is next to nothing as that.
+    """Write a share in per cent; what is next to nothing as that.
 
     Examples
     --------
     >>> percent(0.00958)
     '0.96'
+    >>> percent(12.345)
+    '1234'
     >>> percent(2e-12)
     'below 0.001'
     """
     hundredfold = share * 100.0
-    return "below 0.001" if 0.0 < abs(hundredfold) < 1e-3 else f"{hundredfold:.{digits}g}"
+    return "below 0.001" if 0.0 < abs(hundredfold) < 1e-3 else plain(hundredfold, digits)
 
 
 def fixed(value: float, digits: int = 1) -> str:
@@ -56,10 +73,22 @@ def fixed(value: float, digits: int = 1) -> str:
 
 
 def quantity(value: float | None, unit: str, digits: int = 4) -> str:
-    """Write a quantity in the unit in which engineers read it, without bound where there is none."""
+    """Write a quantity in the unit in which engineers read it, without bound where there is none.
+
+    Examples
+    --------
+    >>> quantity(12.3456, "m")
+    '12346 mm'
+    """
     if value is None:
         return UNBOUNDED
-    return show_quantity(value, unit, digits) if unit else f"{value:g}"
+    if not unit:
+        return f"{value:g}"
+    text = show_quantity(value, unit, digits)
+    while "e+" in text and digits < MOST_DIGITS:
+        digits += 1
+        text = show_quantity(value, unit, digits)
+    return text
 
 
 def scaled(value: float | None, size: float, digits: int = 3) -> str:
@@ -171,7 +200,7 @@ def at_most_one(value: float) -> float:
 
 def used(share: float | None) -> str:
     """Write how much of a limit is used; what is unbounded as that."""
-    return UNBOUNDED if share is None else f"{100.0 * share:.3g} %"
+    return UNBOUNDED if share is None else f"{plain(100.0 * share, 3)} %"
 
 
 def head(text: str) -> Markup:
@@ -216,6 +245,7 @@ FILTERS = {
     "bar": at_most_one,
     "used": used,
     "head": head,
+    "run_command": run_command,
     "tied": tied,
     "gpa": lambda value: f"{value / 1e9:.4g} GPa",
     "length_of": lambda values: math.hypot(*values),

@@ -1,6 +1,7 @@
-"""Static pictures and interactive plots of a run that no other module draws: study, angles, torque."""
+"""Static pictures of a run that no other command draws: its study, and compliances over the angle."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -9,58 +10,50 @@ from numpy.typing import NDArray
 
 from crankfem.fitting import ResponseFits
 from crankfem.pictures import fit_plots, formula_plots
+from crankfem.pictures.to_draw import ToDraw
 from regression.formulas.angle_factors import ANGLE_FACTORS
 from regression.runs.study_table import StudyTable
 
-Names = dict[str, str]
+
+def study_pictures(folder: Path, table: StudyTable, fits: ResponseFits) -> list[ToDraw]:
+    """Return the pictures of one response of a study, still to be drawn into a folder."""
+    chosen = fits.chosen
+    return [
+        ToDraw(folder / "response.svg", lambda path: fit_plots.plot_response(path, table, fits)),
+        ToDraw(folder / "parity.svg", lambda path: fit_plots.plot_parity(path, table, fits)),
+        ToDraw(folder / "effects.svg", lambda path: fit_plots.plot_effects(path, fits, chosen)),
+        ToDraw(
+            folder / "residuals.svg",
+            lambda path: fit_plots.plot_residuals(path, table, fits, chosen),
+        ),
+    ]
 
 
-def by_stem(paths: list[Path]) -> Names:
-    """Return the names of files by their stems."""
-    return {path.stem: path.name for path in paths}
+def angle_pictures(folder: Path, found: Mapping[str, Any]) -> list[ToDraw]:
+    """Return the pictures of compliances over the angle between cranks, from the results of a run.
 
-
-def picture_study(folder: Path, table: StudyTable, fits: ResponseFits) -> Names:
-    """Draw the fits of one response of a study.
-
-    Returns
-    -------
-    dict
-        Picture name to file name.
-    """
-    drawn = {name: f"{name}.svg" for name in ("response", "parity", "effects", "residuals")}
-    fit_plots.plot_response(folder / drawn["response"], table, fits)
-    fit_plots.plot_parity(folder / drawn["parity"], table, fits)
-    fit_plots.plot_effects(folder / drawn["effects"], fits, fits.chosen)
-    fit_plots.plot_residuals(folder / drawn["residuals"], table, fits, fits.chosen)
-    return drawn
-
-
-def picture_angles(folder: Path, found: dict[str, Any]) -> Names:
-    """Draw finite elements and formulas over the angle between cranks, from the results of a run.
-
-    Returns
-    -------
-    dict
-        Picture name to file name; without "angles" where the webs differ.
+    Where the webs differ, the angle law and its picture are left out.
     """
     law, supports = found["angle_law"], found["throw"]["supports"]
+    gammas, fe = np.array(law["gamma_deg"]), np.array(law["fe"])
 
     def values(column: list[float | None]) -> NDArray[np.float64]:
         return np.array([math.nan if value is None else value for value in column])
 
-    formula_plots.plot_formulas(
-        folder / "formulas.svg",
-        np.array(law["gamma_deg"]),
-        np.array(law["fe"]),
-        {name: values(column) for name, column in law["formulas"].items()},
-        (supports["guided"]["axial_compliance"], supports["pinned"]["axial_compliance"]),
-    )
-    if law["law"] is None:
-        return {"formulas": "formulas.svg"}
-    gammas, fe = np.array(law["gamma_deg"]), np.array(law["fe"])
-    factors = {name: factor(gammas) for name, factor in ANGLE_FACTORS.items()}
-    formula_plots.plot_angle_factors(
-        folder / "angles.svg", gammas, fe / fe[-1], law["law"]["rho"], factors
-    )
-    return {"formulas": "formulas.svg", "angles": "angles.svg"}
+    def draw_formulas(path: Path) -> None:
+        formula_plots.plot_formulas(
+            path,
+            gammas,
+            fe,
+            {name: values(column) for name, column in law["formulas"].items()},
+            (supports["guided"]["axial_compliance"], supports["pinned"]["axial_compliance"]),
+        )
+
+    def draw_factors(path: Path) -> None:
+        factors = {name: factor(gammas) for name, factor in ANGLE_FACTORS.items()}
+        formula_plots.plot_angle_factors(path, gammas, fe / fe[-1], law["law"]["rho"], factors)
+
+    made = [ToDraw(folder / "formulas.svg", draw_formulas)]
+    if law["law"] is not None:
+        made.append(ToDraw(folder / "angles.svg", draw_factors))
+    return made

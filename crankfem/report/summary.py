@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from crankfem.record import Record
-from crankfem.report.numbers import fixed, motion, percent, quantity, significant
+from crankfem.report.numbers import fixed, motion, percent, quantity, significant, used
 
 KINDS = ("axial", "torsional")
 # Speeds of each kind that the first screen names, and how severe beside the worst they are at least.
@@ -26,12 +26,15 @@ def summary(results: Mapping[str, Any]) -> Record:
     -------
     dict
         "status" ("fine", "barred", "bad" or "open"), "headline", "sentences", "ranges", "speeds",
-        "limits", "remarks", "figures".
+        "limits", "remarks", "figures", "beside" (how far the whole crankshaft differs), "judged_to_rpm"
+        (None where vibration is not judged above the running range).
     """
     vibration = results["vibration"]
     assessment, forced = vibration["assessment"], vibration["forced"]
     return {
         **(_open(results) if assessment is None else _verdict(assessment)),
+        "beside": [] if assessment is None else list(assessment.get("beside", [])),
+        "judged_to_rpm": None if forced is None else _judged_above(forced),
         "forced": forced is not None,
         "speeds": _critical_speeds(vibration) if forced is None else _resonances(forced),
         "limits": [] if assessment is None else _worst_of_each(assessment["checks"]),
@@ -46,13 +49,14 @@ def _verdict(assessment: Mapping[str, Any]) -> Record:
     status = {"fine": "fine", "not acceptable": "bad"}.get(assessment["status"], "barred")
     worst = assessment["checks"][0]
     reached = quantity(worst["value"], worst["unit"])
-    share = "" if worst["used"] is None else f", {100.0 * worst['used']:.3g} % of"
+    near = f", near {worst['near']}" if worst.get("near") else ""
+    share = "" if worst["used"] is None else f", {used(worst['used'])} of"
     return {
         "status": status,
         "headline": assessment["sentence"].partition(":")[0],
         "sentences": [
             f"{worst['limit'].capitalize()}, {worst['place']}: {reached} at "
-            f"{fixed(worst['speed_rpm'])} 1/min{share or '; permitted is'} "
+            f"{fixed(worst['speed_rpm'])} 1/min{near}{share or '; permitted is'} "
             f"{'the permitted ' if share else ''}{quantity(worst['permitted'], worst['unit'])}."
         ],
         "ranges": [
@@ -99,6 +103,14 @@ def _open(results: Mapping[str, Any]) -> Record:
     }
 
 
+def _judged_above(forced: Mapping[str, Any]) -> float | None:
+    """Speed up to which resonances are listed, if that is above the running range [1/min]."""
+    own = forced["torsional"]
+    if "judged_rpm" not in own or own["judged_rpm"][1] <= own["running_rpm"][1]:
+        return None
+    return float(own["judged_rpm"][1])
+
+
 def _resonances(forced: Mapping[str, Any]) -> list[Record]:
     """The most severe resonances of each kind."""
     found = []
@@ -114,6 +126,7 @@ def _resonances(forced: Mapping[str, Any]) -> list[Record]:
                 "order": one["order"],
                 "strength": motion(one["amplitude"], kind),
                 "major": one["kind"] == "major",
+                "above": not one.get("in_running_range", True),
             }
             for one in severe[:SPEEDS_SHOWN]
         ]
@@ -135,6 +148,7 @@ def _critical_speeds(vibration: Mapping[str, Any]) -> list[Record]:
                 "order": one["order"],
                 "strength": fixed(one["phase_sum"], 2),
                 "major": one["phase_sum"] > 0.9,
+                "above": not one.get("in_running_range", True),
             }
             for one in together[:SPEEDS_SHOWN]
         ]

@@ -13,6 +13,7 @@ from crankfem.report.compliances import compliance_tables
 from crankfem.report.figures import load_figures
 from crankfem.report.numbers import FILTERS
 from crankfem.report.summary import summary
+from crankfem.run_files import write_whole
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -26,22 +27,14 @@ LATER: dict[str, Any] = {
     "checks": [],
     "repeat": None,
     "interactive": {},
+    "picture_note": None,
 }
 LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
 TEMPLATE, STYLE, DRAWING = "report.html.j2", "report/style.css", "interactive.js"
 
 
 def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path:
-    """Write the report of a run.
-
-    Parameters
-    ----------
-    results : mapping
-        Content of results.json.
-    pictures : Path
-        Folder of the pictures and plots that the results name.
-    path : Path
-        The HTML file to write.
+    """Write the report of a run in one step; see `render_report`.
 
     Returns
     -------
@@ -51,12 +44,37 @@ def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path
     Raises
     ------
     OSError
-        If a picture is missing, or the file cannot be written.
-    KeyError, TypeError, jinja2.TemplateError
+        If the file cannot be written.
+    """
+    return write_whole(path, render_report(results, pictures)[0])
+
+
+def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str | None]:
+    """Make the text of a run's report.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json.
+    pictures : Path
+        Folder of the pictures and plots that the results name.
+
+    Returns
+    -------
+    text : str
+        A page of HTML.
+    note : str or None
+        A sentence that names the pictures that cannot be read; the page does without them, and says
+        the same.
+
+    Raises
+    ------
+    LookupError, TypeError, ValueError, AttributeError, ArithmeticError, jinja2.TemplateError
         If the results are not those of a run.
     """
     results = LATER | dict(results) | {"about": LATER_ABOUT | results["about"]}
-    figures = load_figures(results, pictures)
+    figures, unread = load_figures(results, pictures)
+    note = f"Left out, because they cannot be read: {', '.join(unread)}." if unread else None
     html = (
         _environment()
         .get_template(TEMPLATE)
@@ -65,12 +83,12 @@ def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path
             first=summary(results),
             compliances=compliance_tables(results),
             figures=figures,
+            picture_notes=[one for one in (results["picture_note"], note) if one],
             style=Markup(_template(STYLE)),
             scripts=_plotting() if any(own.plot is not None for own in figures.values()) else (),
         )
     )
-    path.write_text(html, encoding="utf-8")
-    return path
+    return html, note
 
 
 @cache

@@ -1,34 +1,30 @@
 """What an engine's forced vibration means: limits, verdict, and how sure it is."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from crankfem.choices import check_choice
 from crankfem.engine_file import EngineFile
-from crankfem.limits_sections import LimitsInput
 from crankfem.pictures.vibration_panels import draw_bounds
 from crankfem.vibration.chains import damped_engine_chain
+from crankfem.vibration.engine_limits import engine_limits, limit_findings
 from crankfem.vibration.forced import ForcedVibration
 from crankfem.vibration.sources import FE, FE_PINNED
 from dynamics.assessment.barred_ranges import BarredRangeRule
-from dynamics.assessment.limit_rules import Kind as EngineKind
-from dynamics.assessment.limit_rules import crankshaft_limit
-from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
-from dynamics.assessment.response_curves import curves_of, with_resonances
+from dynamics.assessment.limits import VibrationLimit
+from dynamics.assessment.response_curves import with_resonances
 from dynamics.assessment.separation import USUAL_MARGIN, CriticalRange, critical_ranges
 from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import Samples, chain_samples, frequency_bounds
-from dynamics.assessment.verdict import Verdict, judge
+from dynamics.assessment.verdict import LimitCheck, Verdict, judge
 from dynamics.chains.chain import Chain
 from dynamics.checks import FloatArray
 from dynamics.critical import engine_orders
 from dynamics.response.forced import forced_response
-from dynamics.response.loads import alternating_stress, section_modulus
 from dynamics.response.synthesis import synthesis
 from fem.analysis import ThrowAnalysis
+from geometry.choices import check_choice
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table
@@ -37,19 +33,15 @@ from geometry.plots.legends import write_title
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-RULE_PICKED = (
-    "no limit is given: that of a classification society for crankshafts of ships' main engines of plain "
-    "steel was picked; the engine maker's value stands in its place"
-)
+# Resonances that are named are this severe at least beside the worst of their kind, and this wide: without
+# damping the worst speed is the resonance's own.
+LEAST_SEVERITY, LEAST_WIDTH = 0.02, 1e-4
 # The estimate of the discretization error may be off by this factor.
 ERROR_FACTOR = 2.0
-# Firings count as even if their intervals differ by less [deg].
-UNEVEN = 0.01
 FE_ERROR = {
     "axial": "error of the finite elements",
     "torsional": "error of the finite elements (that of the axial compliance)",
 }
-NOT_SAMPLED = "samples of the axial amplitude keep the excitation by torsion of the nominal chain"
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,6 +142,9 @@ class Assessment:
     remarks : tuple of str
         What was not judged, or assumed.
     axial, torsional : Uncertainty
+    beside : tuple of str
+        How far a calculation of the whole crankshaft differs from the chains that were judged, a sentence
+        each; none where the chains suffice, or it was not made.
     """
 
     verdict: Verdict
@@ -157,6 +152,7 @@ class Assessment:
     remarks: tuple[str, ...]
     axial: Uncertainty
     torsional: Uncertainty
+    beside: tuple[str, ...] = ()
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw how far each limit is used over the speed; see `Verdict.plot`."""
@@ -190,20 +186,18 @@ def assess(
     """
     engine = engine_file.engine
     running = (engine.lowest_speed, engine.highest_speed)
-    limits, remarks = _limits(engine_file)
-    findings = [
-        (limit, curve)
-        for name, limit in limits.items()
-        for curve in _curves(name, engine_file, axial, torsional)
-    ]
+    limits, remarks = engine_limits(engine_file)
+    findings = limit_findings(engine_file, axial, torsional)
     given = engine_file.limits
     rule = (
         BarredRangeRule(engine.rated_speed)
         if given is None
         else given.barred_rule(engine.rated_speed)
     )
+    verdict = judge(findings, running, rule)
+    checks = tuple(replace(one, near=_nearest(one, axial, torsional)) for one in verdict.checks)
     return Assessment(
-        verdict=judge(findings, running, rule),
+        verdict=replace(verdict, checks=checks),
         limits=limits,
         remarks=remarks,
         axial=_uncertainty(engine_file, axial, analysis.error_estimate),
@@ -211,103 +205,22 @@ def assess(
     )
 
 
-def _limits(engine_file: EngineFile) -> tuple[dict[str, VibrationLimit], tuple[str, ...]]:
-    """Limits by name, and what is missing."""
-    engine, given = engine_file.engine, engine_file.limits or LimitsInput()
-    kind: EngineKind = "in line" if engine.bank_angles is None else "V"
-    interval = even_firing_interval(engine.firing_angles, engine.strokes)
-    found = given.limits(
-        engine.rated_speed,
-        strokes=engine.strokes,
-        kind=kind,
-        firing_interval_deg=interval,
-        provenance=engine_file.provenance,
-    )
-    remarks = []
-    if "crankshaft_stress" not in found:
-        picked = crankshaft_limit(
-            engine.rated_speed,
-            strokes=engine.strokes,
-            kind=kind,
-            firing_interval_deg=interval,
-        )
-        found["crankshaft_stress"] = replace(picked, assumed=True)
-        remarks.append(f"torsional stress of the crankshaft: {RULE_PICKED}")
-    if not {"axial_amplitude", "axial_force"} & set(found):
-        remarks.append(
-            "axial vibration is not judged, because no limit is given; no general one is published, the "
-            "engine maker gives limits.axial_amplitude or limits.axial_force"
-        )
-    if engine_file.ranges is not None:
-        remarks.append(NOT_SAMPLED)
-    remarks.append(
-        f"orders above {engine_file.vibration.highest_order:g} are not calculated, nor judged "
-        "(vibration.highest_order)"
-    )
-    return found, tuple(remarks)
-
-
-def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float | None:
-    """Return the angle between firings where it is always the same [deg], to a hundredth.
-
-    Parameters
-    ----------
-    firing_angles : sequence of float
-        Of the cylinders [rad].
-    strokes : int
-        2 or 4.
-
-    Returns
-    -------
-    float or None
-        None where intervals differ.
-    """
-    cycle = 180.0 * strokes
-    angles = np.sort(np.rad2deg(firing_angles) % cycle)
-    intervals = np.diff(angles, append=angles[0] + cycle)
-    even = cycle / angles.size
-    return round(even, 2) if np.all(np.abs(intervals - even) < UNEVEN) else None
-
-
-def _curves(
-    name: str, engine_file: EngineFile, axial: ForcedVibration, torsional: ForcedVibration
-) -> tuple[AmplitudeCurve, ...]:
-    """Curves over the speed that a limit applies to.
-
-    Raises
-    ------
-    InputError
-        If the chain has no such element.
-    """
-    if name == "crankshaft_stress":
-        assert torsional.stress is not None
-        return curves_of(torsional.stress)
-    if name == "torsional_amplitude":
-        return curves_of(torsional.free_end)
-    if name == "axial_amplitude":
-        return curves_of(axial.free_end)
-    if name == "axial_force":
-        return curves_of(axial.crank_elements)
-    elements = torsional.loads.elements.names
-    if name == "coupling_torque":
-        coupling = "flywheel - driven machine"
-        if coupling not in elements:
-            raise InputError(
-                "limits.coupling_torque: given without the section [driven]; allowed are both, because the "
-                "coupling joins the driven machine."
-            )
-        return tuple(c for c in curves_of(torsional.loads.elements) if c.name == coupling)
-    element = name.removeprefix("shaft: ")
-    if element not in elements:
-        raise InputError(
-            f"limits.shafts.element: given {element!r}; allowed are {', '.join(elements)}, because the "
-            "torsional chain has these elements."
-        )
-    (shaft,) = (
-        own for own in (engine_file.limits or LimitsInput()).shafts if own.element == element
-    )
-    modulus = float(section_modulus("torsional", shaft.diameter))
-    return curves_of(alternating_stress(torsional.loads, {element: modulus}))
+def _nearest(check: LimitCheck, axial: ForcedVibration, torsional: ForcedVibration) -> str:
+    """Name the resonance within whose half bandwidth the worst speed lies, the nearest one."""
+    # Torsion excites axial vibration too, which then is largest where torsion resounds.
+    kinds = (axial, torsional) if check.limit.quantity.startswith("axial") else (torsional,)
+    found = [
+        (abs(check.worst_speed - one.speed), own.kind, one)
+        for own in kinds
+        for one in own.resonances
+        if one.severity >= LEAST_SEVERITY
+        and abs(check.worst_speed - one.speed) <= max(0.5 / one.magnifier, LEAST_WIDTH) * one.speed
+    ]
+    if not found:
+        return ""
+    _, kind, one = min(found, key=lambda item: item[0])
+    above = "" if one.in_running_range else ", above the running range"
+    return f"order {one.order:g} of {kind} mode {one.mode} ({one.frequency:.4g} Hz{above})"
 
 
 def _uncertainty(

@@ -5,9 +5,11 @@ from typing import Any
 from crankfem.console import print_line, print_table
 from crankfem.output_units import SI, UNBOUNDED, OutputUnits
 from crankfem.record import RPM, Record
+from crankfem.report.numbers import used
 from crankfem.vibration.assessment import Assessment, Uncertainty
-from crankfem.vibration.forced_records import MOTION, finite_or_none
-from dynamics.assessment.barred_ranges import BarredRange
+from crankfem.vibration.forced_records import finite_or_none
+from crankfem.vibration.motion import MOTION
+from dynamics.assessment.barred_ranges import BarredRange, judged_to
 from dynamics.assessment.verdict import LimitCheck
 
 # Critical speeds that a table shows; files hold all.
@@ -20,14 +22,17 @@ def assessment_record(assessment: Assessment) -> Record:
     return {
         "status": verdict.status,
         "sentence": verdict.sentence,
-        "checks": [_check(check) for check in verdict.checks],
+        "running_rpm": [speed * RPM for speed in verdict.running_range],
+        "checks": [_check(check, verdict.running_range) for check in verdict.checks],
         "barred": [_range(one) for one in verdict.barred],
         "started_through": [_range(one) for one in verdict.started_through],
         "remarks": [*assessment.remarks, *verdict.remarks],
+        "beside": list(assessment.beside),
         "limits": [
             {
                 "name": limit.name,
                 "unit": limit.unit,
+                "judged_to_rpm": judged_to(limit, verdict.running_range) * RPM,
                 "source": limit.source,
                 "assumed": limit.assumed,
                 "remark": limit.remark,
@@ -45,24 +50,37 @@ def print_assessment(record: dict[str, Any], units: OutputUnits = SI) -> None:
     speed = units.of("1/min")
     for kind, uncertain in record["uncertainty"].items():
         _print_uncertainty(kind, uncertain, units)
-    print_table(
-        "Limits, each at its worst running speed",
-        ["limit", "where:", f"at [{speed.name}]", "reached:", "permitted:", "used [%]"],
-        [
+    for limit in dict.fromkeys(check["limit"] for check in record["checks"]):
+        print_table(
+            f"{limit.capitalize()}, worst speeds",
+            ["where", f"at [{speed.name}]", "reached", "permitted", "used [%]"],
             [
-                check["limit"],
-                check["place"],
-                speed.fixed(check["speed_rpm"] / RPM, 1),
-                _quantity(check["value"], check["unit"], units),
-                _quantity(check["permitted"], check["unit"], units),
-                UNBOUNDED if check["used"] is None else f"{100.0 * check['used']:.3g}",
-            ]
-            for check in record["checks"]
-        ],
-    )
+                [
+                    check["place"],
+                    speed.fixed(check["speed_rpm"] / RPM, 1),
+                    _quantity(check["value"], check["unit"], units),
+                    _quantity(check["permitted"], check["unit"], units),
+                    used(check["used"]).removesuffix(" %"),
+                ]
+                for check in record["checks"]
+                if check["limit"] == limit
+            ],
+        )
+    lowest, highest = record["running_rpm"]
     for limit in record["limits"]:
         assumed = ", assumed" if limit["assumed"] else ""
-        print_line(units.text(f"Limit on {limit['name']}: {limit['source']}{assumed}."))
+        end = limit["judged_to_rpm"]
+        beyond = (
+            f", for it holds above the highest running speed of {highest:.4g} 1/min too"
+            if end > highest
+            else ""
+        )
+        print_line(
+            units.text(
+                f"Limit on {limit['name']}: {limit['source']}{assumed}; judged from {lowest:.4g} to "
+                f"{end:.4g} 1/min{beyond}."
+            )
+        )
     for line in record["remarks"]:
         print_line(units.text(f"Note: {line}"))
     for name, fine in (
@@ -71,12 +89,14 @@ def print_assessment(record: dict[str, Any], units: OutputUnits = SI) -> None:
     ):
         for one in record[name]:
             said = "; ".join(one["refusals"]) or fine
-            print_line(units.text(f"Range {one['shown']}: {said}."))
+            print_line(units.text(f"Range {one['shown']}: {said}. Its ends: {one['ends']}."))
     print_line(units.text(f"Verdict: {record['sentence']}"))
+    for line in record["beside"]:
+        print_line(units.text(line))
 
 
 def _print_uncertainty(kind: str, record: dict[str, Any], units: OutputUnits) -> None:
-    motion, speed = units.of(MOTION[kind]), units.of("1/min")
+    motion, speed = units.of(MOTION[kind].printed), units.of("1/min")
     for spread in record["spreads"]:
         print_line(
             f"{kind.capitalize()}: {spread['name']} {spread['low']:.3g} to {spread['high']:.3g} times the "
@@ -107,12 +127,14 @@ def _print_uncertainty(kind: str, record: dict[str, Any], units: OutputUnits) ->
         )
 
 
-def _check(check: LimitCheck) -> Record:
+def _check(check: LimitCheck, running: tuple[float, float]) -> Record:
     return {
         "limit": check.limit.name,
         "place": check.curve.name,
         "unit": check.limit.unit,
         "speed_rpm": check.worst_speed * RPM,
+        "near": check.near or None,
+        "in_running_range": check.worst_speed <= running[1],
         "value": finite_or_none(check.worst_value),
         "permitted": check.permitted,
         "used": finite_or_none(check.used),
@@ -131,6 +153,7 @@ def _range(found: BarredRange) -> Record:
         "allowed": found.allowed,
         "refusals": list(found.refusals),
         "remarks": list(found.remarks),
+        "ends": found.ends,
     }
 
 

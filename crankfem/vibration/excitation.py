@@ -13,6 +13,7 @@ from crankfem.excitation_input import (
     motored_for_misfire,
 )
 from crankfem.mechanism_file import MechanismFile
+from crankfem.vibration.engine_limits import judged_ends
 from crankfem.vibration.modes import SourceResult
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.critical import engine_orders
@@ -39,6 +40,8 @@ from geometry.errors import InputError
 BELOW, ABOVE_HIGHEST, ABOVE_RATED = 0.5, 1.05, 1.15
 # Of the even grid; resonances get further speeds.
 POINTS = 150
+# Speeds within this share of each other are one.
+SAME_SPEED = 1e-9
 
 Frequencies = Sequence[float] | NDArray[np.float64]
 
@@ -76,37 +79,63 @@ def engine_harmonics(engine_file: EngineFile, mechanism: MechanismFile) -> Cylin
     )
 
 
-def forces_over_speeds(
+def calculated_speeds(
     engine_file: EngineFile,
-    harmonics: CylinderHarmonics,
+    orders: NDArray[np.float64],
     chains: Sequence[DampedChain],
-    further: Frequencies,
+    further: Frequencies = (),
+) -> NDArray[np.float64]:
+    """Return speeds among which no resonance is missed, and where judging ends.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    orders : (K,) array
+    chains : sequence of DampedChain
+    further : (m,) array, optional
+        Natural frequencies of what else vibrates [Hz].
+
+    Returns
+    -------
+    (S,) array
+        From half the lowest running speed to 5 % above the highest (and 15 % above the rated one), within
+        the pressure map if there is one [rad/s].
+    """
+    ratios = [np.maximum(own.system.damping_ratios(), 1e-4) for own in chains]
+    low, high = _speed_range(engine_file)
+    speeds = refined_speeds(
+        np.concatenate([*(own.system.elastic_frequencies for own in chains), further]),
+        np.concatenate([*ratios, np.full(len(further), 0.5 / DEFAULT_MAGNIFIER)]),
+        orders,
+        (low, high),
+        points=POINTS,
+    )
+    ends = [end for end in judged_ends(engine_file) if low <= end <= high]
+    return joined_speeds(speeds, ends)
+
+
+def joined_speeds(speeds: Frequencies, others: Frequencies) -> NDArray[np.float64]:
+    """Return speeds with others among them, ascending; those so near to others that they are the same go."""
+    given = np.asarray(speeds, dtype=np.float64)
+    added = np.unique(np.asarray(others, dtype=np.float64))
+    added = added[np.diff(added, prepend=0.0) > SAME_SPEED * added]
+    near = np.min(np.abs(given[:, np.newaxis] - added), axis=1, initial=np.inf)
+    return np.sort(np.concatenate((given[near > SAME_SPEED * given], added)))
+
+
+def forces_over_speeds(
+    engine_file: EngineFile, harmonics: CylinderHarmonics, speeds: NDArray[np.float64]
 ) -> CylinderForces:
-    """Return the forces of the cylinders at speeds among which no resonance is missed.
+    """Return the forces of the cylinders at speeds [rad/s].
 
     Parameters
     ----------
     engine_file : EngineFile
     harmonics : CylinderHarmonics
         From `engine_harmonics`.
-    chains : sequence of DampedChain
-    further : (m,) array
-        Natural frequencies of what else vibrates [Hz].
-
-    Returns
-    -------
-    CylinderForces
-        From half the lowest running speed to 5 % above the highest (and 15 % above the rated one), within
-        the pressure map if there is one.
+    speeds : (S,) array
+        Ascending, as those of `calculated_speeds`.
     """
-    ratios = [np.maximum(own.system.damping_ratios(), 1e-4) for own in chains]
-    speeds = refined_speeds(
-        np.concatenate([*(own.system.elastic_frequencies for own in chains), further]),
-        np.concatenate([*ratios, np.full(len(further), 0.5 / DEFAULT_MAGNIFIER)]),
-        harmonics.orders,
-        _speed_range(engine_file),
-        points=POINTS,
-    )
     load = None
     if engine_file.gas_map is not None:
         load = gas_map_load(engine_file.gas_map, engine_file.engine.rated_speed)

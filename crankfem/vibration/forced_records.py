@@ -11,14 +11,14 @@ from crankfem.mechanism_tables import ASSUMED
 from crankfem.output_units import SI, OutputUnits
 from crankfem.record import RPM, Record
 from crankfem.vibration.forced import ForcedVibration
+from crankfem.vibration.motion import MOTION
 from dynamics.checks import FloatArray
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.series import OrderSeries
 
 # What a table shows; files hold everything.
 ROWS_SHOWN = 12
-# Units in which motions and loads are printed.
-MOTION = {"torsional": "mrad", "axial": "um"}
+# Units in which loads are printed.
 LOAD = {"torsional": "kN m", "axial": "kN"}
 # SI units of loads in records.
 LOAD_UNIT = {"torsional": "N m", "axial": "N"}
@@ -39,7 +39,7 @@ def forced_record(forced: ForcedVibration) -> Record:
         "speeds_rpm": (forced.response.speeds * RPM).tolist(),
         "free_end": {
             "node": free_end.names[0],
-            "unit": "rad" if forced.kind == "torsional" else "m",
+            "unit": MOTION[forced.kind].si,
             "synthesis": _finite(free_end.synthesis.amplitude[:, 0]),
             "plain_sum": _finite(free_end.synthesis.plain_sum[:, 0]),
             "orders": _order_peaks(free_end),
@@ -47,6 +47,8 @@ def forced_record(forced: ForcedVibration) -> Record:
         "loads": _peaks(forced.loads.elements, LOAD_UNIT[forced.kind]),
         "stress": None if forced.stress is None else _peaks(forced.stress, "Pa"),
         "power": _power(forced),
+        "running_rpm": [speed * RPM for speed in forced.running_range],
+        "judged_rpm": [speed * RPM for speed in forced.judged_range],
         "resonances": [
             {
                 "mode": one.mode,
@@ -60,6 +62,7 @@ def forced_record(forced: ForcedVibration) -> Record:
                 "severity": one.severity,
                 "kind": one.kind,
                 "unbounded": one.unbounded,
+                "in_running_range": one.in_running_range,
             }
             for one in forced.resonances
         ],
@@ -72,7 +75,7 @@ def forced_record(forced: ForcedVibration) -> Record:
 def print_forced(record: dict[str, Any], units: OutputUnits = SI) -> None:
     """Print resonances and peaks of a forced vibration."""
     kind = record["kind"]
-    motion, load = units.of(MOTION[kind]), units.of(LOAD[kind])
+    motion, load = units.of(MOTION[kind].printed), units.of(LOAD[kind])
     speed, stress = units.of("1/min"), units.of("MPa")
     free_end = record["free_end"]
     for line in (*record["damping"], *record["remarks"]):
@@ -80,7 +83,7 @@ def print_forced(record: dict[str, Any], units: OutputUnits = SI) -> None:
     worst = sorted(record["resonances"], key=lambda one: -one["severity"])[:ROWS_SHOWN]
     count = len(record["resonances"])
     print_table(
-        f"{kind.capitalize()} resonances in the running range"
+        f"{kind.capitalize()} resonances {_judged(record, units)}"
         + (f", the {ROWS_SHOWN} most severe of {count}" if count > ROWS_SHOWN else ""),
         [
             f"speed [{speed.name}]",
@@ -97,7 +100,7 @@ def print_forced(record: dict[str, Any], units: OutputUnits = SI) -> None:
                 str(one["mode"]),
                 motion.number(one["amplitude"]),
                 motion.number(one["estimate"]),
-                one["kind"],
+                one["kind"] + ("" if one["in_running_range"] else ", above"),
             ]
             for one in sorted(worst, key=lambda one: float(one["speed_rpm"]))
         ],
@@ -131,10 +134,21 @@ def print_forced(record: dict[str, Any], units: OutputUnits = SI) -> None:
     )
 
 
+def _judged(record: dict[str, Any], units: OutputUnits) -> str:
+    """Say over which speeds resonances are listed."""
+    running, judged = record["running_rpm"], record["judged_rpm"]
+    if judged[1] <= running[1]:
+        return "in the running range"
+    return units.text(
+        f"at the speeds judged: the running range to {running[1]:.4g} 1/min, and above it to "
+        f"{judged[1]:.4g} 1/min, as far as a limit holds"
+    )
+
+
 def write_forced(path: Path, forced: ForcedVibration) -> None:
     """Write the amplitudes over the speed as CSV: free end by order, loads of all elements."""
     free_end, loads = forced.free_end, forced.loads.elements
-    unit = "rad" if forced.kind == "torsional" else "m"
+    unit = MOTION[forced.kind].si
     load = "Nm" if forced.kind == "torsional" else "N"
     columns = {
         "speed_rpm": forced.response.speeds * RPM,
@@ -195,7 +209,8 @@ def _power(forced: ForcedVibration) -> Record:
     }
     return {
         "unit": "W",
-        "error": power.error,
+        # At no speed is there anything to compare, where vibration is unbounded at all of them.
+        "error": power.error if np.any(bounded) else None,
         "largest": float(total[worst]),
         "speed_rpm": float(forced.response.speeds[worst] * RPM),
         "dampers": dampers,

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.choices import check_choice
 from crankfem.engine_file import EngineFile
 from crankfem.pictures.vibration_panels import SHAPES_SHOWN, draw_modes, draw_sources
 from crankfem.vibration.chains import (
@@ -16,12 +15,15 @@ from crankfem.vibration.chains import (
     engine_throw_inertias,
     engine_torsional_chain,
 )
+from crankfem.vibration.engine_limits import judged_ends
 from crankfem.vibration.sources import Sources, axial_sources, torsional_sources
 from dynamics.chains.chain_modes import Modes
 from dynamics.chains.engine_chains import EngineChain
+from dynamics.checks import whole_number
 from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, vector_sums
 from fem.analysis import ThrowAnalysis
 from fem.shaft import ShaftCompliances
+from geometry.choices import check_choice, check_not_given
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table
@@ -70,10 +72,13 @@ class WeightedCritical:
     phase_sum : float
         Resultant of the cylinders' unit harmonics, weighted by the mode shape, beside the largest
         possible one; 0 to 1.
+    in_running_range : bool
+        Whether the engine runs at that speed; limits may hold at higher ones too.
     """
 
     critical: CriticalSpeed
     phase_sum: float
+    in_running_range: bool = True
 
 
 @dataclass(frozen=True)
@@ -90,7 +95,7 @@ class Vibration:
     unusable : tuple of str
         Sources that gave no usable compliance, with the reason.
     criticals : tuple of WeightedCritical
-        In the running range, ascending speed.
+        In the running range, and above it as far as a limit holds; ascending speed.
     """
 
     kind: str
@@ -104,7 +109,7 @@ class Vibration:
         axes: "Axes | None" = None,
         *,
         show: Literal["modes", "sources"] = "modes",
-        count: int = SHAPES_SHOWN,
+        count: int | None = None,
     ) -> "Axes":
         """Draw the mode shapes of the chosen chain, or the first frequency by each source.
 
@@ -113,8 +118,8 @@ class Vibration:
         axes : matplotlib.axes.Axes, optional
             New ones by default.
         show : {"modes", "sources"}
-        count : int
-            How many mode shapes.
+        count : int, optional
+            How many mode shapes, 3 by default; of no use to sources.
 
         Returns
         -------
@@ -123,12 +128,16 @@ class Vibration:
         Raises
         ------
         InputError
-            If `show` is neither.
+            If `show` is neither, or the count is not 1 or more, or given with "sources".
         """
         check_choice("show", show, ("modes", "sources"), "these are drawn of free vibration")
+        if show == "sources":
+            check_not_given("count", count, show, "it shows no modes")
+        asked = SHAPES_SHOWN if count is None else count
+        most = whole_number("count", asked, 1, "a diagram shows some modes")
         axes = new_axes(axes)
         if show == "modes":
-            draw_modes(axes, self.chosen, count)
+            draw_modes(axes, self.chosen, most)
             write_title(axes, f"{self.kind.capitalize()} modes")
         else:
             draw_sources(axes, self.others, self.chosen.source)
@@ -136,7 +145,7 @@ class Vibration:
         return axes
 
     def to_pandas(self) -> Any:
-        """Return a table of the critical speeds in the running range.
+        """Return a table of the critical speeds in the running range, and above as far as a limit holds.
 
         Returns
         -------
@@ -156,6 +165,7 @@ class Vibration:
                 "frequency": ([one.frequency for one in found], "Hz"),
                 "speed": ([one.speed for one in found], "rad/s"),
                 "phase_sum": ([one.phase_sum for one in self.criticals], "1"),
+                "in_running_range": ([one.in_running_range for one in self.criticals], ""),
             }
         )
 
@@ -257,9 +267,8 @@ def _criticals(
 ) -> tuple[WeightedCritical, ...]:
     engine = engine_file.engine
     orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
-    found = critical_speeds(
-        result.elastic_frequencies, orders, (engine.lowest_speed, engine.highest_speed)
-    )
+    ends = judged_ends(engine_file)
+    found = critical_speeds(result.elastic_frequencies, orders, (ends[0], ends[-1]))
     shapes = result.modes.shapes[:, result.modes.rigid :]
     return tuple(
         WeightedCritical(
@@ -269,6 +278,7 @@ def _criticals(
                 critical.order,
                 engine.firing_angles,
             ),
+            critical.speed <= engine.highest_speed,
         )
         for critical in found
     )

@@ -1,11 +1,10 @@
 """The whole vibration calculation of an engine: modes, forced response, verdict, whole crankshaft."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from crankfem.choices import check_choice
 from crankfem.engine_file import EngineFile, load_engine
 from crankfem.mechanism_file import MechanismFile, layout_of, mechanism_of
 from crankfem.pictures.vibration_panels import barred_ranges, critical_dots, limit_curve
@@ -20,6 +19,7 @@ from crankfem.vibration.whole_shaft import (
     compare_with_chains,
     left_out,
     shaft_response,
+    whole_beside,
     whole_shaft,
 )
 from dynamics.assessment.verdict import LimitCheck
@@ -28,6 +28,7 @@ from dynamics.critical import engine_orders, major_orders
 from dynamics.plots.campbell import draw_campbell
 from fem.analysis import ThrowAnalysis, analyze_throw
 from fem.shaft import ShaftCompliances
+from geometry.choices import check_choice
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table
@@ -157,7 +158,7 @@ class EngineVibration:
             axes,
             show=show,
             limits=limit_curve(self.assessment, forced, limit),
-            barred=barred_ranges(self.assessment),
+            barred=() if show == "power" else barred_ranges(self.assessment),
         )
 
     def to_pandas(self) -> Any:
@@ -291,6 +292,8 @@ def engine_vibration(
                 None if twisted is None else twisted.response,
             )
         )
+    if assessment is not None and comparison is not None:
+        assessment = replace(assessment, beside=whole_beside(comparison))
     return EngineVibration(
         engine_file=read,
         analysis=analysis,

@@ -10,6 +10,7 @@ from crankfem.vibration.chains import magnifier_of
 from crankfem.vibration.run import EngineVibration
 from dynamics.checks import FloatArray
 from dynamics.transient.envelope import Envelope
+from dynamics.transient.picking import axis_names
 from dynamics.transient.run import TransientMotion, transient_motion
 from dynamics.transient.speed_curve import SpeedCurve
 from geometry.errors import InputError
@@ -48,8 +49,13 @@ class RunUp:
 
     @property
     def worst(self) -> int:
-        """Number of the spring with the largest torque."""
+        """Number of the spring with the largest torque, from 0."""
         return int(np.argmax(self.largest))
+
+    @property
+    def elements(self) -> list[str]:
+        """Names of the springs, by which `plot` knows them too."""
+        return axis_names(self.motion.system.chain, 0, len(self.largest))[1]
 
     def plot(self, axes: "Axes | None" = None, element: int | str | None = None) -> "Axes":
         """Draw the torque in a spring over the time; see `TransientMotion.plot`.
@@ -70,10 +76,10 @@ class RunUp:
         InputError
             If there is no such element.
         """
-        return self.motion.plot(axes, self.worst if element is None else element, "torque")
+        return self.motion.plot(axes, self.worst if element is None else element, quantity="torque")
 
     def to_pandas(self) -> Any:
-        """Return a table of the largest amplitudes of torque in each spring, beside steady ones.
+        """Return a table of the largest amplitudes of torque in each spring by name, beside steady ones.
 
         Returns
         -------
@@ -87,7 +93,7 @@ class RunUp:
         """
         return table(
             {
-                "element": (np.arange(1, len(self.largest) + 1), "1"),
+                "element": (self.elements, ""),
                 "largest": (self.largest, "N m"),
                 "steady": (self.steady, "N m"),
             }

@@ -72,8 +72,8 @@ def _bearings(engine_file: EngineFile, throws: int) -> tuple[MainBearings, Remar
         return MainBearings([given.stiffness] * each, [given.damping] * each), ()
     assumed = ASSUMED_BEARING_STIFFNESS * engine_file.throw.main_journal_diameter
     return MainBearings(assumed), (
-        f"main bearings are assumed to have a lateral stiffness of {assumed:.2g} N/m each, 1e10 N/m per m "
-        "of journal diameter, and no damping; give the section [bearings]",
+        f"main bearings are assumed to have a lateral stiffness of {assumed / 1e9:.3g}e9 N/m each, 1e10 N/m "
+        "per m of journal diameter, and no damping; give the section [bearings]",
     )
 
 

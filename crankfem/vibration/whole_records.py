@@ -7,7 +7,8 @@ import numpy as np
 from crankfem.console import print_line, print_table
 from crankfem.output_units import SI, OutputUnits
 from crankfem.record import RPM, Record
-from crankfem.vibration.forced_records import MOTION, finite_or_none
+from crankfem.vibration.forced_records import finite_or_none
+from crankfem.vibration.motion import MOTION
 from crankfem.vibration.whole_shaft import ShaftComparison, WholeShaft
 from dynamics.crankshaft.chain_comparison import ChainVerdict
 from dynamics.crankshaft.coupled_response import CoupledResponse
@@ -58,7 +59,7 @@ def print_whole(record: dict[str, Any], units: OutputUnits = SI) -> None:
     for line in record["remarks"]:
         print_line(units.text(f"Note: {line}"))
     for kind, chain in record["chains"].items():
-        motion = units.of(MOTION[kind])
+        motion = units.of(MOTION[kind].printed)
         if chain["chain_amplitude"] is not None or chain["shaft_amplitude"] is not None:
             print_line(
                 f"{kind.capitalize()} amplitude of the free end, largest over the speeds: chain "

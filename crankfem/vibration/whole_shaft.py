@@ -11,14 +11,17 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from crankfem.choices import check_choice
 from crankfem.engine_file import EngineFile
+from crankfem.output_units import UNBOUNDED
+from crankfem.vibration.motion import MOTION
 from crankfem.vibration.shaft_surroundings import shaft_surroundings
 from crankfem.vibration.whole_damping import damping_remarks, modal_damping
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.checks import FloatArray
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
+    FREQUENCY_LIMIT,
+    RESPONSE_LIMIT,
     ChainVerdict,
     chain_verdict,
     matching_modes,
@@ -33,6 +36,7 @@ from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.response.forced import ForcedResponse
 from fem.analysis import ThrowAnalysis
 from fem.craig_bampton import DynamicSuperelement
+from geometry.choices import check_choice, check_not_given
 from geometry.errors import InputError
 from geometry.frames import table_of
 from geometry.throw import CrankThrow
@@ -45,6 +49,8 @@ if TYPE_CHECKING:
 KEPT_FACTOR = 2.0
 # Superelements are made for no less than this [Hz], so that the first modes of a slow engine are right.
 LEAST_FREQUENCY = 200.0
+# The point whose motion is drawn: the free end along the shaft.
+FREE_END = "section 0 uz"
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,13 +82,13 @@ class WholeShaft:
     def plot(
         self,
         axes: "Axes | None" = None,
+        *,
         mode: int | None = None,
         radius: float | None = None,
-        *,
         count: int = 12,
     ) -> "Axes":
         """Draw the energy shares of the first elastic modes, or one mode; see `ShaftModes.plot`."""
-        return self.modes.plot(axes, mode, radius, count=count)
+        return self.modes.plot(axes, mode=mode, radius=radius, count=count)
 
     def to_pandas(self) -> Any:
         """Return a table of the natural modes; see `ShaftModes.to_pandas`."""
@@ -115,7 +121,7 @@ class ShaftComparison:
         axes: "Axes | None" = None,
         *,
         show: Literal["causes", "axial", "torsional"] = "causes",
-        point: str = "section 0 uz",
+        point: str | None = None,
     ) -> "Axes":
         """Draw the whole shaft's vibration over the speed, by its causes or beside a chain's.
 
@@ -126,8 +132,8 @@ class ShaftComparison:
         show : {"causes", "axial", "torsional"}
             A point's motion by tangential and by radial forces; or the free end's motion by the whole
             shaft and by the chain of that kind.
-        point : str
-            Of the first, such as "section 0 uz", the free end along the shaft.
+        point : str, optional
+            Of the first alone, such as "section 0 uz", the free end along the shaft, the default.
 
         Returns
         -------
@@ -136,11 +142,14 @@ class ShaftComparison:
         Raises
         ------
         InputError
-            If `show` is none of these, or was not calculated.
+            If `show` is none of these, or was not calculated, or there is no such point, or one is given
+            with a chain.
         """
         check_choice("show", show, ("causes", "axial", "torsional"), "these are compared")
         if show == "causes" and self.coupled is not None:
-            return self.coupled.plot(axes, point)
+            return self.coupled.plot(axes, FREE_END if point is None else point)
+        if show != "causes":
+            check_not_given("point", point, show, "a chain is compared at the free end")
         verdict = {"axial": self.axial, "torsional": self.torsional}.get(show)
         if verdict is None or verdict.response is None:
             raise InputError(
@@ -325,3 +334,46 @@ def compare_with_chains(
             response = matching_response(coupled, chain, answer)
         verdicts.append(chain_verdict(matches, response))
     return ShaftComparison(coupled, *verdicts)
+
+
+def whole_beside(comparison: ShaftComparison) -> tuple[str, ...]:
+    """Say beside a verdict, which judges the chains, how far the whole crankshaft differs from them.
+
+    Returns
+    -------
+    tuple of str
+        A sentence; none where the chains suffice.
+    """
+    differing = [_difference(one) for one in comparison.verdicts[::-1] if not one.suffices]
+    if not differing:
+        return ()
+    return (f"Judged with chains; the whole crankshaft differs: {'; '.join(differing)}.",)
+
+
+def _difference(verdict: ChainVerdict) -> str:
+    """Tell what weighs most: another amplitude, another frequency, else a mode of mixed motion."""
+    motion, found = MOTION[verdict.kind], verdict.response
+    if found is not None and abs(found.difference) > RESPONSE_LIMIT:
+        chain, shaft = (
+            _three_digits(peak / motion.size) if np.isfinite(peak) else UNBOUNDED
+            for peak in (float(np.max(found.chain)), float(np.max(found.shaft)))
+        )
+        return (
+            f"{verdict.kind} amplitude of the free end {shaft} instead of {chain} {motion.printed}"
+        )
+    for match in verdict.modes:
+        number = match.chain_mode - match.chain_rigid + 1
+        if match.shaft_frequency is None:
+            return f"it has no mode like {verdict.kind} mode {number}"
+        if abs(match.difference) > FREQUENCY_LIMIT:
+            return (
+                f"{verdict.kind} mode {number} at {match.shaft_frequency:.1f} instead of "
+                f"{match.chain_frequency:.1f} Hz"
+            )
+    mixed = min(verdict.modes, key=lambda match: match.share)
+    number = mixed.chain_mode - mixed.chain_rigid + 1
+    return f"{verdict.kind} mode {number} is {verdict.kind} by {100.0 * mixed.share:.0f} % only"
+
+
+def _three_digits(value: float) -> str:
+    return f"{value:.0f}" if value >= 1000.0 else f"{value:.3g}"

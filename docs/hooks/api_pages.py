@@ -24,6 +24,9 @@ def on_files(files: Files, config: Any) -> Files:
     except ValueError as error:
         raise PluginError(str(error)) from None
     for path, text in made.items():
+        written = files.get_file_from_path(path)
+        if written is not None:  # what stands in the index's place where no site is built
+            files.remove(written)
         files.append(File.generated(config, path, content=text))
     return files
 

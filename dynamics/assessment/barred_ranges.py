@@ -129,6 +129,9 @@ class BarredRange:
         Why running through it cannot be accepted; none if it can.
     remarks : tuple of str
         What is not known of it.
+    ends : str
+        Where the range's ends come from: at which speeds and places limits are exceeded, and the rule
+        that widens the range about peaks.
     """
 
     low: float
@@ -137,6 +140,7 @@ class BarredRange:
     limits: tuple[str, ...]
     refusals: tuple[str, ...]
     remarks: tuple[str, ...]
+    ends: str = ""
 
     @property
     def allowed(self) -> bool:
@@ -226,19 +230,18 @@ def barred_ranges(
     limit and the rule let be barred, stays within the limit for passing, and leaves some of the running
     range: as ranges that meet are one, those that stand apart always leave speeds between them.
     """
-    exceeded = [
-        (found, limit)
+    widened = [
+        _Widened(*_widened(found, rule), found, limit, curve.name)
         for limit, curve in findings
         for found in exceeded_ranges(limit, curve, judged_to(limit, running_range))
     ]
-    widened = [(*_widened(found, rule), found, limit) for found, limit in exceeded]
-    groups: list[list[tuple[float, float, ExceededRange, VibrationLimit]]] = []
+    groups: list[list[_Widened]] = []
     reach = -np.inf
-    for item in sorted(widened, key=lambda entry: entry[0]):
-        if item[0] > reach:
+    for item in sorted(widened, key=lambda entry: entry.low):
+        if item.low > reach:
             groups.append([])
         groups[-1].append(item)
-        reach = max(reach, item[1])
+        reach = max(reach, item.high)
     return tuple(_barred(group, findings, rule, running_range) for group in groups)
 
 
@@ -248,18 +251,29 @@ def judged_to(limit: VibrationLimit, running_range: tuple[float, float]) -> floa
     return max(running_range[1], end) if np.isfinite(end) else running_range[1]
 
 
+@dataclass(frozen=True)
+class _Widened:
+    """A range in which a limit is exceeded at one place, with the ends that the rule gives it."""
+
+    low: float
+    high: float
+    exceeded: ExceededRange
+    limit: VibrationLimit
+    place: str
+
+
 def _barred(
-    group: Sequence[tuple[float, float, ExceededRange, VibrationLimit]],
+    group: Sequence[_Widened],
     findings: Sequence[tuple[VibrationLimit, AmplitudeCurve]],
     rule: BarredRangeRule,
     running_range: tuple[float, float],
 ) -> BarredRange:
-    low, high = min(item[0] for item in group), max(item[1] for item in group)
-    names = tuple(dict.fromkeys(item[3].name for item in group))
+    low, high = min(item.low for item in group), max(item.high for item in group)
+    names = tuple(dict.fromkeys(item.limit.name for item in group))
     refusals, remarks = [], []
     if low <= running_range[0] and running_range[1] <= high:
         refusals.append("it leaves no speed to run at")
-    end = min(rule.highest_by(item[3]) for item in group)
+    end = min(rule.highest_by(item.limit) for item in group)
     if high > end:
         refusals.append(
             f"it reaches {high / rule.rated_speed:.2f} of the rated speed, and nothing may be barred "
@@ -285,16 +299,43 @@ def _barred(
                 f"{show_quantity(float(curve.speeds[inside][worst]), 'rad/s', 4)}, where "
                 f"{_amount(passing[worst], limit.unit)} may be passed"
             )
-    if any(item[2].cut_off for item in group):
+    if any(item.exceeded.cut_off for item in group):
         remarks.append("the range reaches the end of the speeds calculated")
     return BarredRange(
         low=float(low),
         high=float(high),
-        peaks=tuple(sorted({peak for item in group for peak in item[2].peaks})),
+        peaks=tuple(sorted({peak for item in group for peak in item.exceeded.peaks})),
         limits=names,
         refusals=tuple(dict.fromkeys(refusals)),
         remarks=tuple(dict.fromkeys(remarks)),
+        ends=_ends(group, rule),
     )
+
+
+def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
+    """Say where limits are exceeded first and last, and how the rule widens the range, if it does."""
+    first = min(group, key=lambda item: item.exceeded.low)
+    last = max(group, key=lambda item: item.exceeded.high)
+    said = [
+        f"limits are exceeded from {_speed(first.exceeded.low)} ({first.place}) to "
+        f"{_speed(last.exceeded.high)} ({last.place})"
+    ]
+    lowest = min(group, key=lambda item: item.low)
+    if lowest.low < first.exceeded.low:
+        said.append(
+            f"the range begins at 16 n/(18 - r) below the peak at n = {_speed(lowest.exceeded.peaks[0])}"
+        )
+    highest = max(group, key=lambda item: item.high)
+    if highest.high > last.exceeded.high:
+        peak = max(own for own in highest.exceeded.peaks if own <= rule.rated_speed)
+        said.append(f"it ends at (18 - r) n/16 above the peak at n = {_speed(peak)}")
+    if len(said) > 1:
+        said.append(f"r is n over the rated speed of {_speed(rule.rated_speed)}")
+    return "; ".join(said)
+
+
+def _speed(value: float) -> str:
+    return show_quantity(value, "rad/s", 4)
 
 
 def _amount(value: float, unit: str) -> str:

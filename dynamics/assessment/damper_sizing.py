@@ -22,6 +22,7 @@ from dynamics.chains.editing import find_node
 from dynamics.checks import FloatArray, positive_number, positive_vector
 from dynamics.plots.quantities import RPM, in_unit
 from dynamics.plots.speed_curves import draw_named_curves
+from geometry.choices import check_choice
 from geometry.diagram_style import BLUE, RED, new_axes, with_gaps
 from geometry.errors import InputError
 from geometry.frames import table
@@ -82,14 +83,17 @@ class SizedDamper:
     used_at_best: FloatArray
     sentence: str
 
-    def plot(self, axes: "Axes | None" = None, over: Literal["speed", "size"] = "speed") -> "Axes":
+    def plot(
+        self, axes: "Axes | None" = None, *, show: Literal["amplitude", "sizes"] = "amplitude"
+    ) -> "Axes":
         """Draw the amplitude with and without the damper, or what dampers of each size can reach.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
             Where to draw; those of a new figure if not given.
-        over : {"speed", "size"}, optional
+        show : {"amplitude", "sizes"}, optional
+            Amplitude over the speed, or what each size can reach.
 
         Returns
         -------
@@ -99,14 +103,11 @@ class SizedDamper:
         Raises
         ------
         InputError
-            If the axis is unknown.
+            If it is neither.
         """
-        if over not in ("speed", "size"):
-            raise InputError(
-                f"over: given {over!r}; allowed are speed, size, because amplitudes are known over these."
-            )
+        check_choice("show", show, ("amplitude", "sizes"), "these show what a damper does")
         axes = new_axes(axes)
-        if over == "size":
+        if show == "sizes":
             unit = "N s/m" if isinstance(self.damper, AxialDamper) else "kg m$^2$"
             axes.plot(
                 self.sizes, with_gaps(100.0 * self.used_at_best), "o-", color=BLUE, markersize=4

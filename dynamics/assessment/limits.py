@@ -198,7 +198,7 @@ class AmplitudeCurve:
         """Largest value."""
         return float(np.max(self.values))
 
-    def plot(self, axes: "Axes | None" = None, quantity: Quantity | None = None) -> "Axes":
+    def plot(self, axes: "Axes | None" = None, *, quantity: Quantity | None = None) -> "Axes":
         """Draw the amplitude over the speed.
 
         Parameters

@@ -10,7 +10,7 @@ from scipy.stats import qmc
 
 from dynamics.assessment.spreads import FIELDS, Spread, places_of, scaled_chain, scales_of
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray, whole_number
+from dynamics.checks import FloatArray, place_number, whole_number
 from dynamics.plots.coordinates import name_axis, number_axis
 from geometry.diagram_style import BLUE, GRAY, RED, new_axes
 from geometry.errors import InputError
@@ -92,15 +92,13 @@ class Samples:
         Raises
         ------
         InputError
-            If there is no such place, or no sample is bounded there.
+            If there is no such place, no sample is bounded there, or the number of bars is not 1 or
+            more.
         """
         columns = self.values.reshape(len(self.values), -1)
-        if not 0 <= place < columns.shape[1]:
-            raise InputError(
-                f"place: given {place}; allowed are 0 to {columns.shape[1] - 1}, because each sample has "
-                "that many results."
-            )
-        own = columns[:, place]
+        number = place_number("place", place, columns.shape[1], "each sample has that many results")
+        bars = whole_number("bins", bins, 1, "samples are counted in bars")
+        own = columns[:, number]
         bounded = own[np.isfinite(own)]
         if not bounded.size:
             raise InputError(
@@ -108,8 +106,8 @@ class Samples:
                 "samples, because bars show these."
             )
         axes = new_axes(axes)
-        axes.hist(bounded, bins=bins, color=BLUE, alpha=0.7, label="samples")
-        nominal = float(np.ravel(self.nominal)[place])
+        axes.hist(bounded, bins=bars, color=BLUE, alpha=0.7, label="samples")
+        nominal = float(np.ravel(self.nominal)[number])
         if np.isfinite(nominal):
             axes.axvline(nominal, color=RED, linewidth=1.4, label="nominal")
         low, high = np.percentile(bounded, [5.0, 95.0])

@@ -20,8 +20,8 @@ from dynamics.assessment.limits import (
     usage,
 )
 from dynamics.plots.quantities import RPM, SPEED_LABEL, in_unit
-from dynamics.plots.speed_curves import draw_barred, set_speed_axis
-from geometry.diagram_style import BLUE, COLORS, ORANGE, RED, new_axes, with_gaps
+from dynamics.plots.speed_curves import ORDER_COLORS, draw_barred, set_speed_axis
+from geometry.diagram_style import BLUE, GRAY, ORANGE, RED, new_axes, with_gaps
 from geometry.errors import InputError
 from geometry.frames import Row, table, table_of
 from geometry.plots.legends import legend_below, legend_inside, write_title
@@ -49,6 +49,11 @@ class LimitCheck:
         Amplitude there (inf if unbounded) and what is permitted, in the unit of the limit.
     remarks : tuple of str
         Speeds that the limit or the calculation leaves out.
+    judged : tuple of two floats
+        The speeds judged [rad/s].
+    near : str
+        Resonance within whose width the worst speed lies, such as "order 7.5 of torsional mode 1
+        (118.5 Hz)"; empty if there is none, or it is not known.
     """
 
     limit: VibrationLimit
@@ -57,6 +62,8 @@ class LimitCheck:
     worst_value: float
     permitted: float
     remarks: tuple[str, ...]
+    judged: tuple[float, float]
+    near: str = ""
 
     @property
     def used(self) -> float:
@@ -70,13 +77,15 @@ class LimitCheck:
 
     @property
     def passed(self) -> bool:
-        """Whether the limit is kept at all speeds at which the engine runs."""
+        """Whether the limit is kept at all speeds judged."""
         return self.used <= 1.0
 
     @property
     def sentence(self) -> str:
         """What was found, with its numbers and the limit's source."""
         unit, speed = self.limit.unit, show_quantity(self.worst_speed, "rad/s", 4)
+        if self.near:
+            speed = f"{speed}, near {self.near}"
         allowed = show_quantity(self.permitted, unit, 4)
         source = self.limit.source + (", assumed" if self.limit.assumed else "")
         if np.isinf(self.worst_value):
@@ -162,8 +171,8 @@ class LimitCheck:
             "passed": (self.passed, ""),
             "used": (self.used, "1"),
             "worst_speed": (self.worst_speed, "rad/s"),
-            "worst_value": (self.worst_value, "SI"),
-            "permitted": (self.permitted, "SI"),
+            "worst_value": (self.worst_value, "SI, see the column unit"),
+            "permitted": (self.permitted, "SI, see the column unit"),
             "unit": (self.limit.unit, ""),
             "source": (self.limit.source, ""),
             "assumed": (self.limit.assumed, ""),
@@ -222,23 +231,36 @@ class Verdict:
         Returns
         -------
         matplotlib.axes.Axes
-            The dashed line is what is permitted; gaps are where the vibration is unbounded or the
-            limit states nothing.
+            Over all speeds judged, of which some may lie above the running range. The dashed line is
+            what is permitted; gaps are where the vibration is unbounded or the limit states nothing.
+            Of more than five checks the five with the worst use are drawn, and the legend counts the
+            others.
         """
         axes = new_axes(axes)
+        low, highest = self.running_range
+        end = max(check.judged[1] for check in self.checks)
         draw_barred(axes, [(one.low, one.high) for one in self.barred if one.allowed])
-        for place, check in enumerate(self.checks):
-            stated = np.isfinite(check.limit.continuous.at(check.curve.speeds))
+        worst = sorted(self.checks, key=lambda check: -check.used)[: len(ORDER_COLORS)]
+        for check, color in zip(worst, ORDER_COLORS, strict=False):
+            speeds = check.curve.speeds
+            stated = np.isfinite(check.limit.continuous.at(speeds))
+            # As far as it is judged, and to the next speed, so that no line ends before.
+            stated[np.searchsorted(speeds, check.judged[1]) + 1 :] = False
             used = np.where(stated, 100.0 * usage(check.limit, check.curve), np.inf)
             axes.plot(
-                RPM * check.curve.speeds,
+                RPM * speeds,
                 with_gaps(used),
-                color=COLORS[place % len(COLORS)],
+                color=color,
                 label=f"{check.limit.name}, {check.curve.name}",
             )
+        if others := len(self.checks) - len(worst):
+            axes.plot([], [], " ", label=f"and {others} more, used less")
         axes.axhline(100.0, color=RED, linestyle="--", linewidth=1.2, label="permitted")
+        if end > highest:
+            label = "highest running speed"
+            axes.axvline(RPM * highest, color=GRAY, linestyle=":", linewidth=1.2, label=label)
         axes.set_xlabel(SPEED_LABEL)
-        axes.set_xlim(RPM * self.running_range[0], RPM * self.running_range[1])
+        axes.set_xlim(RPM * low, RPM * end)
         axes.set_ylim(bottom=0.0)
         axes.set_ylabel("used of the permitted amplitude [%]")
         write_title(axes, f"Vibration against its limits: {self.status}")
@@ -350,4 +372,5 @@ def _check(
         worst_value=float(curve.values[worst]),
         permitted=float(permitted[worst]),
         remarks=tuple(remarks),
+        judged=(low, min(end, float(curve.speeds[-1]))),
     )

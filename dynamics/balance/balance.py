@@ -20,6 +20,7 @@ from dynamics.engine.layout import EngineLayout, check_places
 from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.orders import checked_orders
 from dynamics.plots.hodographs import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
+from geometry.choices import check_choice
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table
@@ -141,24 +142,32 @@ class Balance:
             "because these were asked for."
         )
 
-    def plot(self, axes: "Axes | None" = None, of: Literal["force", "moment"] = "force") -> "Axes":
+    def plot(
+        self, axes: "Axes | None" = None, *, show: Literal["force", "moment"] = "force"
+    ) -> "Axes":
         """Draw the forces or moments that are left over, a curve for each order not balanced.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
             Where to draw; those of a new figure if not given.
-        of : {"force", "moment"}, optional
+        show : {"force", "moment"}, optional
 
         Returns
         -------
         matplotlib.axes.Axes
             Seen from the free end: y up, x to the left; thin lines are the cylinders' axes.
+
+        Raises
+        ------
+        InputError
+            If it is neither.
         """
-        curves = unbalanced(self, of)
+        check_choice("show", show, ("force", "moment"), "inertia leaves these over")
+        curves = unbalanced(self, show)
         axes = new_axes(axes, width=4.6, height=5.6)
         empty = "balanced: orders " + ", ".join(str(row.order) for row in self.rows)
-        if of == "force":
+        if show == "force":
             banks = [cylinder.bank_angle for cylinder in self.engine.cylinders]
             draw_hodographs(axes, curves, FORCE_LABELS, banks=banks, empty=empty)
             write_title(axes, "inertia force")

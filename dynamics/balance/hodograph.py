@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import ComplexArray, FloatArray, finite_array
+from dynamics.checks import ComplexArray, FloatArray, finite_array, whole_number
 from dynamics.engine.orders import checked_orders
 from dynamics.plots.hodographs import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
+from geometry.choices import check_choice
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table
@@ -152,7 +153,7 @@ class Hodograph:
         return Hodograph(self.order, self.forward * factor, self.backward * factor)
 
     def plot(
-        self, axes: "Axes | None" = None, *, of: Literal["force", "moment"] = "force"
+        self, axes: "Axes | None" = None, *, quantity: Literal["force", "moment"] = "force"
     ) -> "Axes":
         """Draw the curve of the vector as the free end shows it: y up, x to the left.
 
@@ -160,18 +161,24 @@ class Hodograph:
         ----------
         axes : matplotlib.axes.Axes, optional
             Where to draw; those of a new figure if not given.
-        of : {"force", "moment"}, optional
+        quantity : {"force", "moment"}, optional
             What the vector is, for the labels; N and N m are shown as kN and kN m.
 
         Returns
         -------
         matplotlib.axes.Axes
             A dot marks the vector at shaft angle zero, an arrowhead the way that it goes.
+
+        Raises
+        ------
+        InputError
+            If the quantity is neither.
         """
-        labels = FORCE_LABELS if of == "force" else MOMENT_LABELS
+        check_choice("quantity", quantity, ("force", "moment"), "the axes have the unit of one")
+        labels = FORCE_LABELS if quantity == "force" else MOMENT_LABELS
         axes = new_axes(axes, width=4.6, height=5.2)
         draw_hodographs(axes, {f"order {self.order}": self}, labels)
-        write_title(axes, f"{of} of order {self.order}")
+        write_title(axes, f"{quantity} of order {self.order}")
         return axes
 
     def to_pandas(self, unit: str = "N", count: int = 181) -> "DataFrame":
@@ -182,6 +189,7 @@ class Hodograph:
         unit : str, optional
             N, or N m for a moment.
         count : int, optional
+            Two or more.
 
         Returns
         -------
@@ -190,10 +198,13 @@ class Hodograph:
 
         Raises
         ------
+        InputError
+            If the count is not a whole number of 2 or more.
         MissingLibraryError
             If pandas is not installed.
         """
-        angles = np.linspace(0.0, 2.0 * math.pi, count)
+        most = whole_number("count", count, 2, "a turn has two ends")
+        angles = np.linspace(0.0, 2.0 * math.pi, most)
         vector = self.at(angles)
         return table(
             {

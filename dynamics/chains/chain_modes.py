@@ -8,7 +8,7 @@ import numpy as np
 
 from dynamics.checks import FloatArray, read_only, whole_number
 from dynamics.plots.coordinates import name_axis
-from dynamics.plots.mode_shapes import draw_chain_shapes
+from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
 from geometry.diagram_style import new_axes
 from geometry.frames import grid, table
 from geometry.plots.legends import write_title
@@ -116,18 +116,14 @@ class Modes:
             If the count is not a whole number of 1 or more.
         """
         most = whole_number("count", count, 1, "a diagram shows some modes")
-        shown = range(self.rigid, min(self.rigid + most, len(self.names)))
-        labels = []
-        for mode in shown:
-            nodes = len(self.node_positions[mode])
-            said = f"{nodes} node{'s' if nodes != 1 else ''}"
-            labels.append(f"{self.frequencies[mode]:.1f} Hz, {said}")
+        shown = slice(self.rigid, self.rigid + most)
+        still = self.node_positions[shown]
         axes = new_axes(axes, height=3.4)
         draw_chain_shapes(
             axes,
-            self.shapes[:, shown.start : shown.stop],
-            labels,
-            [self.node_positions[mode] for mode in shown],
+            self.shapes[:, shown],
+            shape_labels(self.frequencies[shown], still),
+            still,
             self.connections,
             self.node_names,
         )

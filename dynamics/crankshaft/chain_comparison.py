@@ -12,7 +12,7 @@ from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.crankshaft.shaft_throw import RZ, UZ
 from dynamics.crankshaft.stations import CLASSES
-from dynamics.plots.quantities import MICRO, MILLI
+from dynamics.plots.quantities import in_unit
 from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.synthesis import synthesis
@@ -55,6 +55,8 @@ class ModeMatch:
         Of the shaft mode's energy that is of this kind.
     likeness : float
         Squared cosine, weighted by the chain's inertias, between both shapes; 1 for the same.
+    chain_rigid, shaft_rigid : int
+        Number of rigid modes of either; tables count elastic modes from 1.
     """
 
     kind: Kind
@@ -64,6 +66,8 @@ class ModeMatch:
     shaft_frequency: float | None
     share: float
     likeness: float
+    chain_rigid: int = 0
+    shaft_rigid: int = 0
 
     @property
     def difference(self) -> float:
@@ -73,12 +77,17 @@ class ModeMatch:
         return self.chain_frequency / self.shaft_frequency - 1.0
 
     def row(self) -> Row:
-        """Return what a table of matches shows, each value with its unit; see `table_of`."""
+        """Return what a table of matches shows, each value with its unit; see `table_of`.
+
+        Elastic modes are counted from 1: ``mode`` is that of the chain, as in all tables of a chain,
+        and ``shaft_mode`` that of the whole shaft.
+        """
+        shaft = None if self.shaft_mode is None else self.shaft_mode - self.shaft_rigid + 1
         return {
             "kind": (self.kind, ""),
-            "chain_mode": (self.chain_mode, "1"),
+            "mode": (self.chain_mode - self.chain_rigid + 1, "1"),
             "chain_frequency": (self.chain_frequency, "Hz"),
-            "shaft_mode": (self.shaft_mode, "1"),
+            "shaft_mode": (shaft, "1"),
             "shaft_frequency": (self.shaft_frequency, "Hz"),
             "share": (self.share, "1"),
             "likeness": (self.likeness, "1"),
@@ -127,11 +136,10 @@ class ResponseMatch:
         matplotlib.axes.Axes
             Curves have gaps where the vibration is unbounded.
         """
-        axial = self.kind == "axial"
-        factor, label = (MICRO, "amplitude [um]") if axial else (MILLI, "amplitude [mrad]")
-        curves = {"whole shaft": factor * self.shaft, "chain": factor * self.chain}
+        drawn = in_unit("m" if self.kind == "axial" else "rad")
+        curves = {"whole shaft": drawn.factor * self.shaft, "chain": drawn.factor * self.chain}
         axes = new_axes(axes, height=3.8)
-        draw_named_curves(axes, self.speeds, curves, label, dashed=True)
+        draw_named_curves(axes, self.speeds, curves, drawn.label, dashed=True)
         write_title(axes, f"{self.kind} vibration of the free end, all orders together")
         return axes
 
@@ -231,6 +239,7 @@ def matching_modes(
     weight = chain.chain.inertia[nodes]
     sizes = weight @ moved**2
     chain_modes = chain.chain.modes()
+    rigid = chain_modes.rigid, modes.rigid
     found = []
     for number, frequency in enumerate(chain_modes.frequencies.tolist()):
         if number < chain_modes.rigid or frequency > highest_frequency:
@@ -244,7 +253,8 @@ def matching_modes(
         score = np.where(near, share * likeness, 0.0)
         best = int(np.argmax(score))
         if score[best] == 0.0:
-            found.append(ModeMatch(chain.kind, number, frequency, None, None, 0.0, 0.0))
+            none = (None, None, 0.0, 0.0)
+            found.append(ModeMatch(chain.kind, number, frequency, *none, *rigid))
             continue
         found.append(
             ModeMatch(
@@ -255,6 +265,7 @@ def matching_modes(
                 float(modes.frequencies[best]),
                 float(share[best]),
                 float(likeness[best]),
+                *rigid,
             )
         )
     return tuple(found)

@@ -11,11 +11,12 @@ from dynamics.checks import ComplexArray, FloatArray
 from dynamics.crankshaft.pin_excitation import PinForces, shaft_excitation
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
-from dynamics.plots.quantities import MICRO, MILLI, RPM
+from dynamics.plots.quantities import RPM, in_unit
 from dynamics.plots.speed_curves import set_speed_axis
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.synthesis import synthesis
+from geometry.choices import check_choice
 from geometry.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
 from geometry.errors import InputError
 from geometry.frames import grid
@@ -61,7 +62,7 @@ class CoupledResponse:
 
         Raises
         ------
-        ValueError
+        InputError
             If there is no such point.
         """
         row = self.crankshaft.point(point)
@@ -74,10 +75,12 @@ class CoupledResponse:
 
         Raises
         ------
-        ValueError
+        InputError
             If there is no such point.
         """
-        row = self.crankshaft.point(point)
+        names = self.crankshaft.names
+        check_choice("point", point, names, "these points of the shaft have names")
+        row = names.index(point)
         rigid = self.crankshaft.system.rigid.shape[1]
         # Amplitudes of modes are the unknowns of this system, rigid motions first.
         mode_motion = self.crankshaft.system.expand[row, rigid:]
@@ -110,7 +113,7 @@ class CoupledResponse:
 
         Raises
         ------
-        ValueError
+        InputError
             If there is no such point.
         """
         return self.split(point).plot(axes)
@@ -194,18 +197,17 @@ class SplitMotion:
         matplotlib.axes.Axes
             Curves have gaps where the motion is unbounded.
         """
-        turning = point_unit(self.point) == "rad"
-        factor, unit = (MILLI, "mrad") if turning else (MICRO, "um")
+        drawn_as = in_unit(point_unit(self.point))
         axes = new_axes(axes, height=3.8)
         for values, name, color in (
             (self.both_sum, "all forces", RED),
             (self.tangential_sum, "tangential forces alone", ORANGE),
             (self.radial_sum, "radial forces alone", BLUE),
         ):
-            drawn = with_gaps(factor * values)
+            drawn = with_gaps(drawn_as.factor * values)
             axes.plot(self.speeds * RPM, drawn, color=color, linewidth=1.5, label=name)
         set_speed_axis(axes, self.speeds)
-        axes.set_ylabel(f"amplitude [{unit}]")
+        axes.set_ylabel(drawn_as.label)
         axes.set_ylim(bottom=0.0)
         write_title(
             axes, f"{self.point}: half the range over the working cycle, all orders together", 9

@@ -11,6 +11,7 @@ from dynamics.crankshaft.stations import CLASSES
 from dynamics.plots.coordinates import name_axis
 from dynamics.plots.mode_shapes import draw_mode_shares, draw_shaft_shape
 from dynamics.response.linear_system import natural_modes
+from geometry.choices import check_not_given
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid, table
@@ -90,9 +91,9 @@ class ShaftModes:
     def plot(
         self,
         axes: "Axes | None" = None,
+        *,
         mode: int | None = None,
         radius: float | None = None,
-        *,
         count: int = 12,
     ) -> "Axes":
         """Draw the energy shares of the first elastic modes as bars, or the shape of one mode.
@@ -104,10 +105,10 @@ class ShaftModes:
         mode : int, optional
             Number of the mode to be drawn along the shaft, as in the arrays, rigid motions included.
         radius : float, optional
-            Crank radius, at which rotation about the shaft is shown as displacement [m]; a shape
-            needs it.
+            Crank radius, at which rotation about the shaft is shown as displacement [m]; the shape of
+            a mode needs it, bars do not.
         count : int, optional
-            How many modes get a bar.
+            How many modes get a bar, if no mode is given.
 
         Returns
         -------
@@ -119,6 +120,7 @@ class ShaftModes:
             If there is no such mode, or no radius for its shape.
         """
         if mode is None:
+            check_not_given("radius", radius, "energy", "only the shape of a mode needs it")
             most = whole_number("count", count, 1, "a diagram shows some modes")
             shown = slice(self.rigid, self.rigid + most)
             bars = self.shares[:, shown].shape[1]

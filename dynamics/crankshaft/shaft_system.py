@@ -9,6 +9,7 @@ from dynamics.crankshaft.assembly import AssembledShaft
 from dynamics.crankshaft.shaft_modes import ShaftModes, crankshaft_modes
 from dynamics.crankshaft.shaft_throw import RZ, UZ
 from dynamics.response.linear_system import LinearSystem, natural_modes
+from geometry.choices import check_choice
 
 # Corrections of which the others compose all but this share are left out.
 INDEPENDENT = 1e-10
@@ -51,9 +52,10 @@ class CrankshaftSystem:
 
         Raises
         ------
-        ValueError
+        InputError
             If there is none of that name.
         """
+        check_choice("name", name, self.names, "these points of the shaft have names")
         return self.names.index(name)
 
 

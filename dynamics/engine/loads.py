@@ -104,8 +104,8 @@ class LoadDiagram:
     def plot(
         self,
         axes: "Axes | None" = None,
-        frame: Frame | None = None,
         *,
+        frame: Frame | None = None,
         mark_step_deg: float = 30.0,
     ) -> "Axes":
         """Draw the polar load diagram in a frame, or the size of the force over the shaft angle.
@@ -119,7 +119,7 @@ class LoadDiagram:
             force to the right, radial force (towards the shaft) down. "engine": in the frame at rest,
             seen from the free end. The size of the force over the shaft angle if not given.
         mark_step_deg : float, optional
-            A dot on the locus at every such step of shaft angle [deg].
+            A dot on the locus at every such step of shaft angle [deg]; of use with a frame.
 
         Returns
         -------
@@ -130,6 +130,7 @@ class LoadDiagram:
         InputError
             If the frame is unknown, or the step out of range.
         """
+        check_polar("crank" if frame is None else frame, mark_step_deg)
         if frame is None:
             axes = new_axes(axes)
             draw_developed_loads(axes, [(self.name, self)])
@@ -138,7 +139,6 @@ class LoadDiagram:
                 f"{self.name}: mean {KILO * self.mean:.4g} kN, maximum {KILO * self.maximum:.4g} kN",
             )
             return axes
-        check_polar(frame, mark_step_deg)
         axes = new_axes(axes, width=6.4, height=6.4)
         draw_polar_loads(axes, [(self.name, self)], frame, mark_step_deg)
         write_title(axes, self.name)

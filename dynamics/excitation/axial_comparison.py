@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import ComplexArray, FloatArray, finite_array, is_whole
+from dynamics.checks import ComplexArray, FloatArray, finite_array, is_whole, whole_number
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.on_chains import axial_throw_forces
 from dynamics.plots.coordinates import number_axis, orders_and_speeds
@@ -114,7 +114,7 @@ class AxialForceComparison:
         Raises
         ------
         InputError
-            If there is no such throw.
+            If there is no such throw, or the number of orders is not 1 or more.
         """
         count = self.alone.shape[2]
         if not is_whole(throw) or not 1 <= throw <= count:
@@ -124,8 +124,9 @@ class AxialForceComparison:
         alone, in_shaft = (
             KILO * np.abs(found[:, :, throw - 1]) for found in (self.alone, self.in_shaft)
         )
+        most = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")
         axes = new_axes(axes)
-        for place, order in enumerate(main_orders_of(in_shaft, main_orders)):
+        for place, order in enumerate(main_orders_of(in_shaft, most)):
             color, name = COLORS[place % len(COLORS)], f"order {self.orders[order]:g}"
             rpm = RPM * self.speeds
             axes.plot(rpm, in_shaft[order], color=color, label=f"{name}, in the shaft")

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import ComplexArray, FloatArray, finite_vector, is_whole, read_only
+from dynamics.checks import (
+    ComplexArray,
+    FloatArray,
+    finite_vector,
+    is_whole,
+    read_only,
+    whole_number,
+)
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinder_harmonics import (
     CylinderHarmonics,
@@ -22,6 +29,7 @@ from dynamics.plots.quantities import KILO
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis
 from dynamics.response.excitation import at_angles, checked_speed_index, checked_speeds
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
+from geometry.choices import check_choice
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid
@@ -122,8 +130,8 @@ class CylinderForces:
         self,
         axes: "Axes | None" = None,
         cylinder: int = 1,
-        component: Literal["tangential", "radial"] = "tangential",
         *,
+        show: Literal["tangential", "radial"] = "tangential",
         main_orders: int = MAIN_ORDERS,
     ) -> "Axes":
         """Draw the amplitudes of T or Z of a cylinder's main orders over the speed.
@@ -134,7 +142,8 @@ class CylinderForces:
             Where to draw; those of a new figure if not given.
         cylinder : int, optional
             Its number, from 1.
-        component : {"tangential", "radial"}, optional
+        show : {"tangential", "radial"}, optional
+            Which of the forces on the crankpin.
         main_orders : int, optional
             How many orders, those with the largest peaks.
 
@@ -145,26 +154,23 @@ class CylinderForces:
         Raises
         ------
         InputError
-            If there is no such cylinder or component.
+            If there is no such cylinder or force, or the number of orders is not 1 or more.
         """
         count = len(self.throws)
         if not is_whole(cylinder) or not 1 <= cylinder <= count:
             raise InputError(
                 f"cylinder: given {cylinder!r}; allowed is 1 to {count}, because the engine has that many."
             )
-        if component not in ("tangential", "radial"):
-            raise InputError(
-                f"component: given {component!r}; allowed are tangential, radial, because these are the "
-                "forces on a crankpin."
-            )
-        phasors = self.tangential if component == "tangential" else self.radial
+        check_choice("show", show, ("tangential", "radial"), "these are the forces on a crankpin")
+        most = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")
+        phasors = self.tangential if show == "tangential" else self.radial
         axes = new_axes(axes)
         sizes = KILO * np.abs(phasors[:, :, cylinder - 1])
-        draw_orders(axes, self.speeds, self.orders, sizes, main_orders)
+        draw_orders(axes, self.speeds, self.orders, sizes, most)
         set_speed_axis(axes, self.speeds)
         axes.set_ylim(bottom=0.0)
         axes.set_ylabel("amplitude [kN]")
-        write_title(axes, f"Orders of the {component} force, cylinder {cylinder}")
+        write_title(axes, f"Orders of the {show} force, cylinder {cylinder}")
         legend_inside(axes)
         return axes
 

@@ -15,11 +15,11 @@ from dynamics.excitation.samples import order_places, phasors_of_samples
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.coordinates import speed_axis
-from dynamics.plots.quantities import MEGA
+from dynamics.plots.quantities import MEGA, RPM
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid
-from geometry.plots.legends import write_title
+from geometry.plots.legends import legend_below, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 Method = Literal["cubic", "linear"]
 # Speeds or loads of two points are one within this share.
 SAME = 1e-9
+# Lightest color that a curve has, of a scale from dark (0) to nearly white (1); columns of the legend.
+LIGHTEST, LEGEND_COLUMNS = 0.85, 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,16 +187,16 @@ class PressureMap:
     def plot(
         self, axes: "Axes | None" = None, *, speed: float | None = None, load: float | None = None
     ) -> "Axes":
-        """Draw the map's diagrams over the crank angle, or the one at a speed and load.
+        """Draw the map's diagrams over the crank angle at one load, or the one at a speed and load.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
             Where to draw; those of a new figure if not given.
         speed : float, optional
-            At which one diagram is interpolated [rad/s]; all diagrams of the map if not given.
+            At which one diagram is interpolated [rad/s]; those of all speeds of the map if not given.
         load : float, optional
-            With the speed, if the map has loads.
+            If the map has loads: any with a speed, one of the map's without; the highest by default.
 
         Returns
         -------
@@ -203,28 +205,54 @@ class PressureMap:
         Raises
         ------
         InputError
-            As `at`.
+            As `at`, or if the map has no diagrams at this load.
         """
         if speed is not None:
             axes = self.at(speed, load).plot(axes)
-            write_title(axes, f"Gas pressure at {per_minute(speed)}")
+            write_title(axes, f"Gas pressure at {RPM * speed:.4g} 1/min")
             return axes
-        axes = new_axes(axes)
-        loads = self.loads if self.loads is not None else self.load_of_speed
+        place = self._load_place(load)
         apart = 1 if self.loads is None else len(self.loads)
-        curves = {}
-        for place, values in enumerate(self._sampled):
-            name = per_minute(float(self.speeds[place // apart]))
-            if loads is not None:
-                own = loads[place % apart] if self.loads is not None else loads[place]
-                name += f", load {own:g}"
-            curves[name] = MEGA * values
+        names = _speed_names(self.speeds)
+        if self.load_of_speed is not None:
+            pairs = zip(names, self.load_of_speed, strict=True)
+            names = [f"{name}, load {own:g}" for name, own in pairs]
+        curves = {
+            name: MEGA * self._sampled[number * apart + place] for number, name in enumerate(names)
+        }
+        from matplotlib import colormaps
+
+        # From dark to light by speed, which a few colors in turn would not tell.
+        shades = np.linspace(0.0, LIGHTEST, len(curves))
+        axes = new_axes(axes)
         draw_over_angle(
-            axes, self._angles(), curves, "absolute pressure [MPa]", angle_label=FROM_FIRING
+            axes,
+            self._angles(),
+            curves,
+            "absolute pressure [MPa]",
+            angle_label=FROM_FIRING,
+            colors=list(colormaps["viridis"](shades)),
         )
         axes.set_ylim(bottom=0.0)
-        write_title(axes, "Gas pressure")
+        at_load = "" if self.loads is None else f" at load {self.loads[place]:g}"
+        write_title(axes, f"Gas pressure{at_load}")
+        legend_below(axes, LEGEND_COLUMNS)
         return axes
+
+    def _load_place(self, load: float | None) -> int:
+        """Return which of the loads at every speed is drawn, the highest by default."""
+        if load is None:
+            return 0 if self.loads is None else len(self.loads) - 1
+        wanted = nonnegative_number("load", load, "", "the map has diagrams at its loads")
+        known = np.array([]) if self.loads is None else self.loads
+        near = np.flatnonzero(np.abs(known - wanted) <= SAME * np.abs(known))
+        if not near.size:
+            said = ", ".join(f"{own:g}" for own in known) or "none"
+            raise InputError(
+                f"load: given {wanted:g} without a speed; allowed are {said}, because the map's own "
+                "diagrams at all speeds are drawn."
+            )
+        return int(near[0])
 
     def to_xarray(self) -> "Dataset":
         """Return ``pressure`` over speed, load (if the map has several for each) and crank angle.
@@ -335,6 +363,12 @@ def pressure_map(
         "at every speed, or one at each, because what lies between is interpolated along both (loads as "
         "shares of the full load of each speed make a grid)."
     )
+
+
+def _speed_names(speeds: FloatArray) -> list[str]:
+    """Return speeds [rad/s] for a legend, to four digits where these tell them apart."""
+    short = [f"{RPM * speed:.4g} 1/min" for speed in speeds.tolist()]
+    return short if len(set(short)) == len(short) else [per_minute(one) for one in speeds.tolist()]
 
 
 def _distinct(values: list[float]) -> FloatArray:

@@ -1,6 +1,7 @@
 """The pressure over a whole cycle from the cycle model, set by heat, peak or mean pressure."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
@@ -14,6 +15,7 @@ from dynamics.gas.cylinder_volume import CylinderVolume, Position, cylinder_volu
 from dynamics.gas.pressure import HIGHEST_PEAK, GasPressure, gas_pressure
 from dynamics.gas.sampled_cycle import CycleSamples, cycle_samples
 from dynamics.plots.quantities import MEGA
+from geometry.choices import check_choice
 from geometry.diagram_style import BLUE, new_axes
 from geometry.errors import InputError
 from geometry.frames import table
@@ -74,7 +76,10 @@ class GasCycleResult:
         return self.work / self.heat if self.heat > 0.0 else None
 
     def plot(
-        self, axes: "Axes | None" = None, over: Literal["volume", "angle"] = "volume"
+        self,
+        axes: "Axes | None" = None,
+        *,
+        show: Literal["indicator diagram", "pressure"] = "indicator diagram",
     ) -> "Axes":
         """Draw the indicator diagram, or the pressure over the crank angle.
 
@@ -82,7 +87,8 @@ class GasCycleResult:
         ----------
         axes : matplotlib.axes.Axes, optional
             Where to draw; those of a new figure if not given.
-        over : {"volume", "angle"}, optional
+        show : {"indicator diagram", "pressure"}, optional
+            Pressure over volume, or over the crank angle.
 
         Returns
         -------
@@ -91,13 +97,15 @@ class GasCycleResult:
         Raises
         ------
         InputError
-            If the axis is unknown.
+            If it is neither.
         """
-        if over not in ("volume", "angle"):
-            raise InputError(
-                f"over: given {over!r}; allowed are volume, angle, because the pressure is known over these."
-            )
-        if over == "angle":
+        check_choice(
+            "show",
+            show,
+            ("indicator diagram", "pressure"),
+            "pressure is known over volume and angle",
+        )
+        if show == "pressure":
             return self.pressure.plot(axes)
         axes = new_axes(axes)
         angles = np.append(self.pressure.angles, self.pressure.angles[0])
@@ -293,7 +301,7 @@ def _checked_peak(peak: float, lowest: float) -> float:
     # The lowest peak is found to round-off, and it may be what is asked for.
     if not _is_number(peak) or not lowest * (1.0 - 1e-12) <= peak <= HIGHEST_PEAK:
         raise InputError(
-            f"peak_pressure: given {_mega(peak)}; allowed are {_mega(lowest)} to "
+            f"peak_pressure: given {_mega(peak)}; allowed are {_least(lowest)} to "
             f"{_mega(HIGHEST_PEAK)}, because compression alone gives the lowest and no piston engine "
             "stands more than the highest."
         )
@@ -308,8 +316,8 @@ def _heat_for_mean_pressure(state: CycleSamples, mean_pressure: float) -> float:
     inside = _is_number(mean_pressure) and mean_pressure <= highest
     if not inside or mean_pressure < lowest - 1e-12 * abs(lowest):
         raise InputError(
-            f"mean_effective_pressure: given {_mega(mean_pressure)}; allowed are {_mega(lowest)} to "
-            f"{_mega(highest)}, because no heat gives the lowest and the highest drives the peak to "
+            f"mean_effective_pressure: given {_mega(mean_pressure)}; allowed are {_least(lowest)} to "
+            f"{_most(highest)}, because no heat gives the lowest and the highest drives the peak to "
             f"{_mega(HIGHEST_PEAK)}."
         )
     return max(state.heat_for_mean_pressure(mean_pressure), 0.0)
@@ -368,8 +376,8 @@ def _solved_combustion(
     below = np.flatnonzero((reached[:-1] >= peak) & (reached[1:] <= peak))
     if below.size == 0:
         raise InputError(
-            f"peak_pressure: given {_mega(peak)}; allowed are {_mega(np.min(reached))} to "
-            f"{_mega(np.max(reached))}, because with a mean effective pressure of "
+            f"peak_pressure: given {_mega(peak)}; allowed are {_least(np.min(reached))} to "
+            f"{_most(np.max(reached))}, because with a mean effective pressure of "
             f"{_mega(mean_pressure)} a {name} from {places[0] / DEGREE:.4g} to "
             f"{places[-1] / DEGREE:.4g} deg gives no others."
         )
@@ -396,6 +404,23 @@ def _search_places(cycle: GasCycle, angles: FloatArray, name: Solved) -> FloatAr
 def _is_number(value: float) -> bool:
     raw = np.asarray(value)
     return raw.ndim == 0 and raw.dtype.kind in "iuf" and bool(np.isfinite(raw))
+
+
+def _least(pressure: float) -> str:
+    """Return a least pressure in MPa with four digits, rounded up: what stands there is allowed."""
+    return _mega(_rounded(pressure, np.ceil))
+
+
+def _most(pressure: float) -> str:
+    """Return a largest pressure in MPa with four digits, rounded down."""
+    return _mega(_rounded(pressure, np.floor))
+
+
+def _rounded(pressure: float, to_whole: Callable[[float], float]) -> float:
+    if not pressure or not np.isfinite(pressure):
+        return pressure
+    step = 10.0 ** (np.floor(np.log10(abs(pressure))) - 3)
+    return float(to_whole(pressure / step) * step)
 
 
 def _mega(pressure: float) -> str:

@@ -14,6 +14,7 @@ from dynamics.hinge.polar import check_roller, outer_parallel, polar_curvature, 
 from dynamics.hinge.spring import LEAST_COLUMN, GasSpring
 from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
 from dynamics.plots.quantities import KILO, MILLI
+from geometry.choices import check_choice
 from geometry.diagram_style import BLUE, GRAY, RED, new_axes
 from geometry.errors import InputError
 from geometry.frames import Row, table
@@ -70,8 +71,8 @@ class ProfileCheck:
         return {
             "name": (self.name, ""),
             "met": (self.met, ""),
-            "value": (self.value, "SI"),
-            "limit": (self.limit, "SI"),
+            "value": (self.value, "SI, see the column unit"),
+            "limit": (self.limit, "SI, see the column unit"),
             "unit": (self.unit, ""),
             "sentence": (self.sentence, ""),
         }
@@ -255,7 +256,7 @@ class HingeProfile:
         return tuple(found)
 
     def plot(
-        self, axes: "Axes | None" = None, of: Literal["guide", "moment", "radius"] = "guide"
+        self, axes: "Axes | None" = None, *, show: Literal["guide", "moment", "radius"] = "guide"
     ) -> "Axes":
         """Draw the guide and the path of the rollers, or moment or radius over the crank angle.
 
@@ -263,7 +264,7 @@ class HingeProfile:
         ----------
         axes : matplotlib.axes.Axes, optional
             Where to draw; those of a new figure if not given.
-        of : {"guide", "moment", "radius"}, optional
+        show : {"guide", "moment", "radius"}, optional
 
         Returns
         -------
@@ -274,11 +275,8 @@ class HingeProfile:
         InputError
             If it is none of these.
         """
-        if of not in ("guide", "moment", "radius"):
-            raise InputError(
-                f"of: given {of!r}; allowed are guide, moment, radius, because these are known over the turn."
-            )
-        if of == "guide":
+        check_choice("show", show, ("guide", "moment", "radius"), "these are known over the turn")
+        if show == "guide":
             axes = new_axes(axes, width=6.0, height=6.0)
             path = self.radius * np.exp(1j * self.angles)
             for curve, color, name in (
@@ -296,10 +294,10 @@ class HingeProfile:
             axes = new_axes(axes)
             curve, label = (
                 (KILO * self.moment, "moment on the crank [kN m]")
-                if of == "moment"
+                if show == "moment"
                 else (MILLI * self.radius, "radius [mm]")
             )
-            draw_over_angle(axes, self.angles, {of: curve}, label, angle_label=FROM_TOP)
+            draw_over_angle(axes, self.angles, {show: curve}, label, angle_label=FROM_TOP)
         write_title(axes, f"Guides for {show_quantity(self.speed, 'rad/s', 5)}")
         return axes
 

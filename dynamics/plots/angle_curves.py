@@ -1,7 +1,7 @@
 """Curves over an angle or over the time."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,6 +29,7 @@ def draw_over_angle(
     *,
     angle_label: str = "shaft angle [deg]",
     cyclic: bool = True,
+    colors: Sequence[Any] = COLORS,
 ) -> None:
     """Draw curves over an angle; what is not finite leaves a gap.
 
@@ -43,6 +44,8 @@ def draw_over_angle(
         Of the axes, with their units.
     cyclic : bool, optional
         Whether the even angles are those of a cycle without its closing sample, which is added.
+    colors : sequence of colors, optional
+        Of the curves in turn.
     """
     degrees = np.degrees(angles)
     if cyclic:
@@ -52,7 +55,7 @@ def draw_over_angle(
         axes.plot(
             degrees,
             np.append(drawn, drawn[0]) if cyclic else drawn,
-            color=COLORS[place % len(COLORS)],
+            color=colors[place % len(colors)],
             linewidth=LINE,
             label=name,
         )

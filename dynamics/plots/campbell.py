@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from dynamics.checks import FloatArray
+from dynamics.plots.order_kinds import KIND_COLORS
 from dynamics.plots.quantities import RPM, SPEED_LABEL
-from geometry.diagram_style import COLORS, GRAY, ORANGE, RED
+from geometry.diagram_style import COLORS, GRAY
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 RUNNING = "#eef3f8"
-KIND_COLORS = {"major": RED, "minor": ORANGE}
 # Least and further size of a resonance's dot [points], the latter at severity 1.
 DOT, DOT_GROWTH = 2.5, 9.0
 
@@ -64,7 +64,9 @@ def draw_campbell(
         Dots grow with their severity.
     """
     low, high = (speed * RPM for speed in speed_range)
-    left, right = max(0.0, low - 0.15 * (high - low)), high + 0.15 * (high - low)
+    # Limits may hold above the running range, and resonances lie there.
+    last = max((own.speed_rpm for own in found), default=high)
+    left, right = max(0.0, low - 0.15 * (high - low)), max(high, last) + 0.15 * (high - low)
     met = [own.frequency for own in found]
     reach = float(np.max(orders)) * right / 60.0
     shown = natural[natural <= reach]

@@ -9,6 +9,7 @@ import numpy as np
 from dynamics.checks import FloatArray
 from dynamics.plots.quantities import KILO
 from geometry.diagram_style import COLORS, GRAY
+from geometry.plots.legends import legend_below
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,6 +20,8 @@ FORCE_LABELS = ("force to the right, $-F_x$ [kN]", "force upwards, $F_y$ [kN]")
 MOMENT_LABELS = ("moment about $-x$ [kN m]", "moment about $y$ [kN m]")
 MARGIN = 1.12
 POINTS = 361
+# Names up to so many letters stand three in a row under the axes.
+SHORT = 14
 
 
 class Curve(Protocol):
@@ -75,9 +78,8 @@ def draw_hodographs(
     axes.set_xlabel(labels[0])
     axes.set_ylabel(labels[1])
     if curves:
-        axes.legend(
-            fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, frameon=False
-        )
+        short = max(len(name) for name in curves) <= SHORT
+        legend_below(axes, min(len(curves), 3 if short else 2))
     else:
         axes.text(0.5, 0.5, empty, transform=axes.transAxes, ha="center", va="center")
         axes.set_xticks([])

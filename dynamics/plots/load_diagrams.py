@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from dynamics.checks import ComplexArray, FloatArray
+from dynamics.checks import ComplexArray, FloatArray, positive_number
 from dynamics.plots.quantities import KILO
+from geometry.choices import check_choice
 from geometry.diagram_style import COLORS, GRAY
 from geometry.errors import InputError
 from geometry.plots.legends import legend_inside
@@ -64,13 +65,11 @@ def check_polar(frame: str, mark_step_deg: float) -> None:
     InputError
         If the frame is unknown, or the step is not above 0 and up to 360 deg.
     """
-    if frame not in ("crank", "engine"):
+    check_choice("frame", frame, ("crank", "engine"), "a load is drawn in one of them")
+    step = positive_number("mark_step_deg", mark_step_deg, "deg", "marks follow each other")
+    if step > 360.0:
         raise InputError(
-            f"frame: given {frame!r}; allowed are crank, engine, because a load is drawn in one of them."
-        )
-    if not 0.0 < mark_step_deg <= 360.0:
-        raise InputError(
-            f"mark_step_deg: given {mark_step_deg:g} deg; allowed is above 0 and up to 360 deg, because "
+            f"mark_step_deg: given {step:g} deg; allowed is above 0 and up to 360 deg, because "
             "marks follow each other along the curve."
         )
 

@@ -66,6 +66,32 @@ def draw_chain_shapes(
     legend_above(axes)
 
 
+def shape_labels(
+    frequencies: FloatArray, still: Sequence[tuple[float, ...]], numbered: bool = False
+) -> list[str]:
+    """Say the frequency of elastic modes and how many nodes they have, for a legend.
+
+    Parameters
+    ----------
+    frequencies : ndarray of shape (m,)
+        From the first elastic mode on [Hz].
+    still : sequence of m tuples of float
+        Where they do not move, as in `Modes.node_positions`.
+    numbered : bool, optional
+        Whether each begins with its number.
+
+    Examples
+    --------
+    >>> shape_labels(np.array([21.0, 54.32]), [(0.5,), (0.2, 1.4)], numbered=True)
+    ['mode 1: 21.0 Hz, 1 node', 'mode 2: 54.3 Hz, 2 nodes']
+    """
+    labels = []
+    for number, (frequency, positions) in enumerate(zip(frequencies, still, strict=True), start=1):
+        nodes = f"{len(positions)} node{'s' if len(positions) != 1 else ''}"
+        labels.append((f"mode {number}: " if numbered else "") + f"{frequency:.1f} Hz, {nodes}")
+    return labels
+
+
 def draw_shaft_shape(
     axes: "Axes", positions: FloatArray, motion: FloatArray, radius: float
 ) -> None:

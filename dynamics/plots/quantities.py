@@ -15,7 +15,7 @@ Quantity: TypeAlias = Literal["twist", "displacement", "torque", "force", "stres
 # Label of the axis, and what a value in SI is multiplied by.
 QUANTITIES: dict[str, tuple[str, float]] = {
     "twist": ("amplitude [mrad]", MILLI),
-    "displacement": ("amplitude [um]", MICRO),
+    "displacement": ("amplitude [µm]", MICRO),
     "torque": ("alternating torque [kN m]", KILO),
     "force": ("alternating force [kN]", KILO),
     "stress": ("alternating stress [MPa]", 1e-6),
@@ -71,7 +71,7 @@ def shown(quantity: Quantity | None, either: str, words: str = "amplitude") -> S
     """
     if quantity is None:
         return Shown(f"{words} [{either}]", 1.0, either)
-    if quantity not in QUANTITIES:
+    if not isinstance(quantity, str) or quantity not in QUANTITIES:
         raise InputError(
             f"quantity: given {quantity!r}; allowed are {', '.join(QUANTITIES)}, because the axis has "
             "the unit of one of them."
@@ -82,7 +82,7 @@ def shown(quantity: Quantity | None, either: str, words: str = "amplitude") -> S
 # Of what is drawn as it moves, not by its amplitude.
 MOVING: dict[str, tuple[str, float]] = {
     "twist": ("twist [mrad]", MILLI),
-    "displacement": ("displacement [um]", MICRO),
+    "displacement": ("displacement [µm]", MICRO),
     "torque": ("torque [kN m]", KILO),
     "force": ("force [kN]", KILO),
 }

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from dynamics.checks import ComplexArray, FloatArray
-from geometry.diagram_style import BLUE, GRAY, ORANGE
+from dynamics.plots.order_kinds import KIND_COLORS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 STAR_STEP = 3.4
 # Where numbers of cylinders stand, in lengths of a vector, and from which sine on to its side.
 LABEL_START, SIDEWAYS = 1.2, 0.5
-KIND_COLORS = {"major": ORANGE, "minor": BLUE, "balanced": GRAY}
+# Of the sum of a minor order's vectors.
+SUM = "#1c2733"
 
 
 class Vectors(Protocol):
@@ -79,7 +80,7 @@ def draw_star(
         shift = 0.0 if side == "center" else 0.1 * away.imag
         axes.text(x + at.imag - shift, y + at.real, label, fontsize=8, ha=side, va="center")
     if star.kind == "minor":
-        _arrow(axes, center, complex(star.vectors.sum()) / star.largest, ORANGE, 2.6)
+        _arrow(axes, center, complex(star.vectors.sum()) / star.largest, SUM, 2.6)
     said = star.kind if star.kind != "minor" else f"minor, {100.0 * star.share:.3g} %"
     axes.text(
         x,

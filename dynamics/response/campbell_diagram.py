@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
-from dynamics.checks import finite_vector
+from dynamics.checks import checked_range, nonnegative_vector, positive_vector
 from dynamics.plots.campbell import draw_campbell
 from dynamics.response.resonance import Resonance
 from geometry.diagram_style import new_axes
+from geometry.errors import InputError
 from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
@@ -44,10 +45,17 @@ def campbell_diagram(
     Raises
     ------
     InputError
-        If frequencies or orders are not finite numbers in a row.
+        If frequencies are not finite numbers of zero or more in a row, orders not finite numbers above
+        zero, at least one, or the range is not two speeds, the lower first.
     """
-    natural, lines = finite_vector("frequencies", frequencies), finite_vector("orders", orders)
+    natural = nonnegative_vector("frequencies", frequencies, "Hz", "modes swing at them")
+    lines = positive_vector("orders", orders, "", "their lines rise with the speed")
+    if not lines.size:
+        raise InputError(
+            "orders: given none; allowed is one or more, because their lines set the height."
+        )
+    ends = checked_range("speed_range", speed_range, "rad/s", "it is shaded")
     axes = new_axes(axes, height=4.8)
-    draw_campbell(axes, natural, lines, speed_range, found)
+    draw_campbell(axes, natural, lines, ends, found)
     write_title(axes, "Campbell diagram")
     return axes

@@ -15,6 +15,7 @@ from dynamics.checks import (
     node_index,
     positive_vector,
     read_only,
+    whole_number,
 )
 from dynamics.harmonics import Harmonics
 from dynamics.plots.coordinates import orders_and_speeds
@@ -170,8 +171,8 @@ class OrderExcitation:
         self,
         axes: "Axes | None" = None,
         node: int = 0,
-        quantity: Quantity | None = None,
         *,
+        quantity: Quantity | None = None,
         main_orders: int = MAIN_ORDERS,
     ) -> "Axes":
         """Draw the amplitudes of one node's main orders over the speed.
@@ -194,13 +195,14 @@ class OrderExcitation:
         Raises
         ------
         InputError
-            If there is no such node or quantity.
+            If there is no such node or quantity, or the number of orders is not 1 or more.
         """
         place = node_index("node", node, self.forces.shape[2])
         drawn = shown(quantity, "N m or N", "alternating load")
+        count = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")
         axes = new_axes(axes)
         sizes = drawn.factor * np.abs(self.forces[:, :, place])
-        draw_orders(axes, self.speeds, self.orders, sizes, main_orders)
+        draw_orders(axes, self.speeds, self.orders, sizes, count)
         set_speed_axis(axes, self.speeds)
         axes.set_ylim(bottom=0.0)
         axes.set_ylabel(drawn.label)

@@ -104,8 +104,8 @@ class ForcedResponse:
         self,
         axes: "Axes | None" = None,
         node: int | str = 0,
-        quantity: Quantity | None = None,
         *,
+        quantity: Quantity | None = None,
         elastic: bool = True,
         limits: Mapping[str, ArrayLike] | None = None,
         barred: Sequence[tuple[float, float]] = (),
@@ -138,7 +138,7 @@ class ForcedResponse:
         Raises
         ------
         InputError
-            If the node or the quantity is unknown.
+            If the node or the quantity is unknown, or a limit, range or number is no such.
         """
         return plot_series(
             axes,

@@ -14,6 +14,7 @@ from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import MAIN_ORDERS
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.series import OrderSeries, plot_series
+from geometry.choices import check_choice
 from geometry.errors import InputError
 from geometry.frames import grid
 
@@ -54,8 +55,8 @@ class ElementLoads:
         self,
         axes: "Axes | None" = None,
         element: int | str = 0,
-        quantity: Quantity | None = None,
         *,
+        quantity: Quantity | None = None,
         part: Literal["elastic", "elements", "ground", "dashpots"] = "elastic",
         limits: Mapping[str, ArrayLike] | None = None,
         barred: Sequence[tuple[float, float]] = (),
@@ -87,12 +88,9 @@ class ElementLoads:
         Raises
         ------
         InputError
-            If element, quantity or part is unknown.
+            If element, quantity or part is unknown, or a limit, range or number is no such.
         """
-        if part not in PARTS:
-            raise InputError(
-                f"part: given {part!r}; allowed are {', '.join(PARTS)}, because one series is drawn."
-            )
+        check_choice("part", part, PARTS, "one series is drawn")
         return plot_series(
             axes,
             getattr(self, part),

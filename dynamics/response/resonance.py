@@ -50,6 +50,8 @@ class Resonance:
         Major if all forces of the order have the same phase, whatever the mode.
     unbounded : bool
         Whether an undamped mode is excited.
+    in_running_range : bool
+        Whether the engine runs at that speed; limits may hold at higher ones too.
     """
 
     mode: int
@@ -64,6 +66,7 @@ class Resonance:
     severity: float
     kind: Literal["major", "minor"]
     unbounded: bool
+    in_running_range: bool = True
 
     @property
     def speed_rpm(self) -> float:
@@ -85,6 +88,7 @@ class Resonance:
             "severity": (self.severity, "1"),
             "kind": (self.kind, ""),
             "unbounded": (self.unbounded, ""),
+            "in_running_range": (self.in_running_range, ""),
         }
 
 

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dynamics.checks import ComplexArray, FloatArray, finite_vector, place_of
+from dynamics.checks import (
+    ComplexArray,
+    FloatArray,
+    checked_barred,
+    checked_limits,
+    finite_vector,
+    place_of,
+    whole_number,
+)
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, Shown, shown
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_series
@@ -92,8 +100,8 @@ class OrderSeries:
         self,
         axes: "Axes | None" = None,
         place: int | str = 0,
-        quantity: Quantity | None = None,
         *,
+        quantity: Quantity | None = None,
         limits: Mapping[str, ArrayLike] | None = None,
         barred: Sequence[tuple[float, float]] = (),
         main_orders: int = MAIN_ORDERS,
@@ -123,7 +131,7 @@ class OrderSeries:
         Raises
         ------
         InputError
-            If the place or the quantity is unknown.
+            If the place or the quantity is unknown, or a limit, range or number is no such.
         """
         drawn = shown(quantity, "SI")
         return plot_series(
@@ -180,8 +188,11 @@ def plot_series(
 ) -> "Axes":
     """Draw one place of a series over the speed, as `OrderSeries.plot` does; `field` names the place."""
     number = place_of(field, place, series.names, "the series", "one curve is that of one place")
-    axes = new_axes(axes, height=4.4)
+    drawn_limits = checked_limits(limits, len(series.speeds))
+    ranges = checked_barred(barred)
+    count = whole_number("main_orders", main_orders, 0, "so many orders get a line of their own")
     both = series.synthesis
+    axes = new_axes(axes, height=4.4)
     draw_series(
         axes,
         series.speeds,
@@ -191,9 +202,9 @@ def plot_series(
         both.plain_sum[:, number],
         both.unbounded,
         quantity,
-        limits=limits,
-        barred=barred,
-        main_orders=main_orders,
+        limits=drawn_limits,
+        barred=ranges,
+        main_orders=count,
     )
     write_title(axes, series.names[number], 10)
     return axes

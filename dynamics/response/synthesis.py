@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dynamics.checks import ComplexArray, FloatArray
+from dynamics.checks import ComplexArray, FloatArray, place_number
 from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import draw_sums, finish_over_speed
@@ -66,7 +66,7 @@ class Synthesis:
     period: float
 
     def plot(
-        self, axes: "Axes | None" = None, place: int = 0, quantity: Quantity | None = None
+        self, axes: "Axes | None" = None, place: int = 0, *, quantity: Quantity | None = None
     ) -> "Axes":
         """Draw the amplitude of all orders together and their plain sum over the speed.
 
@@ -89,14 +89,10 @@ class Synthesis:
             If there is no such place or quantity.
         """
         count = int(np.prod(self.amplitude.shape[1:]))
-        if not 0 <= place < count:
-            raise InputError(
-                f"place: given {place}; allowed are 0 to {count - 1}, because the sum was taken at that many "
-                "places."
-            )
+        number = place_number("place", place, count, "the sum was taken at that many places")
         drawn = shown(quantity, "SI")
         total, plain = (
-            drawn.factor * values.reshape(len(self.speeds), -1)[:, place]
+            drawn.factor * values.reshape(len(self.speeds), -1)[:, number]
             for values in (self.amplitude, self.plain_sum)
         )
         axes = new_axes(axes)

@@ -16,8 +16,8 @@ from dynamics.mechanism.rods import RodModelName
 from dynamics.plots.bars import draw_harmonics
 from dynamics.plots.quantities import KILO
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
+from geometry.choices import check_choice
 from geometry.diagram_style import new_axes
-from geometry.errors import InputError
 from geometry.frames import table
 from geometry.plots.legends import write_title
 
@@ -58,8 +58,8 @@ class PinForceHarmonics:
     def plot(
         self,
         axes: "Axes | None" = None,
-        component: Literal["tangential", "radial"] = "tangential",
         *,
+        show: Literal["tangential", "radial"] = "tangential",
         highest_order: float | None = None,
     ) -> "Axes":
         """Draw the amplitudes of T or Z by order: of the gas, of moving masses, of both.
@@ -68,7 +68,8 @@ class PinForceHarmonics:
         ----------
         axes : matplotlib.axes.Axes, optional
             Where to draw; those of a new figure if not given.
-        component : {"tangential", "radial"}, optional
+        show : {"tangential", "radial"}, optional
+            Which of the forces on the crankpin.
         highest_order : float, optional
             Up to which orders are drawn; all by default.
 
@@ -79,15 +80,11 @@ class PinForceHarmonics:
         Raises
         ------
         InputError
-            If the component is unknown, or no order is left.
+            If there is no such force, or no order is left.
         """
-        if component not in ("tangential", "radial"):
-            raise InputError(
-                f"component: given {component!r}; allowed are tangential, radial, because these are the "
-                "forces on a crankpin."
-            )
+        check_choice("show", show, ("tangential", "radial"), "these are the forces on a crankpin")
         found = {
-            name: getattr(self, component + ending)
+            name: getattr(self, show + ending)
             for name, ending in (("gas", "_gas"), ("inertia", "_inertia"), ("both", ""))
         }
         if highest_order is not None:
@@ -95,7 +92,7 @@ class PinForceHarmonics:
         axes = new_axes(axes)
         bars = {name: KILO * own.amplitude for name, own in found.items()}
         draw_harmonics(axes, found["both"].orders, bars, "amplitude [kN]")
-        write_title(axes, f"Harmonics of the {component} force, cylinder {self.number}")
+        write_title(axes, f"Harmonics of the {show} force, cylinder {self.number}")
         return axes
 
     def to_pandas(self) -> "DataFrame":

@@ -12,6 +12,7 @@ from dynamics.plots.coordinates import time_axis
 from dynamics.plots.quantities import MOVING, RPM
 from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.transient.picking import OF_ELEMENTS, Moving, units_of
+from geometry.choices import check_choice
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid
@@ -50,8 +51,8 @@ class Envelope:
         self,
         axes: "Axes | None" = None,
         place: int = 0,
-        quantity: Moving = "torque",
         *,
+        quantity: Moving = "torque",
         over: Literal["speed", "time"] = "speed",
     ) -> "Axes":
         """Draw the amplitude of one element or node over the speed or the time.
@@ -74,11 +75,8 @@ class Envelope:
         InputError
             If there is no such place, quantity or axis.
         """
-        if quantity not in MOVING or over not in ("speed", "time"):
-            raise InputError(
-                f"quantity, over: given {quantity!r}, {over!r}; allowed are {', '.join(MOVING)} over speed "
-                "or time, because amplitudes of these are known."
-            )
+        check_choice("quantity", quantity, MOVING, "amplitudes of these are known")
+        check_choice("over", over, ("speed", "time"), "amplitudes are known over these")
         of_element = quantity in OF_ELEMENTS
         values = self.torque if of_element else self.motion
         index = node_index("place", place, values.shape[1])
@@ -96,13 +94,14 @@ class Envelope:
         write_title(axes, f"{'element' if of_element else 'node'} {index}, {name}")
         return axes
 
-    def to_xarray(self, *, axial: bool = False) -> "Dataset":
+    def to_xarray(self, quantity: Moving | None = None) -> "Dataset":
         """Return speed and amplitudes over time, node and element.
 
         Parameters
         ----------
-        axial : bool, optional
-            Whether the chain is an axial one: units m and N in place of rad and N m.
+        quantity : {"torque", "force", "twist", "displacement"}, optional
+            What the values are: torque or twist of a torsional chain, force or displacement of an axial
+            one. A chain does not say which it is: without it units are "rad or m" and "N m or N".
 
         Returns
         -------
@@ -111,10 +110,12 @@ class Envelope:
 
         Raises
         ------
+        InputError
+            If the quantity is none of these.
         MissingLibraryError
             If xarray is not installed.
         """
-        moved, loaded = units_of(axial)
+        moved, loaded = units_of(quantity)
         nodes, elements = np.arange(self.motion.shape[1]), np.arange(self.torque.shape[1])
         return grid(
             {

@@ -5,6 +5,7 @@ from typing import Literal, NamedTuple, TypeAlias
 from dynamics.chains.chain import Chain
 from dynamics.checks import FloatArray, place_of
 from dynamics.plots.quantities import MOVING, SI_UNITS
+from geometry.choices import check_choice
 from geometry.errors import InputError
 
 Moving: TypeAlias = Literal["torque", "force", "twist", "displacement"]
@@ -62,7 +63,7 @@ def pick(
     InputError
         If there is no chain, no such quantity, or no such element or node.
     """
-    if chain is None or quantity not in MOVING:
+    if chain is None or not isinstance(quantity, str) or quantity not in MOVING:
         raise InputError(
             f"quantity: given {quantity!r}; allowed are {', '.join(MOVING)} of a run of a chain, because "
             "its elements and nodes have names."
@@ -82,10 +83,27 @@ def axis_names(chain: Chain | None, nodes: int, elements: int) -> tuple[list[str
     return list(chain.names), list(chain.elements)
 
 
-def units_of(axial: bool) -> tuple[str, str]:
-    """Return the units in SI of the motion of nodes and of the loads of elements."""
-    return (
-        (SI_UNITS["displacement"], SI_UNITS["force"])
-        if axial
-        else (SI_UNITS["twist"], SI_UNITS["torque"])
-    )
+def units_of(quantity: Moving | None) -> tuple[str, str]:
+    """Return the units in SI of the motion of nodes and of the loads of elements.
+
+    Parameters
+    ----------
+    quantity : {"torque", "force", "twist", "displacement"} or None
+        Either of those of a torsional or of an axial chain; None for a chain that does not say.
+
+    Raises
+    ------
+    InputError
+        If it is none of these.
+
+    Examples
+    --------
+    >>> units_of("twist"), units_of("displacement"), units_of(None)
+    (('rad', 'N m'), ('m', 'N'), ('rad or m', 'N m or N'))
+    """
+    if quantity is None:
+        return "rad or m", "N m or N"
+    check_choice("quantity", quantity, MOVING, "a chain is torsional or axial")
+    if quantity in ("torque", "twist"):
+        return SI_UNITS["twist"], SI_UNITS["torque"]
+    return SI_UNITS["displacement"], SI_UNITS["force"]

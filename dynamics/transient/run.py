@@ -14,7 +14,7 @@ from dynamics.checks import (
     positive_number,
 )
 from dynamics.plots.coordinates import name_axis, time_axis
-from dynamics.plots.over_time import draw_amplitude, draw_band, draw_steady
+from dynamics.plots.over_time import RunCurve, plot_run
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.linear_system import LinearSystem
 from dynamics.transient.acting import ActingForces, LoadStep, Piece, even_pieces
@@ -31,10 +31,8 @@ from dynamics.transient.propagator import PLACES, Propagator, StateSpace
 from dynamics.transient.speed_curve import SpeedCurve
 from dynamics.transient.steady import spring_torques, steady_from
 from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
-from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid
-from geometry.plots.legends import legend_above, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -129,8 +127,8 @@ class TransientMotion:
         self,
         axes: "Axes | None" = None,
         place: int | str = 0,
-        quantity: Moving = "torque",
         *,
+        quantity: Moving = "torque",
         steady: tuple[ArrayLike, ArrayLike] | None = None,
         turns: int | None = None,
     ) -> "Axes":
@@ -156,32 +154,31 @@ class TransientMotion:
         Raises
         ------
         InputError
-            If it is not the run of a chain, there is no such place or quantity, or the run is shorter
-            than one window of its envelope.
+            If it is not the run of a chain, there is no such place or quantity, the run is shorter than
+            one window of its envelope, or steady amplitudes do not fit their speeds.
         """
         picked = pick(self.system.chain, quantity, place, self.motion, self.torque)
         envelope = self.envelope(turns)
         both = envelope.torque if picked.of_element else envelope.motion
-        axes = new_axes(axes)
-        draw_band(axes, self.time, picked.values)
-        amplitude = picked.factor * both[:, picked.number]
-        draw_amplitude(axes, envelope.time, amplitude, envelope.turns)
-        if steady is not None:
-            draw_steady(axes, self.time, self.shaft_speed, steady, picked.factor)
-        axes.set_xlim(self.time[0], self.time[-1])
-        axes.set_xlabel("time [s]")
-        axes.set_ylabel(picked.label)
-        write_title(axes, picked.name, 9)
-        legend_above(axes)
-        return axes
+        curve = RunCurve(
+            picked.values,
+            envelope.time,
+            picked.factor * both[:, picked.number],
+            envelope.turns,
+            picked.factor,
+            picked.label,
+            picked.name,
+        )
+        return plot_run(axes, self.time, self.shaft_speed, curve, steady)
 
-    def to_xarray(self, *, axial: bool = False) -> "Dataset":
+    def to_xarray(self, quantity: Moving | None = None) -> "Dataset":
         """Return speed, angle, motions and torques over time, node and element.
 
         Parameters
         ----------
-        axial : bool, optional
-            Whether the chain is an axial one: units m and N in place of rad and N m.
+        quantity : {"torque", "force", "twist", "displacement"}, optional
+            What the values are: torque or twist of a torsional chain, force or displacement of an axial
+            one. A chain does not say which it is: without it units are "rad or m" and "N m or N".
 
         Returns
         -------
@@ -190,10 +187,12 @@ class TransientMotion:
 
         Raises
         ------
+        InputError
+            If the quantity is none of these.
         MissingLibraryError
             If xarray is not installed.
         """
-        moved, loaded = units_of(axial)
+        moved, loaded = units_of(quantity)
         nodes, elements = axis_names(self.system.chain, self.motion.shape[1], self.torque.shape[1])
         return grid(
             {

@@ -111,7 +111,7 @@ class SteadyMotion:
         return half_over_cycle(values)
 
     def plot(
-        self, axes: "Axes | None" = None, place: int | str = 0, quantity: Moving = "torque"
+        self, axes: "Axes | None" = None, place: int | str = 0, *, quantity: Moving = "torque"
     ) -> "Axes":
         """Draw one element or node over the shaft angle of the cycle.
 
@@ -144,13 +144,14 @@ class SteadyMotion:
         write_title(axes, f"{picked.name}, {show_quantity(self.speed, 'rad/s', 5)}")
         return axes
 
-    def to_xarray(self, *, axial: bool = False) -> "Dataset":
+    def to_xarray(self, quantity: Moving | None = None) -> "Dataset":
         """Return motions and torques over shaft angle, node and element.
 
         Parameters
         ----------
-        axial : bool, optional
-            Whether the chain is an axial one: units m and N in place of rad and N m.
+        quantity : {"torque", "force", "twist", "displacement"}, optional
+            What the values are: torque or twist of a torsional chain, force or displacement of an axial
+            one. A chain does not say which it is: without it units are "rad or m" and "N m or N".
 
         Returns
         -------
@@ -159,10 +160,12 @@ class SteadyMotion:
 
         Raises
         ------
+        InputError
+            If the quantity is none of these.
         MissingLibraryError
             If xarray is not installed.
         """
-        moved, loaded = units_of(axial)
+        moved, loaded = units_of(quantity)
         nodes, elements = axis_names(self.system.chain, self.motion.shape[1], self.torque.shape[1])
         return grid(
             {

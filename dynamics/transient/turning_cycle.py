@@ -105,7 +105,7 @@ class TurningCycle:
         return phasors_over_cycle(orders, self.shaft_angle, values, self.turns)
 
     def plot(
-        self, axes: "Axes | None" = None, place: int | str = 0, quantity: Moving = "torque"
+        self, axes: "Axes | None" = None, place: int | str = 0, *, quantity: Moving = "torque"
     ) -> "Axes":
         """Draw one element or node over the shaft angle of the cycle.
 
@@ -146,7 +146,7 @@ class TurningCycle:
         MissingLibraryError
             If xarray is not installed.
         """
-        moved, loaded = units_of(axial=False)
+        moved, loaded = units_of("twist")
         nodes, elements = axis_names(
             self.chain.system.chain, self.motion.shape[1], self.torque.shape[1]
         )

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from dynamics.checks import FloatArray, finite_array, positive_number, whole_number
 from dynamics.plots.coordinates import name_axis, time_axis
-from dynamics.plots.over_time import draw_amplitude, draw_band, draw_steady
+from dynamics.plots.over_time import RunCurve, plot_run
 from dynamics.transient.envelope import Envelope, envelope_over
 from dynamics.transient.order_forces import cycle_turns
 from dynamics.transient.picking import Moving, axis_names, pick, units_of
@@ -19,10 +19,8 @@ from dynamics.transient.steady import spring_torques
 from dynamics.transient.turning_chain import TurningChain
 from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
 from dynamics.transient.viscous import ViscousSystem
-from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid
-from geometry.plots.legends import legend_above, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -108,8 +106,8 @@ class TurningRun:
         self,
         axes: "Axes | None" = None,
         place: int | str = 0,
-        quantity: Moving = "torque",
         *,
+        quantity: Moving = "torque",
         steady: tuple[ArrayLike, ArrayLike] | None = None,
         turns: int | None = None,
     ) -> "Axes":
@@ -135,24 +133,22 @@ class TurningRun:
         Raises
         ------
         InputError
-            If it is not the run of a chain, there is no such place or quantity, or the run is shorter
-            than one window of its envelope.
+            If it is not the run of a chain, there is no such place or quantity, the run is shorter than
+            one window of its envelope, or steady amplitudes do not fit their speeds.
         """
         picked = pick(self.system.chain, quantity, place, self.motion, self.torque)
         envelope = self.envelope(turns)
         both = envelope.torque if picked.of_element else envelope.motion
-        axes = new_axes(axes)
-        draw_band(axes, self.time, picked.values)
-        amplitude = picked.factor * both[:, picked.number]
-        draw_amplitude(axes, envelope.time, amplitude, envelope.turns)
-        if steady is not None:
-            draw_steady(axes, self.time, self.shaft_speed, steady, picked.factor)
-        axes.set_xlim(self.time[0], self.time[-1])
-        axes.set_xlabel("time [s]")
-        axes.set_ylabel(picked.label)
-        write_title(axes, picked.name, 9)
-        legend_above(axes)
-        return axes
+        curve = RunCurve(
+            picked.values,
+            envelope.time,
+            picked.factor * both[:, picked.number],
+            envelope.turns,
+            picked.factor,
+            picked.label,
+            picked.name,
+        )
+        return plot_run(axes, self.time, self.shaft_speed, curve, steady)
 
     def to_xarray(self) -> "Dataset":
         """Return speed, angle, motions, torques, energies and works over time, node and element.
@@ -167,7 +163,7 @@ class TurningRun:
         MissingLibraryError
             If xarray is not installed.
         """
-        moved, loaded = units_of(axial=False)
+        moved, loaded = units_of("twist")
         nodes, elements = axis_names(self.system.chain, self.motion.shape[1], self.torque.shape[1])
         return grid(
             {

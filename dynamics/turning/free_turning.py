@@ -23,6 +23,7 @@ from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import KILO, RPM
 from dynamics.turning.piston_gas import Gas
 from dynamics.turning.shaft_moments import Resistance, ShaftMoments, shaft_moments
+from geometry.choices import check_choice
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table
@@ -104,7 +105,7 @@ class FreeTurning:
         return worst / largest if largest > 0.0 else 0.0
 
     def plot(
-        self, axes: "Axes | None" = None, of: Literal["speed", "moment", "work"] = "speed"
+        self, axes: "Axes | None" = None, *, show: Literal["speed", "moment", "work"] = "speed"
     ) -> "Axes":
         """Draw the speed over the time, or the moments or works of all causes.
 
@@ -112,7 +113,7 @@ class FreeTurning:
         ----------
         axes : matplotlib.axes.Axes, optional
             Where to draw; those of a new figure if not given.
-        of : {"speed", "moment", "work"}, optional
+        show : {"speed", "moment", "work"}, optional
 
         Returns
         -------
@@ -123,17 +124,14 @@ class FreeTurning:
         InputError
             If it is none of these.
         """
-        if of not in ("speed", "moment", "work"):
-            raise InputError(
-                f"of: given {of!r}; allowed are speed, moment, work, because these are known over the time."
-            )
+        check_choice("show", show, ("speed", "moment", "work"), "these are known over the time")
         axes = new_axes(axes)
-        if of == "speed":
+        if show == "speed":
             draw_over_time(axes, self.time, {"speed": RPM * self.speed}, "speed [1/min]")
             write_title(axes, "Speed of the engine left to itself")
             return axes
-        curves = {name: KILO * getattr(getattr(self, name), of) for name in SHARES}
-        label = "moment [kN m]" if of == "moment" else "work since the start [kJ]"
+        curves = {name: KILO * getattr(getattr(self, name), show) for name in SHARES}
+        label = "moment [kN m]" if show == "moment" else "work since the start [kJ]"
         draw_over_time(axes, self.time, curves, label)
         write_title(axes, "What drives and brakes the shaft")
         return axes

@@ -41,6 +41,23 @@ def legend_inside(axes: "Axes") -> None:
     axes.legend(fontsize=SIZE, frameon=False)
 
 
-def write_title(axes: "Axes", title: str, size: float = TITLE_SIZE) -> None:
-    """Write a title over the left end of the axes."""
-    axes.set_title(title, fontsize=size, loc="left")
+def write_title(
+    axes: "Axes", title: str, size: float = TITLE_SIZE, *, mathematics: bool = False
+) -> None:
+    """Write a title over the left end of the axes, as it is, or with mathematics between ``$``."""
+    shown = title if mathematics else plain_text(title)
+    axes.set_title(shown, fontsize=size, loc="left")
+
+
+def plain_text(text: str) -> str:
+    r"""Return a text in which matplotlib sees no mathematics, such as a name that a user has given.
+
+    Two ``$`` would begin and end mathematics otherwise, and what stands between them ends the drawing
+    where it is none. To be done once, where the text is handed to matplotlib.
+
+    Examples
+    --------
+    >>> plain_text("Type $A_{$ 5")
+    'Type \\$A_{\\$ 5'
+    """
+    return text.replace("$", r"\$")

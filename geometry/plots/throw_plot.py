@@ -56,7 +56,7 @@ def plot_throw(
     InputError
         If the view is neither.
     """
-    if view not in LABELED:
+    if not isinstance(view, str) or view not in LABELED:
         raise InputError(
             f"view: given {view!r}; allowed are {', '.join(LABELED)}, because a drawing has these two."
         )

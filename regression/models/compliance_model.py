@@ -451,7 +451,7 @@ class ComplianceModel(InputModel):
         Raises
         ------
         InputError
-            As in `lookup`, or if `over` is no numeric factor.
+            As in `lookup`, if `over` is no numeric factor, or that factor is given as well.
         """
         from regression.models.model_sections import plot_section
 
@@ -488,7 +488,7 @@ class ComplianceModel(InputModel):
         *responses : str
             Names; all of the model if none is given.
         points : int
-            How many of each numeric factor, if no dimension is given as an array.
+            How many of each numeric factor, 2 or more, if no dimension is given as an array.
         gamma_deg : float or (n,) array_like, optional
             As in `axial_compliance`; an array makes a dimension of its own.
         **dimensions : float, str or (n,) array_like
@@ -502,7 +502,7 @@ class ComplianceModel(InputModel):
         Raises
         ------
         InputError
-            As in `axial_compliance`, or if the grid has more than a million points.
+            As in `axial_compliance`, if there are not 2 points or more, or the grid has more than a million.
         MissingLibraryError
             If xarray is not installed.
         """

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fem.plots.over_angle import angle_axis
+from geometry.choices import check_not_given
 from geometry.diagram_style import BLUE, RED, new_axes
 from geometry.errors import InputError
 from geometry.frames import grid, table
@@ -44,6 +45,8 @@ def plot_section(
             f"over: given {over!r}; allowed are {', '.join((*family.ranges, ANGLE))}, because the model "
             "answers over these."
         )
+    given = gamma_deg if factor == ANGLE else dimensions.get(factor)
+    check_not_given(factor, given, f"over={factor}", "the diagram sweeps it over its whole range")
     low, high = (0.0, 180.0) if factor == ANGLE else family.ranges[factor]
     values = np.linspace(low, high, POINTS)
     asked = {key: v for key, v in middle(model).items() if key != factor} | dict(dimensions)
@@ -105,6 +108,7 @@ def response_grid(
 ) -> Any:
     """Return responses on a grid of factors as an xarray dataset; see `ComplianceModel.to_xarray`."""
     family = model.family
+    most = _checked_points(points)
     given: dict[str, Any] = dict(dimensions)
     if gamma_deg is not None:
         given[ANGLE] = gamma_deg
@@ -112,7 +116,7 @@ def response_grid(
     fixed = {name: value for name, value in given.items() if name not in sides}
     if not sides:
         sides = {
-            name: np.array([rounded(value) for value in np.linspace(*ends, points).tolist()])
+            name: np.array([rounded(value) for value in np.linspace(*ends, most).tolist()])
             for name, ends in family.ranges.items()
             if name not in fixed
         }
@@ -144,6 +148,17 @@ def middle(model: "ComplianceModel") -> dict[str, float | str]:
     family = model.family
     numbers = {name: 0.5 * (low + high) for name, (low, high) in family.ranges.items()}
     return numbers | {name: labels[0] for name, labels in family.categories.items()}
+
+
+def _checked_points(points: object) -> int:
+    """Return the number of points along each factor, two or more."""
+    number = points if isinstance(points, int | np.integer) else 0
+    if isinstance(points, bool) or number < 2:
+        raise InputError(
+            f"points: given {points!r}; allowed are whole numbers of 2 or more, because a factor's range "
+            "has two ends."
+        )
+    return int(number)
 
 
 def _others(model: "ComplianceModel", asked: Mapping[str, Any], gamma_deg: float | None) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.plots.over_angle import LABELS, SHOWN, angle_axis, draw_supports
-from geometry.diagram_style import BLUE
+from geometry.diagram_style import BLUE, CURVES
 from geometry.plots.bars import PALE, draw_rows
 
 if TYPE_CHECKING:
@@ -15,25 +15,20 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-# Colors that stay apart for every kind of color vision (M. Okabe, K. Ito, Color Universal Design,
-# 2008), and dashes that keep them apart in print without color.
-CURVES: tuple[tuple[str, Any], ...] = (
-    ("#0072B2", "-"),
-    ("#E69F00", "--"),
-    ("#009E73", "-."),
-    ("#CC79A7", (0, (1, 1.2))),
-    ("#D55E00", (0, (6, 2, 1, 2, 1, 2))),
-    ("#56B4E9", "-"),
-    ("#8C6D1F", "--"),
-    ("#5E3C99", "-."),
-    ("#767676", (0, (1, 1.2))),
-)
+# Dashes by their names, as matplotlib draws them.
+DASHES: dict[str, Any] = {
+    "solid": "-",
+    "dash": "--",
+    "dashdot": "-.",
+    "dot": (0, (1, 1.2)),
+    "longdashdot": (0, (6, 2, 1, 2, 1, 2)),
+}
 
 
 def curve_look(number: int) -> dict[str, Any]:
     """Color and dashes of a curve."""
     color, dashes = CURVES[number % len(CURVES)]
-    return {"color": color, "linestyle": dashes}
+    return {"color": color, "linestyle": DASHES[dashes]}
 
 
 def draw_over_angle(

@@ -1,3 +1,4 @@
+import importlib
 import json
 import os
 import re
@@ -12,6 +13,7 @@ import pytest
 
 from crankfem import cli
 from crankfem.data_files import engine_path
+from crankfem.pictures.offscreen import OffscreenProcess
 from fem import fillet_stress
 from fem.analysis import analyze_throw
 from geometry.errors import MissingLibraryError
@@ -131,7 +133,7 @@ class NotRendered:
     """The rendering of a machine without an OpenGL library."""
 
     def __init__(self, *_):
-        pass
+        self.files = {}
 
     def wait(self):
         raise MissingLibraryError("there is no OpenGL library")
@@ -140,13 +142,20 @@ class NotRendered:
         pass
 
 
+def put_everywhere(monkeypatch, original, other):
+    """Put another function or class in the place of one, in all modules of crankfem that use it."""
+    for name, module in list(sys.modules.items()):
+        if name.startswith("crankfem.") and vars(module).get(original.__name__) is original:
+            monkeypatch.setattr(module, original.__name__, other)
+
+
 @pytest.fixture
 def lightly(monkeypatch, coarse_stresses):
     """Let runs in this process share analyses and coarse stresses of their throws, and render nothing."""
-    for module in ("crankfem.pipeline", "crankfem.vibration.run"):
-        monkeypatch.setattr(f"{module}.analyze_throw", analyzed)
-    for name in ("Rendering", "StressRendering"):
-        monkeypatch.setattr(f"crankfem.pipeline.{name}", NotRendered)
+    importlib.import_module("crankfem.pipeline")  # loads whatever runs use
+    put_everywhere(monkeypatch, analyze_throw, analyzed)
+    for kind in OffscreenProcess.__subclasses__():
+        put_everywhere(monkeypatch, kind, NotRendered)
     for name, value in coarse_stresses.items():
         monkeypatch.setattr(fillet_stress, name, value)
     monkeypatch.setattr(fillet_stress, "fillet_stresses", stressed)

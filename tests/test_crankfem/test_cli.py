@@ -133,7 +133,6 @@ VERDICTS = {
     "fine": (0, ""),
     "barred range needed": (0, ""),
     "not acceptable": (4, "Limits are exceeded: The verdict.\n"),
-    None: (2, "Error: --strict: nothing could be judged, because the engine file gives no gas"),
 }
 
 
@@ -141,7 +140,7 @@ VERDICTS = {
 @pytest.mark.parametrize("option", ["--json", "--quiet"])
 def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     code, sentence = VERDICTS[status]
-    judged = None if status is None else {"status": status, "sentence": "The verdict."}
+    judged = {"status": status, "sentence": "The verdict."}
     monkeypatch.setattr("crankfem.vibration.run.engine_vibration", lambda *_, **__: None)
     for name in ("run_record", "print_run"):
         made = {"assessment": judged}
@@ -153,6 +152,22 @@ def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
         assert answer.json()["assessment"] == judged
     # Without the option the verdict does not matter.
     assert call("vibration", "6chn25-34", option).code == 0
+
+
+@pytest.mark.parametrize("command", ["run", "vibration"])
+def test_strict_refuses_at_once_what_cannot_be_judged(
+    call, monkeypatch, tmp_path, edit, six_cylinders, command
+):
+    def computed(*_, **__):
+        raise AssertionError("nothing is computed for it")
+
+    monkeypatch.setattr("crankfem.pipeline.run_engine", computed)
+    monkeypatch.setattr("crankfem.vibration.run.engine_vibration", computed)
+    (tmp_path / "mine.toml").write_text(edit(six_cylinders, {"[gas]": None}), encoding="utf-8")
+    answer = call(command, "mine.toml", "--strict")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("Error: --strict: given for an engine file without gas pressure")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.toml"]
 
 
 def test_quiet_leaves_only_results(call, monkeypatch):
@@ -230,10 +245,11 @@ def test_a_shell_is_answered(spawn, spawn_environment):
     [
         ("distributed", ("doe", "6chn25-34", "--dask", "tcp://127.0.0.1:9"), "cluster"),
         ("pyarrow", ("doe", "6chn25-34", "--export", "runs.parquet"), "tables"),
-        (
+        pytest.param(
             "h5py",
             ("export", "6chn25-34", "throw.med", "--part", "quarter", "--size", "10"),
             "formats",
+            marks=pytest.mark.slow,
         ),
     ],
 )
@@ -412,6 +428,7 @@ def test_exports_that_cannot_be(call, case):
     assert words in " ".join(answer.err.split())
 
 
+@pytest.mark.slow
 def test_check_as_json_in_a_process_of_its_own(spawn):
     answer = spawn("check", "6chn25-34", "--json")
     assert (answer.code, answer.err) == (0, "")
@@ -546,6 +563,7 @@ def test_lookup_refuses_other_files(call, tmp_path, content):
 # ------------------------------------------------------------------------------- throw, formulas
 
 
+@pytest.mark.slow
 def test_throw_as_json(call):
     content = call("throw", "6chn25-34", "--accuracy", "0.1", "--json").json()
     pinned, guided = content["supports"]["pinned"], content["supports"]["guided"]
@@ -646,6 +664,26 @@ def test_an_interrupt_ends_with_a_word_and_130(call, monkeypatch):
     assert answer.out == ""
     assert "continues where it stopped" in answer.err
     assert "Traceback" not in answer.err
+
+
+@pytest.mark.parametrize(
+    ("finished", "sentence"),
+    [
+        # Without a study, or before anything is known of it, nothing is kept.
+        (None, "Stopped.\n"),
+        (2, "Stopped. 2 of 9 designs are finished and kept; the same command takes them over.\n"),
+    ],
+)
+def test_an_interrupted_run_says_what_is_kept(call, monkeypatch, finished, sentence):
+    def interrupted(*_, progress, **__):
+        progress.step("Running the study")
+        if finished is not None:
+            progress.design(finished, 9, None)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("crankfem.pipeline.run_engine", interrupted)
+    answer = call("run", "6chn25-34", "--quiet")
+    assert (answer.code, answer.out, answer.err) == (130, "", sentence)
 
 
 def test_results_without_numbers_never_become_json(capsys):

@@ -95,7 +95,7 @@ def test_doe_shows_the_plan_and_computes_nothing(call, study, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
-@pytest.mark.parametrize("file", ["runs.csv", "runs.parquet"])
+@pytest.mark.parametrize("file", ["runs.csv", pytest.param("runs.parquet", marks=pytest.mark.slow)])
 def test_doe_exports_a_table(call, study, tmp_path, file):
     if file.endswith("parquet"):
         pytest.importorskip("pyarrow")
@@ -105,6 +105,7 @@ def test_doe_exports_a_table(call, study, tmp_path, file):
     assert (tmp_path / file).stat().st_size > 1000
 
 
+@pytest.mark.slow
 def test_doe_takes_earlier_and_measured_results_over(call, study, tmp_path):
     assert call("doe", study, "--store", "a.sqlite", "--export", "a.csv").code == 0
     (tmp_path / "bench.csv").write_text(
@@ -212,6 +213,7 @@ main()
 """
 
 
+@pytest.mark.slow
 def test_ctrl_c_says_how_many_designs_are_kept(study, tmp_path):
     """One design hangs; the interrupt comes when all others are finished."""
     text = STUDY.replace('"300 mm"', '"299 mm"').replace(

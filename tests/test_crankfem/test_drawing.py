@@ -170,7 +170,9 @@ def test_every_dimension_is_written(name):
     assert [text for text in THROWS[name][1].split("; ") if text not in lines] == []
 
 
-@pytest.mark.parametrize("name", [*THROWS, *ENGINES])
+@pytest.mark.parametrize(
+    "name", [*THROWS, *(pytest.param(name, marks=pytest.mark.slow) for name in ENGINES)]
+)
 def test_texts_stand_clear_of_each_other_and_on_the_sheet(name):
     figure = drawing_of(name)
     renderer = figure.canvas.get_renderer()
@@ -273,7 +275,10 @@ def test_user_settings_stay_as_they_are():
 STARTS = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF", ".PNG": b"\x89PNG"}
 
 
-@pytest.mark.parametrize("ending", STARTS)
+@pytest.mark.parametrize(
+    "ending",
+    [".svg", ".png", *(pytest.param(one, marks=pytest.mark.slow) for one in (".pdf", ".PNG"))],
+)
 def test_drawings_are_the_same_bit_for_bit(tmp_path, ending):
     paths = [write_drawing(throw_of("plain"), tmp_path / f"{n}{ending}", "plain") for n in "ab"]
     first, second = (path.read_bytes() for path in paths)

@@ -395,6 +395,7 @@ def test_every_command_refuses_a_bare_number(command, tmp_path, six_cylinders, e
     assert sorted(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.slow
 def test_a_refusal_in_a_process_of_its_own(tmp_path, six_cylinders, edit, spawn):
     path = tmp_path / "wrong.toml"
     path.write_text(edit(six_cylinders, {"throw.pin_length": "139"}), encoding="utf-8")

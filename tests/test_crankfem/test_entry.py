@@ -35,7 +35,7 @@ def test_python_runs_the_package(spawn):
 
 
 @pytest.mark.parametrize(
-    ("command", "sentence"), [("mechanism", "Stopped."), ("run", "Stopped. Finished designs")]
+    ("command", "sentence"), [("run", "Stopped.\n"), ("doe", "Stopped. Finished designs")]
 )
 def test_an_interrupt_while_modules_load(spawn, command, sentence):
     answer = spawn(command, command=[sys.executable, "-c", LOADING])

@@ -481,10 +481,8 @@ def test_measured_throws_have_the_part_of_their_line(tmp_path):
     assert "360 mm" in found[2]["remarks"][0]
 
 
-@pytest.mark.parametrize(
-    "study",
-    ["outlines", *(pytest.param(name, marks=pytest.mark.slow) for name in ("table", "family"))],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("study", ["outlines", "table", "family"])
 def test_diagrams(study, request, tmp_path):
     some = request.getfixturevalue(study)
     found = fit_study(some)["axial_compliance"]

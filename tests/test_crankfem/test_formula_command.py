@@ -209,6 +209,7 @@ def texts(path):
     return [node.text.strip() for node in tree.iter(ElementTree.Comment)]
 
 
+@pytest.mark.slow
 def test_pictures_of_the_angle(tmp_path):
     gammas = np.linspace(0.0, 180.0, 37)
     share = np.sin(np.deg2rad(gammas) / 2) ** 2

@@ -167,3 +167,22 @@ def test_a_header_of_many_columns_is_not_told_in_full(call, tmp_path):
     assert 'given the header "column_0,column_1,' in answer.err
     assert '...";' in answer.err
     assert len(answer.err) < 400
+
+
+def test_a_table_beside_the_user_comes_before_the_shipped_one(call, tmp_path):
+    shipped = call("harmonics", TABLE, "--json").json()
+    own = "crank_angle_deg,torque_Nm\n" + "".join(
+        f"{angle},{100.0 + 20.0 * np.sin(np.deg2rad(angle))}\n" for angle in range(0, 720, 60)
+    )
+    (tmp_path / TABLE).write_text(own, encoding="utf-8")
+    found = call("harmonics", TABLE, "--json").json()
+    assert found["mean"] == pytest.approx(100.0) != shipped["mean"]
+    assert found["amplitude"][found["orders"].index(1.0)] == pytest.approx(20.0)
+
+
+@pytest.mark.parametrize("table", ["nothing.csv", f"folder/{TABLE}"])
+def test_a_table_that_is_not_there_is_refused(call, table):
+    answer = call("harmonics", table)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith(f"Error: {table}: ")
+    assert answer.err.count("\n") == 1

@@ -4,8 +4,11 @@ Tolerances: numbers are rounded to 5 significant digits, so they are within 5e-5
 thinned curves may miss a point by the share of the height that they are made with.
 """
 
+import html
 import json
 import math
+import re
+from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -13,7 +16,7 @@ import numpy as np
 import pytest
 
 from crankfem.fitting import fit_study, predicted
-from crankfem.pictures.interactive.angles import interactive_angles
+from crankfem.pictures.interactive.angles import formulas_over_angle, interactive_angles
 from crankfem.pictures.interactive.campbell import campbell
 from crankfem.pictures.interactive.decimation import fewer_triangles
 from crankfem.pictures.interactive.mechanism import (
@@ -23,6 +26,8 @@ from crankfem.pictures.interactive.mechanism import (
 )
 from crankfem.pictures.interactive.over_speed import UNSEEN, Curve, amplitudes_over_speed
 from crankfem.pictures.interactive.rounding import rounded
+from crankfem.pictures.interactive.shaft import axial_split, mode_shares, shaft_modes
+from crankfem.pictures.interactive.shapes import mode_shapes
 from crankfem.pictures.interactive.study import interactive_study, parity, response_over_factors
 from crankfem.pictures.interactive.thinning import seen_points
 from crankfem.pictures.interactive.throw_view import (
@@ -33,6 +38,7 @@ from crankfem.pictures.interactive.throw_view import (
 from crankfem.pictures.interactive.torque import interactive_torque
 from crankfem.pictures.interactive.triangles import TriangleSurface, trails
 from crankfem.pictures.interactive.vibration import interactive_vibration
+from crankfem.pictures.interactive.words import designs_told
 from crankfem.pictures.interactive.writing import write_figure
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
 from dynamics.engine.loads import LoadDiagram
@@ -186,6 +192,158 @@ def test_every_order_over_speed(series):
     assert [one["x0"] for one in lines] == [pytest.approx(series.speeds[110] * RPM)]
 
 
+@pytest.mark.parametrize(
+    ("quantity", "title", "factor"),
+    [
+        ("twist", "amplitude [mrad]", 1e3),
+        ("displacement", "amplitude [µm]", 1e6),
+        ("stress", "alternating stress [MPa]", 1e-6),
+    ],
+)
+def test_units_over_speed(series, quantity, title, factor):
+    limit = VibrationLimit(
+        "amplitude", "free end", "rad", LimitCurve(lambda speeds: 2e-4 + 0.0 * speeds), "here"
+    )
+    traces, layout = amplitudes_over_speed(Curve(series, 0, quantity, limit), (), "x")
+    assert layout["yaxis"]["title"]["text"] == title
+    unit = title.partition("[")[2].removesuffix("]")
+    assert all(trace["hovertemplate"].endswith(f"}} {unit}<extra></extra>") for trace in traces)
+    for name, values in (
+        ("order 2", series.amplitude[1, :, 0]),
+        ("all orders (synthesis)", series.synthesis.amplitude[:, 0]),
+        ("plain sum", series.synthesis.plain_sum[:, 0]),
+        ("limit", np.array([2e-4])),
+    ):
+        # Maxima are never thinned out.
+        largest = factor * values[np.isfinite(values)].max()
+        assert np.nanmax(floats(named(traces, name)["y"])) == pytest.approx(largest, rel=5e-5)
+
+
+def shaft(count=14):
+    """Modes of a shaft of four nodes, listed out of their order along it, one of them rigid."""
+    chance = np.random.default_rng(3)
+    shares = chance.dirichlet(np.ones(3), count).T
+    return SimpleNamespace(
+        positions=np.array([0.0, 0.9, 0.3, 0.6]),
+        names=tuple(f"mode {number}" for number in range(count)),
+        rigid=1,
+        frequencies=10.0 * np.arange(count),
+        motions=chance.normal(size=(4, 6, count)),
+        shares=tuple(shares),
+        label=lambda mode: f"kind {mode}",
+    )
+
+
+def test_motion_along_the_shaft():
+    modes, radius = shaft(), 0.2
+    traces, layout = shaft_modes(modes, radius, "x")
+    assert layout["xaxis"]["title"]["text"] == "place along the shaft [mm]"
+    assert len(traces) == 4 * 10
+    order = [0, 2, 3, 1]
+    for mode, four in enumerate(zip(*[iter(traces)] * 4, strict=True), start=1):
+        # Along x, y and the shaft, and about it at the crank radius.
+        motion = modes.motions[order, :, mode] * [1.0, 1.0, 1.0, 1.0, 1.0, radius]
+        every = motion[:, [2, 5, 0, 1]]
+        drawn = np.array([trace["y"] for trace in four]).T
+        place = np.unravel_index(np.argmax(np.abs(every)), every.shape)
+        assert drawn[place] == 1
+        assert drawn == pytest.approx(every / every[place], rel=FIVE_DIGITS)
+        assert all(trace["x"] == [0, 300, 600, 900] for trace in four)
+        assert [trace["name"] for trace in four] == [
+            "axial",
+            "torsional, at the crank radius",
+            "lateral, x",
+            "lateral, y",
+        ]
+    (menu,) = layout["updatemenus"]
+    assert [one["label"] for one in menu["buttons"]][:2] == ["10.0 Hz: kind 1", "20.0 Hz: kind 2"]
+
+
+def test_shares_of_the_energy():
+    modes = shaft()
+    traces, layout = mode_shares(modes, "x")
+    assert layout["xaxis"]["title"]["text"] == "share of the mode's energy [%]"
+    assert [trace["name"] for trace in traces] == ["axial", "torsional", "bending"]
+    for trace, shares in zip(traces, modes.shares, strict=True):
+        assert floats(trace["x"]) == pytest.approx(100.0 * shares[1:13], rel=FIVE_DIGITS)
+    assert traces[0]["customdata"][:2] == ["10.0 Hz", "20.0 Hz"]
+    assert layout["yaxis"]["ticktext"][:2] == ["10.0", "20.0"]
+
+
+def test_what_excites_the_axial_vibration():
+    speeds = np.linspace(20.0, 60.0, 9)
+    curves = [1e-5 * np.sin(speeds / number) ** 2 for number in (5.0, 6.0, 7.0)]
+    split = SimpleNamespace(
+        both_sum=np.where(speeds == 40.0, np.inf, curves[0]),
+        tangential_sum=curves[1],
+        radial_sum=curves[2],
+    )
+    traces, layout = axial_split(SimpleNamespace(speeds=speeds, split=lambda _: split), "x")
+    assert layout["yaxis"]["title"]["text"] == "axial amplitude of the free end [µm]"
+    for name, values in (
+        ("all forces", split.both_sum),
+        ("tangential forces alone", split.tangential_sum),
+        ("radial forces alone", split.radial_sum),
+    ):
+        trace = named(traces, name)
+        places = np.rint((floats(trace["x"]) / RPM - 20.0) / 5.0).astype(int)
+        own = np.where(np.isfinite(values), 1e6 * values, np.nan)[places]
+        assert floats(trace["x"]) == pytest.approx(speeds[places] * RPM, rel=FIVE_DIGITS)
+        assert floats(trace["y"]) == pytest.approx(own, rel=FIVE_DIGITS, nan_ok=True)
+        assert np.isnan(own).any() == np.isinf(values).any()
+        assert trace["hovertemplate"].endswith(" µm<extra></extra>")
+
+
+# What plotly would read as bold, as a link, and as a value of the point under the mouse.
+SHARP_NAME = "<b>R&D<a href=http://evil.example/> %{x}"
+
+
+def texts(part):
+    """All strings of a figure."""
+    if isinstance(part, str):
+        yield part
+    elif isinstance(part, dict | list | tuple):
+        for inner in part.values() if isinstance(part, dict) else part:
+            yield from texts(inner)
+
+
+def test_names_are_no_markup(load, studied):
+    chain = SimpleNamespace(connections=((0, 1),))
+    shape = SimpleNamespace(
+        modes=SimpleNamespace(
+            rigid=0,
+            frequencies=np.array([10.0]),
+            shapes=np.array([[1.0], [-1.0]]),
+            node_positions=((0.5,),),
+        ),
+        chain=SimpleNamespace(chain=chain, nodes=(SHARP_NAME, "flywheel"), kind="axial"),
+    )
+    table, found = studied
+    choice = Factor.of_labels("x", ("obround", SHARP_NAME))
+    own = replace(load, name=SHARP_NAME)
+    record = known_record()["angle_law"]
+    fe = np.array(record["fe"])
+    figures = [
+        mode_shapes(shape, SHARP_NAME),
+        campbell("axial", np.array([31.4]), np.ones(1), (4.0, 8.0), [resonance()], SHARP_NAME),
+        shaft_modes(shaft(), 0.2, SHARP_NAME),
+        polar_load(own, "crank", SHARP_NAME),
+        developed_load(own, SHARP_NAME),
+        formulas_over_angle(np.array(record["gamma_deg"]), fe, {SHARP_NAME: fe}, {}),
+        ({"text": designs_told((choice,), np.array([[0.0], [1.0]]))}, {}),
+    ]
+    for figure in figures:
+        every = list(texts(figure))
+        shown = [text for text in every if "R&" in text]
+        assert shown
+        for text in shown:
+            assert not re.search(r"<a|<b>R|%\{x\}", text)
+            assert SHARP_NAME in html.unescape(text)
+    # Menus are written by the page itself, which knows no markup.
+    (menu,) = response_over_factors(table, found)[1]["updatemenus"]
+    assert all(not re.search("[<>&]", button["label"]) for button in menu["buttons"])
+
+
 def resonance(**changes):
     given = {
         "mode": 2,
@@ -269,6 +427,10 @@ def test_formulas_over_the_angle(tmp_path, strict):
         1e9 * np.array(record["angle_law"]["fe"]), rel=FIVE_DIGITS
     )
     assert ours["y"] == [None, *[2] * 6]
+    law = named(angles["data"], "finite elements, ρ = 2.50")
+    share = np.array(record["angle_law"]["fe"]) / record["angle_law"]["fe"][-1]
+    assert floats(law["y"]) == pytest.approx(share, rel=FIVE_DIGITS)
+    assert law["y"][-1] == 1
     (menu,) = angles["layout"]["updatemenus"]
     visible = [button["args"][0]["visible"] for button in menu["buttons"]]
     # Law and straight line always, of the formulas' factors one term's.
@@ -288,6 +450,8 @@ def test_torque_table(tmp_path, strict):
     assert units_told(figure)
     bars = figure["data"][-1]
     assert bars["x"] == found.orders.tolist()
+    assert floats(bars["customdata"]) == pytest.approx(180.0 / math.pi * found.phase, rel=5e-5)
+    assert "phase %{customdata:.4g} deg" in bars["hovertemplate"]
     assert floats(bars["y"]) == pytest.approx(found.amplitude, rel=FIVE_DIGITS, abs=1e-12)
     assert floats(named(figure["data"], "table")["y"]) == pytest.approx(samples, rel=FIVE_DIGITS)
 
@@ -407,8 +571,10 @@ def test_parity(studied):
     forms = [found.chosen, *(fit for fit in found.fits if fit is not found.chosen)]
     assert len(menu["buttons"]) == len(forms)
     for button, fit in zip(menu["buttons"], forms, strict=True):
-        assert button["label"].startswith(fit.form)
         values = predicted(table, found, fit)
+        off = 100.0 * np.abs(values / column - 1.0)[table.held_out].max()
+        chosen = " (chosen)" if fit is found.chosen else ""
+        assert button["label"] == f"{fit.form}{chosen}: held out within {off:.2g} %"
         shown = button["args"][0]["y"]
         for held, upper, lower in ((False, *shown[:2]), (True, *shown[2:])):
             own = table.held_out == held

@@ -56,7 +56,10 @@ def test_pictures_are_the_same_each_time_and_differ_by_frame(diagram, tmp_path):
     [
         ({"labels": ["one", "two"]}, "labels: given 2 for 1 diagrams"),
         ({"frame": "ship"}, "frame: given 'ship'; allowed are crank, engine"),
-        ({"mark_step_deg": 0.0}, "mark_step_deg: given 0 deg; allowed is above 0"),
+        (
+            {"mark_step_deg": 0.0},
+            "mark_step_deg: given 0 deg; allowed are finite numbers of more than zero",
+        ),
     ],
 )
 def test_what_does_not_fit_is_refused(diagram, tmp_path, more, words):

@@ -4,6 +4,7 @@ import csv
 
 import pytest
 
+from crankfem.engine_file import load_engine
 from crankfem.mechanism_file import load_mechanism
 from crankfem.mechanism_run import run_mechanism
 from crankfem.mechanism_tables import mechanism_record, merged_rows
@@ -127,12 +128,19 @@ def test_fast_engines_are_told_without_powers_of_ten(call, tmp_path):
         assert "8ChN 26/26 (7-6D49), 20000 1/min" in picture
 
 
+@pytest.mark.slow
+def test_a_whole_engine_serves_as_its_mechanism(v8):
+    whole = run_mechanism(load_engine("8chn13-14"))
+    assert whole.torque.power == v8.torque.power
+
+
 def test_rows_alike_become_one():
     assert merged_rows([["1", "a"], ["2", "b"], ["3", "a"]]) == [["1, 3", "a"], ["2", "b"]]
     assert merged_rows([[name, "a"] for name in "234"]) == [["2 to 4", "a"]]
     assert merged_rows([["1+5", "a"], ["2+6", "a"], ["3+7", "a"]]) == [["1+5, 2+6, 3+7", "a"]]
 
 
+@pytest.mark.slow
 def test_a_balanced_engine_has_no_picture_of_what_is_left(v8, tmp_path):
     six = run_mechanism(load_mechanism("6chn25-34"))
     assert "balance.svg" not in {path.name for path in picture_mechanism(tmp_path / "six", six)}

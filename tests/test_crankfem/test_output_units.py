@@ -11,7 +11,7 @@ import pytest
 
 from crankfem.output_units import PRINTED, SI, parse_output_units
 from geometry.errors import InputError
-from geometry.quantity import parse_quantity
+from geometry.quantity import parse_quantity, unit_registry
 
 INCH, POUND = 0.0254, 0.45359237
 FORCE = POUND * 9.80665
@@ -40,6 +40,15 @@ def test_imperial_units(printed, name, size):
     unit = parse_output_units("imperial").of(printed)
     assert unit.name == name
     assert unit.size == pytest.approx(size, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_sizes_of_printed_units_are_those_of_pint(name):
+    unit, size = PRINTED[name]
+    # Turns per minute: engineers do not write the turn.
+    registry, said = unit_registry(), name.replace("1/min", "turn/min")
+    one = registry.Quantity(1.0, registry.parse_units(said)).to(registry.parse_units(unit))
+    assert size == pytest.approx(one.magnitude, rel=1e-12)  # both are factors, but for round-off
 
 
 def test_without_a_wish_everything_stays_in_si():
@@ -84,6 +93,18 @@ def test_quantities_in_sentences():
         "web_width: given 13.4 in; the range is 10.6 to 13 in, at 515 1/min and 106000 lbf in, "
         "2.22e-07 in/lbf."
     )
+    # One unit behind a list is that of all its numbers.
+    units = parse_output_units("in, rad")
+    for said, converted in (
+        ("uneven intervals of 60, 90, 120 deg.", "uneven intervals of 1.05, 1.57, 2.09 rad."),
+        ("between 5 and 10 mm", "between 0.197 and 0.394 in"),
+        ("10, 20, or 30.00 mm", "0.394, 0.787, or 1.181 in"),
+        ("254 x 508 x 1016 mm", "10 x 20 x 40 in"),
+        ("-5 to 5 mm", "-0.197 to 0.197 in"),
+        ("a 10 mm web, 20 mm pin", "a 0.394 in web, 0.787 in pin"),
+        ("2 or more, 10 mm", "2 or more, 0.394 in"),
+    ):
+        assert units.text(said) == converted
     # Names and pure numbers are no quantities.
     for text in ("6ChN 25/34", "mode 2 makes 3", "8 minutes", "2 mmm"):
         assert units.text(text) == text
@@ -132,7 +153,7 @@ def test_a_command_prints_its_record_in_other_units(call):
     "arguments",
     [
         ("harmonics", "8chn26-26", "--cylinder", "1"),
-        ("hinge",),
+        pytest.param(("hinge",), marks=pytest.mark.slow),
         ("check", "6chn25-34"),
         ("formulas", "6chn25-34", "--no-fe"),
     ],

@@ -7,19 +7,22 @@ numbers rounded to six digits (the stiffness is not).
 import copy
 import json
 import re
+import shlex
 from collections import Counter
+from functools import cache
 from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
+from crankfem.data_files import data_folder
 from crankfem.report import numbers
-from crankfem.report.about import about_record, repeat_record
+from crankfem.report.about import about_record, file_records, repeat_record, run_command
 from crankfem.report.compliances import compliance_tables, regression_record
 from crankfem.report.figures import load_figures, script_text
 from crankfem.report.summary import summary
-from crankfem.report.writing import script, write_report
+from crankfem.report.writing import render_report, script, write_report
 
 STORED = Path(__file__).with_name("report_results.json")
 VOID = {"meta", "img", "br", "link", "input", "hr"}
@@ -256,7 +259,9 @@ def test_a_plot_goes_with_its_picture(results, page, tmp_path):
     (tmp_path / "a.svg").write_text(SQUARE, encoding="utf-8")
     (tmp_path / "a.json").write_text('{"data":[{"name":"</script><b>"}]}', encoding="utf-8")
     results |= {"pictures": {"drawing": "a.svg"}, "interactive": {"drawing": "a.json"}}
-    own = load_figures(results, tmp_path)["drawing"]
+    figures, unread = load_figures(results, tmp_path)
+    own = figures["drawing"]
+    assert unread == []
     assert (own.width, own.height) == (100, 200)
     assert json.loads(own.plot) == {"data": [{"name": "</script><b>"}]}
     assert own.source.startswith("data:image/svg+xml;base64,")
@@ -282,15 +287,41 @@ def test_the_same_results_make_the_same_report(results, tmp_path):
     assert one == two
 
 
-def test_a_missing_picture_is_an_error(results, page):
-    results["pictures"] = {"drawing": "drawing.svg"}
-    with pytest.raises(FileNotFoundError, match=r"drawing\.svg"):
-        page(results)
+def test_pictures_that_cannot_be_read_are_left_out_and_named(results, tmp_path):
+    (tmp_path / "a.svg").write_text(SQUARE, encoding="utf-8")
+    (tmp_path / "cut.png").write_bytes(b"\x89PNG")
+    (tmp_path / "cut.json").write_text('{"data": [', encoding="utf-8")
+    results["pictures"] = {"drawing": "a.svg", "mesh": "gone.png", "deformed": "cut.png"}
+    results["interactive"] = {"drawing": "cut.json"}
+    text, note = render_report(results, tmp_path)
+    assert note == "Left out, because they cannot be read: cut.json, gone.png, cut.png."
+    found = Page(text)
+    assert note in found.section("throw")
+    assert len(found.all("img")) == 1
+    assert found.all("div", **{"class": "interactive"}) == []
+
+
+def test_what_could_not_be_drawn_is_said(results, page):
+    results["picture_note"] = "There is no picture axial_modes: the disk is full."
+    assert f"Note: {results['picture_note']}" in page(results).section("throw")
 
 
 def test_scripts_hold_nothing_that_a_page_cannot():
     assert script("'\x1a' + '</script>'") == r"'\x1a' + '<\/script>'"
     assert str(script_text('{"a": "<!--"}\n')) == '{"a": "\\u003c!--"}'
+
+
+def test_words_go_with_their_number(results, page):
+    table = results["repeat"]["files"][0] | {"name": "tables/gas.csv"}
+    before = page(results).section("repeat")
+    assert "2 processors" in before
+    assert "With crankfem 0.1.0 installed, save the input below as 6chn25-34.toml, then:" in before
+    results["about"]["processors"] = 1
+    results["repeat"]["files"].append(table)
+    after = page(results).section("repeat")
+    assert "1 processor." in after
+    assert "6chn25-34.toml, each table under its name beside it, then:" in after
+    assert "tables/gas.csv" in after
 
 
 def test_the_input_can_be_had_from_the_report(results, page):
@@ -308,17 +339,79 @@ def test_what_a_run_was_made_with(tmp_path):
     assert about["packages"]["numpy"] is not None
     file = tmp_path / "my engine.toml"
     file.write_bytes(b"abc")
-    record = repeat_record(file, [file], {"a": 1.0})
-    assert record["command"] == 'crankfem run "my engine.toml"'
+    record = repeat_record(file_records(file, [file]), {"a": 1.0})
+    assert record["command"] == "crankfem run 'my engine.toml'"
     ((own),) = record["files"]
     # The example of FIPS 180-2.
     assert own["sha256"] == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
     assert own["text"] == "abc"
 
 
+def test_further_files_are_named_as_the_engine_file_names_them(tmp_path):
+    names = ("engine.toml", "tables/gas.csv")
+    (tmp_path / "tables").mkdir()
+    for name in names:
+        (tmp_path / name).write_text(name, encoding="utf-8")
+    shipped = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"
+    engine, table = (tmp_path / name for name in names)
+    found = file_records(engine, [table, shipped])
+    assert [own["name"] for own in found] == [*names, shipped.name]
+    assert found[1]["text"] == names[1]
+    # A run takes the texts before it computes anything: what is written later is not in them.
+    engine.write_text("later", encoding="utf-8")
+    assert repeat_record(found, {})["files"][0]["text"] == names[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "command"),
+    [
+        ("a.toml", "crankfem run a.toml"),
+        ("it's $HOME.toml", """crankfem run 'it'"'"'s $HOME.toml'"""),
+        ("-x.toml", "crankfem run ./-x.toml"),
+    ],
+)
+def test_commands_can_be_given_to_a_shell(name, command):
+    assert run_command(name) == command
+    assert shlex.split(command)[-1].removeprefix("./") == name
+
+
+def test_stresses_stand_with_their_element(results, page):
+    forced = results["vibration"]["forced"]["torsional"]
+    forced["stress"] = [forced["stress"][2], forced["stress"][0]]
+    response = page(results).section("response")
+    assert "free end - cylinder 1 2.48 575 2.16 " in response
+    assert "cylinder 1 - cylinder 2 25.9 575 none " in response
+    assert "cylinder 2 - cylinder 3 32.6 575 28.5 " in response
+
+
+@pytest.mark.parametrize(
+    ("status", "heading"),
+    [
+        ("fine", "Largest resonances in the running range"),
+        ("not acceptable", "Dangerous speeds in the running range"),
+    ],
+)
+def test_only_speeds_that_are_dangerous_are_called_so(results, page, status, heading):
+    results["vibration"]["assessment"]["status"] = status
+    headings = [text for _, text in page(results).all("h3")]
+    assert heading in headings
+    assert sum("in the running range" in text for text in headings) == 1
+
+
 @pytest.mark.parametrize(
     ("written", "expected"),
     [
+        (numbers.significant(15597.4), "15597"),
+        (numbers.significant(99999.6), "100000"),
+        (numbers.percent(1.0), "100"),
+        (numbers.percent(12.345), "1234"),
+        (numbers.percent(0.9996, 3), "100"),
+        (numbers.percent(-0.0540138), "-5.4"),
+        (numbers.used(12.345), "1234 %"),
+        (numbers.used(0.99961), "100 %"),
+        (numbers.used(None), "unbounded"),
+        (numbers.quantity(12.3456, "m"), "12346 mm"),
+        (numbers.quantity(0.5, ""), "0.5"),
         (numbers.significant(1.6), "1.600"),
         (numbers.significant(34.1041), "34.10"),
         (numbers.significant(15597.4, 5), "15597"),
@@ -340,3 +433,293 @@ def test_what_a_run_was_made_with(tmp_path):
 )
 def test_numbers_are_written_for_reading(written, expected):
     assert written == expected
+
+
+# Texts by section: every number that a report shows, read beside the value in the file, which is in SI
+# units. A factor of a unit or a digit that is wrong shows.
+AS_STORED = [
+    ("verdict", "24.48 MPa at 497.8 1/min, 115 % of the permitted 21.21 MPa"),
+    ("verdict", "en 1.289e-9 m/N"),
+    ("verdict", "error about 0.96 %"),
+    ("verdict", "First axial frequency 76.8 Hz 76.5 to 76.8 Hz with what is uncertain"),
+    ("verdict", "crankshaft in its bearings: 81.1 Hz"),
+    (
+        "verdict",
+        "axial 511.8 9 (major) 341 µm axial 383.8 12 (major) 116 µm axial 438.6 10.5 58.3 µm",
+    ),
+    ("verdict", "torsional 434.9 12 (major) 1.42 mrad torsional 497.0 10.5 1.01 mrad"),
+    ("verdict", "cylinder 4 - cylinder 5, 498 1/min 24.48 MPa 21.21 MPa 115 %"),
+    ("inputs", "Crank radius R 170 mm Main journal diameter 220 mm Crankpin diameter 180 mm"),
+    (
+        "inputs",
+        "Web width B 285 mm Web thickness h 68 mm Fillet radius 12 mm Rated speed 500 1/min",
+    ),
+    ("inputs", "Young's modulus 210 GPa Density 7850 kg/m³"),
+    ("inputs", "27 of 37 values are assumed"),
+    ("throw", "pinned ends tilt freely 1.289 41.31 0.6159 0.4777 guided"),
+    ("throw", "ends do not tilt 0.2580 25.72 0.06621 0.2566"),
+    ("throw", "discretization error of en: 0.96 % (asked for: 1 %); the true"),
+    ("throw", "rigid, 15 597 unknowns."),
+    ("throw", "axial 0.76, 0.63, 0.36, 0.36, 0.63, 0.76; torsional 0.91, 0.78, 0.91"),
+    ("throw", "Mass of the throw 188.5 kg Center of mass, towards the pin 79.33 mm"),
+    ("throw", "about the shaft 4.398 kg m² Static unbalance of the throw 14.95 kg m Crankshaft"),
+    ("throw", "without rods: mass 1131 kg Crankshaft: moment of inertia 26.39 kg m²"),
+    ("throw", "Z = 417.2 kN towards the shaft axis, the gas force at peak pressure;"),
+    ("throw", "P = c Z / en = 199.3 kN where they are pinned"),
+    ("throw", "pinned left 0.0 208.6 199.3 0.00 0.00 0.00 pinned right 0.0 208.6 -199.3"),
+    ("throw", "guided left 0.0 208.6 107.1 -11.44 0.00 0.00"),
+    ("fillets", "at most 2.7 % (asked for: 10 %): enough"),
+    ("fillets", "axial force1 kN left main journal 12 -0.9131 0.8073 0.7740 1.18 pin, left web"),
+    ("fillets", "torque1 kN m left main journal 12 1.352 1.843 0.4783 2.83 pin, left web"),
+    (
+        "formulas",
+        "give 0.59 to 2.31 of the axial compliance by finite elements and 0.99 to 1.14 of",
+    ),
+    (
+        "formulas",
+        "finite elements, pinned 1.289 1.00 68.6 finite elements, mean in the shaft 0.7503 0.58",
+    ),
+    (
+        "formulas",
+        "regression of the study 1 1.283 1.00 76.8 Guglielmotti-Macchiotta 2 0.7585 0.59 77.0",
+    ),
+    (
+        "formulas",
+        "finite elements, pinned 41.31 1.00 80.8 finite elements, mean in the shaft 35.66 0.86",
+    ),
+    ("formulas", "its largest error at designs held out is 1.5 %"),
+    ("formulas", "e0 = 0.2580e-9 m/N, e180 = 1.289e-9 m/N and ρ = 2.73,"),
+    ("study", "27 designs (full factorial) were fitted; 8 further ones"),
+    ("study", "Largest estimated error of the finite elements: 1.8 %."),
+    ("study", "web width 270 mm, 300 mm, 330 mm web thickness 38 mm, 68 mm, 98 mm"),
+    ("study", "6 coefficients; largest error at designs held out 1.5 %."),
+    ("study", "web width -0.22 0.002 0.002 web thickness -1.08 0.994 0.994"),
+    (
+        "study",
+        "linear 4 0.90099 0.88807 0.86827 28.2 27.5 14 log-quadratic (chosen) 6 0.99996 0.99995",
+    ),
+    ("study", "0.99994 0.7 1.52 0.732"),
+    ("study", "axial compliance m/N log-quadratic 6 1.5 1.8 torsional compliance"),
+    ("loads", "Speed 500 1/min Indicated power 570.2 kW Mean torque 10.89 kN m"),
+    ("loads", "-2.085 to 26.49 kN m"),
+    ("loads", "Peak pressure 8.601 MPa absolute, 14.0 deg after top"),
+    ("loads", "Indicated mean pressure 1.367 MPa"),
+    ("loads", "[MPa] 1 43.19 168.0 14.5 5.657 2 56.05 201.4 495.0 6.782 3 "),
+    ("loads", "mean 57.25 kN, largest 374.6 kN, largest specific pressure 14.97 MPa."),
+    ("balance", "1131 kg, 2460 mm long; balanced statically and dynamically."),
+    ("campbell", "on a rigid shaft: 3, 6, 9, 12. Orders up to 12 are considered"),
+    (
+        "campbell",
+        "speed [1/min] order mode frequency [Hz] phase sum 383.8 12 1 76.76 1.000 400.5 11.5 1 76.76 0.204",
+    ),
+    ("response", "free end, of that order alone speed [1/min] order mode amplitude [µm] static"),
+    (
+        "response",
+        "amplitude [µm] static times magnifier [µm] the order is 511.8 9 1 341 343 major 383.8",
+    ),
+    (
+        "response",
+        "amplitude [mrad] static times magnifier [mrad] the order is 434.9 12 1 1.42 1.42 major",
+    ),
+    (
+        "response",
+        "force [kN] at [1/min] section 0 - section 1 85.7 575 section 1 - section 2 99.0 575",
+    ),
+    ("response", "section 2 - section 3 214 575 section 3 - section 4 208 509"),
+    (
+        "response",
+        "stress [MPa] free end - cylinder 1 2.48 575 2.16 cylinder 1 - cylinder 2 25.9 575 22.6",
+    ),
+    ("response", "the shaft's [%] 0.5 25.3 39.3 39 1 25.7 18.8 74"),
+    (
+        "limits",
+        "limit where at [1/min] reached permitted used torsional stress of crankshaft cylinder",
+    ),
+    ("limits", "speed [1/min] lowest highest order mode margin [%] 383.8 382.6 383.8 12 1 none"),
+    ("limits", "cylinder 4 - cylinder 5 497.8 24.48 MPa 21.21 MPa 115 % torsional"),
+    ("limits", "free end - cylinder 1 575.0 2.163 MPa 53.13 MPa 4.07 % Limit"),
+    ("limits", "1.00 to 1.02 times the value used. First natural frequency 76.51 to 76.76 Hz."),
+    ("limits", "511.8 510.1 511.8 9 1 none 541.9 540.1 541.9 8.5 1 4.9 How"),
+    ("modes", "0 is section 0, 6 is section 6"),
+    (
+        "modes",
+        "mode frequency [Hz] [1/min] nodes at 1 76.76 4606 none 2 161.87 9712 4.58 3 334.92 20095 1.79, 5.82",
+    ),
+    ("modes", "rigid body 0.00 0 moves as one 1 86.97 5218 6.60 2 249.58 14975 2.33, 6.95"),
+    ("modes", "finite elements 0.7503 76.8, 161.9, 334.9 1.000 superelements"),
+    ("whole", "at most 17 % of the lowest natural frequency"),
+    ("whole", "up to its square, 2.9 %, as far as"),
+    ("whole", "433 µm by the chain, 411 µm by the whole"),
+    ("whole", "6.42 mrad by the chain, 5.80 mrad by the whole"),
+    ("whole", "rotation about the shaft axis 0.00 torsional 100 % mode 1 50.07 bending 86 %"),
+    ("checks", "10 of 12 checks that are judged hold."),
+    ("checks", "Error of the axial compliance 0.96 % at most 1 % yes Estimated"),
+    ("checks", "Symmetry of the stiffness 4e-15 at most 1e-8 yes"),
+    ("checks", "Elements mended 5 elements not bounded not judged"),
+    ("checks", "axial chain beside the whole crankshaft -5.4 % by its criteria no First"),
+    ("repeat", "Made 21 November 2026, 22:26 UTC Time taken 1 min 9 s Equation solver pardiso"),
+    ("repeat", "Analyzing the throw 5.5 s Calculating stresses at the fillets 32 s"),
+]
+
+CHANGED = [
+    ("balance", "static unbalance 14.95 kg m, dynamic unbalance about its middle 3.250 kg m²."),
+    ("balance", "[kN m] 1 44.15 balanced 2 balanced 2.070 4 balanced balanced"),
+    ("torque", "720 samples over one cycle resolve orders up to 12. Mean torque 123.46 N m."),
+    ("torque", "1 0.5 -214.25 179.78 279.68 -129.84 2 1 10.00 0.00 10.00 90.00"),
+    (
+        "torque",
+        "stiffness 942.9 kN m/rad, natural frequency 3261.5 rad/s = 31145 1/min; order 14 is",
+    ),
+    ("torque", "resonant at 2224.7 1/min. Outside."),
+    (
+        "loads",
+        "Peak pressure 8.601 MPa absolute, 14.0 deg after top Indicated mean pressure 1.367 MPa",
+    ),
+    ("throw", "Mass of the throw 15600 kg"),
+    ("throw", "Z = 100.0 kN towards the shaft axis (a round value"),
+    ("throw", "0.96 % (asked for: 1 %, not met); the true"),
+    ("fillets", "at most 27 % (asked for: 10 %, not met): enough"),
+    ("verdict", "2449 MPa at 497.8 1/min, 11545 % of the permitted 21.21 MPa"),
+    (
+        "verdict",
+        "torsional stress of crankshaftcylinder 4 - cylinder 5, 498 1/min 2449 MPa 21.21 MPa 11545 %",
+    ),
+    ("limits", "5 to 95 % of 200 samples lie from 341 µm to 512 µm."),
+    ("response", "383.8 12 1 unbounded unbounded major"),
+    ("checks", "7 of 11 checks that are judged hold."),
+]
+
+
+def changed(results):
+    """What the stored run does not show, and values that are larger or worse."""
+    results["balance"] |= {"static": [0.0, 14.954], "dynamic": [3.25, 0.0]}
+    first, second, _ = results["mechanism"]["balance"]["orders"]
+    first["force"]["major"], first["force_balanced"] = 44150.0, False
+    second["moment"]["major"], second["moment_balanced"] = 2070.0, False
+    results["mechanism"]["cylinders"][1] |= {
+        "peak_pressure": 9e6,
+        "peak_angle_deg": 20.0,
+        "mean_effective_pressure": 2e6,
+    }
+    results["harmonics"] = {
+        "samples": 720,
+        "mean": 123.456,
+        "highest_order": 12.0,
+        "orders": [0.5, 1.0],
+        "cosine": [-214.25, 10.0],
+        "sine": [179.78, 0.0],
+        "amplitude": [279.68, 10.0],
+        "phase_deg": [-129.84, 90.0],
+    }
+    results["two_mass"] = {
+        "stiffness": 942_900.0,
+        "angular_frequency": 3261.5,
+        "vibrations_per_minute": 31145.0,
+        "order": 14.0,
+        "resonant_speed_rpm": 2224.66,
+        "statement": "Outside.",
+    }
+    results["throw"] |= {"mass": 15600.0, "radial_force": 1e5, "accuracy_met": False}
+    results["engine"]["radial_force_from_gas"] = False
+    results["fillets"] |= {"error_estimate": 0.27, "accuracy_met": False}
+    vibration = results["vibration"]
+    vibration["assessment"]["checks"][0] |= {"value": 2.449e9, "used": 115.45}
+    vibration["assessment"]["uncertainty"]["axial"]["amplitudes"] = {
+        "samples": 200,
+        "percentile_5": 341e-6,
+        "percentile_95": 512e-6,
+    }
+    strongest = vibration["forced"]["axial"]["resonances"]
+    next(one for one in strongest if one["order"] == 12.0).update(amplitude=None, estimate=None)
+    checks = {one["name"]: one for one in results["checks"]}
+    checks["Error of the axial compliance"]["met"] = False
+    checks["Error of the fillet stresses"]["met"] = False
+    checks["Energy of the crank mechanism"]["met"] = None
+    return results
+
+
+@cache
+def sections(worse):
+    results = copy.deepcopy(json.loads(STORED.read_text(encoding="utf-8")))
+    text, _ = render_report(changed(results) if worse else results, Path("nowhere"))
+    return Page(text)
+
+
+@pytest.mark.parametrize(("section", "text"), AS_STORED)
+def test_numbers_of_the_stored_run(section, text):
+    assert text in sections(False).section(section)
+
+
+@pytest.mark.parametrize(("section", "text"), CHANGED)
+def test_numbers_of_a_run_that_is_worse(section, text):
+    assert text in sections(True).section(section)
+
+
+def test_bars_are_as_long_as_limits_are_used():
+    shown = [own["style"] for own, _ in sections(False).all("i") if "style" in own]
+    assert shown == ["width: 100.0%"]
+    results = json.loads(STORED.read_text(encoding="utf-8"))
+    results["vibration"]["assessment"]["checks"][0]["used"] = 0.4217
+    (own,) = [own for own, _ in Page(render_report(results, Path("nowhere"))[0]).all("i")]
+    assert own["style"] == "width: 42.2%"
+
+
+def test_only_severe_resonances_stand_on_the_first_screen():
+    # Severities beside the worst of the kind: those of a twentieth and more are shown, four at most.
+    results = json.loads(STORED.read_text(encoding="utf-8"))
+    found = results["vibration"]["forced"]["torsional"]["resonances"]
+    for one, severity in zip(found, (1.0, 0.051, 0.049, 0.02), strict=True):
+        one["severity"] = severity
+    first = Page(render_report(results, Path("nowhere"))[0]).section("verdict")
+    shown = [f"torsional {one['speed_rpm']:.1f} " in first for one in found]
+    assert shown == [True, True, False, False]
+
+
+def test_long_tables_are_cut_after_twelve_rows(results, page):
+    uncertain = results["vibration"]["assessment"]["uncertainty"]["axial"]
+    first = uncertain["critical"][0]
+    uncertain["critical"] = [first | {"speed_rpm": 300.0 + place} for place in range(12)]
+    limits = page(results).section("limits")
+    assert "311.0 " in limits
+    assert "the first" not in limits
+    uncertain["critical"].append(first | {"speed_rpm": 312.0})
+    limits = page(results).section("limits")
+    assert "margin to it, the first 12 of 13 speed" in limits
+    assert "311.0 " in limits
+    assert "312.0 " not in limits
+    forced = results["vibration"]["forced"]["axial"]
+    one, force = forced["resonances"][0], forced["axial_forces"][0]
+    forced["resonances"] = [
+        one | {"severity": 1.0 - 0.01 * place, "speed_rpm": 300.0 + place} for place in range(12)
+    ]
+    forced["axial_forces"] = [force | {"order": 0.5 * place} for place in range(40, 53)]
+    response = page(results).section("response")
+    assert "most severe" not in response
+    assert "311.0 " in response
+    assert " 25.5 25.3 39.3" in response
+    assert " 26 25.3 39.3" not in response
+    forced["resonances"].append(one | {"severity": 0.01, "speed_rpm": 312.0})
+    response = page(results).section("response")
+    assert "the 12 most severe of 13" in response
+    assert "311.0 " in response
+    assert "312.0 " not in response
+
+
+def test_speeds_at_which_cylinders_act_together_are_marked(results, page):
+    for kind in ("axial", "torsional"):
+        results["vibration"][kind]["criticals"] = []
+    first = {"speed_rpm": 300.0, "order": 3.0, "frequency": 15.0, "mode": 1}
+    sums = (0.2, 0.49, 0.51, 1.0)
+    results["vibration"]["axial"]["criticals"] = [first | {"phase_sum": one} for one in sums]
+    # Elsewhere the chosen form, the chosen source and finite elements are marked so.
+    marked = [text for _, text in page(results).all("tr", **{"class": "chosen"})]
+    assert [text for text in marked if text.startswith("300.0")] == [
+        "300.0 3 1 15.00 0.510",
+        "300.0 3 1 15.00 1.000",
+    ]
+
+
+def test_fillets_of_a_throw_that_is_its_mirror_image_stand_once(results, page):
+    assert "right" not in page(results).section("fillets").partition("have the same")[2]
+    results["fillets"]["solved_part"] = "half"
+    assert "right main journal" in page(results).section("fillets")

@@ -6,11 +6,15 @@ Round-off of a 12x12 matrix product is some 1e-16; 1e-13 leaves room for its few
 import copy
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from crankfem.report.checks import asymmetry, rigid_body_residual, run_checks, unbalanced_share
+from crankfem.report.numbers import check_figure
+from crankfem.vibration import forced_records
+from fem.angle_law import SYMMETRIC
 
 STORED = Path(__file__).with_name("report_results.json")
 LENGTH, RADIUS = 0.41, 0.17
@@ -76,6 +80,17 @@ def test_all_checks_of_a_run(stored):
         assert found[name]["figure"] < ROUND_OFF
         assert found[name]["met"] is True
     assert found["Error of the axial compliance"]["figure"] == stored["throw"]["error_estimate"]
+    reciprocity = stored["throw"]["reciprocity"]
+    assert found["Symmetry of the stiffness"]["figure"] == reciprocity["asymmetry"]
+    assert found["Axial reaction by reciprocity"]["figure"] == reciprocity["axial_reaction"]
+    # With the reasons beside the constants.
+    allowed = {name: own["allowed"] for name, own in found.items() if own["unit"] == "1"}
+    assert allowed.pop("Opposite neighbors beside pinned ends") == SYMMETRIC
+    assert allowed.pop("Energy of the crank mechanism") == 1e-10
+    assert {allowed.pop(f"Power of the {kind} vibration") for kind in ("axial", "torsional")} == {
+        1e-6
+    }
+    assert set(allowed.values()) == {1e-8}
     assert found["Elements mended"]["met"] is None
     assert found["The axial chain beside the whole crankshaft"]["figure"] == pytest.approx(
         76.7632 / 81.1461 - 1.0, abs=1e-5
@@ -92,16 +107,83 @@ def test_what_a_run_does_not_hold_is_not_checked(stored):
     assert len(checks_of(results)) == 6
 
 
-def test_a_check_that_fails_says_so(stored):
+def change(results, path, value):
+    """Set a value at a path of keys."""
+    *way, last = path
+    for key in way:
+        results = results[key]
+    results[last] = value
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "name"),
+    [
+        (("throw", "accuracy_met"), False, "Error of the axial compliance"),
+        (("throw", "stiffness", 0, 0), 9.96e8, "Rigid-body motions of the stiffness"),
+        (("throw", "reciprocity", "asymmetry"), 2e-8, "Symmetry of the stiffness"),
+        (("throw", "reciprocity", "axial_reaction"), 2e-8, "Axial reaction by reciprocity"),
+        (
+            ("throw", "supports", "guided", "reactions", "left", "force", 1),
+            210707.0,
+            "Equilibrium of the reactions",
+        ),
+        (
+            ("throw", "supports", "pinned", "reactions", "right", "moment", 0),
+            -0.01,
+            "Equilibrium of the reactions",
+        ),
+        (("formulas", "fe", "axial"), 1.28939e-9, "Opposite neighbors beside pinned ends"),
+        (("fillets", "accuracy_met"), False, "Error of the fillet stresses"),
+        (("mechanism", "energy_error"), -1e-9, "Energy of the crank mechanism"),
+        (
+            ("vibration", "forced", "axial", "power", "error"),
+            1.1e-6,
+            "Power of the axial vibration",
+        ),
+        (
+            ("vibration", "whole", "chains", "torsional", "suffices"),
+            False,
+            "The torsional chain beside the whole crankshaft",
+        ),
+    ],
+)
+def test_a_check_that_fails_says_so(stored, path, value, name):
     results = copy.deepcopy(stored)
-    results["throw"]["supports"]["guided"]["reactions"]["left"]["force"][1] *= 1.01
-    results["mechanism"]["energy_error"] = -1e-3
-    results["vibration"]["forced"]["axial"]["power"]["error"] = 1e-3
+    # The stored chains do not suffice; here only what is changed fails.
+    for chain in results["vibration"]["whole"]["chains"].values():
+        chain["suffices"] = True
+    assert all(own["met"] is not False for own in checks_of(results).values())
+    change(results, path, value)
+    assert [own for own, check in checks_of(results).items() if check["met"] is False] == [name]
+
+
+def test_a_figure_may_be_negative_but_not_large(stored):
+    results = copy.deepcopy(stored)
+    results["formulas"]["fe"]["axial"] *= 1.0 - 0.5 * SYMMETRIC
+    results["mechanism"]["energy_error"] = -0.5e-10
     found = checks_of(results)
-    for name in (
-        "Equilibrium of the reactions",
-        "Energy of the crank mechanism",
-        "Power of the axial vibration",
-    ):
-        assert found[name]["met"] is False
-    assert found["Power of the torsional vibration"]["met"] is True
+    angle = found["Opposite neighbors beside pinned ends"]
+    assert angle["figure"] == pytest.approx(-0.5 * SYMMETRIC, rel=1e-6)
+    assert angle["met"] is True
+    assert found["Energy of the crank mechanism"]["met"] is True
+
+
+@pytest.mark.parametrize(("unbounded", "error"), [([True, False], 0.25), ([True, True], None)])
+def test_power_is_compared_where_vibration_is_bounded(unbounded, error):
+    power = SimpleNamespace(
+        unbounded=np.array([unbounded]),
+        dissipated=np.array([[9.0, 4.0]]),
+        error=0.25,
+        dashpot_names=(),
+    )
+    response = SimpleNamespace(speeds=np.array([10.0, 20.0]))
+    found = forced_records._power(SimpleNamespace(power=power, response=response))
+    assert found["error"] == error
+
+
+def test_where_vibration_is_unbounded_at_all_speeds_its_power_is_not_judged(stored):
+    results = copy.deepcopy(stored)
+    results["vibration"]["forced"]["axial"]["power"]["error"] = None
+    found = checks_of(results)["Power of the axial vibration"]
+    assert (found["figure"], found["met"]) == (None, None)
+    assert check_figure(found) == "none"

@@ -4,6 +4,9 @@ What draws the curves is tested where it lives; here it is tested that the right
 """
 
 import inspect
+import re
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,6 +26,7 @@ from crankfem.hinge_file import load_hinge
 from crankfem.hinge_run import run_hinge
 from crankfem.mechanism_file import load_mechanism
 from crankfem.mechanism_run import run_mechanism
+from crankfem.pictures import vibration_pictures
 from crankfem.pictures.vibration_panels import short_name
 from crankfem.studies import fitted
 from crankfem.vibration.run import engine_vibration
@@ -65,6 +69,8 @@ DEPICTED_ELSEWHERE = {
     "Unbalance": "two vectors",
     "Web": "a part of a throw, which draws it",
 }
+# What a plot may take by its place: which of several things is drawn.
+PLACES = {"place", "node", "element", "cylinder", "throw", "point"}
 PACKAGES = ("geometry", "fem", "regression", "crankfem")
 
 
@@ -95,11 +101,35 @@ def test_every_public_result_draws_itself_or_says_why_not():
     assert set(DEPICTED_ELSEWHERE) <= set(public_classes())
 
 
+def said_of_classes():
+    """Of each class in the table of the page on plots, whether it draws, tabulates, makes a grid."""
+    page = Path(__file__).parents[2] / "docs/plots.md"
+    said = {}
+    for line in page.read_text(encoding="utf-8").splitlines():
+        if line.startswith("| `"):
+            first, *cells = (cell.strip() for cell in line.strip("|").split("|"))
+            for name in re.findall(r"`(\w+)`", first):
+                assert name in cf.__all__, name
+                assert name not in said, f"{name} has two rows"
+                said[name] = tuple(bool(cell) for cell in cells)
+    return {name: own for name, own in said.items() if inspect.isclass(getattr(cf, name))}
+
+
+def test_the_table_of_results_is_true():
+    classes = {name: one for name in cf.__all__ if inspect.isclass(one := getattr(cf, name))}
+    methods = ("plot", "to_pandas", "to_xarray")
+    has = {name: tuple(hasattr(one, own) for own in methods) for name, one in classes.items()}
+    assert said_of_classes() == {name: own for name, own in has.items() if any(own)}
+
+
 def test_all_plots_take_axes_first():
-    for name, one in public_classes().items():
-        if hasattr(one, "plot"):
-            _, axes, *_ = inspect.signature(one.plot).parameters.values()
+    for name in cf.__all__:
+        one = getattr(cf, name)
+        if inspect.isclass(one) and hasattr(one, "plot"):
+            _, axes, *others = inspect.signature(one.plot).parameters.values()
             assert (axes.name, axes.default) == ("axes", None), name
+            named = {one.name for one in others if one.kind is not one.POSITIONAL_OR_KEYWORD}
+            assert {one.name for one in others} - named <= PLACES, name
 
 
 # ----------------------------------------------------------------------------------- studies
@@ -138,7 +168,8 @@ def test_parity_of_a_study(study):
 @pytest.mark.parametrize("show", ["errors", "response", "effects", "elasticities", "sobol"])
 def test_other_diagrams_of_a_study(study, show):
     given = pyplot.figure().add_subplot()
-    assert study.plot(given, show=show, factor="web_thickness") is given
+    along = {"factor": "web_thickness"} if show == "response" else {}
+    assert study.plot(given, show=show, **along) is given
     assert given.get_xlabel()
     assert given.lines or given.patches
 
@@ -165,13 +196,19 @@ def test_forms_of_a_response(study):
     [
         ({"show": "all"}, "show: given 'all'; allowed are parity, errors, response, effects, "),
         ({"response": "mass"}, "response: given 'mass'; allowed are axial_compliance, because"),
-        ({"factor": "fillet"}, "factor: given 'fillet'; allowed are web_width, web_thickness, "),
+        (
+            {"show": "response", "factor": "fillet"},
+            "factor: given 'fillet'; allowed are web_width, web_thickness, ",
+        ),
+        ({"factor": "web_width"}, "factor: given 'web_width' with 'parity'; allowed is none, "),
+        ({"show": "sobol", "form": "linear"}, "form: given 'linear' with 'sobol'; allowed is none"),
         ({"form": "magic"}, "form: given 'magic'; allowed are"),
     ],
 )
 def test_a_study_refuses_what_it_has_not(study, options, message):
     with pytest.raises(InputError, match=message):
         study.plot(**options)
+    assert not pyplot.get_fignums()
 
 
 # ---------------------------------------------------------------------------------- formulas
@@ -187,6 +224,9 @@ def test_formulas_of_a_throw_in_bars(dimensions):
     twist = FormulaValue(1e-8, True, (), "", "rad/(N m)", "corrected")
     with pytest.raises(InputError, match=r"found: given values in m/N, rad/\(N m\); allowed are"):
         plot_formulas({**found, "twist": twist})
+    for wrong in ("a", -3):
+        with pytest.raises(InputError, match=r"finite_elements: given .*; allowed are"):
+            plot_formulas(found, finite_elements=wrong)
 
 
 def test_formulas_over_the_angle(dimensions):
@@ -217,6 +257,8 @@ def test_a_runs_formulas():
     axes = plot_run_formulas(results)
     assert axes.lines[0].get_ydata() == pytest.approx([np.nan, 2.0], nan_ok=True)
     assert axes.lines[1].get_ydata() == pytest.approx([0.3, 1.2])
+    with pytest.raises(InputError, match="results: given some without angle_law and throw"):
+        plot_run_formulas({})
 
 
 def test_the_spread_of_formulas():
@@ -249,8 +291,20 @@ def test_a_mechanism(mechanism):
     assert not balanced.has_data()
     frame = mechanism.to_pandas()
     assert frame["work"].tolist() == [one.work for one in mechanism.works]
-    with pytest.raises(InputError, match="number: given 8; allowed is 1 to 7 for bearing, because"):
-        mechanism.plot(show="bearing", number=8)
+    for options, message in (
+        ({"show": "bearing", "number": 8}, "number: given 8; allowed is 1 to 7 for the bearings, "),
+        (
+            {"show": "forces", "number": 99},
+            "number: given 99; allowed is 1 to 6 for the cylinders, ",
+        ),
+        ({"number": 1}, "number: given 1 with 'torque'; allowed is none, because"),
+        (
+            {"show": "pressure", "frame": "crank"},
+            "frame: given 'crank' with 'pressure'; allowed is",
+        ),
+    ):
+        with pytest.raises(InputError, match=message):
+            mechanism.plot(**options)
 
 
 # --------------------------------------------------------------------------------- vibration
@@ -303,7 +357,23 @@ def test_what_an_engines_vibration_is_made_of(vibration):
         [one.elastic_frequencies[0] for one in free.others]
     )
     assert free.to_pandas()["speed"].tolist() == [one.critical.speed for one in free.criticals]
-    assert len(forced.to_pandas()) == len(forced.resonances)
+    frame = forced.to_pandas()
+    assert len(frame) == len(forced.resonances)
+    assert frame.attrs["units"]["amplitude"] == "rad"
+    # Both tables of a chain count its elastic modes from 1.
+    numbers = {
+        one.critical.frequency: mode
+        for one, mode in zip(free.criticals, free.to_pandas()["mode"], strict=True)
+    }
+    assert all(
+        numbers.get(one.frequency, mode) == mode
+        for one, mode in zip(forced.resonances, frame["mode"], strict=True)
+    )
+    for wrong in ({"show": "sources", "count": 2}, {"count": "a"}, {"count": 0}, {"count": -2}):
+        with pytest.raises(InputError, match="count: given"):
+            free.plot(**wrong)
+    with pytest.raises(InputError, match=r"barred: given .* with 'power'; allowed is none"):
+        forced.plot(show="power", barred=[(80.0, 90.0)])
     assert forced.to_xarray().sizes["speed"] == len(forced.response.speeds)
     assert vibration.forced_axial.plot(show="axial forces").has_data()
 
@@ -331,11 +401,33 @@ def test_what_an_engines_vibration_is_made_of(vibration):
 
 
 @pytest.mark.slow
+def test_campbell_diagrams_without_gas_have_dots_in_files_too(vibration, tmp_path, monkeypatch):
+    drawn = {}
+    monkeypatch.setattr(
+        vibration_pictures,
+        "plot_response_campbell",
+        lambda path, *given, **_: drawn.update({path.stem: given[3]}),
+    )
+    free = replace(vibration, forced_axial=None, forced_torsional=None, assessment=None)
+    for one in vibration_pictures.vibration_pictures(tmp_path, free):
+        if one.path.stem.endswith("campbell"):
+            one.draw(one.path)
+    own = {f"{one.kind}_campbell": one.criticals for one in (free.axial, free.torsional)}
+    assert {name: [dot.frequency for dot in found] for name, found in drawn.items()} == {
+        name: [one.critical.frequency for one in found] for name, found in own.items()
+    }
+    assert all(drawn.values())
+
+
+@pytest.mark.slow
 def test_a_run_up(vibration):
     found = run_up(vibration, 0.5)
     assert found.largest[found.worst] == max(found.largest)
     assert found.plot().has_data()
-    assert found.to_pandas()["largest"].to_numpy() == pytest.approx(found.largest)
+    frame = found.to_pandas()
+    assert frame["largest"].to_numpy() == pytest.approx(found.largest)
+    name = frame["element"][found.worst]
+    assert found.plot(element=name).get_title(loc="left") == name
 
 
 @pytest.mark.slow

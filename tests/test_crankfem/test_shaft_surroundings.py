@@ -8,7 +8,7 @@ import pytest
 
 from crankfem.data_files import engine_path
 from crankfem.engine_file import load_engine
-from crankfem.vibration.assessment import even_firing_interval
+from crankfem.vibration.engine_limits import even_firing_interval
 from crankfem.vibration.modes import axial_weights
 from crankfem.vibration.shaft_surroundings import shaft_surroundings
 from crankfem.vibration.whole_damping import modal_damping

@@ -9,10 +9,12 @@ import pytest
 
 from crankfem.data_files import engine_path
 from crankfem.engine_file import load_engine
-from crankfem.mechanism_file import load_mechanism
+from crankfem.mechanism_file import load_mechanism, mechanism_of
 from crankfem.pictures.vibration_pictures import picture_vibration
+from crankfem.vibration.assessment import assess
 from crankfem.vibration.chains import damped_engine_chain, engine_torsional_chain
-from crankfem.vibration.forced import nominal_section_modulus
+from crankfem.vibration.excitation import engine_harmonics
+from crankfem.vibration.forced import forced_vibrations, nominal_section_modulus
 from crankfem.vibration.forced_records import forced_record, write_forced
 from crankfem.vibration.records import run_record
 from crankfem.vibration.run import engine_vibration
@@ -162,6 +164,58 @@ def test_what_is_asked_for_most_has_a_short_name(run, coarse):
 
 
 @pytest.mark.slow
+def test_worst_use_does_not_depend_on_what_else_is_calculated(run):
+    """Another grid of speeds, as with the whole crankshaft; refined to 2e-6 of the use either way."""
+    engine = run.engine_file
+    forced = forced_vibrations(
+        engine,
+        engine_harmonics(engine, mechanism_of(engine)),
+        run.axial,
+        run.torsional,
+        run.shaft,
+        run.analysis,
+        (71.3, 96.9, 143.0),
+    )
+    assert forced[0].response.speeds.size > run.forced_axial.response.speeds.size
+    other = assess(engine, *forced, run.analysis).verdict.checks[0]
+    assert other.worst_speed == pytest.approx(run.worst_check.worst_speed, rel=1e-4)
+    assert other.used == pytest.approx(run.worst_check.used, rel=1e-5)
+
+
+@pytest.mark.slow
+def test_resonances_are_listed_at_all_speeds_judged(run):
+    engine, found = run.engine_file.engine, run.forced_torsional
+    end = 1.15 * engine.rated_speed
+    assert found.judged_range == pytest.approx((engine.lowest_speed, end))
+    speeds = [one.speed for one in found.resonances]
+    above = [one for one in found.resonances if not one.in_running_range]
+    meeting = {
+        k: 2.0 * math.pi * run.torsional.chosen.elastic_frequencies[0] / k
+        for k in found.response.orders
+    }
+    expected = {k for k, speed in meeting.items() if engine.highest_speed < speed <= end}
+    assert expected
+    assert {one.order for one in above} == expected
+    assert speeds == sorted(speeds)
+    criticals = run.torsional.criticals
+    assert [one.critical.speed for one in criticals] == pytest.approx(speeds)
+    assert [one.in_running_range for one in criticals] == [
+        one.in_running_range for one in found.resonances
+    ]
+    record = forced_record(found)
+    assert [one["in_running_range"] for one in record["resonances"]].count(False) == len(above)
+    assert record["judged_rpm"][1] == pytest.approx(end * 30.0 / math.pi)
+    # The worst speed lies at a resonance, which the verdict names.
+    worst = run.worst_check
+    nearest = min(found.resonances, key=lambda one: abs(one.speed - worst.worst_speed))
+    assert worst.near.startswith(f"order {nearest.order:g} of torsional mode {nearest.mode} (")
+    assert f", near {worst.near}" in run.assessment.verdict.sentence
+    axes = run.assessment.plot()
+    assert axes.get_xlim()[1] == pytest.approx(end * 30.0 / math.pi)
+    assert "highest running speed" in [line.get_label() for line in axes.lines]
+
+
+@pytest.mark.slow
 def test_exciting_forces_do_not_depend_on_the_chains_compliances(coarse, run):
     engine = run.engine_file
     settings = engine.vibration.model_copy(update={"axial_source": "fe pinned"})
@@ -284,7 +338,7 @@ def test_vibration_command(call, monkeypatch, tmp_path):
     )
     answer = call("vibration", "8chn13-14", "--csv", tmp_path / "csv", "--pictures", tmp_path / "p")
     words = " ".join(answer.out.split())
-    assert "Torsional resonances in the running range" in words
+    assert "Torsional resonances at the speeds judged: the running range to" in words
     assert "Verdict: Not acceptable: torsional stress of crankshaft" in words
     assert (tmp_path / "csv" / "axial.csv").is_file()
     assert (tmp_path / "p" / "torsional_stress.svg").is_file()

@@ -24,11 +24,14 @@ from crankfem.vibration.run import engine_vibration
 from crankfem.vibration.sources import compliances_in_shaft
 from crankfem.vibration.whole_records import whole_record
 from crankfem.vibration.whole_shaft import (
+    ShaftComparison,
     highest_exciting_frequency,
     shaft_response,
+    whole_beside,
     whole_shaft,
 )
 from dynamics.chains.chain import Chain
+from dynamics.crankshaft.chain_comparison import ModeMatch, ResponseMatch, chain_verdict
 from dynamics.crankshaft.shaft_system import crankshaft_system
 from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
@@ -189,3 +192,25 @@ def test_chains_with_more_behind_the_flywheel_are_not_compared(six, monkeypatch)
     record = whole_record(run.whole, run.comparison)
     assert record["chains"] == {}
     assert record["axial_split"]["both"] > 1e-6
+
+
+def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
+    def verdict(kind, chain_peak, shaft_peak, frequencies=(100.0, 100.0), share=0.99):
+        speeds = np.array([10.0, 20.0])
+        match = ModeMatch(kind, 1, frequencies[0], 6, frequencies[1], share, 1.0, 1, 6)
+        peaks = [np.array([0.0, peak]) for peak in (chain_peak, shaft_peak)]
+        return chain_verdict([match], ResponseMatch(kind, speeds, *peaks))
+
+    good = verdict("axial", 1e-4, 1.01e-4)
+    assert whole_beside(ShaftComparison(None, good, verdict("torsional", 1e-2, 1.05e-2))) == ()
+    bad = ShaftComparison(None, good, verdict("torsional", 13.1e-3, 8.752e-3, (118.5, 126.4)))
+    assert whole_beside(bad) == (
+        "Judged with chains; the whole crankshaft differs: torsional amplitude of the free end 8.75 instead "
+        "of 13.1 mrad.",
+    )
+    other = verdict("axial", 1.266e-3, 1.27e-3, (105.6, 115.0))
+    mixed = verdict("torsional", 1e-2, 1e-2, share=0.48)
+    (said,) = whole_beside(ShaftComparison(None, other, mixed))
+    assert "torsional mode 1 is torsional by 48 % only; axial mode 1 at 115.0 instead of" in said
+    (said,) = whole_beside(ShaftComparison(None, verdict("axial", 1.266e-3, np.inf)))
+    assert "axial amplitude of the free end unbounded instead of 1266 um" in said

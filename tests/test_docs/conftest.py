@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 import crankfem as cf
 from crankfem import cli
 from crankfem.pictures import stress_picture
+from crankfem.pictures.offscreen import OffscreenProcess
 from crankfem.pipeline import RunResult, run_engine
 from fem import fillet_stress
 from fem.analysis import analyze_throw
@@ -185,7 +186,7 @@ class NotRendered:
     """The rendering of a machine without an OpenGL library."""
 
     def __init__(self, *_):
-        pass
+        self.files = {}
 
     def wait(self):
         raise MissingLibraryError("there is no OpenGL library")
@@ -257,9 +258,9 @@ class Runner:
 
 
 def put_everywhere(monkeypatch, original, other):
-    """Put another function in the place of one, in all modules that have imported it."""
+    """Put another function or class in the place of one, in all modules that have imported it."""
     name = original.__name__
-    getattr(cf, name)  # crankfem keeps what it has once given
+    getattr(cf, name, None)  # crankfem keeps what it has once given
     for module in list(sys.modules.values()):
         if vars(module).get(name) is original:
             monkeypatch.setattr(module, name, other)
@@ -274,7 +275,8 @@ def run_page(monkeypatch, tmp_path, coarse_stresses):
     put_everywhere(monkeypatch, analyze_throw, analyzed)
     put_everywhere(monkeypatch, fillet_stress.fillet_stresses, stressed)
     put_everywhere(monkeypatch, stress_picture.picture_stresses, lambda *_: ())
-    monkeypatch.setattr("crankfem.pipeline.Rendering", NotRendered)
+    for kind in OffscreenProcess.__subclasses__():
+        put_everywhere(monkeypatch, kind, NotRendered)
 
     def run(page):
         blocks = blocks_of(page.read_text(encoding="utf-8"))

@@ -47,6 +47,7 @@ from dynamics.hinge.profile import hinge_profile
 from dynamics.hinge.running import SteadyHingeTurn
 from dynamics.hinge.spring import GasSpring
 from dynamics.mechanism.rods import ConnectingRod
+from dynamics.plots.order_kinds import KIND_COLORS
 from dynamics.response.campbell_diagram import campbell_diagram
 from dynamics.response.damping import damped
 from dynamics.response.excitation import OrderExcitation
@@ -389,7 +390,7 @@ CASES = {
     ),
     "CylinderForces": (
         cylinder_forces,
-        {"cylinder": 2, "component": "radial"},
+        {"cylinder": 2, "show": "radial"},
         2,
         0,
         lambda o: {"order 0.5": (rpm_of(o), 1e-3 * np.abs(o.radial[0, :, 1]))},
@@ -404,11 +405,9 @@ CASES = {
     "PressureMap": (
         pressures,
         {},
-        2,
+        1,
         0,
-        lambda o: {
-            "954.93 1/min, load 1": over_cycle(o.diagrams[1].angles, 1e-6 * o.diagrams[1].pressure)
-        },
+        lambda o: {"954.9 1/min": over_cycle(o.diagrams[1].angles, 1e-6 * o.diagrams[1].pressure)},
     ),
     "PressureMap, at": (pressures, {"speed": 100.0, "load": 0.75}, 1, 0, None),
     "Harmonics": (
@@ -464,7 +463,7 @@ CASES = {
     ),
     "Balance": (
         lambda: balance(engine(), 100.0),
-        {"of": "moment"},
+        {"show": "moment"},
         None,
         0,
         lambda o: {"order 1": tuple(np.array([-1e-3, 1e-3])[:, None] * o.of(1).moment.points(361))},
@@ -493,7 +492,7 @@ CASES = {
             None: (closed(1e3 * o.volume.at(o.pressure.angles)), closed(1e-6 * o.pressure.pressure))
         },
     ),
-    "GasCycleResult, angle": (cycle, {"over": "angle"}, 1, 0, None),
+    "GasCycleResult, angle": (cycle, {"show": "pressure"}, 1, 0, None),
     "SteadyMotion": (
         steady,
         {"place": 1, "quantity": "force"},
@@ -550,7 +549,7 @@ CASES = {
     "FreeTurning": (free_turning, {}, 1, 0, lambda o: {"speed": (o.time, RPM * o.speed)}),
     "FreeTurning, work": (
         free_turning,
-        {"of": "work"},
+        {"show": "work"},
         4,
         0,
         lambda o: {"gravity": (o.time, 1e-3 * o.gravity.work)},
@@ -579,7 +578,7 @@ CASES = {
     ),
     "HingeProfile, moment": (
         profile,
-        {"of": "moment"},
+        {"show": "moment"},
         1,
         0,
         lambda o: {"moment": over_cycle(o.angles, 1e-3 * o.moment)},
@@ -660,7 +659,7 @@ CASES = {
     ),
     "SizedDamper, sizes": (
         sized,
-        {"over": "size"},
+        {"show": "sizes"},
         2,
         0,
         lambda o: {None: (o.sizes, 100.0 * o.used_at_best)},
@@ -719,6 +718,33 @@ def test_unbounded_vibration_leaves_gaps_and_says_so():
     assert np.isfinite(np.abs(grid.motion.sel(order=1.0))).all()
 
 
+def test_a_pressure_map_draws_one_load():
+    found = pressures()
+    axes = found.plot(Figure().subplots(), load=0.5)
+    assert axes.get_title(loc="left") == "Gas pressure at load 0.5"
+    assert axes.lines[0].get_ydata().max() == pytest.approx(1e-6 * found.diagrams[0].pressure.max())
+    speeds = [50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 110.0]
+    many = pressure_map([(speed, 1.0, gas()) for speed in speeds], method="linear")
+    axes = many.plot(Figure().subplots())
+    assert len({tuple(line.get_color()) for line in axes.lines}) == len(speeds)
+    with pytest.raises(InputError, match=r"^load: given 0.7 without a speed; allowed are 0.5, 1,"):
+        found.plot(load=0.7)
+
+
+def test_a_verdict_draws_the_worst_five_and_counts_the_rest():
+    curves = [AmplitudeCurve(f"shaft {n}", SPEEDS, np.full(5, 5e6 * n)) for n in range(1, 8)]
+    limit = verdict().checks[0].limit
+    found = judge([(limit, one) for one in curves], (60.0, 140.0), BarredRangeRule(140.0))
+    axes = found.plot(Figure().subplots())
+    *drawn, rest, permitted = axes.lines
+    names = [line.get_label() for line in drawn]
+    assert names == [f"torsional stress of shaft, shaft {n}" for n in (7, 6, 5, 4, 3)]
+    assert rest.get_label() == "and 2 more, used less"
+    colors = {line.get_color() for line in drawn}
+    assert len(colors) == 5
+    assert permitted.get_color() not in colors
+
+
 @pytest.mark.parametrize(
     ("make", "options", "words"),
     [
@@ -729,26 +755,100 @@ def test_unbounded_vibration_leaves_gaps_and_says_so():
         (torque, {"throw": 3}, "throw: given 3"),
         (forces, {"cylinder": 0}, "cylinder: given 0"),
         (cylinder_forces, {"cylinder": 3}, "cylinder: given 3"),
-        (cylinder_forces, {"component": "axial"}, "component: given 'axial'"),
-        (pin_harmonics, {"component": "axial"}, "component: given 'axial'"),
+        (cylinder_forces, {"show": "axial"}, "show: given 'axial'"),
+        (pin_harmonics, {"show": "axial"}, "show: given 'axial'"),
         (axial_comparison, {"throw": 0}, "throw: given 0"),
         (load_diagram, {"frame": "world"}, "frame: given 'world'"),
-        (cycle, {"over": "time"}, "over: given 'time'"),
-        (free_turning, {"of": "heat"}, "of: given 'heat'"),
-        (profile, {"of": "heat"}, "of: given 'heat'"),
-        (sized, {"over": "time"}, "over: given 'time'"),
+        (cycle, {"show": "time"}, "show: given 'time'"),
+        (free_turning, {"show": "heat"}, "show: given 'heat'"),
+        (profile, {"show": "heat"}, "show: given 'heat'"),
+        (sized, {"show": "time"}, "show: given 'time'"),
         (samples, {"place": 1}, "place: given 1"),
         (modes, {"count": 0}, "count: given 0"),
         (shaft_modes, {"mode": 3}, "mode: given 3"),
         (shaft_modes, {"mode": 1}, "radius: given none"),
         (lambda: steady(unbounded=True), {}, "speed: given"),
         (steady, {"quantity": "heat"}, "quantity: given 'heat'"),
-        (lambda: run().envelope(), {"over": "angle"}, "quantity, over: given 'torque', 'angle'"),
+        (lambda: run().envelope(), {"over": "angle"}, "over: given 'angle'"),
     ],
 )
 def test_what_cannot_be_drawn_is_refused(make, options, words):
     with pytest.raises(InputError, match=f"^{words}"):
         make().plot(Figure().subplots(), **options)
+
+
+NAN = math.nan
+# Of each result: options that are wrong, of which each is refused in one sentence.
+SERIES_OPTIONS = {
+    "limits": [{"a": [1.0, 2.0]}, {"a": "x"}, {"a": NAN}, {"a": [-1.0] * 5}, 3],
+    "barred": [[(1,)], 3, [(80, 70)], [(NAN, 70)], ["ab"]],
+    "main_orders": [1.5, "a", -1, True],
+    "quantity": [3, ["twist"]],
+}
+ORDERS = {"main_orders": [1.5, "a", -1, 0]}
+RUN_OPTIONS = {"steady": [3, ([1, 2], [1]), ([2, 1], [1, 1]), ("a", "b")], "turns": [0, 1.5]}
+PLACES = {"place": ["nobody", 99, -1, 1.5, None, True]}
+WRONG = {
+    "ForcedResponse": (response, SERIES_OPTIONS),
+    "ElementLoads": (loads, SERIES_OPTIONS | {"part": [["elastic"]]}),
+    "OrderSeries": (lambda: response().nodes, SERIES_OPTIONS | PLACES),
+    "OrderExcitation": (lambda: response().excitation, ORDERS),
+    "CylinderForces": (cylinder_forces, ORDERS | {"show": [["radial"]]}),
+    "AxialForceComparison": (axial_comparison, ORDERS),
+    "Synthesis": (lambda: response().synthesis, PLACES),
+    "Samples": (samples, PLACES | {"bins": [0, -3, "z", 1.5]}),
+    "TransientMotion": (run, RUN_OPTIONS | PLACES | {"quantity": [["twist"]]}),
+    "TurningRun": (turning_run, RUN_OPTIONS),
+    "Balance": (lambda: balance(engine(), 100.0), {"show": ["torque", 3, None]}),
+    "Hodograph": (lambda: Hodograph(1, 100.0, 20.0), {"quantity": ["torque", 3, None]}),
+    "CoupledResponse": (coupled, {"point": ["x", 3]}),
+    "LoadDiagram": (load_diagram, {"mark_step_deg": [0, NAN, "a"], "frame": [3]}),
+    "ShaftModes": (shaft_modes, {"radius": [0.1], "count": [0, "a"]}),
+    "PressureMap": (pressures, {"speed": [1e9, "x"], "load": [99, "x", NAN]}),
+    "Envelope": (lambda: run().envelope(), {"over": ["angle", 3], "quantity": [["torque"]]}),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_options_are_refused_before_anything_is_drawn(name, monkeypatch):
+    def no_figure(**_):
+        raise AssertionError("a figure was made before the options were looked at")
+
+    monkeypatch.setattr("matplotlib.pyplot.subplots", no_figure)
+    make, wrong = WRONG[name]
+    for option, values in wrong.items():
+        for value in values:
+            with pytest.raises(InputError, match=r"^[^;]*: given .*; allowed .*, because .*\.$"):
+                make().plot(**{option: value})
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"orders": []},
+        {"orders": [0.0, 1.0]},
+        {"orders": [-1.0]},
+        {"orders": [NAN]},
+        {"frequencies": [NAN]},
+        {"frequencies": [-3.0]},
+        {"speed_range": (150.0, 50.0)},
+        {"speed_range": (NAN, 50.0)},
+        {"speed_range": (1.0, 2.0, 3.0)},
+        {"speed_range": "ab"},
+    ],
+)
+def test_a_campbell_diagram_refuses_what_has_no_place_in_it(options):
+    given = {"frequencies": [20.0], "orders": [1.0], "speed_range": (50.0, 150.0)}
+    with pytest.raises(InputError, match=r"; allowed .*, because .*\.$"):
+        campbell_diagram(**(given | options), axes=Figure().subplots())
+
+
+def test_tables_refuse_wrong_options():
+    with pytest.raises(InputError, match=r"^count: given -1; allowed"):
+        Hodograph(1, 100.0, 20.0).to_pandas(count=-1)
+    for found in (run(), steady(), run().envelope()):
+        with pytest.raises(InputError, match=r"^quantity: given 'noise'; allowed"):
+            found.to_xarray("noise")
 
 
 # Of each table: the object, and some columns with their values and units.
@@ -808,9 +908,14 @@ TABLES = {
     ),
     "ChainVerdict": (
         lambda: ChainVerdict(
-            "axial", True, (), (ModeMatch("axial", 1, 50.0, 3, 51.0, 0.9, 0.99),), None
+            "axial", True, (), (ModeMatch("axial", 1, 50.0, 9, 51.0, 0.9, 0.99, 1, 6),), None
         ),
-        lambda _: {"chain_frequency": ([50.0], "Hz"), "difference": ([50.0 / 51.0 - 1.0], "1")},
+        lambda _: {
+            "mode": ([1], "1"),
+            "shaft_mode": ([4], "1"),
+            "chain_frequency": ([50.0], "Hz"),
+            "difference": ([50.0 / 51.0 - 1.0], "1"),
+        },
     ),
     "AmplitudeCurve": (
         lambda: verdict().checks[0].curve,
@@ -901,15 +1006,21 @@ GRIDS = {
         forces,
         lambda o: {"crankpin": (("cylinder", "shaft_angle"), o.crankpin, "N")},
     ),
-    "SteadyMotion": (steady, lambda o: {"motion": (("shaft_angle", "node"), o.motion, "rad")}),
-    "TransientMotion": (run, lambda o: {"torque": (("time", "element"), o.torque, "N m")}),
+    "SteadyMotion": (
+        steady,
+        lambda o: {"motion": (("shaft_angle", "node"), o.motion, "rad or m")},
+    ),
+    "TransientMotion": (
+        run,
+        lambda o: {"torque": (("time", "element"), o.torque, "N m or N")},
+    ),
     "TurningRun": (
         turning_run,
         lambda o: {"strain_energy": (("time",), o.strain_energy, "J")},
     ),
     "Envelope": (
         lambda: run().envelope(),
-        lambda o: {"motion": (("time", "node"), o.motion, "rad")},
+        lambda o: {"motion": (("time", "node"), o.motion, "rad or m")},
     ),
     "TurningCycle": (
         turning_cycle,
@@ -934,6 +1045,18 @@ GRIDS = {
 }
 
 
+def arrays_of(found, depth=0):
+    """Arrays that an object holds, and those of its parts down to the third level."""
+    if isinstance(found, np.ndarray):
+        yield found
+    elif isinstance(found, tuple | list) and depth < 3:
+        for one in found:
+            yield from arrays_of(one, depth + 1)
+    elif hasattr(found, "__dict__") and depth < 3:
+        for one in list(vars(found).values()):
+            yield from arrays_of(one, depth + 1)
+
+
 @pytest.mark.parametrize("name", GRIDS)
 def test_grids_hold_the_numbers_over_named_coordinates(name):
     make, expected = GRIDS[name]
@@ -941,6 +1064,7 @@ def test_grids_hold_the_numbers_over_named_coordinates(name):
     grid = found.to_xarray()
     for array in (*grid.data_vars.values(), *grid.coords.values()):
         assert {"units", "long_name"} <= set(array.attrs)
+        assert not any(np.shares_memory(array.values, own) for own in arrays_of(found))
     for variable, (dimensions, values, unit) in expected(found).items():
         array = grid[variable]
         assert array.dims == dimensions
@@ -962,6 +1086,7 @@ def test_campbell_diagram_has_a_dot_at_each_resonance():
     axes = campbell_diagram(natural, [1.0, 2.0], (50.0, 150.0), found, given)
     assert axes is given
     dots = [line for line in axes.lines if line.get_marker() == "o" and len(line.get_xdata())]
+    assert {line.get_color() for line in dots} <= set(KIND_COLORS.values())
     assert [line.get_xdata()[0] for line in dots] == [one.speed_rpm for one in found]
     assert [line.get_ydata()[0] for line in dots] == [one.frequency for one in found]
     assert axes.get_xlabel() == "crankshaft speed [1/min]"
@@ -970,7 +1095,7 @@ def test_campbell_diagram_has_a_dot_at_each_resonance():
 def test_units_follow_what_the_values_are():
     assert response().to_xarray("twist").motion.attrs["units"] == "rad"
     assert loads().to_xarray("force").elastic.attrs["units"] == "N"
-    assert run().to_xarray(axial=True).motion.attrs["units"] == "m"
+    assert run().to_xarray("displacement").motion.attrs["units"] == "m"
     assert Hodograph(1, 1.0, 1.0).to_pandas("N m").attrs["units"]["y"] == "N m"
 
 
@@ -981,6 +1106,10 @@ def test_lists_of_records_become_tables():
     assert frame.attrs["units"]["equilibrium"] == "rad or m"
     speeds = critical_speeds([30.0, 60.0], [1.0, 2.0], (50.0, 400.0))
     assert list(table_of(speeds)["speed"]) == [one.speed for one in speeds]
+    # Of elastic frequencies, critical speeds have the numbers that resonances have.
+    assert list(table_of(speeds)["mode"]) == [
+        1 + (30.0, 60.0).index(one.frequency) for one in speeds
+    ]
     barred = table_of(verdict().barred)
     assert list(barred["low"]) == [one.low for one in verdict().barred]
     assert bool(barred["allowed"].all())

@@ -138,6 +138,12 @@ def test_the_angle_law(analysis):
     frame = law.to_pandas([0.0, 180.0])
     assert frame["axial_compliance"].tolist() == pytest.approx([law.in_line, law.opposite])
     assert law.to_xarray([90.0]).axial_compliance.item() == law.axial(90.0)
+    for wrong in ([[0.0, 1.0]], [], [[0.0], [1.0, 2.0]]):
+        for to in (law.to_pandas, law.to_xarray):
+            with pytest.raises(InputError, match=r"gamma_deg: given .*; allowed are one or more"):
+                to(wrong)
+    with pytest.raises(InputError, match=r"quantity: given .*; allowed are axial_compliance"):
+        law.plot(quantity=["axial_compliance"])
 
 
 def test_loads_and_motions_as_tables(analysis):
@@ -158,6 +164,9 @@ def test_a_shaft_in_bars_and_cells(shaft):
     axes = shaft.plot(quantity="torsional")
     assert [bar.get_height() for bar in axes.patches] == pytest.approx(shaft.torsional * 1e9)
     assert "rad/(N m)" in axes.get_ylabel()
+    axes = shaft.plot(quantity="through")
+    assert [bar.get_height() for bar in axes.patches] == pytest.approx(shaft.through * 1e9)
+    assert axes.get_ylabel().endswith("[$10^{-9}$ 1/N]")
     axes = shaft.plot(quantity="influence")
     assert np.asarray(axes.images[0].get_array()) == pytest.approx(shaft.influence * 1e9)
     assert len(axes.texts) == 9

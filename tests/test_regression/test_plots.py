@@ -127,6 +127,12 @@ def test_a_model_over_one_factor(model):
         InputError, match="over: given 'mass'; allowed are web_width, web_thickness"
     ):
         model.plot(over="mass")
+    for swept, given in (
+        ("web_width", {"web_width": 0.31}),
+        ("gamma_deg", {"gamma_deg": 60.0}),
+    ):
+        with pytest.raises(InputError, match=f"{swept}: given .* with 'over={swept}'; allowed is"):
+            model.plot(over=swept, **given)
 
 
 def test_a_model_beyond_its_range_says_so(model):
@@ -154,6 +160,11 @@ def test_a_model_as_table_and_grid(model):
         InputError, match=r"points: given a grid of 4,000,000; allowed are 1,000,000"
     ):
         model.to_xarray(points=2000)
+    for wrong in (-1, 0, 1, 1.5, None, True):
+        with pytest.raises(
+            InputError, match=r"points: given .*; allowed are whole numbers of 2 or"
+        ):
+            model.to_xarray(points=wrong)
 
 
 @pytest.fixture

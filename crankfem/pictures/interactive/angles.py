@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.pictures.interactive.style import (
-    FORMULA_LOOKS,
     QUIET_COLOR,
     Figure,
     Part,
@@ -17,10 +16,11 @@ from crankfem.pictures.interactive.style import (
     layout,
     level,
     line,
+    literal,
     shown_in_turn,
 )
 from crankfem.pictures.interactive.writing import write_figure
-from geometry.diagram_style import GRAY, make_folder
+from geometry.diagram_style import CURVES, GRAY, make_folder
 from regression.formulas.angle_factors import ANGLE_FACTORS, AngleFactors
 
 Array = NDArray[np.float64]
@@ -101,8 +101,10 @@ def formulas_over_angle(
         )
     ]
     for number, (name, values) in enumerate(formulas.items()):
-        color, dash = FORMULA_LOOKS[number % len(FORMULA_LOOKS)]
-        traces.append(line(gammas, NANO * values, name, color, name + told, width=2.0, dash=dash))
+        color, dash = CURVES[number % len(CURVES)]
+        traces.append(
+            line(gammas, NANO * values, name, color, literal(name) + told, width=2.0, dash=dash)
+        )
     notes = [
         {
             "x": 0.0,
@@ -162,7 +164,7 @@ def angle_factors(
     owners = []
     for place, part in enumerate(PARTS):
         for number, (name, factors) in enumerate(formulas.items()):
-            color, dash = FORMULA_LOOKS[number % len(FORMULA_LOOKS)]
+            color, dash = CURVES[number % len(CURVES)]
             values = getattr(factors, part)
             traces.append(
                 line(
@@ -170,7 +172,7 @@ def angle_factors(
                     values,
                     name,
                     color,
-                    name + told,
+                    literal(name) + told,
                     width=2.0,
                     dash=dash,
                     visible=place == 0,

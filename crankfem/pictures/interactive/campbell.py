@@ -17,6 +17,7 @@ from crankfem.pictures.interactive.style import (
     number,
 )
 from crankfem.record import RPM
+from crankfem.vibration.motion import MOTION
 from dynamics.response.resonance import Resonance
 from geometry.diagram_style import COLORS, GRAY, ORANGE, RED
 
@@ -31,7 +32,6 @@ PLACES = 25
 # Share of the running range shown on both sides of it.
 MARGIN = 0.15
 HEIGHT = 480
-AMPLITUDES = {"axial": ("µm", 1e6), "torsional": ("mrad", 1e3)}
 
 
 def campbell(
@@ -63,7 +63,9 @@ def campbell(
     layout : dict
     """
     low, high = (speed * RPM for speed in speed_range)
-    left, right = max(0.0, low - MARGIN * (high - low)), high + MARGIN * (high - low)
+    # Limits may hold above the running range, and resonances lie there.
+    last = max((own.speed_rpm for own in found), default=high)
+    left, right = max(0.0, low - MARGIN * (high - low)), max(high, last) + MARGIN * (high - low)
     met = [one.frequency for one in found]
     reach = float(np.max(orders)) * right / 60.0
     natural = np.asarray(frequencies, dtype=np.float64)
@@ -166,11 +168,11 @@ def _dots(kind: str, name: str, own: Sequence[Resonance], color: str) -> Part:
 
 
 def _told(kind: str, one: Resonance) -> str:
-    unit, factor = AMPLITUDES[kind]
+    motion = MOTION[kind]
     size = (
         "unbounded: nothing damps it"
         if one.unbounded
-        else f"amplitude {number(factor * one.amplitude)} {unit}, of this order alone"
+        else f"amplitude {number(one.amplitude / motion.size)} {motion.unit}, of this order alone"
     )
     return (
         f"<b>order {one.order:g}, mode {one.mode}</b> ({one.kind})<br>{one.speed_rpm:.5g} 1/min, "

@@ -10,17 +10,16 @@ from numpy.typing import NDArray
 from crankfem.pictures.interactive.style import Figure, Part, axis, band, layout, line, look
 from crankfem.pictures.interactive.thinning import seen_points
 from crankfem.record import RPM
+from crankfem.vibration.motion import MOTION
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.response.series import OrderSeries
 from geometry.diagram_style import GRAY, RED, with_gaps
 
 Array = NDArray[np.float64]
 
-# What the axis says, the unit, and what a value in SI is multiplied by.
-QUANTITIES = {
-    "twist": ("amplitude", "mrad", 1e3),
-    "displacement": ("amplitude", "µm", 1e6),
-    "stress": ("alternating stress", "MPa", 1e-6),
+# What the axis says, the unit, and its size in SI.
+QUANTITIES = {one.quantity: ("amplitude", one.unit, one.size) for one in MOTION.values()} | {
+    "stress": ("alternating stress", "MPa", 1e6)
 }
 SUM_COLOR, BARRED_COLOR = "#1c2733", "#f6dcd9"
 # Orders that are drawn before anybody asks for the others: those with the largest peaks.
@@ -73,13 +72,13 @@ def amplitudes_over_speed(
     layout : dict
     """
     series = curve.series
-    label, unit, factor = QUANTITIES[curve.quantity]
+    label, unit, size = QUANTITIES[curve.quantity]
     rpm = series.speeds * RPM
-    by_order = with_gaps(factor * series.amplitude[:, :, curve.place])
+    by_order = with_gaps(series.amplitude[:, :, curve.place] / size)
     both = series.synthesis
-    total = with_gaps(factor * both.amplitude[:, curve.place])
-    plain = with_gaps(factor * both.plain_sum[:, curve.place])
-    limits = _limits(curve.limit, series.speeds, factor)
+    total = with_gaps(both.amplitude[:, curve.place] / size)
+    plain = with_gaps(both.plain_sum[:, curve.place] / size)
+    limits = _limits(curve.limit, series.speeds, size)
     top = HEADROOM * (_height(plain, [limit for _, limit, _ in limits]) or 1.0 / HEADROOM)
     told = f"%{{x:.5g}} 1/min<br>%{{y:.4g}} {unit}"
 
@@ -118,16 +117,16 @@ def amplitudes_over_speed(
 
 
 def _limits(
-    limit: VibrationLimit | None, speeds: Array, factor: float
+    limit: VibrationLimit | None, speeds: Array, size: float
 ) -> list[tuple[str, Array, bool | str]]:
     """Return name, values and visibility of the curves that a limit has."""
     if limit is None:
         return []
     found: list[tuple[str, Array, bool | str]] = [
-        ("limit", with_gaps(factor * limit.continuous.at(speeds)), True)
+        ("limit", with_gaps(limit.continuous.at(speeds) / size), True)
     ]
     if limit.passing is not None:
-        passing = with_gaps(factor * limit.passing.at(speeds))
+        passing = with_gaps(limit.passing.at(speeds) / size)
         if np.isfinite(passing).any():
             found.append(("limit while passing", passing, "legendonly"))
     return found

@@ -17,6 +17,7 @@ from crankfem.pictures.interactive.style import (
 )
 from crankfem.pictures.interactive.thinning import seen_points
 from crankfem.record import RPM
+from crankfem.vibration.motion import MOTION
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.crankshaft.shaft_throw import RZ, UX, UY, UZ
@@ -26,6 +27,7 @@ Array = NDArray[np.float64]
 
 MODES_SHOWN = 10
 SHARES_SHOWN = 12
+AXIAL = MOTION["axial"]
 
 
 def shaft_modes(modes: ShaftModes, radius: float, title: str) -> Figure:
@@ -142,7 +144,7 @@ def axial_split(response: CoupledResponse, title: str) -> Figure:
     split = response.split("section 0 uz")
     rpm = response.speeds * RPM
     curves = [
-        (with_gaps(1e6 * values), name, color)
+        (with_gaps(values / AXIAL.size), name, color)
         for values, name, color in (
             (split.both_sum, "all forces", RED),
             (split.tangential_sum, "tangential forces alone", ORANGE),
@@ -153,10 +155,10 @@ def axial_split(response: CoupledResponse, title: str) -> Figure:
     traces = []
     for values, name, color in curves:
         kept = seen_points(rpm, values, UNSEEN * top, HOVER_STEP * float(np.ptp(rpm)))
-        told = f"{name}<br>%{{x:.5g}} 1/min<br>%{{y:.4g}} µm"
+        told = f"{name}<br>%{{x:.5g}} 1/min<br>%{{y:.4g}} {AXIAL.unit}"
         traces.append(line(rpm[kept], values[kept], name, color, told, width=2.0))
     return traces, layout(
         axis(SPEED_TITLE, range=[float(rpm[0]), float(rpm[-1])]),
-        axis("axial amplitude of the free end [µm]", rangemode="tozero"),
+        axis(f"axial amplitude of the free end [{AXIAL.unit}]", rangemode="tozero"),
         title=title,
     )

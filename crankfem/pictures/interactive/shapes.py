@@ -10,10 +10,12 @@ from crankfem.pictures.interactive.style import (
     layout,
     level,
     line,
+    literal,
     look,
     number,
 )
 from crankfem.vibration.modes import SourceResult
+from crankfem.vibration.motion import MOTION
 from geometry.diagram_style import GRAY
 
 # Modes that are drawn before anybody asks for the others, and all that are there.
@@ -35,8 +37,8 @@ def mode_shapes(result: SourceResult, title: str) -> Figure:
     layout : dict
     """
     modes, chain = result.modes, result.chain.chain
-    names = result.chain.nodes
-    moved = "displacement" if result.chain.kind == "axial" else "twist"
+    names = [literal(name) for name in result.chain.nodes]
+    moved = MOTION[result.chain.kind].quantity
     traces: list[Part] = []
     last = min(modes.rigid + SHAPES, len(modes.frequencies))
     for shown, mode in enumerate(range(modes.rigid, last)):

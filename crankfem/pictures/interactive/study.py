@@ -1,12 +1,14 @@
 """A study's equations: over each factor, and against finite elements."""
 
+from html import unescape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.fitting import ResponseFits, nominal_points, predicted, surface
+from crankfem.fitting import ResponseFits, predicted, surface
+from crankfem.nominal_section import moved, nominal_section, same_designs
 from crankfem.pictures.interactive.rounding import rounded
 from crankfem.pictures.interactive.style import (
     Figure,
@@ -17,12 +19,14 @@ from crankfem.pictures.interactive.style import (
     layout,
     level,
     line,
+    literal,
     shown_in_turn,
 )
 from crankfem.pictures.interactive.words import (
     designs_told,
     factor_text,
     factor_title,
+    shown_labels,
     shown_unit,
     shown_values,
     symbol_text,
@@ -77,7 +81,7 @@ def response_over_factors(table: StudyTable, found: ResponseFits) -> Figure:
     """
     unit, size = shown_unit(found.unit)
     factors = table.plan.factors
-    section = _section(table)
+    section = nominal_section(table)
     chosen = surface(table.plan, found, found.chosen)
     off_curve = table.responses[found.column] / predicted(table, found, found.chosen)
     told = designs_told(factors, table.values)
@@ -85,14 +89,14 @@ def response_over_factors(table: StudyTable, found: ResponseFits) -> Figure:
     traces: list[Part] = []
     owners: list[int] = []
     for place, factor in enumerate(factors):
-        sweep = _moved(section, place, _sweep(factor))
+        sweep = moved(section, place, _sweep(factor))
         x = shown_values(factor, sweep[:, place])
         own = [
             _curve(factor, x, surface(table.plan, found, fit)(sweep) / size, fit, number, unit)
             for number, fit in enumerate(forms)
         ]
-        here = _moved(section, place, table.values[:, place])
-        on_line = _same_designs(table, here)
+        here = moved(section, place, table.values[:, place])
+        on_line = same_designs(table, here)
         y = chosen(here) * off_curve / size
         across = shown_values(factor, table.values[:, place])
         for those, symbol, name in (
@@ -204,37 +208,13 @@ def _curve(factor: Factor, x: Array, y: Array, fit: Fit, number: int, unit: str)
         y,
         f"{fit.form} (chosen)" if chosen else fit.form,
         BLUE if chosen else (GRAY, GREEN)[number % 2],
-        f"{fit.form}<br>%{{x:.5g}}<br>{with_unit('%{y:.5g}', unit)}",
+        f"{literal(fit.form)}<br>%{{x:.5g}}<br>{with_unit('%{y:.5g}', unit)}",
         width=2.6 if chosen else 1.5,
         dash="solid" if chosen else COMPARED_LOOKS[number - 1],
     )
     if factor.labels:
         made |= {"mode": "markers", "marker": {"symbol": "line-ew-open", "size": 22}}
     return made
-
-
-def _section(table: StudyTable) -> Array:
-    """Return the values of the factors through which sections are drawn."""
-    return np.array(
-        [
-            min(factor.levels, key=lambda value: abs(value - nominal))
-            if factor.levels is not None
-            else nominal
-            for factor, nominal in zip(table.plan.factors, nominal_points(table.plan), strict=True)
-        ]
-    )
-
-
-def _moved(section: Array, place: int, values: Array) -> Array:
-    """Return points of the section in which one factor has other values."""
-    points = np.tile(section, (len(values), 1))
-    points[:, place] = values
-    return points
-
-
-def _same_designs(table: StudyTable, points: Array) -> NDArray[np.bool_]:
-    spans = np.array([factor.highest - factor.lowest for factor in table.plan.factors])
-    return np.asarray(np.all(np.abs(table.values - points) <= 1e-6 * spans, axis=1))
 
 
 def _sweep(factor: Factor) -> Array:
@@ -250,7 +230,7 @@ def _ticks(factor: Factor) -> Part:
     return {
         "xaxis.tickmode": "array",
         "xaxis.tickvals": list(range(len(factor.labels))),
-        "xaxis.ticktext": list(factor.labels),
+        "xaxis.ticktext": shown_labels(factor),
         "xaxis.autorange": True,
     }
 
@@ -261,4 +241,4 @@ def _first_ticks(factor: Factor) -> Part:
 
 def _plain(text: str) -> str:
     """Write a label for a menu, which knows no markup."""
-    return text.replace("<sub>", "_").replace("</sub>", "")
+    return unescape(text.replace("<sub>", "_").replace("</sub>", ""))

@@ -4,6 +4,7 @@ Figures are plain dicts in plotly's form, so that making them needs no plotly.
 """
 
 from collections.abc import Sequence
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -25,19 +26,6 @@ HEIGHT = 430  # pixels
 CURVE_COLORS = (BLUE, ORANGE, GREEN, "#7a5ba6", "#2a9d9d", "#8c6d1f")
 # A second round of colors has other dashes, so that each curve has a look of its own.
 DASHES = ("solid", "dash", "dot", "dashdot")
-# Colors that stay apart for every kind of color vision (M. Okabe, K. Ito, Color Universal Design,
-# 2008), with dashes that keep them apart without color.
-FORMULA_LOOKS = (
-    ("#0072B2", "solid"),
-    ("#E69F00", "dash"),
-    ("#009E73", "dashdot"),
-    ("#CC79A7", "dot"),
-    ("#D55E00", "longdashdot"),
-    ("#56B4E9", "solid"),
-    ("#8C6D1F", "dash"),
-    ("#5E3C99", "dashdot"),
-    ("#767676", "dot"),
-)
 
 
 def axis(title: str, **more: Any) -> Part:
@@ -58,15 +46,15 @@ def axis(title: str, **more: Any) -> Part:
 
 
 def layout(x: Part, y: Part, *, title: str = "", height: int = HEIGHT, **more: Any) -> Part:
-    """Return the layout of a diagram with two axes."""
+    """Return the layout of a diagram with two axes; the title is shown as it is."""
     return plain_layout(title, height) | {"xaxis": x, "yaxis": y} | more
 
 
 def plain_layout(title: str, height: int = HEIGHT) -> Part:
-    """Return what the layouts of all figures share."""
+    """Return what the layouts of all figures share; the title is shown as it is."""
     return {
         "title": {
-            "text": title,
+            "text": literal(title),
             "font": {"size": 15},
             "x": 0.0,
             "xanchor": "left",
@@ -114,7 +102,7 @@ def line(
     x, y : array_like of shape (n,)
         In the units of the axes.
     name : str
-        In the legend.
+        In the legend, shown as it is.
     color : str
     hover : str
         What is told of a point, in plotly's template language, lines apart by ``<br>``.
@@ -129,7 +117,7 @@ def line(
         "mode": "lines",
         "x": rounded(x),
         "y": rounded(y),
-        "name": name,
+        "name": literal(name),
         "line": {"color": color, "width": width, "dash": dash},
         "hovertemplate": hover + "<extra></extra>",
     } | more
@@ -145,7 +133,7 @@ def dots(
         "mode": "markers",
         "x": rounded(x),
         "y": rounded(y),
-        "name": name,
+        "name": literal(name),
         "marker": marker | more.pop("marker", {}),
         "hovertemplate": hover + "<extra></extra>",
     } | more
@@ -211,6 +199,17 @@ def choice(name: str, labels: Sequence[str], changes: Sequence[list[Any]]) -> Pa
 def shown_in_turn(owners: Sequence[int], count: int) -> list[list[bool]]:
     """Return which traces are visible under each of `count` choices, by the choice they belong to."""
     return [[owner == number for owner in owners] for number in range(count)]
+
+
+def literal(text: str) -> str:
+    """Write text that is shown as it is: plotly would read markup, and templates, out of it.
+
+    Examples
+    --------
+    >>> literal("<b>R&D</b> %{x}")
+    '&lt;b&gt;R&amp;D&lt;/b&gt; %&#123;x}'
+    """
+    return escape(text, quote=False).replace("%{", "%&#123;")
 
 
 def number(value: float, digits: int = 4) -> str:

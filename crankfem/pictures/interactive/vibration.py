@@ -2,16 +2,21 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from crankfem.pictures.interactive.campbell import campbell
 from crankfem.pictures.interactive.over_speed import Curve, amplitudes_over_speed
 from crankfem.pictures.interactive.shaft import axial_split, mode_shares, shaft_modes
 from crankfem.pictures.interactive.shapes import mode_shapes
 from crankfem.pictures.interactive.style import Figure
 from crankfem.pictures.interactive.writing import write_figure
+from crankfem.pictures.vibration_panels import (
+    barred_ranges,
+    free_end_title,
+    most_stressed,
+    stress_title,
+)
 from crankfem.vibration.assessment import Assessment
 from crankfem.vibration.forced import ForcedVibration
+from crankfem.vibration.motion import MOTION
 from crankfem.vibration.run import EngineVibration
 from dynamics.critical import engine_orders
 from geometry.diagram_style import make_folder
@@ -79,26 +84,20 @@ def _free_end(forced: ForcedVibration, assessment: Assessment, engine: str) -> F
         Curve(
             forced.free_end,
             0,
-            "twist" if forced.kind == "torsional" else "displacement",
+            MOTION[forced.kind].quantity,
             assessment.limits.get(f"{forced.kind}_amplitude"),
         ),
-        _barred(assessment),
-        f"{engine}, {forced.kind} vibration of the free end",
+        barred_ranges(assessment),
+        free_end_title(engine, forced.kind),
     )
 
 
 def _stress(forced: ForcedVibration, assessment: Assessment, engine: str) -> Figure:
     """Show the crankshaft's element that is stressed most."""
     assert forced.stress is not None
-    worst = int(np.argmax(np.max(forced.stress.synthesis.amplitude, axis=0)))
-    limit = assessment.limits.get("crankshaft_stress")
+    worst = most_stressed(forced)
     return amplitudes_over_speed(
-        Curve(forced.stress, worst, "stress", limit),
-        _barred(assessment),
-        f"{engine}, nominal torsional stress, {forced.stress.names[worst]}",
+        Curve(forced.stress, worst, "stress", assessment.limits.get("crankshaft_stress")),
+        barred_ranges(assessment),
+        f"{stress_title(engine)}, {forced.stress.names[worst]}",
     )
-
-
-def _barred(assessment: Assessment) -> list[tuple[float, float]]:
-    """Return the speed ranges that may be barred, whatever limit asks for them [rad/s]."""
-    return [(one.low, one.high) for one in assessment.verdict.barred if one.allowed]

@@ -5,6 +5,7 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
+from crankfem.pictures.interactive.style import literal
 from geometry.quantity import DISPLAY_UNITS
 from regression.fits.equation_text import factor_label
 from regression.plans.factors import Factor
@@ -37,7 +38,7 @@ def with_unit(number: str, unit: str) -> str:
 def factor_text(factor: Factor) -> str:
     """Write "web width B"."""
     symbol = factor_label(factor.name).symbol
-    words = factor.name.replace("_", " ")
+    words = literal(factor.name.replace("_", " "))
     return words if symbol == factor.name else f"{words} {symbol_text(symbol)}"
 
 
@@ -46,6 +47,11 @@ def factor_title(factor: Factor) -> str:
     if factor.labels:
         return factor_text(factor)
     return f"{factor_text(factor)} [{shown_unit(factor.unit)[0]}]"
+
+
+def shown_labels(factor: Factor) -> list[str]:
+    """Return the labels of a choice, none of a number."""
+    return [literal(label) for label in factor.labels]
 
 
 def shown_values(factor: Factor, values: Array) -> Array:
@@ -59,10 +65,10 @@ def designs_told(factors: tuple[Factor, ...], values: Array) -> list[str]:
     for place, factor in enumerate(factors):
         shown = shown_values(factor, values[:, place])
         unit = shown_unit(factor.unit)[0] if factor.unit else ""
+        name, labels = literal(factor.name.replace("_", " ")), shown_labels(factor)
         columns.append(
             [
-                f"{factor.name.replace('_', ' ')} "
-                + (factor.labels[round(value)] if factor.labels else f"{value:.5g} {unit}".strip())
+                f"{name} " + (labels[round(value)] if labels else f"{value:.5g} {unit}".strip())
                 for value in shown.tolist()
             ]
         )

@@ -1,0 +1,109 @@
+"""The speeds at which most of a limit is used, found between those calculated."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dynamics.checks import FloatArray, positive_vector
+from geometry.errors import InputError
+
+# Maxima that reach this share of a curve's largest value are refined: on a grid that refines resonances
+# another may read 0.2 % less than it is, and turn out to be the largest.
+NEARLY_LARGEST = 0.99
+# A maximum's neighbors come this many times closer in each round, and so often.
+CLOSER, ROUNDS = 4, 3
+
+Uses = Callable[[FloatArray], FloatArray]
+
+
+def refined_maxima(
+    uses_at: Uses, speeds: ArrayLike, uses: ArrayLike, least: float = np.inf
+) -> FloatArray:
+    """Find the speeds of the largest values of curves, closer than the speeds calculated.
+
+    Parameters
+    ----------
+    uses_at : callable
+        Speeds (S,) [rad/s] to the values (C, S) of the curves, calculated there.
+    speeds : array_like of shape (S,)
+        Calculated already, ascending [rad/s].
+    uses : array_like of shape (C, S)
+        Values there, such as the used share of limits; inf where unbounded.
+    least : float, optional
+        In each range in which a curve is above this, its first and last maximum are refined too.
+
+    Returns
+    -------
+    ndarray of shape (m,)
+        Ascending speeds between those given at which a curve has a maximum [rad/s].
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit, speeds do not ascend, or a value is negative.
+
+    Notes
+    -----
+    Each maximum lies between the neighbors of the largest value calculated. Values are calculated at
+    even steps between them, and the neighbors of the largest bound it from then on: after three rounds
+    they are 64 times closer. On a grid that steps by an eighth of the half bandwidth near resonances,
+    the speed is then known to 1/512 of it, and the value, as a peak is round, to 1e-6 of it.
+    """
+    places = positive_vector("speeds", speeds, "rad/s", "a limit holds for a turning shaft")
+    values = np.atleast_2d(np.array(uses, dtype=np.float64))
+    ascending = bool(np.all(np.diff(places) > 0.0))
+    if values.ndim != 2 or values.shape[1] != places.size or not ascending:
+        raise InputError(
+            f"uses: given an array of shape {values.shape} for {places.size} speeds; allowed is a value of "
+            "each curve at each of ascending speeds, because maxima are looked for between them."
+        )
+    if np.any(np.isnan(values)) or np.any(values < 0.0):
+        raise InputError(
+            "uses: given a value that is negative or no number; allowed are zero and more, inf if "
+            "unbounded, because shares of a limit are used."
+        )
+    curves, tops = _maxima(values, least)
+    if not curves.size:
+        return np.empty(0)
+    none = np.full(curves.size, -1.0)
+    best = places[tops]
+    left = places[np.maximum(tops - 1, 0)]
+    right = places[np.minimum(tops + 1, places.size - 1)]
+    reached = values[curves, tops]
+    steps = np.arange(1, 2 * CLOSER) / (2.0 * CLOSER)
+    for _ in range(ROUNDS):
+        # The best place known stays among those tried, for the bracket need not be even about it.
+        tried = left[:, np.newaxis] + (right - left)[:, np.newaxis] * steps
+        asked = np.unique(tried)
+        found = uses_at(asked)[curves[:, np.newaxis], np.searchsorted(asked, tried)]
+        every = np.column_stack((left, best, tried, right))
+        known = np.column_stack((none, reached, found, none))
+        row, top = np.arange(best.size), np.argmax(known, axis=1)
+        best, reached = every[row, top], known[row, top]
+        below, above = every < best[:, np.newaxis], every > best[:, np.newaxis]
+        # At the first and last speed calculated there is none beyond.
+        left = np.max(np.where(below, every, -np.inf), axis=1)
+        left = np.where(np.isfinite(left), left, best)
+        right = np.min(np.where(above, every, np.inf), axis=1)
+        right = np.where(np.isfinite(right), right, best)
+    return np.asarray(np.unique(best))
+
+
+def _maxima(values: FloatArray, least: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return curve and place of each maximum to be refined; an unbounded one is where it is."""
+    chosen = set()
+    for curve, own in enumerate(values):
+        beside = np.concatenate(([-1.0], own, [-1.0]))
+        tops = np.flatnonzero((own > beside[:-2]) & (own >= beside[2:]) & (own > 0.0))
+        largest = np.max(own, initial=0.0)
+        chosen |= {(curve, top) for top in tops.tolist() if own[top] >= NEARLY_LARGEST * largest}
+        # Ranges without a gap above the least value, numbered by the steps up to it.
+        runs = np.cumsum(np.diff(own > least, prepend=False))
+        exceeding = tops[own[tops] > least]
+        for run in np.unique(runs[exceeding]):
+            inside = exceeding[runs[exceeding] == run]
+            chosen |= {(curve, int(inside[0])), (curve, int(inside[-1]))}
+    found = sorted(pair for pair in chosen if np.isfinite(values[pair]))
+    pairs = np.array(found, dtype=np.intp).reshape(-1, 2)
+    return pairs[:, 0], pairs[:, 1]

@@ -1,0 +1,197 @@
+"""Pictures that cannot be made cost themselves alone, and are told of once."""
+
+import pytest
+
+from crankfem.pictures import offscreen
+from crankfem.pictures.offscreen import ADVICE, OffscreenProcess, render_failure
+from crankfem.pictures.to_draw import ToDraw
+from crankfem.run_pictures import Pictures, Renderings
+from geometry.errors import MissingLibraryError, RenderError
+
+
+@pytest.fixture
+def told():
+    return []
+
+
+@pytest.fixture
+def pictures(tmp_path, told):
+    return Pictures(tmp_path, told.append)
+
+
+def write(path):
+    path.write_text("picture", encoding="utf-8")
+
+
+def write_half_and_fail(path):
+    write(path)
+    raise ValueError("no such thing")
+
+
+def fail(*_):
+    raise OSError(28, "No space left on device", "b.json")
+
+
+class Made:
+    """A renderer that makes its file, or fails."""
+
+    def __init__(self, folder, error=None):
+        self.error, self.stopped = error, False
+        write(folder / "mesh.png")
+
+    def wait(self):
+        if self.error is not None:
+            raise self.error
+
+    def stop(self):
+        self.stopped = True
+
+
+def test_one_picture_that_fails_leaves_the_others(pictures, told, tmp_path):
+    pictures.draw(
+        "a throw",
+        lambda: [
+            ToDraw(tmp_path / "a.svg", write),
+            ToDraw(tmp_path / "b.svg", write_half_and_fail),
+            ToDraw(tmp_path / "c.svg", write),
+        ],
+    )
+    assert pictures.static == {"a": "a.svg", "c": "c.svg"}
+    assert not (tmp_path / "b.svg").exists()
+    assert told == pictures.notes
+    (note,) = told
+    assert note.startswith(
+        "There is no picture b: ValueError: no such thing, which nobody expected"
+    )
+
+
+def test_what_cannot_even_be_listed_is_told(pictures, told):
+    pictures.draw("a throw", fail)
+    pictures.plot("a throw", fail)
+    assert pictures.static == pictures.interactive == {}
+    assert told == [
+        "There is no picture of a throw: b.json: No space left on device.",
+        "There is no interactive plot of a throw: b.json: No space left on device.",
+    ]
+
+
+def test_plots_that_are_made_are_named(pictures, told, tmp_path):
+    pictures.plot("a throw", lambda: [tmp_path / "a.json", tmp_path / "b.json"])
+    assert pictures.interactive == {"a": "a.json", "b": "b.json"}
+    assert told == []
+
+
+def test_an_interrupt_is_no_picture_that_fails(pictures):
+    def interrupt():
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        pictures.tried("picture", interrupt)
+
+
+def test_with_the_traceback_asked_for_it_is_shown(pictures, monkeypatch, capsys):
+    pictures.tried("picture", fail)
+    assert "Traceback" not in capsys.readouterr().err
+    monkeypatch.setenv("CRANKFEM_TRACEBACK", "1")
+    pictures.tried("picture", fail)
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_rendered_pictures_come_into_the_folder_at_the_end_only(pictures, told, tmp_path):
+    made = []
+    with Renderings() as renderings:
+        renderings.start(
+            "mesh", {"mesh": "mesh.png"}, lambda folder: made.append(folder) or Made(folder)
+        )
+        assert not (tmp_path / "mesh.png").exists()
+        renderings.collect(pictures)
+        assert (tmp_path / "mesh.png").read_text(encoding="utf-8") == "picture"
+    assert pictures.static == {"mesh": "mesh.png"}
+    assert not made[0].exists()
+
+
+def test_one_rendering_that_fails_leaves_the_others(pictures, told):
+    missing = MissingLibraryError("install it")
+    with Renderings() as renderings:
+        renderings.start("picture of stresses", {"stress": "x.png"}, fail)
+        renderings.start("solid", {"solid": "x.png"}, lambda folder: Made(folder, missing))
+        renderings.start("deck", {"deck": "x.png"}, lambda folder: Made(folder, missing))
+        renderings.start("mesh", {"mesh": "mesh.png"}, Made)
+        renderings.collect(pictures)
+    assert pictures.static == {"mesh": "mesh.png"}
+    assert told == [
+        "There is no picture of stresses: b.json: No space left on device.",
+        "install it",
+    ]
+
+
+def test_renderings_are_stopped_when_a_run_fails():
+    made = []
+
+    def run():
+        with Renderings() as renderings:
+            renderings.start("mesh", {}, lambda folder: made.append(Made(folder)) or made[0])
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        run()
+    assert made[0].stopped
+
+
+# What VTK and Python wrote where nothing could be rendered.
+NO_EGL = "vtkOpenGLRenderWindow.c:669 WARN| Failed to load EGL! Please install the EGL library\n"
+
+
+@pytest.mark.parametrize(
+    ("code", "said", "kind", "sentence"),
+    [
+        (-11, NO_EGL, MissingLibraryError, ADVICE),
+        (
+            1,
+            "Traceback\nModuleNotFoundError: No module named 'pyvista'\n",
+            MissingLibraryError,
+            "could not be rendered: No module named 'pyvista'",
+        ),
+        (
+            1,
+            "Traceback\nOSError: [Errno 28] No space left on device\n\n",
+            RenderError,
+            "with exit code 1, saying: OSError: [Errno 28] No space left on device.",
+        ),
+        (-9, "", RenderError, "because the process for it ended with SIGKILL."),
+        (-99, "", RenderError, "because the process for it ended with exit code -99."),
+    ],
+)
+def test_each_failure_of_a_rendering_has_its_own_sentence(code, said, kind, sentence):
+    error = render_failure(code, said)
+    assert type(error) is kind
+    assert sentence in str(error)
+    assert ("libegl1" in str(error)) == (said == NO_EGL)
+
+
+def own_module(folder, monkeypatch, text):
+    """Let a module of this test be run in the place of one that renders."""
+    (folder / "renders.py").write_text(text, encoding="utf-8")
+    monkeypatch.setattr(offscreen, "package_environment", lambda: {"PYTHONPATH": str(folder)})
+
+
+def test_a_rendering_that_takes_too_long_is_ended(tmp_path, monkeypatch):
+    own_module(tmp_path, monkeypatch, "import time; time.sleep(60)")
+    monkeypatch.setattr(offscreen, "TIME_LIMIT", 0.05)
+    process = OffscreenProcess("renders", {}, tmp_path)
+    with pytest.raises(RenderError, match=r"took longer than 0\.05 s"):
+        process.wait()
+
+
+def test_what_a_rendering_says_at_its_end_is_passed_on(tmp_path, monkeypatch):
+    own_module(tmp_path, monkeypatch, "raise OSError(28, 'No space left on device')")
+    with pytest.raises(RenderError, match=r"exit code 1, saying: OSError: .*No space left"):
+        OffscreenProcess("renders", {}, tmp_path).wait()
+
+
+def test_arrays_that_cannot_be_written_leave_nothing_behind(tmp_path, monkeypatch):
+    monkeypatch.setattr(offscreen.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(offscreen.np, "savez", fail)
+    with pytest.raises(OSError, match="No space left"):
+        OffscreenProcess("renders", {}, tmp_path)
+    assert list(tmp_path.iterdir()) == []
