@@ -25,7 +25,7 @@ from crankfem.exit_codes import (
     EXIT_PIPE,
 )
 from crankfem.interrupts import interrupted_sentence, interrupts_raise
-from geometry.errors import InputError, MeshError, MissingLibraryError
+from geometry.errors import InputError, MeshError, MissingLibraryError, RenderError
 from regression.records import Outcome, StudyStoppedError
 
 LONGEST_WORD = 20
@@ -200,7 +200,9 @@ def told(error: Exception) -> tuple[str, int]:
     # An error of a module that has not been loaded it cannot be; loading it takes long.
     solver = sys.modules.get("fem.solver")
     of_solver = () if solver is None else (solver.SolveError,)
-    if isinstance(error, (MissingLibraryError, MeshError, StudyStoppedError, *of_solver)):
+    if isinstance(
+        error, (MissingLibraryError, RenderError, MeshError, StudyStoppedError, *of_solver)
+    ):
         return str(error), EXIT_FAILED
     if isinstance(error, MemoryError):
         return "The machine has not enough memory for this.", EXIT_FAILED

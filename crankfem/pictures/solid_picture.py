@@ -79,7 +79,7 @@ def picture_throw(throw: Throw, path: str | Path) -> Path:
         If the ending is another, or the file cannot be written.
     MeshError
         If the throw cannot be meshed.
-    MissingLibraryError
+    MissingLibraryError, RenderError
         If there is no OpenGL library; the message names what to install.
     """
     path = Path(path)
@@ -103,7 +103,7 @@ def picture_shaft(shaft: Crankshaft, path: str | Path) -> Path:
 
     Raises
     ------
-    InputError, MeshError, MissingLibraryError
+    InputError, MeshError, MissingLibraryError, RenderError
         As for `picture_throw`.
     """
     path = Path(path)

@@ -73,7 +73,7 @@ def picture_stresses(stresses: FilletStresses, folder: str | Path) -> tuple[Path
     ------
     InputError
         If the folder cannot be written.
-    MissingLibraryError
+    MissingLibraryError, RenderError
         If there is no OpenGL library; the message names what to install.
     """
     folder = Path(folder)
