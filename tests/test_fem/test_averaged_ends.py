@@ -18,6 +18,9 @@ from fem.symmetry import SymmetryClass, axial_class, symmetry_classes
 from geometry.errors import InputError
 from geometry.solid import LEFT_END, RIGHT_END
 
+# Finite elements throughout: not for the inner loop.
+pytestmark = pytest.mark.slow
+
 # What two factorizations of one problem leave; six digits of the stiffness' range are lost in the
 # balance of end loads.
 SOLVED = 1e-8

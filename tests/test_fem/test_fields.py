@@ -4,6 +4,9 @@ import pytest
 from fem.fields import displacement_field, images
 from fem.supports import STRETCH, end_motions
 
+# Finite elements throughout: not for the inner loop.
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def models(mesh, half_mesh, full_mesh, condensed):

@@ -27,6 +27,9 @@ from geometry.errors import InputError
 from geometry.mesh import mesh_throw
 from geometry.stopwatch import Stopwatch
 
+# Finite elements throughout: not for the inner loop.
+pytestmark = pytest.mark.slow
+
 COUNT = 12
 
 

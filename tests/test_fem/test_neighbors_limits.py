@@ -26,6 +26,9 @@ from geometry.solid import CRANK_PLANE, LEFT_END, RIGHT_END
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Web
 
+# Finite elements throughout: not for the inner loop.
+pytestmark = pytest.mark.slow
+
 SUPPORTS = ("pinned", "guided", Neighbors(180, 180), Neighbors(0, 0), Neighbors(120, 90))
 
 

@@ -19,6 +19,9 @@ from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from geometry.throw_sections import FurtherPin, Web
 
+# Finite elements throughout: not for the inner loop.
+pytestmark = pytest.mark.slow
+
 SUPPORTS = ["pinned", "guided", Neighbors(120, 90)]
 # Half a turn about y: the ends change places, x and z change sign.
 TURN = np.kron([[0.0, 1.0], [1.0, 0.0]], np.diag([-1.0, 1.0, -1.0, -1.0, 1.0, -1.0]))

@@ -24,6 +24,9 @@ from fem.supports import Neighbors, end_motions
 from geometry.errors import InputError
 from geometry.solid import LEFT_END, MAIN_JOURNAL, RIGHT_END
 
+# Finite elements throughout: not for the inner loop.
+pytestmark = pytest.mark.slow
+
 SUPPORTS = ("pinned", "guided", Neighbors(120, 90))
 SOLVED = 1e-7
 FORCE, MOMENT = np.array([300.0, -800.0, 50.0]), np.array([20.0, -5.0, 9.0])

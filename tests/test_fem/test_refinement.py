@@ -38,6 +38,9 @@ from geometry.mesh import check_quality, element_volumes, mesh_throw
 from geometry.mesher import expected_unknowns
 from geometry.stopwatch import Stopwatch
 
+# Finite elements throughout: not for the inner loop.
+pytestmark = pytest.mark.slow
+
 REGULAR = np.array([[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]])
 PROBLEM = Problem(STEEL, "auto", "rigid", Stopwatch())
 

@@ -13,6 +13,9 @@ from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Web
 
+# Finite elements throughout: not for the inner loop.
+pytestmark = pytest.mark.slow
+
 PLAIN = CrankThrow(
     crank_radius=0.170,
     main_journal_diameter=0.220,
