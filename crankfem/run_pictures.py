@@ -2,7 +2,6 @@
 
 import os
 import shutil
-import tempfile
 import traceback
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack, suppress
@@ -15,6 +14,7 @@ from typing import Protocol, Self
 from crankfem.console import TRACEBACK, told
 from crankfem.pictures.to_draw import ToDraw
 from geometry.errors import MissingLibraryError, RenderError
+from geometry.processes import scratch_folder
 
 
 class Pictures:
@@ -138,9 +138,7 @@ class Renderings:
             Starts a process that renders into a folder.
         """
         try:
-            scratch = tempfile.TemporaryDirectory(prefix="crankfem-")
-            self._open.callback(scratch.cleanup)
-            folder = Path(scratch.name)
+            folder = self._open.enter_context(scratch_folder())
             renderer = render(folder)
         except Exception as error:
             self._failed.append((what, error))

@@ -7,18 +7,16 @@ import atexit
 import contextlib
 import os
 import pickle
-import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module
 from typing import Any, BinaryIO
 
 from geometry.errors import InputError, MeshError, MissingLibraryError
-from geometry.processes import package_environment
+from geometry.processes import end_child, signal_name, start_child
 
 ERRORS: dict[str, type[Exception]] = {
     kind.__name__: kind for kind in (InputError, MeshError, MissingLibraryError)
@@ -40,25 +38,18 @@ class IsolatedProcess:
     def start(self) -> None:
         """Start the process, so that it is ready when needed."""
         if self._process is None or self._process.poll() is not None:
-            # -P keeps a folder named like our packages in the working directory out of the way.
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "geometry.isolated"],
+            self._process = start_child(
+                "geometry.isolated",
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
-                env=package_environment(),
             )
 
     def close(self) -> None:
         """End the process."""
         process, self._process = self._process, None
         if process is not None:
-            process.kill()
-            process.wait()
-            for pipe in (process.stdin, process.stdout):
-                if pipe is not None:
-                    with contextlib.suppress(BrokenPipeError):
-                        pipe.close()
+            end_child(process)
 
     def call(
         self,
@@ -143,10 +134,8 @@ class IsolatedProcess:
 
 
 def _ending(code: int) -> str:
-    if code < 0:
-        with contextlib.suppress(ValueError):
-            return f"was ended by {signal.Signals(-code).name}"
-    return f"ended with code {code}"
+    name = signal_name(code)
+    return f"ended with code {code}" if name is None else f"was ended by {name}"
 
 
 @cache
@@ -185,17 +174,8 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> None:
             send(RESULT, result)
 
 
-def _end_with_owner(owner: int) -> None:
-    """End even in the middle of a call when the owner is gone, whose time limit is gone with it."""
-    while os.getppid() == owner:
-        time.sleep(1.0)
-    os._exit(1)
-
-
 def main() -> None:
     """Serve on standard input and output, whatever gmsh may print."""
-    threading.Thread(target=_end_with_owner, args=(os.getppid(),), daemon=True).start()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the owner decides what an interrupt means
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     from geometry.gmsh_session import load_gmsh

@@ -11,6 +11,7 @@ from geometry.isolated import ProcessLostError, shared_process
 from geometry.mesh import check_solid, checked_part, solid_properties
 from geometry.mesher import TIME_LIMIT
 from geometry.parts import ThrowParts
+from geometry.processes import scratch_folder
 from geometry.solid import LEFT_END, RIGHT_END, make_solid, remove_loose
 from geometry.step_file import CYLINDER, PLANE, StepFace, read_step
 from geometry.throw import CrankThrow
@@ -69,9 +70,7 @@ def write_step(solid: CrankThrow | Crankshaft, path: str | Path, part: str = "fu
 
 def step_text(solid: CrankThrow | Crankshaft, part: str) -> str:
     """Build a solid in this process and return its STEP file."""
-    import tempfile
-
-    with gmsh_session("export") as gmsh, tempfile.TemporaryDirectory() as folder:
+    with gmsh_session("export") as gmsh, scratch_folder() as folder:
         with gmsh_errors("build the solid"):
             if isinstance(solid, CrankThrow):
                 make_solid(gmsh, solid.parts, part)
@@ -79,7 +78,7 @@ def step_text(solid: CrankThrow | Crankshaft, part: str) -> str:
                 check_solid(solid.parts, part, solid_properties(gmsh))
             else:
                 make_shaft(gmsh, solid)
-            file = Path(folder) / "solid.step"
+            file = folder / "solid.step"
             gmsh.write(str(file))
         text = file.read_text(encoding="ascii")
     # gmsh writes the numbers as they are, in m, and says that they are mm.

@@ -1,5 +1,11 @@
 import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
 
+import psutil
 import pytest
 from hypothesis import settings
 
@@ -49,3 +55,88 @@ def dimensions():
         "web_thickness": 0.068,
         "fillet_radius": 0.012,
     }
+
+
+@pytest.fixture
+def interruptible():
+    """Let interrupts interrupt this process and those that it starts, also where it was told to ignore them.
+
+    It is under nohup, and as a job that a shell runs in the background.
+    """
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+# Seconds within which everything that a process has made is gone after its end.
+SOON = 2.0
+
+
+def lives(process):
+    """Whether a process runs; one that has ended runs no more, even if nobody has asked for its end."""
+    try:
+        return process.status() not in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
+    except psutil.NoSuchProcess:
+        return False
+
+
+class Owner:
+    """A program that is ended from outside, with its children and its folder for scratch files."""
+
+    def __init__(self, command, folder):
+        self.scratch = folder / "scratch"
+        self.scratch.mkdir()
+        paths = [str(Path(__file__).parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])]
+        self.process = subprocess.Popen(
+            command,
+            cwd=folder,
+            env=os.environ | {"TMPDIR": str(self.scratch), "PYTHONPATH": os.pathsep.join(paths)},
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+
+    def wait_for(self, happened):
+        """Wait until something is the case."""
+        deadline = time.monotonic() + 60.0
+        while not happened():
+            assert self.process.poll() is None, "the program has ended before"
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+
+    def children(self):
+        return psutil.Process(self.process.pid).children(recursive=True)
+
+    def end(self, number=signal.SIGKILL):
+        """Send a signal to the program alone; return what is left of it a little later."""
+        children = self.children()
+        self.process.send_signal(number)
+        self.process.wait(timeout=30.0)
+        deadline = time.monotonic() + SOON
+        while True:
+            left = [child for child in children if lives(child)], list(self.scratch.iterdir())
+            if not any(left) or time.monotonic() > deadline:
+                return left
+            time.sleep(0.01)
+
+
+@pytest.fixture
+def own(tmp_path, interruptible):
+    """Start programs (Python's code, or its arguments) in processes of their own."""
+    if not hasattr(signal, "SIGKILL"):
+        pytest.skip("needs signals that end a process")
+    started = []
+
+    def start(*arguments):
+        command = ["-c", *arguments] if len(arguments) == 1 else arguments
+        started.append(Owner([sys.executable, "-P", *command], tmp_path))
+        return started[-1]
+
+    yield start
+    for owner in started:
+        if owner.process.poll() is None:
+            left = owner.children()
+            owner.process.kill()
+            owner.process.wait()
+            for child in left:
+                child.kill()

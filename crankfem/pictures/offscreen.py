@@ -5,10 +5,8 @@ pictures and nothing else.
 """
 
 import re
-import signal
 import subprocess
 import sys
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.errors import MissingLibraryError, RenderError
-from geometry.processes import package_environment
+from geometry.processes import end_child, signal_name, start_child
 
 UNRENDERED = "the pictures of the throw could not be rendered"
 ADVICE = (
@@ -30,6 +28,7 @@ NO_PACKAGE = re.compile(r"^(?:ModuleNotFoundError|ImportError): (.+)$", re.MULTI
 TIME_LIMIT = 120.0  # [s]
 # Of what a process has said, so much is looked at.
 SAID = 20_000
+ARRAYS = "arrays.npz"
 
 
 class OffscreenProcess:
@@ -38,11 +37,11 @@ class OffscreenProcess:
     Parameters
     ----------
     module : str
-        Run as ``python -m module ARRAYS.npz TARGET``.
+        Run as ``python -m module FOLDER``.
     arrays : mapping
         What the module reads.
-    target : Path
-        File or folder that it writes.
+    folder : Path
+        A scratch folder: for the arrays, and for what the module writes.
 
     Raises
     ------
@@ -50,23 +49,17 @@ class OffscreenProcess:
         If the arrays cannot be written, or the process cannot be started.
     """
 
-    def __init__(self, module: str, arrays: Mapping[str, Any], target: Path) -> None:
-        self._scratch = tempfile.TemporaryDirectory(prefix="crankfem-")
-        data = Path(self._scratch.name) / "arrays.npz"
-        self._said = Path(self._scratch.name) / "said.txt"
-        try:
-            np.savez(data, **arrays)
-            with self._said.open("wb") as said:
-                # -P keeps a folder named like our packages in the working directory out of the way.
-                self._process = subprocess.Popen(
-                    [sys.executable, "-P", "-m", module, str(data), str(target)],
-                    stdout=subprocess.DEVNULL,
-                    stderr=said,
-                    env=package_environment(),
-                )
-        except OSError:
-            self._scratch.cleanup()
-            raise
+    def __init__(self, module: str, arrays: Mapping[str, Any], folder: Path) -> None:
+        self._said = folder / "said.txt"
+        np.savez(folder / ARRAYS, **arrays)
+        with self._said.open("wb") as said:
+            self._process = start_child(
+                module,
+                str(folder),
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=said,
+            )
 
     def wait(self) -> None:
         """Wait for the pictures.
@@ -92,10 +85,8 @@ class OffscreenProcess:
             raise render_failure(code, said)
 
     def stop(self) -> None:
-        """End the rendering and remove its scratch files."""
-        self._process.kill()
-        self._process.wait()
-        self._scratch.cleanup()
+        """End the rendering."""
+        end_child(self._process)
 
 
 def render_failure(code: int, said: str) -> MissingLibraryError | RenderError:
@@ -113,10 +104,7 @@ def render_failure(code: int, said: str) -> MissingLibraryError | RenderError:
         return MissingLibraryError(ADVICE)
     if missing:
         return MissingLibraryError(f"{UNRENDERED}: {missing[-1]}")
-    try:
-        ended = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-    except ValueError:
-        ended = f"exit code {code}"
+    ended = signal_name(code) or f"exit code {code}"
     # An exception's last line says what happened.
     last = next((line.strip() for line in reversed(said.splitlines()) if line.strip()), "")
     reason = f", saying: {last.rstrip('.')}" if last else ""
@@ -128,9 +116,10 @@ def _end_of(path: Path) -> str:
 
 
 def read_arguments() -> tuple[dict[str, NDArray[Any]], Path]:
-    """Return what `OffscreenProcess` has handed to this process: arrays and target."""
-    with np.load(sys.argv[1]) as data:
-        return dict(data), Path(sys.argv[2])
+    """Return what `OffscreenProcess` has handed to this process: arrays, and the folder to write in."""
+    folder = Path(sys.argv[1])
+    with np.load(folder / ARRAYS) as data:
+        return dict(data), folder
 
 
 def triangle_mesh(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> Any:

@@ -2,7 +2,6 @@
 
 import math
 import shutil
-import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -29,10 +28,12 @@ from crankfem.pictures.solid_surface import (
 from geometry.crankshaft import Crankshaft
 from geometry.errors import InputError
 from geometry.mesher import Throw
+from geometry.processes import scratch_folder
 
 Array = NDArray[np.float64]
 
 ENDING = ".png"
+PICTURE = "picture.png"  # in the scratch folder
 COLORS = np.zeros((5, 3), dtype=np.uint8)
 COLORS[[MACHINED, ENDS]] = (208, 215, 222)
 COLORS[FILLETS] = (196, 203, 211)
@@ -128,11 +129,10 @@ def _write(
     surface: SolidSurface, view: tuple[float, float, float], pixels: int, path: Path
 ) -> Path:
     arrays = asdict(surface) | {"view": np.array(view), "pixels": np.array(pixels)}
-    with tempfile.TemporaryDirectory(prefix="crankfem-") as folder:
-        made = Path(folder) / "picture.png"
-        OffscreenProcess("crankfem.pictures.solid_picture", arrays, made).wait()
+    with scratch_folder() as folder:
+        OffscreenProcess("crankfem.pictures.solid_picture", arrays, folder).wait()
         try:
-            shutil.copyfile(made, path)
+            shutil.copyfile(folder / PICTURE, path)
         except OSError as error:
             raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
     return path
@@ -202,9 +202,9 @@ def _axes(view: Array) -> tuple[Array, Array, Array]:
 
 def main() -> None:
     """Render what another process has saved."""
-    arrays, path = read_arguments()
+    arrays, folder = read_arguments()
     view, pixels = arrays.pop("view"), int(arrays.pop("pixels"))
-    render(SolidSurface(**arrays), view, pixels, path)
+    render(SolidSurface(**arrays), view, pixels, folder / PICTURE)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 import math
 import shutil
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,6 +18,7 @@ from fem.unit_loads import UnitLoad, whole_facets, whole_nodes
 from geometry.diagram_style import STYLE
 from geometry.errors import InputError
 from geometry.facets import six_node_triangles
+from geometry.processes import scratch_folder
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
 
 Array = NDArray[np.float64]
@@ -78,13 +78,13 @@ def picture_stresses(stresses: FilletStresses, folder: str | Path) -> tuple[Path
     """
     folder = Path(folder)
     names = [picture_name(load) for load in stresses.loaded.loads]
-    with tempfile.TemporaryDirectory(prefix="crankfem-") as scratch:
+    with scratch_folder() as scratch:
         arrays = picture_arrays(stresses)
-        OffscreenProcess("crankfem.pictures.stress_picture", arrays, Path(scratch)).wait()
+        OffscreenProcess("crankfem.pictures.stress_picture", arrays, scratch).wait()
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for name in names:
-                shutil.copyfile(Path(scratch) / name, folder / name)
+                shutil.copyfile(scratch / name, folder / name)
         except OSError as error:
             raise InputError(f"{folder}: cannot be written ({error.strerror or error}).") from None
     return tuple(folder / name for name in names)

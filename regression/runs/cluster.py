@@ -23,7 +23,7 @@ from typing import Any, Protocol
 from geometry.errors import InputError, MissingLibraryError
 from regression.plans.plan import MODEL_VERSION
 from regression.records import Outcome, StudyStoppedError
-from regression.runs.interrupts import interrupts_deferred
+from regression.runs.interrupts import interrupts_deferred, interrupts_ignored
 from regression.runs.shelf import shared_shelf
 from regression.runs.supervised import Limits
 from regression.runs.work_list import WorkList
@@ -187,7 +187,8 @@ class _Dispatch:
             self._next_reminder = now + QUIET
         elif now >= self._next_reminder:
             self._next_reminder = now + REMIND
-            self.note("the cluster has no workers; waiting for one (Ctrl-C stops)")
+            stops = "" if interrupts_ignored() else " (Ctrl-C stops)"
+            self.note(f"the cluster has no workers; waiting for one{stops}")
         free = {place for place, takes in self._places.items() if takes} - self.given.keys()
         for place in sorted(free):
             if now < self._set_aside.get(place, 0.0):

@@ -7,6 +7,11 @@ from contextlib import contextmanager
 from types import FrameType
 
 
+def interrupts_ignored() -> bool:
+    """Whether Ctrl-C does nothing here, as under nohup and in jobs that a shell runs in the background."""
+    return signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
 @contextmanager
 def interrupts_deferred() -> Iterator[None]:
     """Let an interrupt wait until the block is done.

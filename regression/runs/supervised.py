@@ -3,10 +3,8 @@
 import contextlib
 import json
 import select
-import signal
 import socket
 import subprocess
-import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +13,7 @@ from typing import Any
 import psutil
 
 from geometry.errors import InputError
-from geometry.processes import package_environment
+from geometry.processes import end_child, signal_name, start_child
 from regression.formulas.arguments import is_number
 
 # Seconds that a design may take at 1 % accuracy before its worker counts as hanging.
@@ -169,12 +167,7 @@ class SupervisedProcess:
 
     def end(self) -> None:
         """End the process, whatever it does."""
-        self._process.kill()
-        self._process.wait()
-        for pipe in (self._process.stdin, self._process.stdout):
-            if pipe is not None:
-                with contextlib.suppress(BrokenPipeError):
-                    pipe.close()
+        end_child(self._process)
 
     def _lose(self, reason: str) -> Loss:
         loss = Loss(reason, self.seconds)
@@ -183,22 +176,19 @@ class SupervisedProcess:
 
 
 def _ending(code: int) -> str:
-    if code >= 0:
+    name = signal_name(code)
+    if name is None:
         return f"died (exit code {code})"
-    name = str(-code)
-    with contextlib.suppress(ValueError):
-        name = signal.Signals(-code).name
     hint = ", as the system does when memory runs out" if name == "SIGKILL" else ""
     return f"was ended by {name}{hint}"
 
 
 def spawn_worker() -> subprocess.Popen[bytes]:
     """Start a worker process; with one thread, so that its results do not depend on the machine."""
-    return subprocess.Popen(
-        # -P keeps a folder named like our packages in the working directory out of the way.
-        [sys.executable, "-P", "-m", "regression.runs.worker"],
+    return start_child(
+        "regression.runs.worker",
+        environment=ONE_THREAD,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
-        env=package_environment() | ONE_THREAD,
     )

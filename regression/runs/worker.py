@@ -1,14 +1,12 @@
 """A worker process: reads designs as JSON lines, answers with their responses as JSON lines.
 
-Started by `regression.runs.supervised`; it ends when its owner does, so no worker outlives its coordinator.
+Started by `regression.runs.supervised`, as a child that ends with its coordinator.
 """
 
 import json
 import math
 import os
-import signal
 import sys
-import threading
 import time
 from typing import Any, TextIO
 
@@ -85,17 +83,8 @@ def serve(requests: TextIO, answers: TextIO) -> None:
         print(json.dumps(answer), file=answers, flush=True)
 
 
-def _end_with_owner(owner: int) -> None:
-    """End even in the middle of a design when the owner is gone, whose limits are gone with it."""
-    while os.getppid() == owner:
-        time.sleep(1.0)
-    os._exit(1)
-
-
 def main() -> None:
     """Serve on standard input and output, whatever libraries may print."""
-    threading.Thread(target=_end_with_owner, args=(os.getppid(),), daemon=True).start()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the coordinator decides what an interrupt means
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
     serve(sys.stdin, answers)

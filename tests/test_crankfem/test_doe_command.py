@@ -202,8 +202,7 @@ def test_a_locked_store_ends_doe_with_one_sentence_and_3(call, study, tmp_path, 
 
 
 INTERRUPTED = """
-import os, signal, subprocess, sys
-signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored if the tests run in the background
+import os, subprocess, sys
 from regression.runs import supervised
 supervised.spawn_worker = lambda: subprocess.Popen(
     [sys.executable, "-S", "-c", os.environ["PUPPET"]], stdin=subprocess.PIPE, stdout=subprocess.PIPE
@@ -214,6 +213,7 @@ main()
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_says_how_many_designs_are_kept(study, tmp_path):
     """One design hangs; the interrupt comes when all others are finished."""
     text = STUDY.replace('"300 mm"', '"299 mm"').replace(

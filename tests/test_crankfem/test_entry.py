@@ -8,6 +8,8 @@ import pytest
 
 from crankfem.interrupts import interrupts_end_at_once, interrupts_raise
 
+pytestmark = pytest.mark.usefixtures("interruptible")
+
 # A module's loading is where the interrupt comes, in the midst of clearing an object away: what is
 # raised there, Python tells of with a traceback and goes on.
 LOADING = """

@@ -454,6 +454,7 @@ def test_run_refuses_a_folder_that_cannot_be(call, quick_six, tmp_path):
     assert "output: given 'quick.toml', which cannot be made" in answer.err
 
 
+@pytest.mark.usefixtures("interruptible")
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signal")
 def test_an_interrupted_study_says_how_to_go_on(spawn_environment, tmp_path):
     command = [sys.executable, "-c", "from crankfem.entry import main; main()", "doe", "6chn25-34"]

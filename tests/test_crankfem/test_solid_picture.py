@@ -1,18 +1,17 @@
 import math
 import subprocess
 import sys
-import tempfile
 from functools import cache
 
 import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from crankfem.pictures import offscreen, solid_picture
-from crankfem.pictures.solid_picture import picture_shaft, picture_throw, render
+from crankfem.pictures import solid_picture
+from crankfem.pictures.solid_picture import PICTURE, picture_shaft, picture_throw, render
 from crankfem.pictures.solid_surface import ENDS, SolidSurface, shaft_surface, throw_surface
 from geometry.crankshaft import Crankshaft
-from geometry.errors import InputError, RenderError
+from geometry.errors import InputError
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 
@@ -144,9 +143,9 @@ def check_picture(path, pixels):
 class RenderedHere:
     """What the process that renders does, in this one, which is soon ready for it."""
 
-    def __init__(self, _module, arrays, target):
+    def __init__(self, _module, arrays, folder):
         surface = {name: arrays[name] for name in ("points", "triangles", "kinds")}
-        render(SolidSurface(**surface), arrays["view"], int(arrays["pixels"]), target)
+        render(SolidSurface(**surface), arrays["view"], int(arrays["pixels"]), folder / PICTURE)
 
     def wait(self):
         pass
@@ -189,8 +188,8 @@ def test_pictures_from_the_command_line(opengl, call, tmp_path):
 class Pretended:
     """A rendering that writes something at once."""
 
-    def __init__(self, _module, _arrays, target):
-        target.write_bytes(b"picture")
+    def __init__(self, _module, _arrays, folder):
+        (folder / PICTURE).write_bytes(b"picture")
 
     def wait(self):
         pass
@@ -209,20 +208,3 @@ def test_picture_with_another_ending(tmp_path, picture):
         InputError, match=r"^throw\.jpg: given the ending '\.jpg'; allowed .* \.png"
     ):
         picture(None, tmp_path / "throw.jpg")
-
-
-def test_rendering_that_fails_says_what_the_process_said(tmp_path):
-    process = offscreen.OffscreenProcess("crankfem.nothing", {"a": np.zeros(1)}, tmp_path / "a.png")
-    with pytest.raises(
-        RenderError, match=r"exit code 1, saying: .* No module named crankfem\.nothing"
-    ):
-        process.wait()
-
-
-def test_rendering_that_takes_too_long_is_ended(tmp_path, monkeypatch):
-    monkeypatch.setattr(offscreen, "TIME_LIMIT", 0.01)
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    process = offscreen.OffscreenProcess("crankfem.pictures.solid_picture", {}, tmp_path / "a.png")
-    with pytest.raises(RenderError, match=r"took longer than 0\.01 s"):
-        process.wait()
-    assert list(tmp_path.iterdir()) == []

@@ -265,14 +265,19 @@ def test_a_worker_that_pauses_keeps_its_design_and_gets_no_other():
     assert [place for place, _ in cluster.given].count("one") == 1
 
 
-def test_without_workers_it_says_so_and_waits(monkeypatch):
+@pytest.mark.parametrize(
+    ("handler", "stops"), [(signal.default_int_handler, " (Ctrl-C stops)"), (signal.SIG_IGN, "")]
+)
+def test_without_workers_it_says_so_and_waits(monkeypatch, interruptible, handler, stops):
+    """What stops it is said only where it does, which is not under nohup."""
+    signal.signal(signal.SIGINT, handler)
     monkeypatch.setattr(cluster_module, "QUIET", 0.02)
     cluster = FakeCluster(good, ())
     timer = threading.Timer(0.1, lambda: cluster.there.update(late=True))
     timer.start()
     found, notes = collect(cluster, "ab")
     assert all(outcome.responses for outcome in found.values())
-    assert notes == ["the cluster has no workers; waiting for one (Ctrl-C stops)"]
+    assert notes == [f"the cluster has no workers; waiting for one{stops}"]
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, StudyStoppedError])
@@ -339,6 +344,7 @@ def test_a_refused_worker_does_not_cost_the_results_of_the_others(how, bad):
     assert all(task.released for _, task in cluster.tasks)
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_while_results_are_stored_costs_none_of_them():
     stored = []
 

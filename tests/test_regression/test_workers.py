@@ -265,6 +265,7 @@ def test_an_error_of_the_coordinator_ends_all_workers(puppets, mark, error):
     assert marked(mark) == []
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_does_not_cost_the_design_that_is_just_being_stored(puppets):
     stored = []
 
@@ -278,6 +279,7 @@ def test_ctrl_c_does_not_cost_the_design_that_is_just_being_stored(puppets):
     assert all(process.poll() is not None for process in puppets)
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_an_interrupt_waits_for_the_end_of_the_block():
     before, done = signal.getsignal(signal.SIGINT), []
 
@@ -442,25 +444,17 @@ def test_a_worker_ends_when_its_coordinator_is_gone():
     process.stdout.close()
 
 
-@needs_proc
-def test_a_worker_ends_in_the_middle_of_a_design_when_its_owner_is_gone(mark):
-    worker_code = (
-        "import os, threading, time; from regression.runs.worker import _end_with_owner;"
-        "threading.Thread(target=_end_with_owner, args=(os.getppid(),), daemon=True).start();"
-        "print('ready', flush=True); time.sleep(600)"
+@pytest.mark.parametrize("seconds", [0.0, pytest.param(4.0, marks=pytest.mark.slow)])
+def test_workers_end_with_a_coordinator_that_is_killed(own, seconds):
+    """While they start, and in the middle of a design."""
+    request = {"key": "k", "inputs": design() | {"accuracy": 0.002}}
+    owner = own(
+        "import time; from regression.runs.supervised import SupervisedProcess\n"
+        "workers = [SupervisedProcess() for _ in range(2)]\n"
+        f"for worker in workers: worker.give({request!r})\n"
+        "time.sleep(60)"
     )
-    owner_code = (
-        "import subprocess, sys;"
-        f"started = subprocess.Popen([sys.executable, '-c', {worker_code!r}], stdout=subprocess.PIPE);"
-        "assert started.stdout.readline() == b'ready\\n'"
-    )
-    subprocess.run(
-        [sys.executable, "-c", owner_code],
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        check=True,
-        timeout=60,
-    )
-    deadline = time.monotonic() + 20.0
-    while marked(mark) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert marked(mark) == []
+    owner.wait_for(lambda: len(owner.children()) == 2)
+    time.sleep(seconds)
+    assert len(owner.children()) == 2
+    assert owner.end() == ([], [])
