@@ -12,7 +12,7 @@ from geometry.diagram_style import math_symbol
 from geometry.plots.legends import write_title
 from geometry.plots.shown_units import shown_unit
 from regression.factor_labels import factor_text
-from regression.fits.effects import term_effects
+from regression.fits.equation_text import term_effects
 from regression.fits.fits import Fit
 from regression.plots.equations import (
     Curve,
@@ -101,7 +101,7 @@ def fe_text(found: ResponseFits) -> str:
 
 def draw_fit_effects(axes: "Axes", found: ResponseFits, fit: Fit) -> None:
     """Draw the coded coefficients of a fit in the order of their size (Pareto)."""
-    names, values = term_effects(fit)
+    names, values = term_effects(fit.fitted)
     if fit.fitted.logarithmic:
         unit, size, of = "%", 0.01, "ln "
     elif fit.basis == "groups":

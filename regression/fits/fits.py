@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table
-from regression.fits.effects import term_effects
+from regression.fits.equation_text import term_effects
 from regression.fits.forms import Basis, FittedForm, Form, form_named, form_terms
 from regression.fits.groups import group_named
 from regression.fits.selection import backward
@@ -165,7 +165,7 @@ class Fit:
         -------
         matplotlib.axes.Axes
         """
-        names, values = term_effects(self)
+        names, values = term_effects(self.fitted)
         logarithmic = self.fitted.logarithmic
         label = "coded coefficient of ln y [%]" if logarithmic else "coded coefficient [unit of y]"
         axes = new_axes(axes)
