@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dynamics.checks import positive_number
-from fem.analysis import ThrowAnalysis
 from fem.material import STEEL, Material
 from fem.plots.over_angle import ANGLES_DEG
+from fem.throw_analysis import ThrowAnalysis
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.plots.legends import write_title

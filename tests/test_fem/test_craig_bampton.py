@@ -11,16 +11,14 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem.assembly import assemble_stiffness, symmetric_product
+from fem.class_modes import frequencies_of
 from fem.condensation import condense, nodes_on
-from fem.craig_bampton import (
-    assemble_dynamic_shaft,
-    dynamic_superelement,
-    natural_modes,
-)
+from fem.craig_bampton import dynamic_superelement
+from fem.dynamic_shaft import assemble_dynamic_shaft, natural_modes
 from fem.loads import unit_pin_loads
 from fem.mass_matrix import assemble_mass
 from fem.material import STEEL
-from fem.modes import free_modes, frequencies_of
+from fem.modes import free_modes
 from fem.shaft import assemble_shaft
 from fem.solver import factorize
 from fem.superelement import combine_classes
