@@ -23,7 +23,8 @@ from fem.material import Material
 from fem.solver import Factorization, SolveError, factorize
 from fem.symmetry import SymmetryClass
 from geometry.errors import InputError
-from geometry.mesh import ThrowMesh, element_volumes
+from geometry.mesh import ThrowMesh
+from geometry.shapes import element_volumes
 from geometry.stopwatch import Stopwatch
 
 Array = NDArray[np.float64]

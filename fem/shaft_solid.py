@@ -22,7 +22,8 @@ from fem.solver import factorize
 from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.mending import mend
-from geometry.mesh import check_quality, check_volume, read_mesh, solid_properties
+from geometry.mesh import read_mesh
+from geometry.mesh_checks import check_quality, check_volume, solid_properties
 
 Array = NDArray[np.float64]
 

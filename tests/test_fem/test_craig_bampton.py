@@ -25,7 +25,8 @@ from fem.superelement import combine_classes
 from fem.symmetry import symmetry_classes
 from geometry.errors import InputError
 from geometry.mass import mass_properties
-from geometry.mesh import element_quadrature, mesh_throw
+from geometry.mesh import mesh_throw
+from geometry.shapes import element_quadrature
 from geometry.solid import LEFT_END, RIGHT_END
 from geometry.stopwatch import Stopwatch
 

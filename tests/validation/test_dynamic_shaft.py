@@ -38,7 +38,8 @@ from fem.modes import free_modes
 from fem.superelement import RZ, UX, UY
 from fem.symmetry import mirror_images, symmetry_classes
 from geometry.gmsh_session import gmsh_session
-from geometry.mesh import SolidProperties, ThrowMesh, mesh_throw, read_mesh
+from geometry.mesh import ThrowMesh, mesh_throw, read_mesh
+from geometry.mesh_checks import SolidProperties
 from geometry.throw import CrankThrow
 
 DIAMETER, LENGTH = 0.1, 1.0
