@@ -64,7 +64,6 @@ from dynamics.assessment.barred_ranges import BarredRange as BarredRange
 from dynamics.assessment.barred_ranges import BarredRangeRule as BarredRangeRule
 from dynamics.assessment.barred_ranges import barred_ranges as barred_ranges
 from dynamics.assessment.barred_ranges import exceeded_ranges as exceeded_ranges
-from dynamics.assessment.damper_sizing import SizedDamper as SizedDamper
 from dynamics.assessment.damper_sizing import size_axial_damper as size_axial_damper
 from dynamics.assessment.damper_sizing import size_rubber_damper as size_rubber_damper
 from dynamics.assessment.damper_sizing import size_viscous_damper as size_viscous_damper
@@ -85,6 +84,7 @@ from dynamics.assessment.response_curves import with_resonances as with_resonanc
 from dynamics.assessment.separation import CriticalRange as CriticalRange
 from dynamics.assessment.separation import critical_ranges as critical_ranges
 from dynamics.assessment.separation import separation_margin as separation_margin
+from dynamics.assessment.sized_damper import SizedDamper as SizedDamper
 from dynamics.assessment.spreads import Spread as Spread
 from dynamics.assessment.spreads import scaled_chain as scaled_chain
 from dynamics.assessment.uncertainty import Samples as Samples

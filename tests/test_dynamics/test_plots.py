@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 
 import crankfem as cf
 from dynamics.assessment.barred_ranges import BarredRangeRule
-from dynamics.assessment.damper_sizing import SizedDamper
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
 from dynamics.assessment.separation import CriticalRange
+from dynamics.assessment.sized_damper import SizedDamper
 from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import Samples
 from dynamics.assessment.verdict import judge
