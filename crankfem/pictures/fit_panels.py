@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from crankfem.fitting import ResponseFits, Sensitivities, predicted, surface
 from crankfem.nominal_section import moved, nominal_section, same_designs
 from geometry.diagram_style import math_symbol
-from geometry.plots.legends import write_title
-from geometry.plots.shown_units import shown_unit
+from geometry.plots.legends import shown_unit, write_title
 from regression.factor_labels import factor_text
 from regression.fits.equation_text import term_effects
 from regression.fits.fits import Fit

@@ -11,8 +11,7 @@ from geometry.choices import check_not_given
 from geometry.diagram_style import BLUE, RED, new_axes
 from geometry.errors import InputError
 from geometry.frames import grid, table
-from geometry.plots.legends import write_title
-from geometry.plots.shown_units import shown_unit
+from geometry.plots.legends import shown_unit, write_title
 from regression.models.family import Family
 from regression.models.lookup import Lookup
 from regression.models.response_model import ResponseModel

@@ -47,7 +47,7 @@ from dynamics.hinge.profile import hinge_profile
 from dynamics.hinge.running import SteadyHingeTurn
 from dynamics.hinge.spring import GasSpring
 from dynamics.mechanism.rods import ConnectingRod
-from dynamics.plots.order_kinds import KIND_COLORS
+from dynamics.plots.stars import KIND_COLORS
 from dynamics.response.campbell_diagram import campbell_diagram
 from dynamics.response.damping import damped
 from dynamics.response.excitation import OrderExcitation
