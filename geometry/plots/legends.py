@@ -1,4 +1,4 @@
-"""Titles, legends and units on axes, the same on axes of the reader's own as in a figure in the common style."""
+"""Titles, legends and units, the same on axes of the reader's own as in a figure in the common style."""
 
 from typing import TYPE_CHECKING
 
