@@ -29,7 +29,9 @@ from statistics import median
 import crankfem as cf
 from fem.analysis import analyze_axial
 from fem.assembly import assemble_stiffness
-from fem.calculix import axial_case, read_calculix, run_calculix, write_calculix
+from fem.calculix import write_calculix
+from fem.calculix_cases import axial_case
+from fem.calculix_run import read_calculix, run_calculix
 from fem.class_compliances import axial_answers
 from fem.condensation import condense
 from fem.loads import unit_pin_loads

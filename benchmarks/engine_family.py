@@ -16,7 +16,7 @@ from fem.material import STEEL
 from fem.responses import evaluate_throw
 from geometry.throw import CrankThrow
 from regression.fits.groups import group_named, response_scale
-from regression.plans.designs import DesignChoice
+from regression.plans.design_choice import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
 from regression.runs.study import run_plan

@@ -64,7 +64,6 @@ from dynamics.assessment.barred_ranges import BarredRange as BarredRange
 from dynamics.assessment.barred_ranges import BarredRangeRule as BarredRangeRule
 from dynamics.assessment.barred_ranges import barred_ranges as barred_ranges
 from dynamics.assessment.barred_ranges import exceeded_ranges as exceeded_ranges
-from dynamics.assessment.damper_sizing import SizedDamper as SizedDamper
 from dynamics.assessment.damper_sizing import size_axial_damper as size_axial_damper
 from dynamics.assessment.damper_sizing import size_rubber_damper as size_rubber_damper
 from dynamics.assessment.damper_sizing import size_viscous_damper as size_viscous_damper
@@ -85,6 +84,7 @@ from dynamics.assessment.response_curves import with_resonances as with_resonanc
 from dynamics.assessment.separation import CriticalRange as CriticalRange
 from dynamics.assessment.separation import critical_ranges as critical_ranges
 from dynamics.assessment.separation import separation_margin as separation_margin
+from dynamics.assessment.sized_damper import SizedDamper as SizedDamper
 from dynamics.assessment.spreads import Spread as Spread
 from dynamics.assessment.spreads import scaled_chain as scaled_chain
 from dynamics.assessment.uncertainty import Samples as Samples
@@ -305,17 +305,16 @@ from dynamics.turning.speed_over_angle import speed_over_angle as speed_over_ang
 from dynamics.turning.steady_engine import turn_steadily as turn_steadily
 from dynamics.turning.steady_turning import SteadyTurning as SteadyTurning
 from dynamics.turning.steady_turning import steady_turning as steady_turning
-from fem.analysis import AxialAnalysis as AxialAnalysis
-from fem.analysis import ThrowAnalysis as ThrowAnalysis
 from fem.analysis import analyze_axial as analyze_axial
 from fem.analysis import analyze_throw as analyze_throw
 from fem.angle_law import AngleLaw as AngleLaw
+from fem.axial_analysis import AxialAnalysis as AxialAnalysis
 from fem.calculix import write_calculix as write_calculix
 from fem.craig_bampton import DynamicSuperelement as DynamicSuperelement
-from fem.craig_bampton import assemble_dynamic_shaft as assemble_dynamic_shaft
-from fem.craig_bampton import natural_modes as natural_modes
-from fem.fillet_stress import FilletPeak as FilletPeak
-from fem.fillet_stress import FilletStresses as FilletStresses
+from fem.dynamic_shaft import assemble_dynamic_shaft as assemble_dynamic_shaft
+from fem.dynamic_shaft import natural_modes as natural_modes
+from fem.fillet_peaks import FilletPeak as FilletPeak
+from fem.fillet_peaks import FilletStresses as FilletStresses
 from fem.fillet_stress import fillet_stresses as fillet_stresses
 from fem.material import STEEL as STEEL
 from fem.material import Material as Material
@@ -328,6 +327,7 @@ from fem.solver import SolveError as SolveError
 from fem.supports import EndReaction as EndReaction
 from fem.supports import Neighbors as Neighbors
 from fem.supports import Reactions as Reactions
+from fem.throw_analysis import ThrowAnalysis as ThrowAnalysis
 from geometry.balance import Unbalance as Unbalance
 from geometry.balance import unbalance as unbalance
 from geometry.crankshaft import Crankshaft as Crankshaft

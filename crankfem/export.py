@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from crankfem.pictures.surface import stretched_part
-from fem.analysis import ThrowAnalysis
+from fem.throw_analysis import ThrowAnalysis
 from geometry.mesh_files import write_mesh
 
 

@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dynamics.checks import positive_number
-from fem.analysis import ThrowAnalysis
 from fem.material import STEEL, Material
 from fem.plots.over_angle import ANGLES_DEG
+from fem.throw_analysis import ThrowAnalysis
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
-from geometry.plots.legends import write_title
-from geometry.plots.shown_units import shown_unit
+from geometry.plots.legends import shown_unit, write_title
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.formula_value import FormulaValue

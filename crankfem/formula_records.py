@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 
 from crankfem.record import Record
-from fem.analysis import ThrowAnalysis
 from fem.angle_law import is_symmetric
 from fem.material import Material
 from fem.supports import Neighbors
+from fem.throw_analysis import ThrowAnalysis
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula_faults, axial_formulas
 from regression.formulas.formula_value import FormulaValue

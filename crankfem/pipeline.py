@@ -32,8 +32,9 @@ from crankfem.run_records import UNIT_RADIAL_FORCE as UNIT_RADIAL_FORCE
 from crankfem.run_records import run_results
 from crankfem.studies import fitted
 from crankfem.vibration.run import engine_vibration
-from fem.analysis import ThrowAnalysis, analyze_throw
-from fem.fillet_stress import FilletStresses
+from fem.analysis import analyze_throw
+from fem.fillet_peaks import FilletStresses
+from fem.throw_analysis import ThrowAnalysis
 from regression.runs.study import check_workers, run_plan
 
 

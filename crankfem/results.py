@@ -13,11 +13,11 @@ from crankfem.toml_file import InputRecord
 from crankfem.vibration.modes import SourceResult, Vibration
 from dynamics.chains.two_mass import TwoMassCheck
 from dynamics.harmonics import Harmonics
-from fem.analysis import ThrowAnalysis
 from fem.modes import ThrowModes
 from fem.reciprocity import superelement_of_end_forces
 from fem.shaft import ShaftCompliances
 from fem.supports import Support, reactions
+from fem.throw_analysis import ThrowAnalysis
 from geometry.balance import unbalance
 from geometry.crankshaft import Crankshaft
 from geometry.mesher import Throw

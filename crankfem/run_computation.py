@@ -9,8 +9,8 @@ from crankfem.studies import StudyResult
 from crankfem.vibration.run import EngineVibration
 from dynamics.harmonics import Harmonics
 from dynamics.torque_table import TorqueTable
-from fem.analysis import ThrowAnalysis
-from fem.fillet_stress import FilletStresses
+from fem.fillet_peaks import FilletStresses
+from fem.throw_analysis import ThrowAnalysis
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,8 @@ from dynamics.chains.two_mass import two_mass_check
 from dynamics.critical import engine_orders, major_orders
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics
-from fem.analysis import ThrowAnalysis
 from fem.loads import pin_surfaces
+from fem.throw_analysis import ThrowAnalysis
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas

@@ -8,7 +8,8 @@ from crankfem.output_units import SI, OutputUnit, OutputUnits
 from crankfem.record import Record
 from crankfem.throw_file import load_throw
 from fem.condensation import EndSections
-from fem.fillet_stress import FilletPeak, FilletStresses, fillet_stresses
+from fem.fillet_peaks import FilletPeak, FilletStresses
+from fem.fillet_stress import fillet_stresses
 from geometry.errors import InputError
 
 # Stresses are printed for loads of 1 kN and 1 kN m, or of so many of the user's own units.

@@ -10,7 +10,7 @@ from fem.material import Material
 from geometry.errors import InputError
 from geometry.quantity import parse_quantity
 from geometry.throw import CrankThrow
-from regression.plans.designs import OPTIONS, DesignChoice
+from regression.plans.design_choice import OPTIONS, DesignChoice
 from regression.plans.designs_factorial import ROMAN
 from regression.plans.factors import Factor, ThrowField, throw_fields, unknown_field
 from regression.plans.plan import StudyPlan, plan_designs

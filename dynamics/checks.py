@@ -3,7 +3,6 @@
 import math
 import operator
 from collections.abc import Mapping, Sequence
-from typing import SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -119,64 +118,6 @@ def whole_number(field: str, given: int, least: int, reason: str) -> int:
     return number
 
 
-def node_index(field: str, node: SupportsIndex, count: int) -> int:
-    """Return the number of a node of a chain of `count` nodes, 0 the first.
-
-    Raises
-    ------
-    InputError
-        If the node is not a whole number from 0 to count - 1.
-    """
-    allowed = f"allowed are the whole numbers 0 to {count - 1}, because the chain has {count} nodes"
-    try:
-        index = operator.index(node)
-    except TypeError:
-        raise InputError(f"{field}: given {node!r}; {allowed}.") from None
-    if not 0 <= index < count:
-        raise InputError(f"{field}: given {index}; {allowed}.")
-    return index
-
-
-def values_at_nodes(
-    field: str,
-    values: ArrayLike | Mapping[int, float] | None,
-    count: int,
-    unit: str,
-    reason: str,
-) -> FloatArray:
-    """Return one value per node, none below zero, from an array or a mapping node -> value.
-
-    Parameters
-    ----------
-    field, unit, reason : str
-        What to call the values in messages, their unit, and why none may be negative.
-    values : array_like of shape (count,), mapping or None
-        Nodes that a mapping leaves out, and all nodes for None, get zero.
-    count : int
-        Number of nodes.
-
-    Raises
-    ------
-    InputError
-        If the length or a node number does not fit, or a value is negative or not finite.
-    """
-    if values is None:
-        return np.zeros(count)
-    if isinstance(values, Mapping):
-        array = np.zeros(count)
-        for node, value in values.items():
-            name = f"{field}[{node!r}]"
-            array[node_index(name, node, count)] = nonnegative_number(name, value, unit, reason)
-        return array
-    array = nonnegative_vector(field, values, unit, reason)
-    if array.size != count:
-        raise InputError(
-            f"{field}: given {array.size} values; allowed are exactly {count}, "
-            "because there is one for each node."
-        )
-    return array
-
-
 def one_for_each(
     field: str,
     values: ArrayLike,
@@ -247,48 +188,6 @@ def _regular_array(field: str, values: ArrayLike, kinds: str, allowed: str) -> N
             "because text and other types carry no value in SI units."
         )
     return raw
-
-
-def place_of(field: str, given: object, names: Sequence[str], what: str, reason: str) -> int:
-    """Return the place among names, 0 the first, of what is given by its name or that number.
-
-    Parameters
-    ----------
-    field : str
-        What to call it in the message.
-    given : object
-    names : sequence of str
-    what, reason : str
-        What the names are those of, and why it has to be one of them.
-
-    Raises
-    ------
-    InputError
-        If there is no such name or number.
-    """
-    if isinstance(given, str) and given in names:
-        return names.index(given)
-    if isinstance(given, int | np.integer) and is_whole(given) and 0 <= given < len(names):
-        return int(given)
-    raise InputError(
-        f"{field}: given {given!r}; allowed are the whole numbers 0 to {len(names) - 1} and the names of "
-        f"{what}, because {reason}."
-    )
-
-
-def place_number(field: str, given: object, count: int, reason: str) -> int:
-    """Return the number of one of `count` places, 0 the first.
-
-    Raises
-    ------
-    InputError
-        If it is not a whole number from 0 to count - 1.
-    """
-    if isinstance(given, int | np.integer) and is_whole(given) and 0 <= given < count:
-        return int(given)
-    raise InputError(
-        f"{field}: given {given!r}; allowed are the whole numbers 0 to {count - 1}, because {reason}."
-    )
 
 
 def checked_limits(

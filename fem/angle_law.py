@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fem.plots.over_angle import ANGLES_DEG, LABELS, SHOWN, angle_axis
+from fem.plots.over_angle import ANGLES_DEG, LABELS, SHOWN, Compliance, angle_axis
 from fem.superelement import Superelement
-from fem.supports import Neighbors, support_throw
+from fem.supports import Neighbors, Support, support_throw
 from fem.symmetry import MIRROR_X, MIRROR_Z
 from geometry.choices import check_choice
 from geometry.diagram_style import BLUE, new_axes
@@ -237,4 +237,33 @@ def is_symmetric(throw: Superelement) -> bool:
             )
         )
         for mirror in (across_crank, across_middle)
+    )
+
+
+def compliance(throw: Superelement, quantity: Compliance, support: Support) -> float:
+    """Return one compliance of a throw under a support [m/N or rad/(N m)]."""
+    answer = support_throw(throw, support)
+    return {
+        "axial_compliance": answer.axial,
+        "torsional_compliance": answer.torsional,
+        "influence_coefficient": answer.influence,
+    }[quantity]
+
+
+def compliance_over_angle(
+    throw: Superelement, quantity: Compliance, gamma_deg: ArrayLike
+) -> NDArray[np.float64]:
+    """Return a compliance (n,) over the angle to equal neighbors, in closed form where there is one.
+
+    Raises
+    ------
+    InputError
+        If an angle is not finite.
+    """
+    angles = np.atleast_1d(np.asarray(gamma_deg, dtype=np.float64))
+    if quantity != "torsional_compliance" and is_symmetric(throw):
+        law = angle_law(throw)
+        return law.axial(angles) if quantity == "axial_compliance" else law.influence(angles)
+    return np.array(
+        [compliance(throw, quantity, Neighbors(angle, angle)) for angle in angles.tolist()]
     )

@@ -1,4 +1,4 @@
-"""Hand a meshed throw to CalculiX: write its input deck, run it, read what it says of the ends.
+"""Write a meshed throw as an input deck for CalculiX.
 
 CalculiX (ccx, https://www.calculix.de) is a finite element program of its own, so an engineer can check
 our figures with it: same mesh, same material, end sections as rigid bodies, same supports.
@@ -10,191 +10,29 @@ characters at most. C3D10 has its edge nodes in the order 12 23 13 14 24 34, whi
 """
 
 import os
-import re
-import shutil
-import subprocess
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.calculix_cases import LoadCase, standard_cases
 from fem.condensation import nodes_on
 from fem.loads import uniform_pin_loads
 from fem.material import Material
-from fem.superelement import RX, RY, RZ, UX, UY, UZ
-from geometry.errors import InputError, MissingLibraryError
+from fem.superelement import RX, UX
+from geometry.errors import InputError
 from geometry.facets import six_node_triangles
 from geometry.mesh import ThrowMesh
 from geometry.solid import LEFT_END, RIGHT_END
 
 Array = NDArray[np.float64]
-Support = Literal["pinned", "guided"]
 
-PROGRAM = "ccx"
 FIELD_WIDTH = 20
 ENTRIES_PER_LINE = 16
-# Motions of an end section that a support holds at both ends. The left end is held along and about the
-# shaft as well.
-HELD_BOTH: dict[str, tuple[int, ...]] = {"pinned": (UX, UY), "guided": (UX, UY, RX, RY)}
-HELD_LEFT = (UZ, RZ)
-MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 # The set of the four nodes that stand for the end sections, in the order left center, left rotation,
 # right center, right rotation; their displacements are the twelve motions.
 ENDS = "ENDS"
-
-
-class CalculixError(RuntimeError):
-    """CalculiX did not finish, or what it wrote cannot be read; the message says why."""
-
-
-@dataclass(frozen=True)
-class LoadCase:
-    """One linear static step: how the throw is supported, and what acts on it.
-
-    Attributes
-    ----------
-    title : str
-        What it is, for the deck's comments.
-    support : {"pinned", "guided"}
-        As for `fem.supports`; the left end is held along and about the shaft too.
-    end_loads : (12,) tuple of float
-        Forces [N] and moments [N m] on the left, then on the right end section.
-    pin_forces : tuple of (3,) tuples of float
-        Force on each pin in the throw frame [N], spread uniformly over its surface; empty for none.
-    blocked : bool
-        Whether the right end, too, is held along the shaft.
-
-    Raises
-    ------
-    InputError
-        If the support is unknown, a load is no finite number, there are not twelve end loads, or one
-        acts on a motion that is held.
-    """
-
-    title: str
-    support: Support = "pinned"
-    end_loads: tuple[float, ...] = (0.0,) * 12
-    pin_forces: tuple[tuple[float, float, float], ...] = ()
-    blocked: bool = False
-
-    def __post_init__(self) -> None:
-        if self.support not in HELD_BOTH:
-            raise InputError(
-                f'support: given {self.support!r}; allowed are "pinned" and "guided", for other supports '
-                "need more than one throw."
-            )
-        if len(self.end_loads) != 12 or any(len(force) != 3 for force in self.pin_forces):
-            raise InputError(
-                f"load case {self.title!r}: given {len(self.end_loads)} end loads and the pin forces "
-                f"{self.pin_forces!r}; allowed are 12 end loads and 3 numbers for each pin, because an "
-                "end section has six motions and a pin force three components."
-            )
-        if not np.all(np.isfinite([*self.end_loads, *(x for f in self.pin_forces for x in f)])):
-            raise InputError(
-                f"load case {self.title!r}: given the end loads {self.end_loads!r} and the pin forces "
-                f"{self.pin_forces!r}; allowed are finite numbers, because CalculiX reads no others."
-            )
-        loaded = [place for place in self.held if self.end_loads[place] != 0.0]
-        if loaded:
-            raise InputError(
-                f"load case {self.title!r}: given a load on {_motion_name(loaded[0])}; allowed are loads "
-                "on motions that are free, because a support would take it at once."
-            )
-
-    @property
-    def held(self) -> tuple[int, ...]:
-        """Places, of the twelve motions of the ends, that are held."""
-        both = HELD_BOTH[self.support]
-        right = (*both, UZ) if self.blocked else both
-        return (*sorted({*both, *HELD_LEFT}), *(6 + place for place in sorted(right)))
-
-
-@dataclass(frozen=True)
-class EndResults:
-    """What CalculiX found for both end sections in one step.
-
-    Attributes
-    ----------
-    motions : (12,) array
-        ux uy uz [m] rx ry rz [rad] of the left, then of the right end section's center.
-    forces : (12,) array
-        All outer forces [N] and moments [N m] on them: reactions of the supports and end loads.
-    """
-
-    motions: Array
-    forces: Array
-
-
-def axial_case(support: Support = "pinned") -> LoadCase:
-    """Pull with 1 N: the right center's uz is the axial compliance e_n [m/N]."""
-    return LoadCase(f"axial force of 1 N, {support}", support, _on_right(UZ))
-
-
-def torque_case(support: Support = "pinned") -> LoadCase:
-    """Twist with 1 N m: the right end's rz is the torsional compliance [rad/(N m)]."""
-    return LoadCase(f"torque of 1 N m, {support}", support, _on_right(RZ))
-
-
-def bending_case(axis: Literal["x", "y"]) -> LoadCase:
-    """Bend with opposite moments of 1 N m at the pinned ends: their tilts differ by the compliance.
-
-    The moment about x bends the throw in the crank plane, that about y across it.
-    """
-    if axis not in ("x", "y"):
-        raise InputError(
-            f'axis: given {axis!r}; allowed are "x" and "y", because z is the shaft axis.'
-        )
-    place = RX if axis == "x" else RY
-    loads = tuple(-1.0 if i == place else 1.0 if i == 6 + place else 0.0 for i in range(12))
-    return LoadCase(f"opposite end moments of 1 N m about {axis}, pinned", "pinned", loads)
-
-
-def pin_case(
-    pin_forces: Iterable[Sequence[float]], support: Support = "pinned", *, blocked: bool
-) -> LoadCase:
-    """Load the pins: free to lengthen for the influence coefficient, blocked for the reactions.
-
-    Parameters
-    ----------
-    pin_forces : (pins, 3) array_like
-        Force on each pin in the throw frame [N].
-    support : {"pinned", "guided"}
-    blocked : bool
-        Whether the right end is held along the shaft.
-    """
-    forces = tuple((float(x), float(y), float(z)) for x, y, z in pin_forces)
-    ends = "length blocked" if blocked else "free to lengthen"
-    title = f"pin forces {', '.join(map(str, forces))} N, {support}, {ends}"
-    return LoadCase(title, support, pin_forces=forces, blocked=blocked)
-
-
-def standard_cases(mesh: ThrowMesh) -> tuple[LoadCase, ...]:
-    """All load cases that tell what a throw does when pinned or guided.
-
-    Parameters
-    ----------
-    mesh : ThrowMesh
-
-    Returns
-    -------
-    tuple of LoadCase
-        Axial force and torque under both supports, end moments about x and y, and a force of 1 N on
-        each pin along each axis under both supports, the length blocked and free.
-    """
-    supports: tuple[Support, ...] = ("pinned", "guided")
-    cases = [make(support) for make in (axial_case, torque_case) for support in supports]
-    cases += [bending_case("x"), bending_case("y")]
-    units = np.eye(3 * len(mesh.pins)).reshape(-1, len(mesh.pins), 3).tolist()
-    cases += [
-        pin_case(forces, support, blocked=blocked)
-        for support in supports
-        for blocked in (True, False)
-        for forces in units
-    ]
-    return tuple(cases)
 
 
 def write_calculix(
@@ -285,123 +123,6 @@ def calculix_deck(mesh: ThrowMesh, material: Material, cases: Sequence[LoadCase]
     for number, case in enumerate(cases, start=1):
         lines += _step_lines(case, number, count, shares)
     return "\n".join(lines) + "\n"
-
-
-def run_calculix(
-    deck: str | Path, threads: int = 2, time_limit: float = 600.0, *, program: str = PROGRAM
-) -> Path:
-    """Run CalculiX on a deck, in the deck's folder.
-
-    Parameters
-    ----------
-    deck : path
-        The ``.inp`` file.
-    threads : int
-        Of assembly and equation solver.
-    time_limit : float
-        Seconds after which it is ended.
-    program : str
-        Name or path of the program.
-
-    Returns
-    -------
-    Path
-        The ``.dat`` file with the printed results, for `read_calculix`.
-
-    Raises
-    ------
-    MissingLibraryError
-        If the program is not installed.
-    InputError
-        If there is no such deck.
-    CalculixError
-        If it fails, crashes or takes too long.
-    """
-    deck = Path(deck).absolute()
-    if deck.suffix != ".inp" or not deck.is_file():
-        raise InputError(
-            f"deck: given {deck}; allowed is a file with the ending '.inp', because CalculiX reads no "
-            "other."
-        )
-    found = shutil.which(program)
-    if found is None:
-        raise MissingLibraryError(
-            f"CalculiX ({program}) is not installed; install it with: apt-get install calculix-ccx"
-        )
-    results = deck.with_suffix(".dat")
-    # What an earlier run left must never be taken for this one's results.
-    results.unlink(missing_ok=True)
-    asked = {"OMP_NUM_THREADS": str(threads), "CCX_NPROC_EQUATION_SOLVER": str(threads)}
-    try:
-        done = subprocess.run(
-            [Path(found).absolute(), "-i", deck.stem],
-            cwd=deck.parent,
-            env=os.environ | asked,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            encoding="utf-8",
-            errors="replace",
-            timeout=time_limit,
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
-        raise CalculixError(f"CalculiX took more than {time_limit:g} s for {deck.name}.") from None
-    if done.returncode != 0 or "Job finished" not in done.stdout or not results.is_file():
-        raise CalculixError(
-            f"CalculiX ended with code {done.returncode} on {deck.name}: {_complaint(done.stdout)}"
-        )
-    return results
-
-
-def read_calculix(results: str | Path) -> tuple[EndResults, ...]:
-    """Read motions and outer forces of the end sections from the ``.dat`` file of our deck.
-
-    Parameters
-    ----------
-    results : path
-
-    Returns
-    -------
-    tuple of EndResults
-        One for each step, of 7 digits as they are printed.
-
-    Raises
-    ------
-    CalculixError
-        If the file cannot be read or does not hold them.
-    """
-    results = Path(results)
-    try:
-        text = results.read_text(encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise CalculixError(f"{results}: cannot be read ({error.strerror or error}).") from None
-    tables = {
-        kind: [
-            _twelve(rows, results)
-            for rows in re.findall(
-                rf"^ *{kind} \([^)]*\) for set {ENDS} and time .*\n\s*\n((?: *\d+ .*\n?)+)",
-                text,
-                re.M,
-            )
-        ]
-        for kind in ("displacements", "forces")
-    }
-    motions, forces = tables.values()
-    if not motions or len(motions) != len(forces):
-        raise CalculixError(
-            f"{results}: has {len(motions)} tables of displacements and {len(forces)} of forces for the "
-            f"set {ENDS}; a finished run of our deck has one of each for every step."
-        )
-    return tuple(EndResults(*found) for found in zip(motions, forces, strict=True))
-
-
-def _on_right(place: int) -> tuple[float, ...]:
-    return tuple(float(i == 6 + place) for i in range(12))
-
-
-def _motion_name(place: int) -> str:
-    return f"{MOTIONS[place % 6]} of the {'left' if place < 6 else 'right'} end"
 
 
 def number_field(value: float) -> str:
@@ -507,27 +228,3 @@ def _step_lines(case: LoadCase, number: int, count: int, shares: Array) -> Itera
             for node, part in zip((loaded + 1).tolist(), share[loaded].tolist(), strict=True):
                 yield f"{node},{axis + 1},{number_field(part * force[axis])}"
     yield from (f"*NODE PRINT, NSET={ENDS}", "U,RF", "*END STEP")
-
-
-def _twelve(rows: str, results: Path) -> Array:
-    """Take the four nodes' three values each out of a printed table."""
-    try:
-        values = np.array(
-            [[float(field) for field in row.split()[1:]] for row in rows.splitlines()]
-        )
-    except ValueError:
-        values = np.empty(0)
-    if values.shape != (4, 3) or not np.all(np.isfinite(values)):
-        raise CalculixError(
-            f"{results}: a table holds not four nodes with three numbers each: {rows}"
-        )
-    return values.ravel()
-
-
-def _complaint(output: str) -> str:
-    """CalculiX's first error with the line after it, or its last words."""
-    lines = [line.strip() for line in output.splitlines() if line.strip()]
-    for number, line in enumerate(lines):
-        if "*ERROR" in line:
-            return " ".join(lines[number : number + 2])
-    return " ".join(lines[-2:]) or "it said nothing."

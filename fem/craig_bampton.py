@@ -20,19 +20,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, eigh
+from scipy.linalg import block_diag
 
 from fem.assembly import symmetric_product
-from fem.condensation import CondensedClass
-from fem.material import Material
-from fem.modes import (
-    ClassProblem,
+from fem.class_modes import (
     PartMatrices,
     check_resolved,
     class_problem,
     frequencies_of,
-    is_number,
 )
+from fem.condensation import CondensedClass
+from fem.held_shapes import shapes_of_class, shapes_of_throw
+from fem.material import Material
+from fem.modes import is_number
 from fem.plots.frequency_stems import draw_frequencies
 from fem.superelement import section_rotation
 from fem.symmetry import SymmetryClass, symmetry_classes
@@ -52,8 +52,6 @@ Array = NDArray[np.float64]
 # frequency, whether it lies below the throw's first natural mode or at three times it (three throws;
 # without corrections the same takes a multiple of 6 or more, and a multiple of 2 leaves 5 %).
 CUTOFF_FACTOR = 1.5
-# Corrections of which the other shapes compose all but this share (of the square) are left out.
-INDEPENDENT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -256,9 +254,10 @@ def dynamic_superelement(
             with class_problem(
                 mesh, matrices, part.symmetry, held_ends=True, solver=solver, watch=watch
             ) as problem:
-                shapes = _inside(problem, cutoff, inertia if corrections else inertia[:, :0])
-            found.append(_coupled(part, matrices, inertia, *shapes))
-    inside = _sorted(mesh, len(classes[0].pin_loads), found)
+                found.append(
+                    shapes_of_class(problem, part, matrices.stiffness, inertia, cutoff, corrections)
+                )
+    inside = shapes_of_throw(mesh, len(classes[0].pin_loads), found)
     end_pin_loads = sum(part.symmetry.shares.T @ part.pin_loads for part in classes)
     count = len(inside.squares)
     mass = np.block([[mass, inside.coupling], [inside.coupling.T, np.eye(count)]])
@@ -273,211 +272,6 @@ def dynamic_superelement(
         highest_frequency=highest_frequency,
         cutoff_factor=cutoff_factor,
         solver=classes[0].solver,
-    )
-
-
-def assemble_dynamic_shaft(throws: Sequence[DynamicSuperelement]) -> tuple[Array, Array]:
-    """Stiffness and mass of throws in a row, each already turned to its crank angle.
-
-    Parameters
-    ----------
-    throws : sequence of n DynamicSuperelement
-
-    Returns
-    -------
-    stiffness, mass : (u, u) array
-        Motions of the n + 1 end sections from the left, as in `fem.shaft.assemble_shaft`, then the
-        amplitudes of shapes, throw by throw.
-
-    Raises
-    ------
-    InputError
-        If there is no throw.
-    """
-    if not throws or not all(isinstance(throw, DynamicSuperelement) for throw in throws):
-        raise InputError(
-            "throws: given none, or what is no DynamicSuperelement; allowed is at least one of these, "
-            "because a shaft has throws."
-        )
-    first = 6 * (len(throws) + 1)
-    size = first + sum(len(throw.frequencies) for throw in throws)
-    stiffness, mass = np.zeros((size, size)), np.zeros((size, size))
-    for place, throw in enumerate(throws):
-        last = first + len(throw.frequencies)
-        own = np.r_[6 * place : 6 * place + 12, first:last]
-        stiffness[np.ix_(own, own)] += throw.stiffness
-        mass[np.ix_(own, own)] += throw.mass
-        first = last
-    return stiffness, mass
-
-
-def natural_modes(
-    stiffness: Array, mass: Array, held: Sequence[int] | NDArray[np.int64] = ()
-) -> tuple[Array, Array]:
-    """All natural modes of an assembled shaft.
-
-    Parameters
-    ----------
-    stiffness, mass : (u, u) array
-        Symmetric, the mass positive definite.
-    held : sequence of int
-        Unknowns that supports keep at zero.
-
-    Returns
-    -------
-    frequencies : (k,) array
-        Ascending [Hz]; those of rigid motions are zero, but for rounding.
-    shapes : (u, k) array
-        Of unit modal mass.
-
-    Raises
-    ------
-    InputError
-        If the matrices are not square, finite and of one size, the mass is not positive definite, or an
-        unknown in `held` does not exist.
-    """
-    stiffness, mass = _checked_matrix("stiffness", stiffness), _checked_matrix("mass", mass)
-    if stiffness.shape != mass.shape:
-        raise InputError(
-            f"mass: given shape {mass.shape}; allowed is that of the stiffness, {stiffness.shape}."
-        )
-    places = np.atleast_1d(np.asarray(held))
-    if places.size and not (
-        places.dtype.kind in "iu" and np.all((places >= 0) & (places < len(stiffness)))
-    ):
-        raise InputError(
-            f"held: given {held!r}; allowed are numbers of unknowns, 0 to {len(stiffness) - 1}."
-        )
-    free = np.setdiff1d(np.arange(len(stiffness)), places)
-    try:
-        squares, vectors = eigh(stiffness[np.ix_(free, free)], mass[np.ix_(free, free)])
-    except np.linalg.LinAlgError:
-        raise InputError(
-            "mass: given a matrix that is not positive definite; allowed is one that is, because every "
-            "motion has inertia."
-        ) from None
-    shapes = np.zeros((len(stiffness), len(free)))
-    shapes[free] = vectors
-    return frequencies_of(squares), shapes
-
-
-def _checked_matrix(name: str, given: Array) -> Array:
-    """Return a square matrix of finite numbers.
-
-    Raises
-    ------
-    InputError
-    """
-    try:
-        matrix = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
-        matrix = np.empty(0)
-    if matrix.ndim != 2 or len(matrix) != matrix.shape[1] or not np.all(np.isfinite(matrix)):
-        raise InputError(
-            f"{name}: given {type(given).__name__} of shape {np.shape(matrix)}; allowed is a square matrix "
-            "of finite numbers."
-        )
-    return matrix
-
-
-@dataclass(frozen=True)
-class _Inside:
-    """Shapes (3 n, m) with the end sections held, and what couples them to ends and pins."""
-
-    symmetries: tuple[SymmetryClass, ...]
-    squares: Array
-    natural: NDArray[np.bool_]
-    shapes: Array
-    coupling: Array
-    pin_loads: Array
-
-
-def _inside(
-    problem: ClassProblem, cutoff: float, inertia: Array
-) -> tuple[Array, NDArray[np.bool_], Array]:
-    """Squares (m,), whether natural (m,), and shapes (3 n, m) of one class.
-
-    Corrections are the answers to forces `inertia` (3 n, c), less the natural modes in them.
-    """
-    modes = problem.up_to(cutoff)
-    kept = modes.part(slice(0, int(np.count_nonzero(modes.frequencies <= cutoff))))
-    natural = kept.shapes.reshape(3 * problem.nodes, -1)[problem.free]
-    squares, corrections = _corrections(problem, natural, inertia[problem.free])
-    shapes = problem.displacement(np.hstack([natural, corrections]))
-    return (
-        np.concatenate([kept.squares, squares]),
-        np.repeat([True, False], [len(kept.squares), len(squares)]),
-        shapes.reshape(3 * problem.nodes, -1),
-    )
-
-
-def _corrections(problem: ClassProblem, natural: Array, forces: Array) -> tuple[Array, Array]:
-    """Static answers (f, c) to forces, orthogonal to natural modes and each other, and their w^2."""
-    if not forces.shape[1]:
-        return np.zeros(0), forces
-    copies = problem.symmetry.copies
-    answers = problem.factors.solve(forces)
-    masses = copies * np.sum(answers * symmetric_product(problem.mass, answers), axis=0)
-    answers = answers / np.sqrt(masses)
-    for _ in range(2):  # once leaves rounding of the size of the natural modes' large shares
-        answers -= natural @ (copies * natural.T @ symmetric_product(problem.mass, answers))
-    mass = copies * answers.T @ symmetric_product(problem.mass, answers)
-    sizes, directions = eigh(mass)
-    independent = sizes > INDEPENDENT
-    answers = answers @ (directions[:, independent] / np.sqrt(sizes[independent]))
-    stiffness = copies * answers.T @ symmetric_product(problem.stiffness, answers)
-    squares, directions = eigh(stiffness)
-    return squares, answers @ directions
-
-
-def _coupled(
-    part: CondensedClass,
-    matrices: PartMatrices,
-    inertia: Array,
-    squares: Array,
-    natural: NDArray[np.bool_],
-    shapes: Array,
-) -> _Inside:
-    """Find the mass (12, m) between end motions and shapes, and the work of pin loads on them."""
-    copies = part.symmetry.copies
-    pin_fields = part.pin_fields.reshape(len(shapes), -1)
-    # The fields are answers to the pin loads, so the shapes' work on them is the loads' on the shapes.
-    works = copies * shapes.T @ symmetric_product(matrices.stiffness, pin_fields)
-    pin_loads = np.zeros((len(part.pin_loads), len(squares), 6))
-    for work, (pin, component) in zip(works.T, part.pin_components, strict=True):
-        pin_loads[pin, :, component] = work
-    return _Inside(
-        symmetries=(part.symmetry,) * len(squares),
-        squares=squares,
-        natural=natural,
-        shapes=shapes,
-        coupling=copies * part.symmetry.shares.T @ (inertia.T @ shapes),
-        pin_loads=pin_loads,
-    )
-
-
-def _sorted(mesh: ThrowMesh, pins: int, parts: Sequence[_Inside]) -> _Inside:
-    """Put the shapes of all classes together: natural modes first, both kinds ascending."""
-    none = _Inside(
-        symmetries=(),
-        squares=np.zeros(0),
-        natural=np.zeros(0, dtype=bool),
-        shapes=np.zeros((mesh.unknowns, 0)),
-        coupling=np.zeros((12, 0)),
-        pin_loads=np.zeros((pins, 0, 6)),
-    )
-    parts = [none, *parts]
-    symmetries = [symmetry for part in parts for symmetry in part.symmetries]
-    squares = np.concatenate([part.squares for part in parts])
-    natural = np.concatenate([part.natural for part in parts])
-    order = np.lexsort((squares, ~natural))
-    return _Inside(
-        symmetries=tuple(symmetries[place] for place in order),
-        squares=squares[order],
-        natural=natural[order],
-        shapes=np.hstack([part.shapes for part in parts])[:, order],
-        coupling=np.hstack([part.coupling for part in parts])[:, order],
-        pin_loads=np.concatenate([part.pin_loads for part in parts], axis=1)[:, order],
     )
 
 

@@ -6,8 +6,7 @@ error. The ends are pinned, so that the forces in every section follow from the 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,27 +14,22 @@ from numpy.typing import NDArray
 from fem.accuracy import Mesher
 from fem.condensation import EndSections
 from fem.fillet_mesh import fillet_element, finer_at, measured_sizes
+from fem.fillet_peaks import FilletPeak, FilletStresses
 from fem.fillet_surface import FilletSurface, fillet_points, fillet_surface
 from fem.fillets import Fillet, sharp_corners, throw_fillets
 from fem.loads import radial_directions
 from fem.material import STEEL, Material
 from fem.nominal_stress import nominal_stress
-from fem.plots.fillet_bars import LABELS, Criterion, draw_factors
 from fem.principal import largest_principal, principal_stresses, von_mises
 from fem.unit_loads import LoadedThrow, UnitLoad, solve_unit_loads, unit_loads
-from geometry.choices import check_choice
-from geometry.diagram_style import new_axes
 from geometry.errors import InputError
-from geometry.frames import grid, table
 from geometry.mesher import mesh_isolated
 from geometry.quantity import show_quantity
 from geometry.size_map import SizeMap
 from geometry.throw import CrankThrow
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 Array = NDArray[np.float64]
+
 Integers = NDArray[np.int64]
 
 # Size factor of the mesh that element sizes away from the fillets are taken from.
@@ -54,194 +48,6 @@ ORDER, SAFETY, SCATTER = 2.0, 1.5, 0.15
 MOST_UNKNOWNS = 400_000
 # Of the throw's length.
 CUT_TOLERANCE = 1e-9
-
-
-@dataclass(frozen=True)
-class FilletPeak:
-    """The largest stresses at one fillet under one unit load.
-
-    Where a throw is symmetric about the crank plane, the place with x >= 0 is given; its mirror image
-    has the same stresses, under a torque or bending across the crank plane with the opposite sign.
-
-    Attributes
-    ----------
-    load : UnitLoad
-    fillet : Fillet
-    principal : float
-        Principal stress of the largest magnitude, with its sign [Pa/N or Pa/(N m)].
-    principal_place : (3,) array
-        Where it is, in the throw frame [m].
-    principals : (3,) array
-        All principal stresses there, largest first; that across the free surface is 0.
-    von_mises : float
-        Largest equivalent stress by von Mises, same unit.
-    von_mises_place : (3,) array
-    nominal : float
-        Nominal stress, as `fem.nominal_stress` defines it; under a torque a shear stress.
-    error_estimate : float
-        Estimated relative error of the two largest values.
-    """
-
-    load: UnitLoad
-    fillet: Fillet
-    principal: float
-    principal_place: Array
-    principals: Array
-    von_mises: float
-    von_mises_place: Array
-    nominal: float
-    error_estimate: float
-
-    @property
-    def factor(self) -> float:
-        """Stress concentration factor: size of the largest principal stress by the nominal one."""
-        return abs(self.principal) / self.nominal
-
-    @property
-    def von_mises_factor(self) -> float:
-        """Largest equivalent stress by von Mises divided by the nominal stress."""
-        return self.von_mises / self.nominal
-
-
-@dataclass(frozen=True)
-class FilletStresses:
-    """Stresses at the fillets of a throw.
-
-    Attributes
-    ----------
-    throw : CrankThrow
-    peaks : tuple of FilletPeak
-        For each load, the fillets from left to right.
-    sharp_corners : tuple of str
-        Corners without a fillet: the elastic stress there has no bound, so there is no number.
-    loaded : LoadedThrow
-        The last mesh with its displacements.
-    surface : FilletSurface
-        Stresses all over the fillets.
-    fineness : float
-        Elements across the quarter circle of a fillet where it was refined last.
-    accuracy : float
-        The accuracy that was asked for.
-    """
-
-    throw: CrankThrow
-    peaks: tuple[FilletPeak, ...]
-    sharp_corners: tuple[str, ...]
-    loaded: LoadedThrow = field(repr=False)
-    surface: FilletSurface = field(repr=False)
-    fineness: float
-    accuracy: float
-
-    @property
-    def error_estimate(self) -> float:
-        """Largest of the error estimates."""
-        return max(peak.error_estimate for peak in self.peaks)
-
-    @property
-    def accuracy_met(self) -> bool:
-        """Whether all error estimates are within the accuracy asked for."""
-        return self.error_estimate <= self.accuracy
-
-    def under(self, load: UnitLoad) -> tuple[FilletPeak, ...]:
-        """Peaks under one load, the fillets from left to right."""
-        return tuple(peak for peak in self.peaks if peak.load is load)
-
-    def plot(self, axes: "Axes | None" = None, *, criterion: Criterion = "principal") -> "Axes":
-        """Draw the stress concentration factors, a group of bars for each fillet, a color for each load.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
-        criterion : {"principal", "von Mises"}
-            Which stress is divided by the nominal one.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            If the criterion is neither.
-        """
-        check_choice("criterion", criterion, LABELS, "factors are made of these stresses")
-        loads, fillets = self._names
-        factors = self._array("factor" if criterion == "principal" else "von_mises_factor")
-        axes = new_axes(axes, width=8.6)
-        draw_factors(axes, fillets, dict(zip(loads, factors, strict=True)), criterion)
-        return axes
-
-    def to_pandas(self) -> Any:
-        """Return a table with a row for each load and fillet, the fillets from left to right.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
-        peaks = self.peaks
-        stress = "Pa/N or Pa/(N m), as the load's unit says"
-        places = np.array([peak.principal_place for peak in peaks])
-        return table(
-            {
-                "load": ([peak.load.name for peak in peaks], ""),
-                "load_unit": ([peak.load.unit for peak in peaks], ""),
-                "fillet": ([peak.fillet.name for peak in peaks], ""),
-                "factor": ([peak.factor for peak in peaks], "1"),
-                "von_mises_factor": ([peak.von_mises_factor for peak in peaks], "1"),
-                "principal": ([peak.principal for peak in peaks], stress),
-                "von_mises": ([peak.von_mises for peak in peaks], stress),
-                "nominal": ([peak.nominal for peak in peaks], stress),
-                "error_estimate": ([peak.error_estimate for peak in peaks], "1"),
-                "x": (places[:, 0], "m"),
-                "y": (places[:, 1], "m"),
-                "z": (places[:, 2], "m"),
-            }
-        )
-
-    def to_xarray(self) -> Any:
-        """Return factors and their errors over loads and fillets.
-
-        Returns
-        -------
-        xarray.Dataset
-            ``factor``, ``von_mises_factor`` and ``error_estimate`` (load, fillet).
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
-        words = {
-            "factor": "largest principal stress by the nominal one",
-            "von_mises_factor": "largest equivalent stress by the nominal one",
-            "error_estimate": "estimated relative error of both",
-        }
-        loads, fillets = self._names
-        return grid(
-            {
-                name: (("load", "fillet"), self._array(name), "1", text)
-                for name, text in words.items()
-            },
-            {"load": (loads, "", "unit load"), "fillet": (fillets, "", "fillet")},
-        )
-
-    @property
-    def _names(self) -> tuple[list[str], list[str]]:
-        """Names of loads and fillets, in the order of the peaks."""
-        loads = dict.fromkeys(peak.load.name for peak in self.peaks)
-        return list(loads), list(dict.fromkeys(peak.fillet.name for peak in self.peaks))
-
-    def _array(self, name: str) -> Array:
-        """An attribute of the peaks (loads, fillets)."""
-        values = np.array([getattr(peak, name) for peak in self.peaks], dtype=np.float64)
-        return values.reshape(len(self._names[0]), -1)
 
 
 def fillet_stresses(

@@ -13,8 +13,7 @@ from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid, table
 from geometry.plots.bars import draw_groups, draw_matrix
-from geometry.plots.legends import write_title
-from geometry.plots.shown_units import shown_unit
+from geometry.plots.legends import shown_unit, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,15 +14,16 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem.assembly import assemble_stiffness
 from fem.calculix import number_field
+from fem.class_modes import LANCZOS_TOLERANCE, frequencies_of
 from fem.loads import rigid_motions
 from fem.mass_matrix import assemble_mass
 from fem.material import Material
-from fem.modes import LANCZOS_TOLERANCE, frequencies_of
 from fem.solver import factorize
 from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.mending import mend
-from geometry.mesh import check_quality, check_volume, read_mesh, solid_properties
+from geometry.mesh import read_mesh
+from geometry.mesh_checks import check_quality, check_volume, solid_properties
 
 Array = NDArray[np.float64]
 

@@ -1,6 +1,7 @@
 """What a throw does under each named support: compliances, influence coefficient, reactions."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -51,6 +52,12 @@ class Neighbors:
 
 
 Support = Literal["pinned", "guided"] | Neighbors
+# Supports of the table of compliances, by the names it gives them.
+TABLE_SUPPORTS: Mapping[str, Support] = {
+    "pinned": "pinned",
+    "guided": "guided",
+    **{f"neighbors {step:g} deg": Neighbors(step, step) for step in (0.0, 90.0, 120.0, 180.0)},
+}
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from geometry.mass import (
     solid_mass_properties,
     together,
 )
-from geometry.mesh import (
+from geometry.mesh_checks import (
     SOLID_VOLUME_TOLERANCE,
     SolidProperties,
     check_solid,

@@ -16,16 +16,8 @@ from geometry.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_errors
 from geometry.imported import ImportedThrow, file_content
 from geometry.mending import mend
-from geometry.mesh import (
-    Rung,
-    ThrowMesh,
-    check_budget,
-    check_quality,
-    check_volume,
-    climb,
-    read_mesh,
-    solid_properties,
-)
+from geometry.mesh import Rung, ThrowMesh, climb, read_mesh
+from geometry.mesh_checks import check_budget, check_quality, check_volume, solid_properties
 from geometry.parts import ThrowParts
 from geometry.recognition import PLACE_TOLERANCE
 from geometry.size_field import set_sizes

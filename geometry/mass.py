@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.mesh import SolidProperties, ThrowMesh, element_quadrature
+from geometry.mesh import ThrowMesh
+from geometry.mesh_checks import SolidProperties
+from geometry.shapes import element_quadrature
 
 
 @dataclass(frozen=True)

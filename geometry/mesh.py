@@ -1,6 +1,5 @@
 """Mesh a throw with second-order tetrahedra, and check what comes out."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -10,16 +9,23 @@ from numpy.typing import ArrayLike, NDArray
 
 from geometry.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_errors, gmsh_session
-from geometry.mending import corner_quality, mend
+from geometry.mending import mend
+from geometry.mesh_checks import (
+    MOST_UNKNOWNS,
+    SolidProperties,
+    check_budget,
+    check_quality,
+    check_solid,
+    check_volume,
+    solid_properties,
+)
 from geometry.parts import ThrowParts
-from geometry.shapes import jacobians, shapes_for_quadrature
 from geometry.size_field import set_sizes
 from geometry.size_map import SizeMap, set_size_map
 from geometry.sizes import SHARES, predict_unknowns, size_plan
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE, build_solid
 from geometry.stopwatch import Stopwatch
 from geometry.throw import CrankThrow
-from geometry.volume import throw_volume
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,13 +33,6 @@ if TYPE_CHECKING:
 # gmsh numbers the edges of a 10-node tetrahedron in another order than scikit-fem.
 GMSH_TO_SKFEM = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 PARTS = tuple(SHARES)
-# More unknowns than this are not tried: their factorization needs 20 GiB and minutes.
-MOST_UNKNOWNS = 1_500_000
-# The mesh may differ from the solid by this share of the volume, the solid from its description.
-MESH_VOLUME_TOLERANCE = 1e-3
-SOLID_VOLUME_TOLERANCE = 1e-5
-# Mean ratio of the flattest tetrahedron.
-SMALLEST_QUALITY = 1e-3
 
 
 @dataclass(frozen=True)
@@ -69,25 +68,6 @@ LADDER = (
         (("Geometry.OCCUnionUnify", 0), ("Mesh.Algorithm", 1)),
     ),
 )
-
-
-@dataclass(frozen=True)
-class SolidProperties:
-    """What the kernel says of the solid that was meshed.
-
-    Attributes
-    ----------
-    volume : float
-        [m^3]
-    center : (3,) array
-        Center of volume [m].
-    second_moments : (3, 3) array
-        Integral of x_i x_j over the volume about its center [m^5].
-    """
-
-    volume: float
-    center: NDArray[np.float64]
-    second_moments: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -279,20 +259,6 @@ def checked_part(throw: CrankThrow, part: str) -> str:
     return part
 
 
-def check_budget(expected: int, size_factor: float) -> None:
-    """Refuse a mesh of too many expected unknowns.
-
-    Raises
-    ------
-    InputError
-    """
-    if expected > MOST_UNKNOWNS:
-        raise InputError(
-            f"size_factor: given {size_factor:.3g}, which would make about {expected:,} unknowns; allowed "
-            f"are {MOST_UNKNOWNS:,}, for more do not fit into an ordinary computer's memory."
-        )
-
-
 def _mesh_once(
     parts: ThrowParts,
     size_factor: float,
@@ -337,31 +303,6 @@ def _mesh_once(
         attempts=attempts,
         geometry_seconds=watch.seconds["geometry"],
     )
-
-
-def solid_properties(gmsh: Any) -> SolidProperties:
-    """Volume, center and second moments of all volumes in the model, which should be one."""
-    tags = [tag for _, tag in gmsh.model.getEntities(3)]
-    if len(tags) != 1:
-        raise MeshError(f"the parts of the throw did not unite to one solid but to {len(tags)}.")
-    volume = float(gmsh.model.occ.getMass(3, tags[0]))
-    center = np.array(gmsh.model.occ.getCenterOfMass(3, tags[0]))
-    inertia = np.array(gmsh.model.occ.getMatrixOfInertia(3, tags[0])).reshape(3, 3)
-    return SolidProperties(volume, center, 0.5 * np.trace(inertia) * np.eye(3) - inertia)
-
-
-def check_solid(parts: ThrowParts, part: str, solid: SolidProperties) -> None:
-    """Refuse a solid that is not what was described: booleans may lose a part without a word.
-
-    Raises
-    ------
-    MeshError
-    """
-    expected = SHARES[part] * throw_volume(parts)
-    if not math.isclose(solid.volume, expected, rel_tol=SOLID_VOLUME_TOLERANCE):
-        raise MeshError(
-            f"the solid has a volume of {solid.volume:.8g} m^3, its parts {expected:.8g} m^3."
-        )
 
 
 def read_mesh(
@@ -422,53 +363,3 @@ def _oriented(
     if not np.array_equal(keys[place], wanted):
         raise MeshError("a named surface has facets that bound no element of the solid.")
     return oriented[place]
-
-
-def check_quality(points: NDArray[np.float64], elements: NDArray[np.int64]) -> None:
-    """Refuse a mesh with an element so flat that solving loses digits.
-
-    Raises
-    ------
-    MeshError
-    """
-    worst = float(corner_quality(points, elements).min())
-    if worst < SMALLEST_QUALITY:
-        raise MeshError(
-            f"an element is flat: its mean ratio is {worst:.1e}, below {SMALLEST_QUALITY:g}."
-        )
-
-
-def check_volume(
-    points: NDArray[np.float64], elements: NDArray[np.int64], solid: SolidProperties
-) -> None:
-    """Refuse a mesh that has not the solid's volume.
-
-    Raises
-    ------
-    MeshError
-    """
-    volume = float(element_volumes(points, elements).sum())
-    if not math.isclose(volume, solid.volume, rel_tol=MESH_VOLUME_TOLERANCE):
-        raise MeshError(
-            f"the mesh has a volume of {volume:.6g} m^3, the solid {solid.volume:.6g} m^3: "
-            "they differ by more than 0.1 %."
-        )
-
-
-def element_volumes(
-    points: NDArray[np.float64], elements: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """Volumes (m,) of straight or curved 10-node tetrahedra [m^3]."""
-    return np.asarray(
-        element_quadrature(points, elements)[1].reshape(len(elements), -1).sum(axis=1)
-    )
-
-
-def element_quadrature(
-    points: NDArray[np.float64], elements: NDArray[np.int64], order: int = 5
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Quadrature points (p, 3) and their volumes (p,) over all elements."""
-    values, gradients, weights = shapes_for_quadrature(order)
-    corners = points[elements]
-    volumes = np.linalg.det(jacobians(gradients, corners)) * weights
-    return (values[None] @ corners).reshape(-1, 3), volumes.ravel()

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -20,29 +19,15 @@ from geometry.cad_faces import (
 from geometry.errors import InputError
 from geometry.gmsh_session import middle_point
 from geometry.imported import ImportedPin, ImportedThrow, Wanted
+from geometry.imported_sizes import planned_sizes
 from geometry.parts import Cylinder
 from geometry.quantity import show_quantity
-from geometry.sizes import (
-    FILLET_ROOT_PER_WEB,
-    ROOT_PER_FILLET,
-    ROOT_PER_WEB,
-    SIZE_PER_BORE,
-    SizePlan,
-    SizeZone,
-)
-from geometry.solid import (
-    BORE,
-    FILLET,
-    LEFT_END,
-    MAIN_JOURNAL,
-    PIN,
-    RIGHT_END,
-    WEB,
-    Zone,
-)
+from geometry.sizes import ROOT_PER_FILLET, SizePlan
+from geometry.solid import BORE, FILLET, LEFT_END, MAIN_JOURNAL, PIN, RIGHT_END, WEB, Zone
 from geometry.step_file import PLANE, StepFace
 
 Array = NDArray[np.float64]
+
 # A length outside these is taken for an error of the unit [m].
 SHORTEST, LONGEST = 0.005, 20.0
 # Places are told apart to this share of the part's length, directions to this sine.
@@ -122,7 +107,7 @@ class _Recognition:
         holes = tuple(
             _hole(item, turn, shift) for item in self._rounds if item.radius < 0.0 and item.whole
         )
-        plan = _plan(row, reaches, fillets, corners, radii, holes)
+        plan = planned_sizes(row, reaches, fillets, corners, radii, holes)
         pins = tuple(
             ImportedPin(
                 _pin_name(number),
@@ -409,42 +394,3 @@ def _hole(item: Round, turn: float, shift: float) -> Cylinder:
     axis, radius = _turned(item.axis, turn), -item.radius
     start, end = item.low + shift, item.high + shift
     return Cylinder(BORE, axis, radius, start, end, 0.0, 0.0, radius, axis, start, end)
-
-
-def _plan(
-    row: list[Round],
-    reaches: list[tuple[float, float]],
-    fillets: dict[Zone, list[int]],
-    corners: dict[Zone, list[int]],
-    radii: dict[Zone, float],
-    holes: tuple[Cylinder, ...],
-) -> SizePlan:
-    """Choose element sizes by the rules for throws given by dimensions.
-
-    A web is as thick as the gap between the journal or pin before it and the one after it.
-    """
-    thinnest_pin = min(pin.radius for pin in row[1:-1])
-    gaps = [after[0] - before[1] for before, after in pairwise(reaches)]
-    webs = [gap for gap in gaps if gap > 0.02 * thinnest_pin]
-    thinnest = min(webs, default=thinnest_pin)
-    bulk = min(thinnest, thinnest_pin)
-    zones = []
-    for zone in [*fillets, *corners]:
-        number, end = zone
-        gap = gaps[number - 1 if end == "start" else number]
-        beside = gap if gap in webs else thinnest
-        radius = row[number].radius
-        sharp = zone not in fillets
-        if sharp:
-            size, area = ROOT_PER_WEB * beside, 0.0
-        else:
-            fillet = radii[zone]
-            size = min(ROOT_PER_FILLET * fillet, FILLET_ROOT_PER_WEB * beside)
-            area = math.pi * math.pi * fillet * (radius + 0.36 * fillet)
-        zones.append(SizeZone(zone, sharp, min(bulk, size), 2.0 * math.pi * radius, area))
-    for number, hole in enumerate(holes):
-        length = 2.0 * math.pi * hole.bore_radius
-        area = length * (hole.bore_end - hole.bore_start)
-        size = min(bulk, SIZE_PER_BORE * hole.bore_radius)
-        zones.append(SizeZone((number, BORE), False, size, length, area))
-    return SizePlan(bulk, tuple(zones))

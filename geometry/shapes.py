@@ -39,3 +39,22 @@ def shapes_for_quadrature(order: int) -> tuple[Array, Array, Array]:
 def jacobians(gradients: Array, corners: Array) -> Array:
     """Jacobians (m, q, 3, 3) of elements with node coordinates (m, 10, 3): d x_j / d xi_i [m]."""
     return np.asarray(gradients.transpose(0, 2, 1)[None] @ corners[:, None])
+
+
+def element_volumes(
+    points: NDArray[np.float64], elements: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Volumes (m,) of straight or curved 10-node tetrahedra [m^3]."""
+    return np.asarray(
+        element_quadrature(points, elements)[1].reshape(len(elements), -1).sum(axis=1)
+    )
+
+
+def element_quadrature(
+    points: NDArray[np.float64], elements: NDArray[np.int64], order: int = 5
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Quadrature points (p, 3) and their volumes (p,) over all elements."""
+    values, gradients, weights = shapes_for_quadrature(order)
+    corners = points[elements]
+    volumes = np.linalg.det(jacobians(gradients, corners)) * weights
+    return (values[None] @ corners).reshape(-1, 3), volumes.ravel()

@@ -8,7 +8,8 @@ from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.isolated import ProcessLostError, shared_process
-from geometry.mesh import check_solid, checked_part, solid_properties
+from geometry.mesh import checked_part
+from geometry.mesh_checks import check_solid, solid_properties
 from geometry.mesher import TIME_LIMIT
 from geometry.parts import ThrowParts
 from geometry.processes import scratch_folder

@@ -174,7 +174,7 @@ def _run(
     from regression.runs import study
 
     if options["dask"] is not None:
-        from regression.runs.cluster import quiet_dask
+        from regression.runs.dask_cluster import quiet_dask
 
         quiet_dask()
     with console.RunProgress(quiet) as progress:

@@ -48,8 +48,8 @@ def throw(
     from crankfem.results import mode_records, throw_record
     from crankfem.throw_file import load_throw
     from fem.analysis import analyze_throw
+    from fem.class_modes import MOST_MODES
     from fem.material import STEEL
-    from fem.modes import MOST_MODES
     from geometry.imported import import_throw
     from geometry.mesher import Throw
     from geometry.solid_files import ENDINGS

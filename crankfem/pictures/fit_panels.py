@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 from crankfem.fitting import ResponseFits, Sensitivities, predicted, surface
 from crankfem.nominal_section import moved, nominal_section, same_designs
 from geometry.diagram_style import math_symbol
-from geometry.plots.legends import write_title
-from geometry.plots.shown_units import shown_unit
+from geometry.plots.legends import shown_unit, write_title
 from regression.factor_labels import factor_text
-from regression.fits.effects import term_effects
+from regression.fits.equation_text import term_effects
 from regression.fits.fits import Fit
 from regression.plots.equations import (
     Curve,
@@ -101,7 +100,7 @@ def fe_text(found: ResponseFits) -> str:
 
 def draw_fit_effects(axes: "Axes", found: ResponseFits, fit: Fit) -> None:
     """Draw the coded coefficients of a fit in the order of their size (Pareto)."""
-    names, values = term_effects(fit)
+    names, values = term_effects(fit.fitted)
     if fit.fitted.logarithmic:
         unit, size, of = "%", 0.01, "ln "
     elif fit.basis == "groups":

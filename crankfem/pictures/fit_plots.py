@@ -20,7 +20,7 @@ from crankfem.pictures.fit_panels import (
     response_curves,
 )
 from geometry.diagram_style import BLUE, GRAY, figure, make_folder, math_symbol
-from geometry.plots.shown_units import shown_unit
+from geometry.plots.legends import shown_unit
 from regression.fits.fits import Fit
 from regression.plots.equations import BARS
 from regression.plots.factor_axis import factor_size, label_factor_axis, response_text

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.pictures.offscreen import OffscreenProcess, make_plotter, read_arguments
-from fem.fillet_stress import FilletPeak, FilletStresses
+from fem.fillet_peaks import FilletPeak, FilletStresses
 from fem.principal import von_mises
 from fem.symmetry import MirrorImage
 from fem.unit_loads import UnitLoad, whole_facets, whole_nodes

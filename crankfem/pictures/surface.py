@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.analysis import ThrowAnalysis
 from fem.fields import displacement_field, images
 from fem.superelement import RZ, UZ
 from fem.supports import end_motions
+from fem.throw_analysis import ThrowAnalysis
 from geometry.facets import SUBTRIANGLES, six_node_triangles
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
 

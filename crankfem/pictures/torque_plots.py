@@ -6,8 +6,7 @@ from pathlib import Path
 
 from crankfem.pictures.titles import add_title
 from dynamics.harmonics import Harmonics
-from dynamics.plots.order_kinds import KIND_COLORS
-from dynamics.plots.stars import STAR_STEP, draw_star, finish_stars
+from dynamics.plots.stars import KIND_COLORS, STAR_STEP, draw_star, finish_stars
 from dynamics.torque.star import Star, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
 from geometry.diagram_style import figure

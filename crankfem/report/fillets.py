@@ -8,7 +8,7 @@ import numpy as np
 from crankfem.pictures.offscreen import OffscreenProcess
 from crankfem.pictures.stress_picture import picture_arrays, picture_name
 from fem import fillet_stress
-from fem.fillet_stress import FilletStresses
+from fem.fillet_peaks import FilletStresses
 from fem.material import Material
 from fem.solver import SolveError
 from geometry.errors import InputError, MeshError

@@ -23,7 +23,7 @@ from dynamics.checks import FloatArray
 from dynamics.critical import engine_orders
 from dynamics.response.forced import forced_response
 from dynamics.response.synthesis import synthesis
-from fem.analysis import ThrowAnalysis
+from fem.throw_analysis import ThrowAnalysis
 from geometry.choices import check_choice
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError

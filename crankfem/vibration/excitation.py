@@ -31,8 +31,8 @@ from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.speed_grid import refined_speeds
-from fem.analysis import ThrowAnalysis
 from fem.shaft import ShaftCompliances
+from fem.throw_analysis import ThrowAnalysis
 from geometry.errors import InputError
 
 # Speeds below the lowest running one are passed on every start; rules of limits go on above the highest

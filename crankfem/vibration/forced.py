@@ -40,8 +40,8 @@ from dynamics.response.loads import ElementLoads, alternating_stress, element_lo
 from dynamics.response.power import PowerBalance, power_balance
 from dynamics.response.resonance import Resonance, resonances
 from dynamics.response.series import OrderSeries
-from fem.analysis import ThrowAnalysis
 from fem.shaft import ShaftCompliances
+from fem.throw_analysis import ThrowAnalysis
 from geometry.choices import check_choice, check_not_given
 from geometry.errors import InputError
 from geometry.frames import table_of

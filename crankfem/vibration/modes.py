@@ -21,8 +21,8 @@ from dynamics.chains.chain_modes import Modes
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.checks import whole_number
 from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, vector_sums
-from fem.analysis import ThrowAnalysis
 from fem.shaft import ShaftCompliances
+from fem.throw_analysis import ThrowAnalysis
 from geometry.choices import check_choice, check_not_given
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError

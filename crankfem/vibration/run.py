@@ -26,8 +26,9 @@ from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders, major_orders
 from dynamics.plots.campbell import draw_campbell
-from fem.analysis import ThrowAnalysis, analyze_throw
+from fem.analysis import analyze_throw
 from fem.shaft import ShaftCompliances
+from fem.throw_analysis import ThrowAnalysis
 from geometry.choices import check_choice
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError

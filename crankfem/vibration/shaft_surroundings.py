@@ -11,7 +11,7 @@ from dynamics.crankshaft.surroundings import (
     ShaftSurroundings,
     TorsionalRing,
 )
-from fem.analysis import ThrowAnalysis
+from fem.throw_analysis import ThrowAnalysis
 from geometry.mass import cylinder_mass_properties
 from geometry.quantity import show_quantity
 

@@ -34,8 +34,8 @@ from dynamics.crankshaft.shaft_system import CrankshaftSystem, crankshaft_system
 from dynamics.crankshaft.shaft_throw import ShaftThrow
 from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.response.forced import ForcedResponse
-from fem.analysis import ThrowAnalysis
 from fem.craig_bampton import DynamicSuperelement
+from fem.throw_analysis import ThrowAnalysis
 from geometry.choices import check_choice, check_not_given
 from geometry.errors import InputError
 from geometry.frames import table_of

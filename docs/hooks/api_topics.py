@@ -71,14 +71,18 @@ TOPICS = (
         (
             "fem.analysis",
             "fem.angle_law",
+            "fem.axial_analysis",
             "fem.calculix",
             "fem.craig_bampton",
+            "fem.dynamic_shaft",
+            "fem.fillet_peaks",
             "fem.fillet_stress",
             "fem.material",
             "fem.modes",
             "fem.pin_response",
             "fem.shaft",
             "fem.supports",
+            "fem.throw_analysis",
         ),
     ),
     Topic(

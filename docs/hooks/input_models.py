@@ -1,5 +1,6 @@
 """Show the reference how models of input are called: with the fields that they declare."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import griffe
@@ -10,27 +11,51 @@ BASE = "InputModel"
 class InputModels(griffe.Extension):
     """Gives such classes the constructor that pydantic gives them when the program runs."""
 
-    def on_class_members(self, *, cls: griffe.Class, **_: Any) -> None:
-        """Add the constructor of a class made from the base of all input."""
-        if not any(str(base) == BASE for base in cls.bases):
-            return
-        fields = [
-            griffe.Parameter(
-                name,
-                annotation=member.annotation,
-                kind=griffe.ParameterKind.keyword_only,
-                default=_default(member.value),
-            )
-            for name, member in cls.members.items()
-            if isinstance(member, griffe.Attribute)
-            and "class-attribute" in member.labels
-            and name not in {"section", "model_config"}
-            and not name.startswith("_")
-            and member.annotation is not None
-        ]
-        this = griffe.Parameter("self", kind=griffe.ParameterKind.positional_or_keyword)
-        made = griffe.Function("__init__", parameters=griffe.Parameters(this, *fields))
-        cls.set_member("__init__", made)
+    def on_package(self, *, pkg: griffe.Module, **_: Any) -> None:
+        """Add constructors, once a package is read whole, so that bases in other modules are known."""
+        for cls in list(_classes(pkg)):
+            if any(str(base) == BASE for one in (cls, *_bases(cls)) for base in one.bases):
+                this = griffe.Parameter("self", kind=griffe.ParameterKind.positional_or_keyword)
+                made = griffe.Function(
+                    "__init__", parameters=griffe.Parameters(this, *_fields(cls))
+                )
+                cls.set_member("__init__", made)
+
+
+def _classes(module: griffe.Module) -> Iterator[griffe.Class]:
+    """Yield the classes of a module and of the modules in it."""
+    for member in module.members.values():
+        if isinstance(member, griffe.Module):
+            yield from _classes(member)
+        elif isinstance(member, griffe.Class):
+            yield member
+
+
+def _bases(cls: griffe.Class) -> list[griffe.Class]:
+    """Return the bases that are known, the farthest first; `InputModel` itself has no fields."""
+    return [
+        base for base in reversed(cls.mro()) if isinstance(base, griffe.Class) and base.name != BASE
+    ]
+
+
+def _fields(cls: griffe.Class) -> list[griffe.Parameter]:
+    """Return the fields of a class, after those of its bases."""
+    found = {
+        name: griffe.Parameter(
+            name,
+            annotation=member.annotation,
+            kind=griffe.ParameterKind.keyword_only,
+            default=_default(member.value),
+        )
+        for one in (*_bases(cls), cls)
+        for name, member in one.members.items()
+        if isinstance(member, griffe.Attribute)
+        and "class-attribute" in member.labels
+        and name not in {"section", "model_config"}
+        and not name.startswith("_")
+        and member.annotation is not None
+    }
+    return list(found.values())
 
 
 def _default(value: Any) -> Any:

@@ -10,7 +10,8 @@ from scipy.stats import qmc
 
 from dynamics.assessment.spreads import FIELDS, Spread, places_of, scaled_chain, scales_of
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray, place_number, whole_number
+from dynamics.checks import FloatArray, whole_number
+from dynamics.places import place_number
 from dynamics.plots.coordinates import name_axis, number_axis
 from geometry.diagram_style import BLUE, GRAY, RED, new_axes
 from geometry.errors import InputError

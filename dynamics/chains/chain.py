@@ -18,14 +18,8 @@ from dynamics.chains.links import (
     speed_ratios,
 )
 from dynamics.chains.tails import with_accurate_tails
-from dynamics.checks import (
-    FloatArray,
-    nonnegative_vector,
-    one_for_each,
-    positive_vector,
-    read_only,
-    values_at_nodes,
-)
+from dynamics.checks import FloatArray, nonnegative_vector, one_for_each, positive_vector, read_only
+from dynamics.places import values_at_nodes
 from geometry.errors import InputError
 
 # Residual that the modes must keep, relative to the largest eigenvalue; round-off leaves 1e-14.

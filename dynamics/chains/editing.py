@@ -13,7 +13,8 @@ import numpy as np
 
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import Dashpot, Gear
-from dynamics.checks import node_index, nonnegative_number
+from dynamics.checks import nonnegative_number
+from dynamics.places import node_index
 from geometry.errors import InputError
 
 AT_NODES = ("inertia", "ground", "ground_damping")

@@ -18,14 +18,13 @@ from dynamics.chains.dampers import (
 from dynamics.chains.editing import add_node, join_chains, with_damper, with_ground
 from dynamics.checks import (
     FloatArray,
-    node_index,
     nonnegative_number,
     one_for_each,
     positive_number,
     positive_vector,
-    values_at_nodes,
     whole_number,
 )
+from dynamics.places import node_index, values_at_nodes
 from geometry.errors import InputError
 
 PASSIVE = "damping takes energy away"

@@ -7,7 +7,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from dynamics.checks import FloatArray, finite_vector, node_index, positive_number
+from dynamics.checks import FloatArray, finite_vector, positive_number
+from dynamics.places import node_index
 from geometry.errors import InputError
 
 Pairs = tuple[tuple[int, int], ...]

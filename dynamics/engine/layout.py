@@ -13,7 +13,7 @@ from dynamics.engine.firing import (
     check_order_of_angles,
     firing_angles_of_order,
 )
-from dynamics.engine.motions import hinged_foot
+from dynamics.engine.rod_foot import hinged_foot
 from dynamics.mechanism.motion import rod_turn
 from dynamics.mechanism.slider_crank import check_reach
 from geometry.errors import InputError

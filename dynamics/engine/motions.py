@@ -2,13 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dynamics.checks import FloatArray
 from dynamics.cycle import even_angles
-from dynamics.engine.cylinder import EngineCylinder
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.rod_foot import crank_angle_from_axis, hinged_foot
 from dynamics.mechanism.motion import (
     PointMotion,
     TurnMotion,
@@ -17,9 +17,6 @@ from dynamics.mechanism.motion import (
     rod_turn,
 )
 from dynamics.mechanism.rods import RodModel
-
-if TYPE_CHECKING:
-    from dynamics.engine.layout import EngineLayout
 
 # Angles among which a piston's ends of stroke are looked for, and steps of Newton's method after.
 SEARCH_ANGLES = 360
@@ -49,42 +46,7 @@ class CylinderMotion:
         return carried_point(self.foot, self.rod, place)
 
 
-def crank_angle_from_axis(cylinder: EngineCylinder, shaft_angles: FloatArray) -> FloatArray:
-    """Return alpha, the crank's angle from the cylinder's axis [rad], for shaft angles [rad]."""
-    return shaft_angles - cylinder.top_shaft_angle
-
-
-def hinged_foot(
-    crank_radius: float, main: EngineCylinder, hinged: EngineCylinder, shaft_angles: FloatArray
-) -> PointMotion:
-    """Return the motion of a slave pin in the frame of the hinged rod's cylinder.
-
-    Parameters
-    ----------
-    crank_radius : float
-        R [m].
-    main, hinged : EngineCylinder
-        The cylinder whose rod is on the crankpin, and the one whose rod hangs on that rod.
-    shaft_angles : ndarray of shape (m,)
-        [rad]
-
-    Notes
-    -----
-    P = R exp(i alpha) + R_1 exp(i gamma) exp(-i beta) in the main cylinder's frame. Turned to the
-    other cylinder's frame, with gamma equal to the angle between the banks, it gives (2) and (4) of
-    Mikhina, Vyalkov 2024, Politekhnicheskiy molodezhnyy zhurnal no. 05 (94).
-    """
-    if hinged.slave_pin is None:
-        raise ValueError("the rod is not hinged")
-    crank = crankpin_motion(crank_radius, crank_angle_from_axis(main, shaft_angles))
-    turn = rod_turn(crank, main.rod.length, main.pin_offset)
-    pin = carried_point(crank, turn, hinged.slave_pin.place)
-    return pin.turned(main.bank_angle - hinged.bank_angle)
-
-
-def cylinder_motion(
-    engine: "EngineLayout", number: int, shaft_angles: FloatArray
-) -> CylinderMotion:
+def cylinder_motion(engine: EngineLayout, number: int, shaft_angles: FloatArray) -> CylinderMotion:
     """Return the motion of a cylinder's parts.
 
     Parameters
@@ -106,7 +68,7 @@ def cylinder_motion(
     return CylinderMotion(foot, turn, carried_point(foot, turn, complex(cylinder.rod.length)))
 
 
-def piston_ends(engine: "EngineLayout", number: int) -> tuple[float, float]:
+def piston_ends(engine: EngineLayout, number: int) -> tuple[float, float]:
     """Return the lowest and highest s of a piston pin over a turn [m]."""
     angles = even_angles(2.0 * math.pi, SEARCH_ANGLES)
     places = cylinder_motion(engine, number, angles).piston.place.real
@@ -119,7 +81,7 @@ def piston_ends(engine: "EngineLayout", number: int) -> tuple[float, float]:
 
 
 def reduced_inertia(
-    engine: "EngineLayout", models: "tuple[RodModel, ...]", shaft_angles: FloatArray
+    engine: EngineLayout, models: tuple[RodModel, ...], shaft_angles: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the inertia reduced to the crank, I in T = I w^2 / 2, and its derivative by the angle.
 

@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike
 
 from dynamics.checks import FloatArray, finite_array, finite_vector
 from dynamics.excitation.engine_load import per_minute
-from dynamics.excitation.pressure_map import Method, PressureMap, pressure_map
+from dynamics.excitation.grid_weights import Method
+from dynamics.excitation.pressure_map import PressureMap, pressure_map
 from dynamics.gas.cycle_values import GasCycle
 from dynamics.gas.cylinder_volume import Position
 from dynamics.gas.gas_cycle import Solved, gas_cycle

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from dynamics.checks import FloatArray, finite_array, nonnegative_number, positive_number, read_only
 from dynamics.cycle import even_angles
 from dynamics.excitation.engine_load import Load, load_at, per_minute
+from dynamics.excitation.grid_weights import SAME, Method, axis_weights, distinct, nearest
 from dynamics.excitation.samples import order_places, phasors_of_samples
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
@@ -25,9 +26,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from xarray import Dataset
 
-Method = Literal["cubic", "linear"]
-# Speeds or loads of two points are one within this share.
-SAME = 1e-9
 # Lightest color that a curve has, of a scale from dark (0) to nearly white (1); columns of the legend.
 LIGHTEST, LEGEND_COLUMNS = 0.85, 4
 
@@ -98,7 +96,7 @@ class PressureMap:
             or too many.
         """
         asked = np.atleast_1d(finite_array("speeds", speeds))
-        along = _axis_weights("speed", self.speeds, asked, self.method)
+        along = axis_weights("speed", self.speeds, asked, self.method)
         if self.loads is None or (self.loads.size == 1 and load is None):
             if self.loads is None and load is not None:
                 raise InputError(
@@ -111,7 +109,7 @@ class PressureMap:
                 f"load: given none; allowed are {self.loads[0]:g} to {self.loads[-1]:g}, because the "
                 "pressure map has diagrams of several loads."
             )
-        across = _axis_weights("load", self.loads, load_at(load, asked), self.method)
+        across = axis_weights("load", self.loads, load_at(load, asked), self.method)
         both = (along[:, :, np.newaxis] * across[:, np.newaxis]).reshape(asked.size, -1)
         return self._positive(both, asked)
 
@@ -331,9 +329,9 @@ def pressure_map(
             "points: given diagrams of 2 and of 4 strokes; allowed is one kind, because they are of "
             "one engine."
         )
-    speeds = _distinct([speed for speed, _, _ in given])
-    loads = _distinct([load for _, load, _ in given])
-    places = [(_place(speeds, speed), _place(loads, load)) for speed, load, _ in given]
+    speeds = distinct([speed for speed, _, _ in given])
+    loads = distinct([load for _, load, _ in given])
+    places = [(nearest(speeds, speed), nearest(loads, load)) for speed, load, _ in given]
     found = dict(zip(places, [diagram for _, _, diagram in given], strict=True))
     if len(found) < len(given):
         raise InputError(
@@ -369,38 +367,3 @@ def _speed_names(speeds: FloatArray) -> list[str]:
     """Return speeds [rad/s] for a legend, to four digits where these tell them apart."""
     short = [f"{RPM * speed:.4g} 1/min" for speed in speeds.tolist()]
     return short if len(set(short)) == len(short) else [per_minute(one) for one in speeds.tolist()]
-
-
-def _distinct(values: list[float]) -> FloatArray:
-    """Return values ascending, each once."""
-    ordered = np.unique(np.array(values))
-    apart = np.diff(ordered, prepend=-np.inf) > SAME * np.abs(ordered)
-    return np.asarray(ordered[apart])
-
-
-def _place(values: FloatArray, value: float) -> int:
-    return int(np.argmin(np.abs(values - value)))
-
-
-def _axis_weights(field: str, grid: FloatArray, asked: FloatArray, method: Method) -> FloatArray:
-    """Return the weight of each grid value at the asked ones (S, a)."""
-    room = SAME * np.abs(grid[[0, -1]])
-    outside = np.flatnonzero((asked < grid[0] - room[0]) | (asked > grid[-1] + room[1]))
-    if outside.size:
-        shown = per_minute if field == "speed" else "{:g}".format
-        low, high = shown(float(grid[0])), shown(float(grid[-1]))
-        allowed = low if grid.size == 1 else f"{low} to {high}"
-        raise InputError(
-            f"{field}: given {shown(float(asked[outside[0]]))}; allowed is {allowed}, because the pressure "
-            "map has no diagrams beyond and is not extended."
-        )
-    within = np.clip(asked, grid[0], grid[-1])  # by round-off only
-    unit = np.eye(grid.size)
-    if grid.size == 1:
-        return np.ones((asked.size, 1))
-    if method == "linear":
-        return np.array([np.interp(within, grid, own) for own in unit]).T
-    from scipy.interpolate import CubicSpline  # here: loading it takes a quarter second
-
-    # Through three points a parabola, through two a straight line.
-    return np.asarray(CubicSpline(grid, unit)(within), dtype=np.float64)

@@ -13,11 +13,11 @@ from dynamics.checks import (
     FloatArray,
     finite_array,
     finite_vector,
-    node_index,
     nonnegative_vector,
     positive_number,
     whole_number,
 )
+from dynamics.places import node_index
 from dynamics.response.excitation import OrderExcitation, checked_speeds
 from geometry.errors import InputError
 

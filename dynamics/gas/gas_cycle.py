@@ -1,19 +1,29 @@
 """The pressure over a whole cycle from the cycle model, set by heat, peak or mean pressure."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from dynamics.checks import FloatArray, nonnegative_number
+from dynamics.checks import FloatArray
 from dynamics.cycle import even_angles
 from dynamics.gas.closed_cycle import motored_pressure
 from dynamics.gas.cycle_values import DEGREE, GasCycle, assumption_remarks
 from dynamics.gas.cylinder_volume import CylinderVolume, Position, cylinder_volume
-from dynamics.gas.pressure import HIGHEST_PEAK, GasPressure, gas_pressure
-from dynamics.gas.sampled_cycle import CycleSamples, cycle_samples
+from dynamics.gas.heat_targets import (
+    allowed_heat,
+    at_least,
+    at_most,
+    checked_peak,
+    heat_for_mean_pressure,
+    heat_for_peak,
+    idle_heat,
+    in_mega,
+    is_number,
+)
+from dynamics.gas.pressure import GasPressure, gas_pressure
+from dynamics.gas.sampled_cycle import cycle_samples
 from dynamics.plots.quantities import MEGA
 from geometry.choices import check_choice
 from geometry.diagram_style import BLUE, new_axes
@@ -220,11 +230,11 @@ def gas_cycle(
     _check_resolved(cycle, angles)
     state = cycle_samples(cycle, volume, angles)
     if heat is not None:
-        released = _allowed_heat(state, heat)
+        released = allowed_heat(state, heat)
     elif mean_effective_pressure is not None:
-        released = _heat_for_mean_pressure(state, mean_effective_pressure)
+        released = heat_for_mean_pressure(state, mean_effective_pressure)
     elif peak_pressure is not None:
-        released = _heat_for_peak(state, peak_pressure)
+        released = heat_for_peak(state, peak_pressure)
     else:
         raise InputError(
             "heat: given neither it nor peak_pressure nor mean_effective_pressure; allowed is one "
@@ -281,55 +291,6 @@ def _check_resolved(cycle: GasCycle, angles: FloatArray) -> None:
         )
 
 
-def _allowed_heat(state: CycleSamples, heat: float) -> float:
-    nonnegative_number("heat", heat, "J", "combustion releases heat")
-    most = state.heat_for_peak(HIGHEST_PEAK)
-    if heat > most:
-        raise InputError(
-            f"heat: given {heat:g} J; allowed are 0 to {most:.6g} J, because more drives the peak "
-            f"above {_mega(HIGHEST_PEAK)}, which no piston engine stands."
-        )
-    return float(heat)
-
-
-def _heat_for_peak(state: CycleSamples, peak_pressure: float) -> float:
-    peak = _checked_peak(peak_pressure, state.peak(0.0))
-    return max(state.heat_for_peak(peak), 0.0)
-
-
-def _checked_peak(peak: float, lowest: float) -> float:
-    # The lowest peak is found to round-off, and it may be what is asked for.
-    if not _is_number(peak) or not lowest * (1.0 - 1e-12) <= peak <= HIGHEST_PEAK:
-        raise InputError(
-            f"peak_pressure: given {_mega(peak)}; allowed are {_least(lowest)} to "
-            f"{_mega(HIGHEST_PEAK)}, because compression alone gives the lowest and no piston engine "
-            "stands more than the highest."
-        )
-    return max(float(peak), lowest)
-
-
-def _heat_for_mean_pressure(state: CycleSamples, mean_pressure: float) -> float:
-    lowest = state.mean_pressure(0.0)
-    if state.work_per_heat <= 0.0:
-        raise _idle_heat(mean_pressure)
-    highest = state.mean_pressure(state.heat_for_peak(HIGHEST_PEAK))
-    inside = _is_number(mean_pressure) and mean_pressure <= highest
-    if not inside or mean_pressure < lowest - 1e-12 * abs(lowest):
-        raise InputError(
-            f"mean_effective_pressure: given {_mega(mean_pressure)}; allowed are {_least(lowest)} to "
-            f"{_most(highest)}, because no heat gives the lowest and the highest drives the peak to "
-            f"{_mega(HIGHEST_PEAK)}."
-        )
-    return max(state.heat_for_mean_pressure(mean_pressure), 0.0)
-
-
-def _idle_heat(mean_pressure: float) -> InputError:
-    return InputError(
-        f"mean_effective_pressure: given {_mega(mean_pressure)}; allowed is what a later combustion "
-        "gives, because the heat of this one is all released too early to do work."
-    )
-
-
 def _solved_combustion(
     cycle: GasCycle,
     volume: CylinderVolume,
@@ -345,12 +306,12 @@ def _solved_combustion(
             "because these move the peak at a given work."
         )
     motored = cycle_samples(cycle, volume, angles)
-    peak = _checked_peak(peak, motored.peak(0.0))
+    peak = checked_peak(peak, motored.peak(0.0))
     lowest = motored.mean_pressure(0.0)
-    if not _is_number(mean_pressure) or mean_pressure <= lowest:
+    if not is_number(mean_pressure) or mean_pressure <= lowest:
         raise InputError(
-            f"mean_effective_pressure: given {_mega(mean_pressure)}; allowed is more than "
-            f"{_mega(lowest)}, because that is left without heat."
+            f"mean_effective_pressure: given {in_mega(mean_pressure)}; allowed is more than "
+            f"{in_mega(lowest)}, because that is left without heat."
         )
 
     def changed(value: float) -> GasCycle:
@@ -372,13 +333,13 @@ def _solved_combustion(
     peaks, places = peaks[: np.argmin(peaks) + 1], places[: np.argmin(peaks) + 1]
     reached, places = peaks[np.isfinite(peaks)], places[np.isfinite(peaks)]
     if reached.size == 0:
-        raise _idle_heat(mean_pressure)
+        raise idle_heat(mean_pressure)
     below = np.flatnonzero((reached[:-1] >= peak) & (reached[1:] <= peak))
     if below.size == 0:
         raise InputError(
-            f"peak_pressure: given {_mega(peak)}; allowed are {_least(np.min(reached))} to "
-            f"{_most(np.max(reached))}, because with a mean effective pressure of "
-            f"{_mega(mean_pressure)} a {name} from {places[0] / DEGREE:.4g} to "
+            f"peak_pressure: given {in_mega(peak)}; allowed are {at_least(np.min(reached))} to "
+            f"{at_most(np.max(reached))}, because with a mean effective pressure of "
+            f"{in_mega(mean_pressure)} a {name} from {places[0] / DEGREE:.4g} to "
             f"{places[-1] / DEGREE:.4g} deg gives no others."
         )
     from scipy.optimize import brentq  # here: loading it takes a quarter second
@@ -399,30 +360,3 @@ def _search_places(cycle: GasCycle, angles: FloatArray, name: Solved) -> FloatAr
         return np.linspace(min(low, given), max(high, given), SEARCH_PLACES, dtype=np.float64)
     high = min(LONGEST_DURATION, cycle.exhaust_opens - cycle.combustion_start)
     return np.linspace(LEAST_STEPS * float(angles[1]), high, SEARCH_PLACES, dtype=np.float64)
-
-
-def _is_number(value: float) -> bool:
-    raw = np.asarray(value)
-    return raw.ndim == 0 and raw.dtype.kind in "iuf" and bool(np.isfinite(raw))
-
-
-def _least(pressure: float) -> str:
-    """Return a least pressure in MPa with four digits, rounded up: what stands there is allowed."""
-    return _mega(_rounded(pressure, np.ceil))
-
-
-def _most(pressure: float) -> str:
-    """Return a largest pressure in MPa with four digits, rounded down."""
-    return _mega(_rounded(pressure, np.floor))
-
-
-def _rounded(pressure: float, to_whole: Callable[[float], float]) -> float:
-    if not pressure or not np.isfinite(pressure):
-        return pressure
-    step = 10.0 ** (np.floor(np.log10(abs(pressure))) - 3)
-    return float(to_whole(pressure / step) * step)
-
-
-def _mega(pressure: float) -> str:
-    """Return a pressure in MPa for a message, or what was given in its place."""
-    return f"{pressure / 1e6:.6g} MPa" if _is_number(pressure) else repr(pressure)

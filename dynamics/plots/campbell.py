@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from dynamics.checks import FloatArray
-from dynamics.plots.order_kinds import KIND_COLORS
 from dynamics.plots.quantities import RPM, SPEED_LABEL
+from dynamics.plots.stars import KIND_COLORS
 from geometry.diagram_style import COLORS, GRAY
 
 if TYPE_CHECKING:

@@ -5,11 +5,13 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from dynamics.checks import ComplexArray, FloatArray
-from dynamics.plots.order_kinds import KIND_COLORS
+from geometry.diagram_style import GRAY, ORANGE, RED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+# Of major and minor orders, in Campbell diagrams too.
+KIND_COLORS = {"major": RED, "minor": ORANGE, "balanced": GRAY}
 # The distance of two stars' centers in lengths of one vector.
 STAR_STEP = 3.4
 # Where numbers of cylinders stand, in lengths of a vector, and from which sine on to its side.

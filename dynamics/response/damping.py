@@ -7,14 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.chains.chain import Chain
-from dynamics.checks import (
-    FloatArray,
-    node_index,
-    nonnegative_vector,
-    one_for_each,
-    positive_number,
-    values_at_nodes,
-)
+from dynamics.checks import FloatArray, nonnegative_vector, one_for_each, positive_number
+from dynamics.places import node_index, values_at_nodes
 from dynamics.response.linear_system import (
     DEFAULT_MAGNIFIER,
     MAGNIFIER_SOURCE,

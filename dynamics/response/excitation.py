@@ -12,12 +12,12 @@ from dynamics.checks import (
     complex_array,
     finite_vector,
     is_whole,
-    node_index,
     positive_vector,
     read_only,
     whole_number,
 )
 from dynamics.harmonics import Harmonics
+from dynamics.places import node_index
 from dynamics.plots.coordinates import orders_and_speeds
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.chains.chain import Chain
-from dynamics.checks import ComplexArray, FloatArray, finite_array, place_of, positive_vector
+from dynamics.checks import ComplexArray, FloatArray, finite_array, positive_vector
+from dynamics.places import place_of
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import MAIN_ORDERS

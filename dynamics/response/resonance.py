@@ -7,8 +7,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from dynamics.checks import ComplexArray, FloatArray, place_of
+from dynamics.checks import ComplexArray, FloatArray
 from dynamics.critical import critical_speeds
+from dynamics.places import place_of
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import NO_WORK, UNDAMPED, harmonic_answer
 from geometry.errors import InputError

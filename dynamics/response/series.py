@@ -14,9 +14,9 @@ from dynamics.checks import (
     checked_barred,
     checked_limits,
     finite_vector,
-    place_of,
     whole_number,
 )
+from dynamics.places import place_of
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, Shown, shown
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_series

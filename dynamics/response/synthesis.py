@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dynamics.checks import ComplexArray, FloatArray, place_number
+from dynamics.checks import ComplexArray, FloatArray
+from dynamics.places import place_number
 from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import draw_sums, finish_over_speed

@@ -7,7 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from dynamics.checks import FloatArray, finite_array, node_index, nonnegative_number
+from dynamics.checks import FloatArray, finite_array, nonnegative_number
+from dynamics.places import node_index
 from dynamics.response.excitation import OrderExcitation
 from dynamics.transient.order_forces import OrderForces
 from dynamics.transient.speed_curve import SpeedCurve

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from dynamics.checks import FloatArray, node_index, whole_number
+from dynamics.checks import FloatArray, whole_number
+from dynamics.places import node_index
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.coordinates import time_axis
 from dynamics.plots.quantities import MOVING, RPM

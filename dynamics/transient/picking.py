@@ -3,7 +3,8 @@
 from typing import Literal, NamedTuple, TypeAlias
 
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray, place_of
+from dynamics.checks import FloatArray
+from dynamics.places import place_of
 from dynamics.plots.quantities import MOVING, SI_UNITS
 from geometry.choices import check_choice
 from geometry.errors import InputError

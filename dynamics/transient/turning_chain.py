@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.checks import FloatArray, node_index
+from dynamics.checks import FloatArray
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.mechanism.rods import RodModelName
+from dynamics.places import node_index
 from dynamics.response.excitation import checked_speed_index
 from dynamics.transient.throw_curves import ThrowCurves, throw_curves
 from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system

@@ -1,6 +1,8 @@
-"""Titles and legends, the same on axes of the reader's own as in a figure in the common style."""
+"""Titles, legends and units, the same on axes of the reader's own as in a figure in the common style."""
 
 from typing import TYPE_CHECKING
+
+from geometry.quantity import DISPLAY_UNITS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,3 +63,22 @@ def plain_text(text: str) -> str:
     'Type \\$A_{\\$ 5'
     """
     return text.replace("$", r"\$")
+
+
+def shown_unit(unit: str) -> tuple[str, float]:
+    """Return what an axis says of an SI unit, and the size of the unit it is shown in.
+
+    Parameters
+    ----------
+    unit : str
+        SI; "" for a pure number.
+
+    Examples
+    --------
+    >>> shown_unit("m")
+    ('mm', 0.001)
+    >>> shown_unit("kg"), shown_unit("")
+    (('kg', 1.0), ('1', 1.0))
+    """
+    text, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
+    return text.replace("1e-9", r"$10^{-9}$") or "1", size

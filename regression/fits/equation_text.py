@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from regression.factor_labels import FactorLabel as FactorLabel
 from regression.factor_labels import factor_label as factor_label
+from regression.factor_labels import term_text
 from regression.fits.forms import Basis, FittedForm
 from regression.fits.terms import Term, design_matrix, term_name
 
@@ -222,3 +223,14 @@ def _trial_points(factors: int) -> NDArray[np.float64]:
         return np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=factors)))
     generator = np.random.default_rng(0)
     return generator.integers(-1, 2, size=(2000, factors)).astype(np.float64)
+
+
+def term_effects(fitted: FittedForm) -> tuple[list[str], NDArray[np.float64]]:
+    """Return terms, as diagrams write them, and their coded coefficients, the largest first.
+
+    The constant is left out.
+    """
+    values = dict(zip(term_symbols(fitted), fitted.coefficients, strict=True))
+    order = sorted(values, key=lambda name: -abs(values[name]))
+    order.remove("1")
+    return [term_text(name) for name in order], np.array([values[name] for name in order])

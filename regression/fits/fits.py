@@ -15,27 +15,20 @@ from numpy.typing import ArrayLike, NDArray
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table
-from regression.fits.effects import term_effects
-from regression.fits.forms import Basis, FittedForm, Form, form_named, form_terms
+from regression.fits.checked_runs import checked_runs, checked_sizes
+from regression.fits.determined_terms import determined_terms, is_indicator
+from regression.fits.equation_text import term_effects
+from regression.fits.forms import Basis, FittedForm, Form, form_named
 from regression.fits.groups import group_named
 from regression.fits.selection import backward
-from regression.fits.statistics import (
-    DEPENDENT_COLUMN,
-    LeastSquares,
-    adjusted,
-    explained,
-    least_squares,
-)
-from regression.fits.terms import Term, code, design_matrix, divisors, levels_needed, term_name
+from regression.fits.statistics import LeastSquares, adjusted, explained, least_squares
+from regression.fits.terms import Term, code, design_matrix, term_name
 from regression.plots.equations import draw_effects
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
-
-# Two values of a column are one level if they differ by less than this share of its range.
-_SAME_LEVEL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +158,7 @@ class Fit:
         -------
         matplotlib.axes.Axes
         """
-        names, values = term_effects(self)
+        names, values = term_effects(self.fitted)
         logarithmic = self.fitted.logarithmic
         label = "coded coefficient of ln y [%]" if logarithmic else "coded coefficient [unit of y]"
         axes = new_axes(axes)
@@ -204,11 +197,6 @@ def _names(
 ) -> tuple[str, ...]:
     names = [f"ln({name})" if log else name for name, log in zip(factors, log_factors, strict=True)]
     return tuple(term_name(term, names) for term in terms)
-
-
-def is_indicator(name: str) -> bool:
-    """Whether a column of this name is the 0/1 column of a category, such as "web_outline=b"."""
-    return "=" in name
 
 
 def fit_form(
@@ -260,18 +248,18 @@ def fit_form(
     """
     kind = form_named(form)
     names = tuple(factors)
-    points, values = _checked_runs("x", "y", names, x, y, kind)
+    points, values = checked_runs("x", "y", names, x, y, kind)
     log_factors = _log_factors(kind, names, points, logged)
     center, half_range = _coding(names, points, log_factors)
     coded = code(points, center, half_range, log_factors)
-    terms, undetermined = _determined_terms(kind, names, points, coded)
+    terms, undetermined = determined_terms(kind, names, points, coded)
     if len(values) < len(terms):
         raise InputError(
             f"runs: given {len(values)}; at least {len(terms)} are needed, because the {form} form "
             f"of {len(names)} factors has {len(terms)} coefficients."
         )
     matrix = design_matrix(terms, coded)
-    sizes = _sizes("scale", scale, values)
+    sizes = checked_sizes("scale", scale, values)
     target = np.log(values / sizes) if kind.logarithmic else values / sizes
     dropped: tuple[Term, ...] = ()
     # Solved in full first: that says which term the runs do not determine.
@@ -313,53 +301,6 @@ def fit_form(
     )
 
 
-def _checked_runs(
-    x_name: str, y_name: str, factors: tuple[str, ...], x: ArrayLike, y: ArrayLike, form: Form
-) -> tuple[Array, Array]:
-    if not factors or len(set(factors)) != len(factors):
-        raise InputError(
-            f"factors: given {list(factors)}; allowed is each varied dimension once, at least one."
-        )
-    points = np.asarray(x, dtype=np.float64)
-    values = np.asarray(y, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != len(factors) or points.shape[0] == 0:
-        raise InputError(
-            f"{x_name}: given an array of shape {points.shape}; allowed is (runs, {len(factors)}), "
-            f"one column for each of {', '.join(factors)}."
-        )
-    if values.shape != points.shape[:1]:
-        raise InputError(
-            f"{y_name}: given an array of shape {values.shape}; allowed is ({points.shape[0]},), "
-            f"one response for each row of {x_name}."
-        )
-    for name, array in ((x_name, points), (y_name, values)):
-        if not np.all(np.isfinite(array)):
-            raise InputError(
-                f"{name}: given a number that is not finite; leave failed runs out of a fit."
-            )
-    if np.any(values == 0.0):
-        raise InputError(
-            f"{y_name}: given a response of 0; allowed is any other number, because errors are "
-            "relative to the response."
-        )
-    if form.logarithmic and not np.all(values > 0.0):
-        raise InputError(
-            f"{y_name}: given {float(np.min(values)):g}, which is not positive; allowed are "
-            f"positive values, because the {form.name} form takes their logarithm."
-        )
-    return points, values
-
-
-def _sizes(name: str, scale: ArrayLike, values: Array) -> Array:
-    sizes = np.asarray(scale, dtype=np.float64)
-    if sizes.shape not in ((), values.shape) or not np.all(np.isfinite(sizes) & (sizes > 0.0)):
-        raise InputError(
-            f"{name}: given an array of shape {sizes.shape}; allowed are positive numbers, one or "
-            f"{len(values)}, because a response is divided by its scale."
-        )
-    return sizes
-
-
 def _log_factors(
     form: Form, factors: tuple[str, ...], points: Array, logged: Sequence[bool] | None
 ) -> tuple[bool, ...]:
@@ -395,60 +336,6 @@ def _coding(
     return tuple(center.tolist()), tuple(half_range.tolist())
 
 
-def _determined_terms(
-    form: Form, factors: tuple[str, ...], points: Array, coded: Array
-) -> tuple[tuple[Term, ...], tuple[Term, ...]]:
-    """Split the form's terms into those that the runs may determine, and the others."""
-    indicators = [number for number, name in enumerate(factors) if is_indicator(name)]
-    levels = [_level_count(points[:, number]) for number in range(len(factors))]
-    candidates = [
-        term
-        for term in form_terms(form, len(factors), indicators)
-        # The 0/1 columns of one category are never 1 together.
-        if not _same_category(term, factors)
-    ]
-    kept = [
-        term
-        for term in candidates
-        if all(levels[number] >= needed for number, needed in levels_needed(term).items())
-    ]
-    if form.degree > 2 and len(kept) <= len(points):
-        kept = _independent(kept, coded)
-    return tuple(kept), tuple(term for term in candidates if term not in kept)
-
-
-def _level_count(column: Array) -> int:
-    ordered = np.sort(column)
-    steps = np.diff(ordered) > _SAME_LEVEL * (ordered[-1] - ordered[0])
-    return 1 + int(np.count_nonzero(steps))
-
-
-def _same_category(term: Term, factors: tuple[str, ...]) -> bool:
-    categories = [factors[n].partition("=")[0] for n in term if is_indicator(factors[n])]
-    return len(set(categories)) < len(categories)
-
-
-def _independent(terms: Sequence[Term], coded: Array) -> list[Term]:
-    """Leave out the terms that follow from earlier ones at the runs, and those that contain them."""
-    columns = design_matrix(terms, coded)
-    directions = np.empty((len(coded), 0))
-    kept: list[Term] = []
-    left_out: set[Term] = set()
-    for place, term in enumerate(terms):
-        column = columns[:, place]
-        own = column.copy()
-        for _ in range(2):  # twice, or round-off would pass for an own part
-            own -= directions @ (directions.T @ own)
-        length = float(np.linalg.norm(own))
-        dependent = length <= 1e2 * DEPENDENT_COLUMN * float(np.linalg.norm(column))
-        if dependent or not left_out.isdisjoint(divisors(term)):
-            left_out.add(term)
-            continue
-        kept.append(term)
-        directions = np.column_stack([directions, own / length])
-    return kept
-
-
 def _heldout_errors(
     fitted: FittedForm,
     form: Form,
@@ -463,10 +350,10 @@ def _heldout_errors(
             "heldout_x, heldout_y: given only one of the two; give the held-out designs with their "
             "responses, or neither."
         )
-    points, values = _checked_runs(
+    points, values = checked_runs(
         "heldout_x", "heldout_y", fitted.factors, heldout_x, heldout_y, form
     )
-    sizes = _sizes("heldout_scale", heldout_scale, values)
+    sizes = checked_sizes("heldout_scale", heldout_scale, values)
     errors: Array = np.abs(sizes * fitted.predict(points) / values - 1.0)
     return errors
 

@@ -29,7 +29,7 @@ from collections.abc import Mapping
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.formulas.arguments import checked_angle_deg, fold_angle_deg, shear_modulus
-from regression.formulas.case import ThrowCase
+from regression.formulas.case import ThrowCase, round_area, round_inertia
 from regression.formulas.catalogue import AXIAL_FORMULA_NAMES, AXIAL_FORMULAS, AXIAL_VARIANTS
 from regression.formulas.constants import (
     DEFAULT_CONSTANTS,
@@ -40,7 +40,6 @@ from regression.formulas.constants import (
 from regression.formulas.formula_value import FormulaValue
 from regression.formulas.reading import AxialFormula
 from regression.formulas.remarks import Remark, shape_remarks
-from regression.formulas.sections import round_area, round_inertia
 
 __all__ = [
     "AXIAL_FORMULA_NAMES",

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from geometry.throw import CrankThrow
-from regression.formulas.sections import round_area, round_inertia
 
 
 @dataclass(frozen=True)
@@ -72,3 +71,13 @@ class ThrowCase:
     def shear_of_length(self, length: float) -> float:
         """Shear of a web of this length on the full section, length / (G B h) [m/N]."""
         return length / (self.shear_modulus * self.throw.web_width * self.throw.web_thickness)
+
+
+def round_inertia(diameter: float, bore: float) -> float:
+    """Second moment of area of a round section with a concentric bore [m^4]."""
+    return math.pi / 64.0 * (diameter**4 - bore**4)
+
+
+def round_area(diameter: float, bore: float) -> float:
+    """Area of a round section with a bore [m^2]."""
+    return math.pi / 4.0 * (diameter**2 - bore**2)

@@ -20,9 +20,9 @@ from dataclasses import dataclass
 from geometry.quantity import show_quantity
 from geometry.throw import CrankThrow
 from regression.formulas.arguments import shear_modulus
+from regression.formulas.case import round_inertia
 from regression.formulas.formula_value import FormulaValue
 from regression.formulas.remarks import shape_remarks
-from regression.formulas.sections import round_inertia
 
 _TEXTBOOK = (
     "textbook formula quoted from the general literature on torsional vibration, first "

@@ -455,7 +455,8 @@ class ComplianceModel(InputModel):
         """
         from regression.models.model_sections import plot_section
 
-        return plot_section(self, axes, response, over, gamma_deg, dimensions)
+        name = next(iter(self.responses)) if response is None else response
+        return plot_section(axes, self.family, self.lookup, name, over, gamma_deg, dimensions)
 
     def to_pandas(self) -> Any:
         """Return a table of the responses: symbol, unit, support, equation and its errors.
@@ -472,7 +473,7 @@ class ComplianceModel(InputModel):
         """
         from regression.models.model_sections import response_table
 
-        return response_table(self)
+        return response_table(self.responses)
 
     def to_xarray(
         self,
@@ -508,7 +509,9 @@ class ComplianceModel(InputModel):
         """
         from regression.models.model_sections import response_grid
 
-        return response_grid(self, responses, points, gamma_deg, dimensions)
+        return response_grid(
+            self.family, self.value, self.responses, responses, points, gamma_deg, dimensions
+        )
 
     # ----------------------------------------------------------------------------------- file
 

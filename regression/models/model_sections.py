@@ -1,6 +1,6 @@
 """A compliance model over one factor as a diagram, over several as a grid, and its responses as a table."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,16 +11,15 @@ from geometry.choices import check_not_given
 from geometry.diagram_style import BLUE, RED, new_axes
 from geometry.errors import InputError
 from geometry.frames import grid, table
-from geometry.plots.legends import write_title
-from geometry.plots.shown_units import shown_unit
+from geometry.plots.legends import shown_unit, write_title
+from regression.models.family import Family
 from regression.models.lookup import Lookup
+from regression.models.response_model import ResponseModel
 from regression.plans.factors import rounded
 from regression.plots.factor_axis import POINTS, factor_size, label_factor_axis, response_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from regression.models.compliance_model import ComplianceModel
 
 Array = NDArray[np.float64]
 
@@ -29,16 +28,15 @@ MOST_POINTS = 1_000_000
 
 
 def plot_section(
-    model: "ComplianceModel",
     axes: "Axes | None",
-    response: str | None,
+    family: Family,
+    lookup: Callable[..., Lookup],
+    response: str,
     over: str | None,
     gamma_deg: float | None,
     dimensions: Mapping[str, Any],
 ) -> "Axes":
     """Draw a response over one factor; see `ComplianceModel.plot`."""
-    family = model.family
-    name = next(iter(model.responses)) if response is None else response
     factor = next(iter(family.ranges)) if over is None else over
     if factor != ANGLE and factor not in family.ranges:
         raise InputError(
@@ -49,10 +47,9 @@ def plot_section(
     check_not_given(factor, given, f"over={factor}", "the diagram sweeps it over its whole range")
     low, high = (0.0, 180.0) if factor == ANGLE else family.ranges[factor]
     values = np.linspace(low, high, POINTS)
-    asked = {key: v for key, v in middle(model).items() if key != factor} | dict(dimensions)
+    asked = {key: v for key, v in middle(family).items() if key != factor} | dict(dimensions)
     found: list[Lookup] = [
-        model.lookup(name, **{**asked, ANGLE: gamma_deg, factor: value})
-        for value in values.tolist()
+        lookup(response, **{**asked, ANGLE: gamma_deg, factor: value}) for value in values.tolist()
     ]
     size = shown_unit(found[0].unit)[1]
     axes = new_axes(axes)
@@ -77,16 +74,18 @@ def plot_section(
     else:
         label_factor_axis(axes, factor, unit, ())
     axes.set_ylabel(response_text(found[0].symbol.partition("(")[0], found[0].unit))
-    write_title(axes, f"{name.replace('_', ' ')}, {found[0].support}".rstrip(", "))
-    axes.legend(frameon=False, title=_others(model, asked, gamma_deg), title_fontsize=8, fontsize=8)
+    write_title(axes, f"{response.replace('_', ' ')}, {found[0].support}".rstrip(", "))
+    axes.legend(
+        frameon=False, title=_others(family, asked, gamma_deg), title_fontsize=8, fontsize=8
+    )
     return axes
 
 
-def response_table(model: "ComplianceModel") -> Any:
+def response_table(responses: Mapping[str, ResponseModel]) -> Any:
     """Return a pandas table of a model's responses; an error that is not known is None."""
-    found = model.responses.values()
+    found = responses.values()
     columns: dict[str, tuple[Any, str]] = {
-        "response": (list(model.responses), ""),
+        "response": (list(responses), ""),
         "symbol": ([one.symbol for one in found], ""),
         "unit": ([one.unit for one in found], ""),
         "support": ([one.support for one in found], ""),
@@ -100,14 +99,15 @@ def response_table(model: "ComplianceModel") -> Any:
 
 
 def response_grid(
-    model: "ComplianceModel",
-    responses: Sequence[str],
+    family: Family,
+    value: Callable[..., ArrayLike],
+    responses: Mapping[str, ResponseModel],
+    names: Sequence[str],
     points: int,
     gamma_deg: ArrayLike | None,
     dimensions: Mapping[str, Any],
 ) -> Any:
     """Return responses on a grid of factors as an xarray dataset; see `ComplianceModel.to_xarray`."""
-    family = model.family
     most = _checked_points(points)
     given: dict[str, Any] = dict(dimensions)
     if gamma_deg is not None:
@@ -126,12 +126,12 @@ def response_grid(
             f"points: given a grid of {count:,}; allowed are {MOST_POINTS:,}, because more fill the memory; "
             "give fewer points, or arrays of some factors only."
         )
-    others = {n: v for n, v in middle(model).items() if n not in sides} | fixed
+    others = {n: v for n, v in middle(family).items() if n not in sides} | fixed
     asked = others | dict(zip(sides, np.meshgrid(*sides.values(), indexing="ij"), strict=True))
     variables = {}
-    for name in responses or tuple(model.responses):
-        values = np.broadcast_to(model.value(name, **asked), [len(v) for v in sides.values()])
-        one = model.responses[name]
+    for name in names or tuple(responses):
+        values = np.broadcast_to(value(name, **asked), [len(v) for v in sides.values()])
+        one = responses[name]
         words = f"{name.replace('_', ' ')}, {one.support}".rstrip(", ")
         variables[name] = (tuple(sides), values, one.unit or "1", words)
     coordinates = {
@@ -143,9 +143,8 @@ def response_grid(
     return made
 
 
-def middle(model: "ComplianceModel") -> dict[str, float | str]:
+def middle(family: Family) -> dict[str, float | str]:
     """Return the middle of each factor's range, and the first label of each choice."""
-    family = model.family
     numbers = {name: 0.5 * (low + high) for name, (low, high) in family.ranges.items()}
     return numbers | {name: labels[0] for name, labels in family.categories.items()}
 
@@ -161,10 +160,10 @@ def _checked_points(points: object) -> int:
     return int(number)
 
 
-def _others(model: "ComplianceModel", asked: Mapping[str, Any], gamma_deg: float | None) -> str:
+def _others(family: Family, asked: Mapping[str, Any], gamma_deg: float | None) -> str:
     """Say where the other factors stand."""
     shown = [
-        f"{name.replace('_', ' ')} {v if isinstance(v, str) else model.family.show(name, float(v))}"
+        f"{name.replace('_', ' ')} {v if isinstance(v, str) else family.show(name, float(v))}"
         for name, v in asked.items()
     ]
     if gamma_deg is not None:

@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 from fem.material import STEEL, Material
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
+from regression.plans.design_choice import SPACE_FILLING, DesignChoice
 from regression.plans.designs import (
     HELD_OUT_STREAM,
     RUN_STREAM,
-    SPACE_FILLING,
-    DesignChoice,
     check_ranges,
     fixed_design,
     space_filling_points,

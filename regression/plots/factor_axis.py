@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.diagram_style import math_symbol
-from geometry.plots.shown_units import shown_unit
+from geometry.plots.legends import shown_unit
 from regression.factor_labels import factor_text
 
 if TYPE_CHECKING:

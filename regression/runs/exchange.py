@@ -1,10 +1,7 @@
 """Read results from elsewhere into a study: a table of earlier or measured values, another store."""
 
-import csv
-import math
-import re
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,39 +9,20 @@ import numpy as np
 
 from fem.responses import RESPONSES
 from geometry.errors import InputError
-from geometry.quantity import parse_quantity
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor, changed_record, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.plans.relations import calculate
 from regression.plans.variants import Variants
-from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome
-from regression.runs.store import ResultStore
+from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow
+from regression.runs.store_results import factor_value, within
 from regression.runs.study_table import DONE, throw_dimensions, throw_outlines
+from regression.runs.table_columns import Column, read_columns, read_lines
 from regression.throw_values import same, show
 
 ROLES = (RUN, HELD_OUT, MEASURED)
-# Columns that say something of a row as a whole.
-ABOUT = ("role", "source", "status", "model_version")
-# Responses that are above zero in every throw; influence coefficients and reactions have a sign.
-POSITIVE = tuple(
-    name for name in RESPONSES if not name.startswith(("influence_coefficient", "axial_reaction"))
-)
-# Columns of an exported table that an import has no use for.
-IGNORED = ("seconds", "unknowns", "reason")
 # A dimension and a ratio that both were measured agree if they do to this share: they were rounded.
 AGREE = 0.005
-HEADER = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\[\]]*)\]\s*)?")
-
-
-@dataclass(frozen=True)
-class _Column:
-    """One column of the table: its header, what it holds, and how its cells are read."""
-
-    header: str
-    kind: str
-    name: str
-    read: Callable[[str, str], Any]
 
 
 def read_rows(path: Path, plan: StudyPlan) -> tuple[ExtraRow, ...]:
@@ -64,10 +42,10 @@ def read_rows(path: Path, plan: StudyPlan) -> tuple[ExtraRow, ...]:
     InputError
         In one sentence with line and column, if something cannot be used.
     """
-    lines = _read_lines(path)
+    lines = read_lines(path)
     if not lines or not any(cell.strip() for cell in lines[0]):
         raise InputError(f"{path.name}, line 1: empty; the first line must name the columns.")
-    listed = _columns(path.name, lines[0], plan)
+    listed = read_columns(path.name, lines[0], plan)
     reader = _RowReader(path.name, plan)
     rows = []
     for number, cells in enumerate(lines[1:], start=2):
@@ -86,144 +64,6 @@ def read_rows(path: Path, plan: StudyPlan) -> tuple[ExtraRow, ...]:
     return tuple(rows)
 
 
-def _read_lines(path: Path) -> list[list[str]]:
-    if path.suffix == ".parquet":
-        raise InputError(
-            f"{path.name}: is a Parquet table; allowed are a CSV table or another store, because Parquet "
-            "is written for other programs only."
-        )
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            text = file.read()
-    except UnicodeDecodeError:
-        text = "\0"
-    except OSError as error:
-        raise InputError(f"{path.name}: cannot be read ({error.strerror}).") from None
-    if "\0" in text:
-        raise InputError(
-            f"{path.name}: is no text in UTF-8; allowed is a CSV table, saved as UTF-8 text, or another "
-            "store."
-        )
-    try:
-        lines = list(csv.reader(text.splitlines(keepends=True), strict=True))
-    except csv.Error as error:
-        raise InputError(
-            f"{path.name}: is no CSV table ({error}); allowed are a header and lines of cells separated "
-            "by commas."
-        ) from None
-    for mark, name in ((";", "semicolons"), ("\t", "tabs")):
-        if lines and any(mark in cell for cell in lines[0]):
-            raise InputError(
-                f"{path.name}, line 1: given cells separated by {name}; allowed are commas between "
-                "columns, and points in decimal numbers."
-            )
-    return lines
-
-
-def _columns(file: str, headers: list[str], plan: StudyPlan) -> list[_Column]:
-    found: list[_Column] = []
-    for number, header in enumerate(headers, start=1):
-        where = f"{file}, line 1, column {number} ({header.strip()!r})"
-        column = _column(header, where, plan)
-        if column.kind != "ignored" and any(
-            (one.kind, one.name) == (column.kind, column.name) for one in found
-        ):
-            raise InputError(f"{where}: given twice; allowed is each column once.")
-        found.append(column)
-    if not any(column.kind == "response" for column in found):
-        raise InputError(
-            f"{file}, line 1: given no response; allowed are {', '.join(RESPONSES)}, each with its "
-            "unit, like axial_compliance_pinned [m/N]."
-        )
-    return found
-
-
-def _column(header: str, where: str, plan: StudyPlan) -> _Column:
-    matched = HEADER.fullmatch(header)
-    if matched is None or not matched[1]:
-        raise InputError(f"{where}: allowed is a name with its unit, like web_width [mm].")
-    name, unit = matched[1], matched[2]
-    header = header.strip()
-    if name in IGNORED:
-        return _Column(header, "ignored", name, _text)
-    if name in ABOUT:
-        return _Column(header, "about", name, _text)
-    if name.endswith(" error") and name.removesuffix(" error") in RESPONSES:
-        return _Column(header, "error", name.removesuffix(" error"), _reader(where, "", unit))
-    if name in RESPONSES:
-        return _Column(header, "response", name, _response_reader(where, name, unit))
-    factor = next((factor for factor in plan.factors if factor.name == name), None)
-    field = plan.variants().fields.get(name)
-    if factor is not None and field is None:
-        return _Column(header, "factor", name, _reader(where, factor.unit, unit))
-    if field is None:
-        raise InputError(
-            f"{where}: unknown; allowed are {', '.join(ABOUT)}, fields of the throw, the study's factors "
-            f"({', '.join(plan.names)}) and responses ({', '.join(RESPONSES)})."
-        )
-    if field.choices:
-        return _Column(header, "field", name, _choice(field.choices))
-    return _Column(header, "field", name, _reader(where, field.unit, unit))
-
-
-def _text(cell: str, _: str) -> str:
-    return cell
-
-
-def _choice(choices: tuple[str, ...]) -> Callable[[str, str], str]:
-    def read(cell: str, where: str) -> str:
-        if cell not in choices:
-            raise InputError(f"{where}: given {cell!r}; allowed are {', '.join(choices)}.")
-        return cell
-
-    return read
-
-
-def _reader(where: str, unit: str, given: str | None) -> Callable[[str, str], float]:
-    """Make what reads the numbers of a column in a given unit."""
-    if (given or "") == unit:
-        return _number
-    if given is None:
-        raise InputError(f"{where}: given without a unit; write it in brackets, like [{unit}].")
-    if not unit:
-        raise InputError(f"{where}: given in {given}; allowed is a plain number without a unit.")
-    parse_quantity(f"1 {given}", unit, where)  # refuses a unit of another kind
-
-    def read(cell: str, place: str) -> float:
-        _number(cell, place)
-        return parse_quantity(f"{cell} {given}", unit, place)
-
-    return read
-
-
-def _response_reader(where: str, name: str, given: str | None) -> Callable[[str, str], float]:
-    """Make what reads a response; most are above zero by nature."""
-    read = _reader(where, RESPONSES[name].unit, given)
-
-    def read_positive(cell: str, place: str) -> float:
-        value = read(cell, place)
-        if value <= 0.0:
-            raise InputError(
-                f"{place}: given {cell!r}; allowed is a number above zero, as every throw has it."
-            )
-        return value
-
-    return read_positive if name in POSITIVE else read
-
-
-def _number(cell: str, where: str) -> float:
-    try:
-        value = float(cell)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(
-            f"{where}: given {cell!r}; allowed is a finite number, like 68 or 1.5e-9, with a point for "
-            "decimals, because its unit stands in the header."
-        )
-    return value
-
-
 class _RowReader:
     """Makes rows of a study from the cells of a table."""
 
@@ -232,7 +72,7 @@ class _RowReader:
         self._variants = plan.variants()
         self._needed = tuple(n for n in RESPONSES if plan.stresses or n != "fillet_stress_factor")
 
-    def row(self, number: int, columns: list[_Column], cells: list[str]) -> ExtraRow | None:
+    def row(self, number: int, columns: list[Column], cells: list[str]) -> ExtraRow | None:
         """Read one line; None if it tells of a design without a result."""
         line = f"{self._file}, line {number}"
         given: dict[str, dict[str, Any]] = {
@@ -283,7 +123,7 @@ class _RowReader:
             return None
         if any(f.labels and given[f.name] not in f.labels for f in self._plan.factors):
             return None  # a choice that the study does not have
-        return tuple(_factor_value(factor, given[factor.name]) for factor in self._plan.factors)
+        return tuple(factor_value(factor, given[factor.name]) for factor in self._plan.factors)
 
     def _measured_throw(
         self, line: str, values: tuple[float, ...] | None, fields: Mapping[str, Any]
@@ -370,7 +210,7 @@ class _RowReader:
         self, factor: Factor, given: Mapping[str, Mapping[str, Any]], headers: Mapping[str, str]
     ) -> None:
         value = given["field"].get(factor.name, given["factor"].get(factor.name))
-        if value is None or _within(factor, value):
+        if value is None or within(factor, value):
             return
         shown = value if factor.labels else factor.show(value)
         allowed = ", ".join(factor.labels) or (
@@ -394,102 +234,3 @@ class _RowReader:
                 f"{where}: given {shown}; allowed is {allowed}, as the study has it at these factors, "
                 f"or the role '{MEASURED}'."
             )
-
-
-def _within(factor: Factor, given: Any) -> bool:
-    """Whether a value of a factor lies in the study's range; rounding must not put it outside."""
-    if factor.labels:
-        return given in factor.labels
-    inside = factor.lowest <= given <= factor.highest
-    return inside or same(given, factor.lowest) or same(given, factor.highest)
-
-
-def _factor_value(factor: Factor, given: Any) -> float:
-    return float(factor.labels.index(given)) if factor.labels else float(given)
-
-
-@dataclass(frozen=True)
-class StoreResults:
-    """What another store has for a study.
-
-    Attributes
-    ----------
-    finished : tuple of Outcome
-        Results of designs that are exactly the study's own.
-    rows : tuple of ExtraRow
-        Results of other designs of the same throw and material, at other values of the factors within
-        the study's ranges.
-    left_out : int
-        Results that do not belong to the study.
-    """
-
-    finished: tuple[Outcome, ...]
-    rows: tuple[ExtraRow, ...]
-    left_out: int
-
-
-def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> StoreResults:
-    """Find what another store has for a study.
-
-    Parameters
-    ----------
-    store : ResultStore
-    plan : StudyPlan
-    keys : iterable of str
-        Of the study's designs.
-
-    Raises
-    ------
-    InputError
-        If it has nothing.
-    """
-    own = set(keys)
-    finished, rows, left_out = [], list(store.extra_rows(plan.key)), 0
-    for role, outcome, version in store.results():
-        if outcome.key in own:
-            finished.append(outcome)
-            continue
-        row = _row_of(outcome, role, plan, store.path.name) if version == MODEL_VERSION else None
-        if row is None:
-            left_out += 1
-        else:
-            rows.append(row)
-    if not finished and not rows:
-        raise InputError(
-            f"import: given {str(store.path)!r}, in which {left_out} results are of another throw, "
-            f"material, accuracy or model version; allowed is a store with results of this study."
-        )
-    return StoreResults(tuple(finished), tuple(rows), left_out)
-
-
-def _row_of(outcome: Outcome, role: str, plan: StudyPlan, source: str) -> ExtraRow | None:
-    """Make a row of another study's result, if the study could have such a design."""
-    inputs: Mapping[str, Any] = outcome.inputs
-    settings = {
-        "material": plan.material.model_dump(),
-        "accuracy": plan.accuracy,
-        "stresses": plan.stresses,
-    }
-    if outcome.responses is None or any(inputs.get(n) != value for n, value in settings.items()):
-        return None
-    try:
-        given = {name: field_value(inputs["throw"], name) for name in plan.names}
-    except IndexError:  # a pin that the other throw does not have
-        return None
-    for factor in plan.factors:
-        value = given[factor.name]  # None also for a ratio that only relations use
-        if value is None or not _within(factor, value):
-            return None
-    values = tuple(_factor_value(factor, given[factor.name]) for factor in plan.factors)
-    variant = plan.variants().at(np.array([values]))[0]
-    if variant.throw is None or variant.throw != inputs["throw"]:
-        return None
-    return ExtraRow(
-        role=role,
-        dimensions=throw_dimensions(variant.throw),
-        outlines=throw_outlines(variant.throw),
-        values=values,
-        responses=outcome.responses,
-        errors=outcome.errors,
-        source=f"{source}, design {outcome.key}",
-    )

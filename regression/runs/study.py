@@ -18,8 +18,9 @@ from regression.plans.plan import (
     planned_design,
 )
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome
-from regression.runs.exchange import read_rows, read_store
+from regression.runs.exchange import read_rows
 from regression.runs.store import ResultStore, is_database
+from regression.runs.store_results import read_store
 from regression.runs.study_table import StudyTable, study_table
 from regression.runs.supervised import Limits, design_limits
 from regression.runs.workers import run_designs
@@ -101,7 +102,7 @@ def run_plan(
     check_workers(workers)
     limits = design_limits(plan.accuracy, time_limit, memory_limit)
     if dask is not None:  # refused even if nothing is left to compute
-        from regression.runs.cluster import check_address
+        from regression.runs.dask_cluster import check_address
 
         check_address(dask)
     planned = plan_designs(plan)
@@ -135,7 +136,8 @@ def _run_on_dask(
     limits: Limits,
     note: Note,
 ) -> None:
-    from regression.runs.cluster import DaskCluster, run_on_cluster
+    from regression.runs.cluster import run_on_cluster
+    from regression.runs.dask_cluster import DaskCluster
 
     with closing(DaskCluster(address)) as cluster:
         run_on_cluster(designs, keep, cluster, limits, note)

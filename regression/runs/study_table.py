@@ -12,8 +12,7 @@ from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table
 from geometry.model import field_extra
-from geometry.plots.legends import legend_inside, write_title
-from geometry.plots.shown_units import shown_unit
+from geometry.plots.legends import legend_inside, shown_unit, write_title
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedDesign, StudyPlan

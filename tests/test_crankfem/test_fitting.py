@@ -22,7 +22,7 @@ from crankfem.fitting import (
 from crankfem.pictures.fit_plots import plot_fits
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.plans.designs import DesignChoice
+from regression.plans.design_choice import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import ExtraRow, Outcome

@@ -50,7 +50,7 @@ from fem.analysis import analyze_throw
 from fem.fillet_stress import fillet_stresses
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.plans.designs import DesignChoice
+from regression.plans.design_choice import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import Outcome

@@ -15,7 +15,7 @@ from crankfem.toml_file import read_toml
 from fem.material import STEEL
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.plans.designs import OPTIONS, DesignChoice
+from regression.plans.design_choice import OPTIONS, DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import StudyStoppedError

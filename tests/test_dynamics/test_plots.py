@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 
 import crankfem as cf
 from dynamics.assessment.barred_ranges import BarredRangeRule
-from dynamics.assessment.damper_sizing import SizedDamper
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
 from dynamics.assessment.separation import CriticalRange
+from dynamics.assessment.sized_damper import SizedDamper
 from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import Samples
 from dynamics.assessment.verdict import judge
@@ -47,7 +47,7 @@ from dynamics.hinge.profile import hinge_profile
 from dynamics.hinge.running import SteadyHingeTurn
 from dynamics.hinge.spring import GasSpring
 from dynamics.mechanism.rods import ConnectingRod
-from dynamics.plots.order_kinds import KIND_COLORS
+from dynamics.plots.stars import KIND_COLORS
 from dynamics.response.campbell_diagram import campbell_diagram
 from dynamics.response.damping import damped
 from dynamics.response.excitation import OrderExcitation

@@ -6,20 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.calculix import (
-    CalculixError,
+from fem.calculix import calculix_deck, number_field, write_calculix
+from fem.calculix_cases import (
     LoadCase,
     axial_case,
     bending_case,
-    calculix_deck,
-    number_field,
     pin_case,
-    read_calculix,
-    run_calculix,
     standard_cases,
     torque_case,
-    write_calculix,
 )
+from fem.calculix_run import CalculixError, read_calculix, run_calculix
 from fem.condensation import nodes_on
 from fem.material import STEEL
 from geometry.errors import InputError, MissingLibraryError

@@ -11,23 +11,22 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem.assembly import assemble_stiffness, symmetric_product
+from fem.class_modes import frequencies_of
 from fem.condensation import condense, nodes_on
-from fem.craig_bampton import (
-    assemble_dynamic_shaft,
-    dynamic_superelement,
-    natural_modes,
-)
+from fem.craig_bampton import dynamic_superelement
+from fem.dynamic_shaft import assemble_dynamic_shaft, natural_modes
 from fem.loads import unit_pin_loads
 from fem.mass_matrix import assemble_mass
 from fem.material import STEEL
-from fem.modes import free_modes, frequencies_of
+from fem.modes import free_modes
 from fem.shaft import assemble_shaft
 from fem.solver import factorize
 from fem.superelement import combine_classes
 from fem.symmetry import symmetry_classes
 from geometry.errors import InputError
 from geometry.mass import mass_properties
-from geometry.mesh import element_quadrature, mesh_throw
+from geometry.mesh import mesh_throw
+from geometry.shapes import element_quadrature
 from geometry.solid import LEFT_END, RIGHT_END
 from geometry.stopwatch import Stopwatch
 

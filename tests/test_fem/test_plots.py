@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from matplotlib import pyplot
 
-from fem.analysis import AxialAnalysis, ThrowAnalysis
+from fem.axial_analysis import AxialAnalysis
 from fem.craig_bampton import DynamicSuperelement
-from fem.fillet_stress import FilletPeak, FilletStresses
+from fem.fillet_peaks import FilletPeak, FilletStresses
 from fem.fillets import throw_fillets
 from fem.loads import RADIAL
 from fem.material import STEEL
@@ -20,6 +20,7 @@ from fem.plots.over_angle import ANGLES_DEG
 from fem.shaft import shaft_compliances
 from fem.supports import Neighbors
 from fem.symmetry import SymmetryClass, axial_class
+from fem.throw_analysis import ThrowAnalysis
 from fem.unit_loads import unit_loads
 from geometry.errors import InputError
 from geometry.mass import mass_properties

@@ -34,8 +34,10 @@ from fem.refinement import (
     ORDER,
     refined_sizes,
 )
-from geometry.mesh import check_quality, element_volumes, mesh_throw
+from geometry.mesh import mesh_throw
+from geometry.mesh_checks import check_quality
 from geometry.mesher import expected_unknowns
+from geometry.shapes import element_volumes
 from geometry.stopwatch import Stopwatch
 
 # Finite elements throughout: not for the inner loop.

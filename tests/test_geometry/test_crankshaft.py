@@ -5,7 +5,7 @@ from geometry.balance import unbalance
 from geometry.crankshaft import Crankshaft, make_shaft, throw_masses
 from geometry.errors import InputError
 from geometry.gmsh_session import gmsh_session
-from geometry.mesh import solid_properties
+from geometry.mesh_checks import solid_properties
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Counterweight, FurtherPin, Web

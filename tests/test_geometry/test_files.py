@@ -7,9 +7,10 @@ from geometry.crankshaft import Crankshaft
 from geometry.errors import InputError
 from geometry.gmsh_session import gmsh_session
 from geometry.imported import import_throw
-from geometry.mesh import element_volumes, mesh_throw
+from geometry.mesh import mesh_throw
 from geometry.mesh_files import ENDINGS, write_mesh
 from geometry.shaft_ends import ShaftEnds
+from geometry.shapes import element_volumes
 from geometry.solid_files import write_step
 from geometry.throw import CrankThrow
 from geometry.throw_sections import FurtherPin, Web

@@ -22,7 +22,8 @@ from geometry.imported_mesh import (
 )
 from geometry.isolated import IsolatedProcess, shared_process
 from geometry.mass import mass_properties
-from geometry.mesh import LADDER, element_volumes, mesh_throw
+from geometry.mesh import LADDER, mesh_throw
+from geometry.shapes import element_volumes
 from geometry.solid import (
     BORE,
     FILLET,

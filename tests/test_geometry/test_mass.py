@@ -79,7 +79,7 @@ def test_mass_grows_with_the_density_and_the_fillets(dimensions, coarse_mesh):
 
 def test_mass_properties_of_the_whole_mirrored_mesh(dimensions, coarse_mesh):
     """Sum over all four mirror images of the quarter, without using the symmetry."""
-    from geometry.mesh import element_quadrature
+    from geometry.shapes import element_quadrature
 
     throw = CrankThrow(**dimensions)
     found = mesh_mass_properties(coarse_mesh, DENSITY)

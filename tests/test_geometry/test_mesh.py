@@ -9,16 +9,12 @@ from skfem import ElementTetP2
 from skfem.quadrature import get_quadrature
 
 import geometry.mesh
+import geometry.mesh_checks
 from geometry.errors import InputError, MeshError
 from geometry.mending import EDGES, corner_quality, mend, smallest_jacobians
-from geometry.mesh import (
-    LADDER,
-    check_quality,
-    element_quadrature,
-    element_volumes,
-    mesh_throw,
-    mesh_throw_from,
-)
+from geometry.mesh import LADDER, mesh_throw, mesh_throw_from
+from geometry.mesh_checks import check_quality, check_volume
+from geometry.shapes import element_quadrature, element_volumes
 from geometry.solid import (
     CRANK_PLANE,
     FILLET,
@@ -251,7 +247,7 @@ def test_mended_elements_are_counted(dimensions):
 
 
 def test_a_mesh_that_misses_the_volume_is_made_again_finer(dimensions, monkeypatch):
-    check, seen = geometry.mesh.check_volume, []
+    check, seen = check_volume, []
 
     def refuse_once(points, elements, solid):
         seen.append(len(points))
@@ -286,7 +282,7 @@ def test_a_hopeless_mesh_is_an_error_that_says_what_was_tried(dimensions, monkey
 
 def test_a_solid_that_lost_a_part_is_not_meshed(dimensions, monkeypatch):
     throw = CrankThrow(**dimensions)
-    monkeypatch.setattr(geometry.mesh, "throw_volume", lambda _: 1.001 * throw.volume)
+    monkeypatch.setattr(geometry.mesh_checks, "throw_volume", lambda _: 1.001 * throw.volume)
     with pytest.raises(MeshError, match="the solid has a volume of"):
         mesh_throw(throw, 3.0)
 

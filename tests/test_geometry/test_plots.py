@@ -9,9 +9,10 @@ from matplotlib.collections import PolyCollection
 
 from geometry.crankshaft import Crankshaft
 from geometry.errors import InputError
-from geometry.mesh import SolidProperties, ThrowMesh
+from geometry.mesh import ThrowMesh
+from geometry.mesh_checks import SolidProperties
+from geometry.plots.legends import shown_unit
 from geometry.plots.mesh_plot import view_frame
-from geometry.plots.shown_units import shown_unit
 from geometry.plots.throw_plot import placed_parts
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow

@@ -10,8 +10,9 @@ import pytest
 from geometry.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_session
 from geometry.isolated import IsolatedProcess
-from geometry.mesh import LADDER, element_volumes, mesh_throw
+from geometry.mesh import LADDER, mesh_throw
 from geometry.mesher import mesh_here, mesh_isolated
+from geometry.shapes import element_volumes
 from geometry.size_map import SizeMap, regular_volume, set_size_map
 from geometry.throw import CrankThrow
 

@@ -22,14 +22,8 @@ from regression.records import StudyStoppedError
 from regression.runs import cluster as cluster_module
 from regression.runs import shelf as shelf_module
 from regression.runs import supervised
-from regression.runs.cluster import (
-    DaskCluster,
-    TaskLostError,
-    check_address,
-    compute_design,
-    identity,
-    run_on_cluster,
-)
+from regression.runs.cluster import TaskLostError, compute_design, identity, run_on_cluster
+from regression.runs.dask_cluster import DaskCluster, check_address
 from regression.runs.shelf import Shelf
 from regression.runs.study import StudyPlan, run_plan
 from regression.runs.supervised import Limits
@@ -564,7 +558,7 @@ def test_leaving_the_cluster_ends_what_is_under_way_there(puppets, local_cluster
 def test_an_address_without_a_scheduler(monkeypatch):
     # The last of all: a client that fails leaves an event loop behind that ends while others start.
     pytest.importorskip("distributed")
-    monkeypatch.setattr(cluster_module, "CONNECT", 0.5)
+    monkeypatch.setattr("regression.runs.dask_cluster.CONNECT", 0.5)
     with pytest.raises(InputError, match=r"^dask: given '.*'; allowed is .* nothing answers there"):
         DaskCluster("tcp://127.0.0.1:1")
     gc.collect()  # a client that is not closed complains here

@@ -16,10 +16,8 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 
 from geometry.errors import InputError
+from regression.plans.design_choice import OPTIONS, SPACE_FILLING, DesignChoice
 from regression.plans.designs import (
-    OPTIONS,
-    SPACE_FILLING,
-    DesignChoice,
     check_ranges,
     fixed_design,
     full_factorial,

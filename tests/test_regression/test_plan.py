@@ -16,7 +16,7 @@ from scipy.spatial.distance import cdist
 from fem.material import STEEL
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.plans.designs import SPACE_FILLING, DesignChoice
+from regression.plans.design_choice import SPACE_FILLING, DesignChoice
 from regression.plans.factors import Factor, rounded
 from regression.plans.plan import (
     HELD_OUT,

@@ -22,18 +22,13 @@ import numpy as np
 import pytest
 
 from fem.analysis import analyze_throw
-from fem.calculix import (
-    axial_case,
-    bending_case,
-    pin_case,
-    read_calculix,
-    run_calculix,
-    torque_case,
-    write_calculix,
-)
+from fem.calculix import write_calculix
+from fem.calculix_cases import axial_case, bending_case, pin_case, torque_case
+from fem.calculix_run import read_calculix, run_calculix
 from fem.loads import uniform_pin_loads
 from fem.material import STEEL, Material
-from geometry.mesh import SolidProperties, ThrowMesh
+from geometry.mesh import ThrowMesh
+from geometry.mesh_checks import SolidProperties
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Counterweight, FurtherPin, Web

@@ -38,7 +38,8 @@ from fem.loads import unit_pin_loads
 from fem.material import STEEL
 from fem.symmetry import axial_class
 from geometry.mending import EDGES
-from geometry.mesh import element_volumes, mesh_throw
+from geometry.mesh import mesh_throw
+from geometry.shapes import element_volumes
 from geometry.throw import CrankThrow
 
 # An element's ten nodes by their shares of its four corners.

@@ -30,14 +30,16 @@ from scipy.optimize import brentq
 
 from fem.assembly import assemble_stiffness
 from fem.condensation import condense
-from fem.craig_bampton import assemble_dynamic_shaft, dynamic_superelement, natural_modes
+from fem.craig_bampton import dynamic_superelement
+from fem.dynamic_shaft import assemble_dynamic_shaft, natural_modes
 from fem.loads import NodalLoads, unit_pin_loads
 from fem.material import STEEL
 from fem.modes import free_modes
 from fem.superelement import RZ, UX, UY
 from fem.symmetry import mirror_images, symmetry_classes
 from geometry.gmsh_session import gmsh_session
-from geometry.mesh import SolidProperties, ThrowMesh, mesh_throw, read_mesh
+from geometry.mesh import ThrowMesh, mesh_throw, read_mesh
+from geometry.mesh_checks import SolidProperties
 from geometry.throw import CrankThrow
 
 DIAMETER, LENGTH = 0.1, 1.0

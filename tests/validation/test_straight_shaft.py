@@ -32,7 +32,9 @@ from fem.material import STEEL
 from fem.superelement import combine_classes
 from fem.symmetry import mirror_images, symmetry_classes
 from geometry.gmsh_session import gmsh_session
-from geometry.mesh import SolidProperties, ThrowMesh, element_volumes, read_mesh
+from geometry.mesh import ThrowMesh, read_mesh
+from geometry.mesh_checks import SolidProperties
+from geometry.shapes import element_volumes
 from geometry.solid import LEFT_END
 
 E, G, NU = STEEL.youngs_modulus, STEEL.shear_modulus, STEEL.poisson_ratio

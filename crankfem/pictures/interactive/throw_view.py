@@ -21,9 +21,9 @@ from crankfem.pictures.interactive.style import (
 from crankfem.pictures.interactive.triangles import TriangleSurface, trails
 from crankfem.pictures.interactive.writing import write_figure
 from crankfem.pictures.surface import stretched_surface
-from fem.analysis import ThrowAnalysis
-from fem.fillet_stress import FilletStresses
+from fem.fillet_peaks import FilletStresses
 from fem.principal import von_mises
+from fem.throw_analysis import ThrowAnalysis
 from fem.unit_loads import UnitLoad, whole_facets, whole_nodes
 from geometry.facets import six_node_triangles
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE

@@ -1,0 +1,124 @@
+"""What an optimization of a damper found."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
+from dynamics.chains.chain import Chain
+from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
+from dynamics.checks import FloatArray
+from dynamics.plots.quantities import RPM, in_unit
+from dynamics.plots.speed_curves import draw_named_curves
+from geometry.choices import check_choice
+from geometry.diagram_style import BLUE, RED, new_axes, with_gaps
+from geometry.frames import table
+from geometry.plots.legends import legend_inside, write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from pandas import DataFrame
+
+Damper = ViscousDamper | RubberDamper | AxialDamper
+
+
+@dataclass(frozen=True, eq=False)
+class SizedDamper:
+    """What an optimization of a damper found.
+
+    Parameters
+    ----------
+    damper : ViscousDamper, RubberDamper or AxialDamper
+        The smallest one that keeps the limit; if none does, the one that comes closest.
+    chain : Chain
+        With it.
+    reached : bool
+        Whether the limit is kept.
+    limit : VibrationLimit
+    curve, without : AmplitudeCurve
+        The limited quantity with the damper and without one.
+    used, used_without : float
+        Largest share of the permitted amplitude over the speeds.
+    sizes : ndarray of shape (m,)
+        Sizes tried, ascending, those of a search's end that are almost the best one left out: ring
+        inertia [kg m^2] or damping of an axial damper [N s/m].
+    used_at_best : ndarray of shape (m,)
+        Least share of the permitted amplitude found for each of them.
+    sentence : str
+        The result, or why the limit cannot be kept.
+    """
+
+    damper: Damper
+    chain: Chain
+    reached: bool
+    limit: VibrationLimit
+    curve: AmplitudeCurve
+    without: AmplitudeCurve
+    used: float
+    used_without: float
+    sizes: FloatArray
+    used_at_best: FloatArray
+    sentence: str
+
+    def plot(
+        self, axes: "Axes | None" = None, *, show: Literal["amplitude", "sizes"] = "amplitude"
+    ) -> "Axes":
+        """Draw the amplitude with and without the damper, or what dampers of each size can reach.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        show : {"amplitude", "sizes"}, optional
+            Amplitude over the speed, or what each size can reach.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The dashed line is what is permitted.
+
+        Raises
+        ------
+        InputError
+            If it is neither.
+        """
+        check_choice("show", show, ("amplitude", "sizes"), "these show what a damper does")
+        axes = new_axes(axes)
+        if show == "sizes":
+            unit = "N s/m" if isinstance(self.damper, AxialDamper) else "kg m$^2$"
+            axes.plot(
+                self.sizes, with_gaps(100.0 * self.used_at_best), "o-", color=BLUE, markersize=4
+            )
+            axes.axhline(100.0, color=RED, linestyle="--", linewidth=1.2)
+            axes.set_xlabel(f"size of the damper [{unit}]")
+            axes.set_ylabel("used of the permitted amplitude [%]")
+            axes.set_ylim(bottom=0.0)
+            write_title(axes, "Dampers of each size at their best")
+            return axes
+        drawn = in_unit(self.limit.unit)
+        curves = {
+            "with the damper": drawn.factor * self.curve.values,
+            "without": drawn.factor * self.without.values,
+        }
+        draw_named_curves(axes, self.curve.speeds, curves, drawn.label)
+        permitted = drawn.factor * self.limit.continuous.at(self.curve.speeds)
+        rpm = RPM * self.curve.speeds
+        axes.plot(rpm, with_gaps(permitted), "--", color=RED, label="permitted")
+        write_title(axes, self.limit.name)
+        legend_inside(axes)
+        return axes
+
+    def to_pandas(self) -> "DataFrame":
+        """Return a row for each size: the least share of the permitted amplitude found.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units of the columns in ``attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        unit = "N s/m" if isinstance(self.damper, AxialDamper) else "kg m^2"
+        return table({"size": (self.sizes, unit), "used": (self.used_at_best, "1")})

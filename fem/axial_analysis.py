@@ -1,0 +1,90 @@
+"""A throw's axial compliance alone, from the one symmetry class that an axial force excites."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from fem.class_compliances import axial_answers
+from fem.condensation import CondensedClass
+from fem.material import Material
+from geometry.errors import InputError
+from geometry.frames import table
+from geometry.mesh import ThrowMesh
+from geometry.mesher import Throw
+
+
+@dataclass(frozen=True)
+class AxialAnalysis:
+    """A throw's axial compliance alone, several times cheaper than the whole analysis.
+
+    Attributes
+    ----------
+    throw : CrankThrow or ImportedThrow
+    material : Material
+    mesh : ThrowMesh
+    part : CondensedClass
+        The symmetry class that an axial force excites.
+    error_estimate, accuracy, seconds
+        As of `ThrowAnalysis`.
+    """
+
+    throw: Throw
+    material: Material
+    mesh: ThrowMesh
+    part: CondensedClass = field(repr=False)
+    error_estimate: float
+    accuracy: float
+    seconds: Mapping[str, float] = field(default_factory=dict, repr=False)
+
+    @property
+    def accuracy_met(self) -> bool:
+        """Whether the error estimate is within the accuracy asked for."""
+        return self.error_estimate <= self.accuracy
+
+    def axial_compliance(self, support: str = "pinned") -> float:
+        """Axial compliance e_n [m/N]; `support` is "pinned" or "guided".
+
+        Raises
+        ------
+        InputError
+            If the support is neither; between neighbors every class counts, see `analyze_throw`.
+        """
+        return axial_answers(self.part, _class_support(support))[0]
+
+    def influence_coefficient(self, support: str = "pinned") -> float:
+        """Influence coefficient c of the first pin [m/N]; support and errors as for e_n."""
+        return axial_answers(self.part, _class_support(support))[1]
+
+    def to_pandas(self) -> Any:
+        """Return a table of compliance and influence coefficient by support.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        supports = ("pinned", "guided")
+        return table(
+            {
+                "support": (list(supports), ""),
+                "axial_compliance": ([self.axial_compliance(one) for one in supports], "m/N"),
+                "influence_coefficient": (
+                    [self.influence_coefficient(one) for one in supports],
+                    "m/N",
+                ),
+            }
+        ).set_index("support")
+
+
+def _class_support(support: str) -> str:
+    if support not in ("pinned", "guided"):
+        raise InputError(
+            f'support: given {support!r}; allowed are "pinned" and "guided", for other supports need the '
+            "whole analysis (analyze_throw)."
+        )
+    return support

@@ -1,0 +1,400 @@
+"""A throw's elastic and mass properties from one superelement: what `analyze_throw` returns."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle
+from fem.condensation import CondensedClass
+from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
+from fem.given_load import checked_pin, end_load, spread_load
+from fem.loads import Distribution
+from fem.material import Material
+from fem.modes import ThrowModes, free_modes
+from fem.pin_response import (
+    PinResponse,
+    equivalent_load,
+    local_motion,
+    pin_compliance,
+    pin_response,
+)
+from fem.plots.over_angle import ANGLES_DEG, LABELS, Compliance, check_compliance, draw_compliance
+from fem.superelement import Superelement
+from fem.supports import (
+    STRETCH,
+    TABLE_SUPPORTS,
+    Reactions,
+    Support,
+    SupportedThrow,
+    end_motions,
+    reactions,
+    support_throw,
+)
+from fem.throw_frames import compliance_table, stiffness_table, throw_grid
+from geometry.choices import check_choice
+from geometry.diagram_style import new_axes
+from geometry.mass import MassProperties
+from geometry.mesh import ThrowMesh
+from geometry.mesher import Throw
+from geometry.plots.legends import write_title
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+NO_FORCE = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class ThrowAnalysis:
+    """A throw's elastic and mass properties, from one mesh and one superelement.
+
+    Attributes
+    ----------
+    throw : CrankThrow or ImportedThrow
+    material : Material
+    superelement : Superelement
+    mesh : ThrowMesh
+        Mesh of the part of the throw that was solved.
+    classes : tuple of CondensedClass
+        The solved symmetry classes with their displacement fields.
+    masses : MassProperties
+    error_estimate : float
+        Estimated relative discretization error of the axial compliance (pinned), from the energy of
+        the error; the compliance is about that much too small.
+    accuracy : float
+        The accuracy that was asked for.
+    seconds : mapping
+        Where the time went, by name.
+    """
+
+    throw: Throw
+    material: Material
+    superelement: Superelement
+    mesh: ThrowMesh
+    classes: tuple[CondensedClass, ...] = field(repr=False)
+    masses: MassProperties
+    error_estimate: float
+    accuracy: float
+    seconds: Mapping[str, float] = field(default_factory=dict, repr=False)
+
+    @property
+    def stiffness(self) -> NDArray[np.float64]:
+        """Stiffness (12, 12): ux uy uz rx ry rz of the left, then the right end section [SI]."""
+        return self.superelement.stiffness
+
+    @property
+    def accuracy_met(self) -> bool:
+        """Whether the error estimate is within the accuracy asked for."""
+        return self.error_estimate <= self.accuracy
+
+    @property
+    def solver(self) -> str:
+        """The equation solver that was used."""
+        return self.classes[0].solver
+
+    @property
+    def end_sections(self) -> str:
+        """What the end sections may do: "rigid" or "averaged"."""
+        return self.classes[0].end_sections
+
+    @property
+    def mass(self) -> float:
+        """Mass of the throw [kg]."""
+        return self.masses.mass
+
+    @property
+    def center_of_mass(self) -> NDArray[np.float64]:
+        """Center of mass (3,) in the throw frame [m]."""
+        return self.masses.center
+
+    @property
+    def inertia(self) -> NDArray[np.float64]:
+        """Inertia tensor (3, 3) about the center of mass [kg m^2]."""
+        return self.masses.inertia
+
+    def supported(self, support: Support = "pinned") -> SupportedThrow:
+        """All compliances under one support."""
+        return support_throw(self.superelement, support)
+
+    @property
+    def angle_law(self) -> AngleLaw:
+        """Compliance and influence coefficient over the angle to equal neighbors, in closed form.
+
+        Raises
+        ------
+        InputError
+            If the throw's webs are not equal: for others use ``support=Neighbors(...)``.
+        """
+        return angle_law(self.superelement)
+
+    def axial_compliance(self, support: Support = "pinned") -> float:
+        """Axial compliance e_n: lengthening per unit axial force [m/N].
+
+        Parameters
+        ----------
+        support : "pinned", "guided" or Neighbors
+            ``pinned``: end sections stay on the axis and tilt freely; ``guided``: they do not tilt;
+            ``Neighbors(left_deg, right_deg)``: between identical throws.
+
+        Raises
+        ------
+        InputError
+            If the support is none of these.
+        """
+        return self.supported(support).axial
+
+    def torsional_compliance(self, support: Support = "pinned") -> float:
+        """Twist per unit torque [rad/(N m)]; parameters as for `axial_compliance`."""
+        return self.supported(support).torsional
+
+    def influence_coefficient(
+        self, support: Support = "pinned", pin: int = 0, distribution: Distribution = "uniform"
+    ) -> float:
+        """Influence coefficient c of P = c Z / e_n: lengthening per unit radial force Z [m/N].
+
+        Z acts on the pin towards the shaft axis and opens a throw of one pin, so its c > 0. Yamanin
+        and Zhukov 2021, doi 10.24143/2073-1574-2021-4-75-83.
+
+        Parameters
+        ----------
+        support : "pinned", "guided" or Neighbors
+        pin : int
+            Which pin, from 0 at the left.
+        distribution : {"uniform", "cosine"}
+            How the force is spread over the pin; see `pin_response`.
+
+        Raises
+        ------
+        InputError
+            If an argument is none of these.
+        """
+        radial = self.superelement.radials[checked_pin(pin, len(self.mesh.pins))]
+        load = end_load(
+            self.superelement, self.classes, self.mesh, pin, radial, NO_FORCE, distribution
+        )
+        return float(STRETCH @ end_motions(self.superelement, support, load[:, None])[:, 2])
+
+    def reactions(
+        self,
+        pin_force: ArrayLike = NO_FORCE,
+        support: Support = "pinned",
+        pin: int = 0,
+        *,
+        pin_moment: ArrayLike = NO_FORCE,
+        distribution: Distribution = "uniform",
+    ) -> Reactions:
+        """Reactions of the supports on the throw under a load on a pin, axial motion blocked.
+
+        Parameters
+        ----------
+        pin_force : (3,) array_like
+            Force on the pin in the throw frame [N]; the radial force Z on the first pin is
+            ``(0, -Z, 0)``.
+        support : "pinned", "guided" or Neighbors
+            The left end takes the torque.
+        pin : int
+            Which pin, from 0 at the left.
+        pin_moment : (3,) array_like
+            Moment on the pin about its center [N m].
+        distribution : {"uniform", "cosine"}
+            How the load is spread over the pin; see `pin_response`.
+
+        Returns
+        -------
+        Reactions
+            ``.left`` and ``.right``, each with ``.force`` [N] and ``.moment`` [N m] of shape (3,).
+
+        Raises
+        ------
+        InputError
+            If force or moment are not three finite numbers, the support or distribution is unknown,
+            or there is no such pin.
+        """
+        load = end_load(
+            self.superelement, self.classes, self.mesh, pin, pin_force, pin_moment, distribution
+        )
+        return reactions(self.superelement, support, load)
+
+    def pin_response(
+        self,
+        force: ArrayLike = NO_FORCE,
+        moment: ArrayLike = NO_FORCE,
+        support: Support = "pinned",
+        pin: int = 0,
+        distribution: Distribution = "uniform",
+    ) -> PinResponse:
+        """Motions of end sections and pin under a load on the pin, the throw axially free.
+
+        Parameters
+        ----------
+        force, moment : (3,) array_like
+            On the pin, in the throw frame, the moment about the pin's center [N, N m].
+        support : "pinned", "guided" or Neighbors
+            The left end is held along and about the shaft.
+        pin : int
+            Which pin, from 0 at the left.
+        distribution : {"uniform", "cosine"}
+            ``uniform``: traction spread evenly over the pin, for moments growing linearly from its
+            center. ``cosine``: force and moment across the pin as pressures p cos(theta) on the half
+            that each presses on; force along the pin and torque about it are uniform in either case.
+
+        Raises
+        ------
+        InputError
+            As for `reactions`.
+        """
+        load = spread_load(self.mesh, pin, force, moment, distribution)
+        local = local_motion(self.classes, load, len(self.mesh.pins))[6 * pin : 6 * pin + 6]
+        ends = equivalent_load(self.classes, load)
+        return pin_response(self.superelement, support, ends, local, pin)
+
+    def pin_compliance(self, support: Support = "pinned", pin: int = 0) -> NDArray[np.float64]:
+        """Mean motions (6, 6) of a pin per unit load on it, the throw axially free.
+
+        Translations along x, y, z [m] and rotations about them [rad] under unit forces [N] and moments
+        about the pin's center [N m], uniformly spread. Errors as for `axial_compliance`, also if there
+        is no such pin.
+        """
+        return pin_compliance(self.superelement, support, checked_pin(pin, len(self.mesh.pins)))
+
+    def free_modes(
+        self, count: int | None = None, highest_frequency: float | None = None
+    ) -> ThrowModes:
+        """Elastic natural modes of the throw without supports, with consistent masses.
+
+        Parameters
+        ----------
+        count : int, optional
+            How many of the lowest modes.
+        highest_frequency : float, optional
+            Instead, all modes up to this frequency [Hz].
+
+        Raises
+        ------
+        InputError
+            If not one of the two is given, or it is out of range.
+        SolveError
+            If the modes cannot be found.
+        """
+        return free_modes(
+            self.mesh, self.material, count=count, highest_frequency=highest_frequency,
+            solver=self.solver,
+        )  # fmt: skip
+
+    def dynamic_superelement(self, highest_frequency: float) -> DynamicSuperelement:
+        """Stiffness and mass of the throw for vibration up to a frequency [Hz].
+
+        Unknowns are the motions of the end sections and amplitudes of shapes of the inside, whose
+        number is chosen for the frequency and recorded; 0 Hz gives Guyan's mass of the end motions
+        alone. See `fem.craig_bampton.dynamic_superelement`.
+
+        Raises
+        ------
+        InputError
+            If the frequency is negative or not finite, or the end sections are not rigid.
+        SolveError
+            If the shapes cannot be found.
+        """
+        return dynamic_superelement(
+            self.mesh, self.material, self.classes, highest_frequency, solver=self.solver
+        )
+
+    def over_angle(
+        self, quantity: Compliance = "axial_compliance", gamma_deg: ArrayLike = ANGLES_DEG
+    ) -> NDArray[np.float64]:
+        """Values (n,) of a compliance between equal neighbors, over the angle to them [SI].
+
+        Parameters
+        ----------
+        quantity : {"axial_compliance", "torsional_compliance", "influence_coefficient"}
+        gamma_deg : (n,) array_like
+            Angles between neighboring cranks [deg]; every 5 deg from 0 to 180 by default.
+
+        Raises
+        ------
+        InputError
+            If the quantity is none of these or an angle is not finite.
+        """
+        return compliance_over_angle(self.superelement, check_compliance(quantity), gamma_deg)
+
+    def plot(
+        self, axes: "Axes | None" = None, *, quantity: Compliance = "axial_compliance"
+    ) -> "Axes":
+        """Draw a compliance over the angle to equal neighbors, beside the pinned and the guided throw.
+
+        With equal webs neighbors in line give the guided value and opposite ones the pinned value of the
+        axial compliance and the influence coefficient; for the torsional compliance it is the other way
+        round. The band beside the axial compliance is its estimated discretization error.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        quantity : {"axial_compliance", "torsional_compliance", "influence_coefficient"}
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the quantity is none of these.
+        """
+        one = self.superelement
+        bounds = {name: compliance(one, quantity, name) for name in ("guided", "pinned")}
+        error = self.error_estimate if quantity == "axial_compliance" else None
+        axes = new_axes(axes)
+        draw_compliance(axes, self.over_angle(quantity), bounds, quantity, error)
+        write_title(axes, "Throw by finite elements")
+        return axes
+
+    def to_pandas(self, content: Literal["compliances", "stiffness"] = "compliances") -> Any:
+        """Return a table.
+
+        Parameters
+        ----------
+        content : {"compliances", "stiffness"}
+            Axial and torsional compliance and influence coefficient by support; or the stiffness
+            (12, 12), loads in rows and end motions in columns.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        InputError
+            If the content is neither.
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        check_choice("content", content, ("compliances", "stiffness"), "these are tables")
+        if content == "stiffness":
+            return stiffness_table(self.stiffness)
+        answers = {name: self.supported(support) for name, support in TABLE_SUPPORTS.items()}
+        return compliance_table(
+            {name: (one.axial, one.torsional, one.influence) for name, one in answers.items()}
+        )
+
+    def to_xarray(self) -> Any:
+        """Return stiffness over loads and end motions, and compliances over the angle to neighbors.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``stiffness`` (load, motion) with names such as "left ux"; ``axial_compliance``,
+            ``torsional_compliance`` and ``influence_coefficient`` (gamma_deg).
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        return throw_grid(
+            self.stiffness, ANGLES_DEG, {name: self.over_angle(name) for name in LABELS}
+        )

@@ -1,0 +1,54 @@
+"""Which field of a throw gave the dimension of a part, and the sentence that refuses it."""
+
+from geometry.errors import InputError
+from geometry.parts import Cylinder, ThrowParts, WebPlate
+from geometry.quantity import show_quantity
+from geometry.throw_dimensions import ThrowDimensions
+
+
+def in_mm(value: float) -> str:
+    """Write a length [m] as refusals do."""
+    return show_quantity(value, "m")
+
+
+def refusal(field: str, given: float, allowed: str, reason: str) -> InputError:
+    """Make the error that says of a field [m] what was given, what is allowed and why."""
+    return InputError(f"throw.{field}: given {in_mm(given)}; allowed is {allowed}, {reason}.")
+
+
+def label(cylinder: Cylinder) -> str:
+    """Name a journal or pin in a sentence."""
+    return cylinder.name.replace("pin", "crankpin") if cylinder.is_pin else "main journal"
+
+
+def cylinder_field(throw: ThrowDimensions, parts: ThrowParts, cylinder: Cylinder, kind: str) -> str:
+    """Name of the field that gave a cylinder's dimension (diameter, length, fillet_radius, bore)."""
+    if not cylinder.is_pin:
+        name = f"main_journal_{kind}"
+    else:
+        place = parts.cylinders.index(cylinder) - 2
+        if place >= 0 and getattr(throw.further_pins[place], kind) is not None:
+            return f"further_pins[{place}].{kind}"
+        name = f"pin_{kind}"
+    if kind == "fillet_radius" and getattr(throw, name) is None:
+        return "fillet_radius"
+    return name
+
+
+def web_field(throw: ThrowDimensions, web: WebPlate, kind: str) -> str:
+    """Name of the field that gave a web's dimension."""
+    if web.name in ("left web", "right web"):
+        table = web.name.replace(" ", "_")
+        own = getattr(throw, table)
+        if own is not None and getattr(own, kind) is not None:
+            return f"{table}.{kind}"
+    else:
+        place = int(web.name.split()[1]) - 2
+        if getattr(throw.further_pins[place], f"web_{kind}", None) is not None:
+            return f"further_pins[{place}].web_{kind}"
+    return f"web_{kind}"
+
+
+def which_web(throw: ThrowDimensions, web: WebPlate) -> str:
+    """A web's name, where the webs differ."""
+    return web.name if throw.left_web or throw.right_web or throw.further_pins else "web"
