@@ -206,6 +206,11 @@ class Verdict:
     remarks: tuple[str, ...]
 
     @property
+    def ranges_to_bar(self) -> list[tuple[float, float]]:
+        """Speed ranges that may be barred, whatever limit asks for them [rad/s]."""
+        return [(one.low, one.high) for one in self.barred if one.allowed]
+
+    @property
     def sentence(self) -> str:
         """The verdict in words, with the ranges and the worst finding."""
         worst = self.checks[0]
@@ -239,7 +244,7 @@ class Verdict:
         axes = new_axes(axes)
         low, highest = self.running_range
         end = max(check.judged[1] for check in self.checks)
-        draw_barred(axes, [(one.low, one.high) for one in self.barred if one.allowed])
+        draw_barred(axes, self.ranges_to_bar)
         worst = sorted(self.checks, key=lambda check: -check.used)[: len(ORDER_COLORS)]
         for check, color in zip(worst, ORDER_COLORS, strict=False):
             speeds = check.curve.speeds

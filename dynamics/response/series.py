@@ -66,6 +66,11 @@ class OrderSeries:
         """Sum of all orders over the cycle, and the plain sum of amplitudes, (S, p) each."""
         return synthesis(self.orders, self.speeds, self.values, self.unbounded)
 
+    @property
+    def largest_place(self) -> int:
+        """Number of the place with the largest amplitude of all orders together, from 0."""
+        return int(np.argmax(np.max(self.synthesis.amplitude, axis=0)))
+
     def at_angle(self, speed_index: int, shaft_angle: ArrayLike) -> FloatArray:
         """Return the values over shaft angles, all orders together, without their mean.
 
