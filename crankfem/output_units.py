@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from crankfem.number_formats import UNBOUNDED
 from geometry.errors import InputError
 from geometry.quantity import DISPLAY_UNITS, POWER, POWER_OF_TEN, show_quantity, unit_registry
 
@@ -51,7 +52,6 @@ PRINTED: dict[str, tuple[str, float]] = {
 SYSTEMS = {"si": "", "imperial": "in, lbf, ksi, lb, hp"}
 # A user who reads angles in degrees does not mean speeds in degrees per second.
 NEVER_APART = ("rad/s",)
-UNBOUNDED = "unbounded"
 # From here on four digits would get an exponent; below, a person reads them without one.
 WRITTEN_OUT = 1e7
 

@@ -3,9 +3,9 @@
 from typing import Any
 
 from crankfem.console import print_line, print_table
-from crankfem.output_units import SI, UNBOUNDED, OutputUnits
+from crankfem.number_formats import UNBOUNDED, used
+from crankfem.output_units import SI, OutputUnits
 from crankfem.record import RPM, Record
-from crankfem.report.numbers import used
 from crankfem.vibration.assessment import Assessment, Uncertainty
 from crankfem.vibration.forced_records import finite_or_none
 from crankfem.vibration.motion import MOTION
