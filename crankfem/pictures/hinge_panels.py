@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crankfem.record import RPM
 from dynamics.checks import FloatArray
 from geometry.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
 from geometry.plots.legends import legend_inside, write_title
 from geometry.quantity import show_quantity
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

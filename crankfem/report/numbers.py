@@ -18,12 +18,11 @@ from crankfem.number_formats import (
 )
 from crankfem.record import Record
 from crankfem.report.about import run_command
+from crankfem.vibration.motion import MOTION
 from geometry.quantity import show_quantity
 
 # What the sources of compliances are called in results.json, and in words.
 SOURCE_WORDS = {"fe": "finite elements", "fe pinned": "finite elements, pinned"}
-# Displayed unit of the motion of the free end, and its size in SI.
-MOTION = {"axial": ("µm", 1e-6), "torsional": ("mrad", 1e-3)}
 UNIT_BEHIND = re.compile(r"(?<=\d) (?=(?:1/min|[MG]?Pa|kN|N|mm|m/N|Hz|%|µm|mrad|deg)(?![\w]))")
 MINUTE, HOUR = 60.0, 3600.0
 MOST_DIGITS = 15  # of a double
@@ -50,8 +49,8 @@ def quantity(value: float | None, unit: str, digits: int = 4) -> str:
 
 def motion(value: float | None, kind: str, digits: int = 3) -> str:
     """Write an amplitude of axial or torsional vibration with its unit."""
-    unit, size = MOTION[kind]
-    return UNBOUNDED if value is None else f"{significant(value / size, digits)} {unit}"
+    own = MOTION[kind]
+    return UNBOUNDED if value is None else f"{significant(value / own.size, digits)} {own.unit}"
 
 
 def source_words(name: str) -> str:

@@ -20,7 +20,7 @@ from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.chains.editing import find_node
 from dynamics.checks import FloatArray, positive_number, positive_vector
-from dynamics.plots.quantities import RPM, in_unit
+from dynamics.plots.quantities import in_unit
 from dynamics.plots.speed_curves import draw_named_curves
 from geometry.choices import check_choice
 from geometry.diagram_style import BLUE, RED, new_axes, with_gaps
@@ -28,6 +28,7 @@ from geometry.errors import InputError
 from geometry.frames import table
 from geometry.plots.legends import legend_inside, write_title
 from geometry.quantity import show_quantity
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

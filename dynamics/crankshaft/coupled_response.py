@@ -11,7 +11,7 @@ from dynamics.checks import ComplexArray, FloatArray
 from dynamics.crankshaft.pin_excitation import PinForces, shaft_excitation
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
-from dynamics.plots.quantities import RPM, in_unit
+from dynamics.plots.quantities import in_unit
 from dynamics.plots.speed_curves import set_speed_axis
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
@@ -21,6 +21,7 @@ from geometry.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
 from geometry.errors import InputError
 from geometry.frames import grid
 from geometry.plots.legends import legend_inside, write_title
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

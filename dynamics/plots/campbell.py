@@ -7,8 +7,9 @@ import numpy as np
 
 from dynamics.checks import FloatArray
 from dynamics.plots.order_kinds import KIND_COLORS
-from dynamics.plots.quantities import RPM, SPEED_LABEL
+from dynamics.plots.quantities import SPEED_LABEL
 from geometry.diagram_style import COLORS, GRAY
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dynamics.checks import FloatArray
-from dynamics.plots.quantities import RPM, SPEED_LABEL, Shown
+from dynamics.plots.quantities import SPEED_LABEL, Shown
 from geometry.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, with_gaps
 from geometry.plots.legends import legend_below, legend_inside
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,6 +1,6 @@
 """Units on the axes of diagrams."""
 
-from geometry.quantity import DISPLAY_UNITS
+from geometry.units import DISPLAY_UNITS
 
 
 def shown_unit(unit: str) -> tuple[str, float]:

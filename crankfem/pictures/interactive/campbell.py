@@ -16,10 +16,10 @@ from crankfem.pictures.interactive.style import (
     line,
     number,
 )
-from crankfem.record import RPM
 from crankfem.vibration.motion import MOTION
 from dynamics.response.resonance import Resonance
 from geometry.diagram_style import COLORS, GRAY, ORANGE, RED
+from geometry.units import RPM
 
 Array = NDArray[np.float64]
 

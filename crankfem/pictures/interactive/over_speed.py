@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from crankfem.pictures.interactive.style import Figure, Part, axis, band, layout, line, look
 from crankfem.pictures.interactive.thinning import seen_points
-from crankfem.record import RPM
 from crankfem.vibration.motion import MOTION
 from dynamics.assessment.limits import VibrationLimit
 from dynamics.response.series import OrderSeries
 from geometry.diagram_style import GRAY, RED, with_gaps
+from geometry.units import RPM
 
 Array = NDArray[np.float64]
 

@@ -16,12 +16,12 @@ from crankfem.pictures.interactive.style import (
     shown_in_turn,
 )
 from crankfem.pictures.interactive.thinning import seen_points
-from crankfem.record import RPM
 from crankfem.vibration.motion import MOTION
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.crankshaft.shaft_throw import RZ, UX, UY, UZ
 from geometry.diagram_style import BLUE, COLORS, GREEN, ORANGE, RED, with_gaps
+from geometry.units import RPM
 
 Array = NDArray[np.float64]
 
