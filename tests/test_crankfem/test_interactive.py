@@ -18,13 +18,14 @@ import pytest
 from crankfem.fitting import fit_study, predicted
 from crankfem.pictures.interactive.angles import formulas_over_angle, interactive_angles
 from crankfem.pictures.interactive.campbell import campbell
+from crankfem.pictures.interactive.curves import UNSEEN
 from crankfem.pictures.interactive.decimation import fewer_triangles
 from crankfem.pictures.interactive.mechanism import (
     developed_load,
     interactive_mechanism,
     polar_load,
 )
-from crankfem.pictures.interactive.over_speed import UNSEEN, Curve, amplitudes_over_speed
+from crankfem.pictures.interactive.over_speed import Curve, amplitudes_over_speed
 from crankfem.pictures.interactive.rounding import rounded
 from crankfem.pictures.interactive.shaft import axial_split, mode_shares, shaft_modes
 from crankfem.pictures.interactive.shapes import mode_shapes
