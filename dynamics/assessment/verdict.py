@@ -19,12 +19,12 @@ from dynamics.assessment.limits import (
     shown_range,
     usage,
 )
-from dynamics.plots.curves import ORDER_COLORS
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.plots.speed_curves import draw_barred, set_speed_axis
 from geometry.diagram_style import BLUE, GRAY, ORANGE, RED, new_axes, with_gaps
 from geometry.errors import InputError
 from geometry.frames import Row, table, table_of
+from geometry.plots.curves import ORDER_COLORS
 from geometry.plots.legends import legend_below, legend_inside, write_title
 from geometry.quantity import show_quantity
 from geometry.units import RPM

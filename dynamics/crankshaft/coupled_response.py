@@ -11,7 +11,6 @@ from dynamics.checks import ComplexArray, FloatArray
 from dynamics.crankshaft.pin_excitation import PinForces, shaft_excitation
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
-from dynamics.plots.curves import Curves, Series, draw_curves
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
@@ -20,6 +19,7 @@ from geometry.choices import check_choice
 from geometry.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
 from geometry.errors import InputError
 from geometry.frames import grid
+from geometry.plots.curves import Curves, Series, draw_curves
 from geometry.plots.legends import legend_inside, write_title
 from geometry.units import RPM
 

@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dynamics.checks import FloatArray
-from dynamics.plots.curves import (
+from dynamics.plots.quantities import SPEED_LABEL, Shown
+from geometry.diagram_style import COLORS, with_gaps
+from geometry.plots.curves import (
     Band,
     Curves,
     Mark,
@@ -16,8 +18,6 @@ from dynamics.plots.curves import (
     draw_curves,
     draw_lines,
 )
-from dynamics.plots.quantities import SPEED_LABEL, Shown
-from geometry.diagram_style import COLORS, with_gaps
 from geometry.plots.legends import legend_below, legend_inside
 from geometry.units import RPM
 

@@ -18,7 +18,6 @@ from dynamics.checks import (
     whole_number,
 )
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
-from dynamics.plots.curves import Curves
 from dynamics.plots.quantities import Quantity, Shown, shown
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_over_speed, over_speed
 from dynamics.response.excitation import at_angles, checked_speed_index
@@ -26,6 +25,7 @@ from dynamics.response.synthesis import Synthesis, synthesis
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid
+from geometry.plots.curves import Curves
 from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ import numpy as np
 
 from crankfem.pictures.interactive.style import Figure, Part, axis, band, layout, line, literal
 from crankfem.pictures.interactive.thinning import seen_points
-from dynamics.plots.curves import Band, Curves, Mark
+from geometry.plots.curves import Band, Curves, Mark
 
 # Shares of the height that a thinned curve may miss, and of the width without a point to hover on.
 UNSEEN, HOVER_STEP = 5e-4, 1.0 / 80.0

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankfem.pictures.interactive.rounding import rounded
-from dynamics.plots.curves import order_look
 from geometry.diagram_style import GRAY, STYLE
+from geometry.plots.curves import order_look
 
 # Plain JSON content in plotly's form.
 Part = dict[str, Any]

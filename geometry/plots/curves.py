@@ -4,12 +4,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
-from dynamics.checks import FloatArray
+import numpy as np
+from numpy.typing import NDArray
+
 from geometry.diagram_style import BLUE, GRAY, GREEN, ORANGE, RED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+Array = NDArray[np.float64]
 Role: TypeAlias = Literal["total", "plain sum", "limit", "order", "curve"]
 Dash: TypeAlias = Literal["solid", "dash", "dot", "dashdot"]
 
@@ -57,7 +60,7 @@ class Series:
     """
 
     name: str
-    values: FloatArray
+    values: Array
     role: Role = "curve"
     number: int = 0
     main: bool = True
@@ -113,7 +116,7 @@ class Curves:
         Of bands and marks the first of a name stands in the legend.
     """
 
-    x: FloatArray
+    x: Array
     series: tuple[Series, ...]
     x_label: str
     y_label: str
@@ -162,7 +165,7 @@ def draw_curves(axes: "Axes", curves: Curves) -> None:
     axes.set_ylabel(curves.y_label)
 
 
-def draw_lines(axes: "Axes", x: FloatArray, series: Iterable[Series]) -> None:
+def draw_lines(axes: "Axes", x: Array, series: Iterable[Series]) -> None:
     """Draw the main ones of some series."""
     for own in series:
         if own.main:
