@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from pandas import DataFrame
 
+# Checks that a diagram of the verdict draws: those of which most is used.
+WORST_DRAWN = 5
 Status = Literal["fine", "barred range needed", "not acceptable"]
 
 
@@ -247,7 +249,7 @@ class Verdict:
         low, highest = self.running_range
         end = max(check.judged[1] for check in self.checks)
         draw_barred(axes, self.ranges_to_bar)
-        worst = sorted(self.checks, key=lambda check: -check.used)[: len(ORDER_COLORS)]
+        worst = sorted(self.checks, key=lambda check: -check.used)[:WORST_DRAWN]
         for check, color in zip(worst, ORDER_COLORS, strict=False):
             speeds = check.curve.speeds
             stated = np.isfinite(check.limit.continuous.at(speeds))
