@@ -4,8 +4,9 @@ import math
 
 from crankfem.console import print_line, print_table, rows_of
 from crankfem.output_units import SI, OutputUnit, OutputUnits
-from crankfem.record import RPM, Record
+from crankfem.record import Record
 from crankfem.tables import print_shape
+from geometry.units import RPM
 
 KINDS = {
     "engine": "It describes a whole engine",

@@ -6,7 +6,7 @@ from typing import Any
 
 from crankfem import console
 from crankfem.console import print_table
-from geometry.quantity import DISPLAY_UNITS
+from geometry.units import DISPLAY_UNITS
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedStudy
 from regression.records import HELD_OUT

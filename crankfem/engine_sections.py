@@ -8,10 +8,10 @@ from pydantic import Field, model_validator
 from dynamics.engine.firing import firing_angles_of_order, firing_intervals
 from geometry.errors import InputError
 from geometry.model import InputModel, quantity_field
-from geometry.quantity import DISPLAY_UNITS, show_quantity
+from geometry.quantity import show_quantity
+from geometry.units import PER_MINUTE
 
 # Limits are round numbers in the units in which people read them.
-PER_MINUTE = DISPLAY_UNITS["rad/s"][1]
 # Firing intervals that differ by less are even, but for the digits of given angles.
 UNEVEN_FROM_DEG = 0.5
 

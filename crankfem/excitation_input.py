@@ -7,7 +7,6 @@ from typing import ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from crankfem.data_files import find_table
-from crankfem.engine_sections import PER_MINUTE
 from crankfem.mechanism_sections import Gas
 from crankfem.pressure_input import motored_pressures
 from dynamics.engine.gas_forces import piston_position
@@ -21,6 +20,7 @@ from dynamics.gas.pressure import GasPressure
 from dynamics.gas.pressure_table import read_pressure_table
 from geometry.errors import InputError
 from geometry.model import InputModel, part_field, quantity_field
+from geometry.units import PER_MINUTE
 
 
 class GasMapPoint(InputModel):

@@ -17,9 +17,10 @@ from crankfem import (
 from fem.material import Material
 from geometry.errors import InputError
 from geometry.model import InputModel, field_extra, part_kind
-from geometry.quantity import DISPLAY_UNITS, show_quantity
+from geometry.quantity import show_quantity
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
+from geometry.units import DISPLAY_UNITS
 
 # Whole numbers below this are written out.
 WRITTEN_OUT = 1e10

@@ -13,12 +13,13 @@ from crankfem.engine_sections import Engine
 from crankfem.hinge_file import SECTIONS as HINGE_SECTIONS
 from crankfem.hinge_file import HingeFile, load_hinge
 from crankfem.mechanism_file import MechanismFile, load_any, load_mechanism
-from crankfem.record import RPM, Record
+from crankfem.record import Record
 from crankfem.results import input_records
 from crankfem.throw_file import ThrowFile
 from crankfem.toml_file import InputRecord, TomlFile, read_toml
 from geometry.model import field_extra
 from geometry.throw import CrankThrow
+from geometry.units import RPM
 
 THROW_COMMANDS = ("throw", "stress", "formulas", "draw", "export")
 MECHANISM_COMMANDS = ("mechanism", "harmonics", *THROW_COMMANDS)

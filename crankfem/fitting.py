@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from crankfem.report.about import program_version
 from fem.responses import RESPONSES
 from geometry.choices import check_choice, check_not_given
-from geometry.diagram_style import new_axes
+from geometry.diagram_style import math_symbol, new_axes
 from geometry.errors import InputError
 from geometry.frames import table as frame
 from geometry.plots.bars import draw_rows
-from geometry.plots.legends import write_title
+from geometry.plots.legends import shown_unit, write_title
 from regression.fits.columns import Encoding, constant_groups, factor_encoding, group_encoding
-from regression.fits.equation_text import equation_text
+from regression.fits.equation_text import equation_text, term_effects
 from regression.fits.fits import Fit, fit_form
 from regression.fits.forms import FORMS, Form
 from regression.fits.groups import group_named, response_scale
@@ -29,6 +29,7 @@ from regression.models.response_model import ResponseModel
 from regression.plans.factors import Factor, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.plans.relations import calculate
+from regression.plots.equations import draw_effects
 from regression.records import MEASURED
 from regression.runs.study_table import StudyTable
 from regression.throw_values import throw_values
@@ -96,6 +97,10 @@ class ResponseFits:
     encodings: Mapping[str, Encoding]
     unfitted: Mapping[str, str] = field(default_factory=dict)
 
+    def form_text(self, fit: Fit) -> str:
+        """Return the name of a fit's form, and whether it is the chosen one."""
+        return f"{fit.form} (chosen)" if fit is self.chosen else fit.form
+
     def equation(self, fit: Fit) -> str:
         """Equation of a fit in the units of the field."""
         return equation_text(fit.fitted, symbol=self.symbol, unit=self.unit, basis=fit.basis)
@@ -150,23 +155,33 @@ class ResponseFits:
         """
         check_choice("show", show, ("errors", "effects"), "these need the fits alone")
         if show == "effects":
-            from crankfem.pictures.fit_panels import draw_fit_effects
-
             fit = self.chosen if form is None else self.fit_named(form)
             axes = new_axes(axes)
-            draw_fit_effects(axes, self, fit)
+            self._draw_effects(axes, fit)
             return axes
         check_not_given("form", form, show, "all forms are shown beside each other")
         judged = [fit for fit in self.fits if fit.largest_heldout_error is not None]
         axes = new_axes(axes)
         draw_rows(
             axes,
-            [f"{fit.form} (chosen)" if fit is self.chosen else fit.form for fit in judged],
+            [self.form_text(fit) for fit in judged],
             [100.0 * (fit.largest_heldout_error or 0.0) for fit in judged],
             "largest error at held-out designs [%]",
         )
         write_title(axes, f"Forms fitted to {self.response.replace('_', ' ')}")
         return axes
+
+    def _draw_effects(self, axes: "Axes", fit: Fit) -> None:
+        """Draw the coded coefficients of a fit in the order of their size (Pareto)."""
+        names, values = term_effects(fit.fitted)
+        if fit.fitted.logarithmic:
+            unit, size, of = "%", 0.01, "ln "
+        elif fit.basis == "groups":
+            unit, size, of = "1", 1.0, ""
+        else:
+            (unit, size), of = shown_unit(self.unit), ""
+        label = f"coded coefficient of {of}{math_symbol(self.symbol)} [{unit}]"
+        draw_effects(axes, names, values / size, label, fit.form)
 
     def to_pandas(self) -> Any:
         """Return a table of the forms and their errors; what is not known is missing.

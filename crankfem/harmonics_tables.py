@@ -9,12 +9,13 @@ import numpy as np
 from crankfem.console import number, print_line, print_table
 from crankfem.mechanism_file import MechanismFile
 from crankfem.output_units import SI, OutputUnit, OutputUnits
-from crankfem.record import RPM, Record
+from crankfem.record import Record
 from crankfem.results import harmonics_record
 from crankfem.table_units import table_unit
 from dynamics.torque.pin_harmonics import PinForceHarmonics
 from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
+from geometry.units import RPM
 
 COLUMNS = ("orders", "cosine", "sine", "amplitude", "phase_deg")
 PARTS = ("gas", "inertia", "gas and inertia")

@@ -7,11 +7,12 @@ import numpy as np
 
 from crankfem.column_file import write_columns
 from crankfem.hinge_run import HingeRun, OtherSpeed
-from crankfem.record import RPM, Record, assumed_values
+from crankfem.record import Record, assumed_values
 from dynamics.checks import FloatArray
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
 from dynamics.turning.speed_over_angle import SpeedOverAngle
+from geometry.units import RPM
 
 
 def hinge_record(run: HingeRun) -> Record:

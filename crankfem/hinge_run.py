@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from crankfem.hinge_file import HingeFile
-from crankfem.pictures import hinge_panels
 from dynamics.hinge.evening import BestPressure, best_pressure, flywheel_for
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
@@ -22,6 +21,8 @@ from geometry.frames import table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from crankfem.pictures.hinge_panels import RunningPoint
 
 Shown = Literal["moment", "gas force", "speed", "fluctuation", "guides"]
 SHOWN: tuple[Shown, ...] = ("moment", "gas force", "speed", "fluctuation", "guides")
@@ -109,21 +110,89 @@ class HingeRun:
         InputError
             If `show` is none of these.
         """
+        from crankfem.pictures.hinge_panels import (
+            Turn,
+            draw_fluctuations,
+            draw_gas_force,
+            draw_moments,
+            draw_speeds,
+        )
+
         check_choice("show", show, SHOWN, "these are diagrams of a hinge")
-        if show == "guides" and not self.compared:
-            return self.profile.plot(axes)
-        axes = new_axes(axes)
         if show == "guides":
-            hinge_panels.draw_guides(axes, self, hinge_panels.spring_sizes(self)[0])
+            return self.plot_guides(axes) if self.compared else self.profile.plot(axes)
+        axes = new_axes(axes)
+        if show == "moment":
+            draw_moments(axes, self._running_points())
             return axes
-        draw = {
-            "moment": hinge_panels.draw_moments,
-            "gas force": hinge_panels.draw_gas_force,
-            "speed": hinge_panels.draw_speeds,
-            "fluctuation": hinge_panels.draw_fluctuations,
-        }[show]
-        draw(axes, self)
+        if show == "gas force":
+            draw_gas_force(axes, self._running_points())
+            return axes
+        without, wheel, hinge = self.without, self.flywheel_turn, self.with_hinge
+        turns = (
+            Turn(without.angle, without.speed, without.mean_speed),
+            Turn(wheel.angles, wheel.speed, wheel.mean_speed),
+            Turn(hinge.angle, hinge.speed, hinge.mean_speed),
+        )
+        if show == "speed":
+            draw_speeds(axes, *turns, flywheel=self.flywheel, from_speed=self.point.speed)
+        else:
+            draw_fluctuations(axes, *turns[1:])
         return axes
+
+    @property
+    def spring_sizes(self) -> list[tuple[float, float]]:
+        """Height of the spring and start radius of the compared guides, the largest first [m]."""
+        return sorted(
+            {(spring.height, radius) for spring, radius, _ in self.compared}, reverse=True
+        )
+
+    def plot_guides(self, axes: "Axes | None" = None, size: int = 0) -> "Axes":
+        """Draw the rollers' path for all compared springs of one of the `spring_sizes`.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        size : int, optional
+            Number of the size, the largest by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        from crankfem.pictures.hinge_panels import RollerPath, draw_guides
+
+        height, start = self.spring_sizes[size]
+        paths = [
+            RollerPath(spring.pressure)
+            if isinstance(guides, str)
+            else RollerPath(spring.pressure, guides.angles, guides.radius)
+            for spring, radius, guides in self.compared
+            if (spring.height, radius) == (height, start)
+        ]
+        axes = new_axes(axes)
+        draw_guides(axes, height, start, paths)
+        return axes
+
+    def _running_points(self) -> "list[RunningPoint]":
+        from crankfem.pictures.hinge_panels import RunningPoint
+
+        made = self.moment
+        return [
+            RunningPoint(made.speed, made.angles, made.gas, made.moment),
+            *(
+                RunningPoint(
+                    other.point.speed,
+                    other.point.angles,
+                    other.point.gas,
+                    other.point.moment,
+                    self.profile.moment_at(other.point.angles, other.best.pressure),
+                    other.best.pressure,
+                )
+                for other in self.others
+            ),
+        ]
 
     def to_pandas(self) -> Any:
         """Return a table of the other running points with the guides as they are.

@@ -5,9 +5,9 @@ from typing import ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from crankfem.engine_sections import PER_MINUTE
 from geometry.errors import InputError
 from geometry.model import InputModel, part_field, quantity_field
+from geometry.units import PER_MINUTE
 
 
 class Crank(InputModel):

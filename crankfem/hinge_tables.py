@@ -5,7 +5,8 @@ import re
 
 from crankfem.console import print_line, print_table
 from crankfem.output_units import SI, OutputUnits
-from crankfem.record import RPM, Record
+from crankfem.record import Record
+from geometry.units import RPM
 
 
 def print_hinge(record: Record, units: OutputUnits = SI) -> None:

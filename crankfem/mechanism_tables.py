@@ -12,11 +12,12 @@ from crankfem.console import print_line, print_table
 from crankfem.mechanism_file import MechanismFile
 from crankfem.mechanism_run import MechanismRun
 from crankfem.output_units import SI, OutputUnits
-from crankfem.record import RPM, assumed_values
+from crankfem.record import assumed_values
 from crankfem.rod_comparison import compare_rod_models
 from dynamics.checks import FloatArray
 from dynamics.engine.forces import pin_groups
 from dynamics.engine.loads import LoadDiagram
+from geometry.units import RPM
 
 # Shares below this are round-off.
 ROUND_OFF = 1e-12

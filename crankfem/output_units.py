@@ -10,55 +10,21 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from crankfem.number_formats import UNBOUNDED
 from geometry.errors import InputError
-from geometry.quantity import DISPLAY_UNITS, POWER, POWER_OF_TEN, show_quantity, unit_registry
+from geometry.quantity import POWER, show_quantity, unit_registry
+from geometry.units import DISPLAY_UNITS, POWER_OF_TEN, UNITS
 
-# The units that tables and sentences use: the SI unit of each, and its size in it.
-PRINTED: dict[str, tuple[str, float]] = {
-    "mm": ("m", 1e-3),
-    "um": ("m", 1e-6),
-    "m": ("m", 1.0),
-    "dm^3": ("m^3", 1e-3),
-    "N": ("N", 1.0),
-    "kN": ("N", 1e3),
-    "N m": ("N m", 1.0),
-    "kN m": ("N m", 1e3),
-    "Pa": ("Pa", 1.0),
-    "kPa": ("Pa", 1e3),
-    "MPa": ("Pa", 1e6),
-    "GPa": ("Pa", 1e9),
-    "kg": ("kg", 1.0),
-    "kg m": ("kg m", 1.0),
-    "kg m^2": ("kg m^2", 1.0),
-    "kg/m^3": ("kg/m^3", 1.0),
-    "W": ("W", 1.0),
-    "kW": ("W", 1e3),
-    "kJ": ("J", 1e3),
-    "rad": ("rad", 1.0),
-    "mrad": ("rad", 1e-3),
-    "deg": ("rad", math.pi / 180.0),
-    "rad/s": ("rad/s", 1.0),
-    "1/min": ("rad/s", math.pi / 30.0),
-    "Hz": ("Hz", 1.0),
-    "s": ("s", 1.0),
-    "m/N": ("m/N", 1.0),
-    "rad/(N m)": ("rad/(N m)", 1.0),
-    "N/m": ("N/m", 1.0),
-    "N m/rad": ("N m/rad", 1.0),
-    "N s/m": ("N s/m", 1.0),
-    "N m s/rad": ("N m s/rad", 1.0),
-}
 SYSTEMS = {"si": "", "imperial": "in, lbf, ksi, lb, hp"}
 # A user who reads angles in degrees does not mean speeds in degrees per second.
 NEVER_APART = ("rad/s",)
-UNBOUNDED = "unbounded"
 # From here on four digits would get an exponent; below, a person reads them without one.
 WRITTEN_OUT = 1e7
 
 _NUMBER = r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
 # One unit behind a range or a list is that of all its numbers.
 _BETWEEN = r"(?:, | to | x |,? and |,? or )"
-_UNITS = "|".join(re.escape(unit) for unit in sorted(PRINTED, key=len, reverse=True))
+_UNITS = "|".join(re.escape(unit) for unit in sorted(UNITS, key=len, reverse=True))
 _NUMBERS = re.compile(_NUMBER)
 _QUANTITY = re.compile(
     rf"(?<![\w./^-])(?P<numbers>(?:{_NUMBER}{_BETWEEN})*{_NUMBER}) (?P<unit>{_UNITS})"
@@ -140,9 +106,9 @@ class OutputUnits:
     wished: tuple[tuple[Kind, str, float], ...] = ()
 
     def of(self, printed: str) -> OutputUnit:
-        """Return the unit that stands in place of one of `PRINTED`, or of a power of ten of it."""
+        """Return the unit that stands in place of one of `UNITS`, or of a power of ten of it."""
         power = POWER_OF_TEN if printed.startswith(POWER_OF_TEN) else ""
-        unit, size = PRINTED[printed.removeprefix(POWER_OF_TEN)]
+        unit, size = UNITS[printed.removeprefix(POWER_OF_TEN)]
         found = self._converted(unit)
         if found is None:
             return OutputUnit(printed, size * (1e-9 if power else 1.0))
@@ -161,7 +127,7 @@ class OutputUnits:
         return _QUANTITY.sub(self._replaced, sentence) if self.wished else sentence
 
     def _replaced(self, found: re.Match[str]) -> str:
-        unit, size = PRINTED[found["unit"]]
+        unit, size = UNITS[found["unit"]]
         converted = self._converted(unit)
         if converted is None:
             return found[0]
@@ -261,7 +227,7 @@ def _kind_of_si(unit: str) -> Kind:
 
 @cache
 def _printed_kinds() -> frozenset[Kind]:
-    units = {unit for unit, _ in PRINTED.values()}
+    units = {unit for unit, _ in UNITS.values()}
     factors = {factor for unit in units for factor, _ in _factors(unit)}
     return frozenset(_kind_of_si(unit) for unit in units | factors)
 

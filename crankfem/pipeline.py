@@ -11,7 +11,7 @@ from crankfem.mechanism_run import run_mechanism
 from crankfem.pictures.render import DEFORMED, MESH, Rendering
 from crankfem.pictures.surface import stretched_surface
 from crankfem.report.about import repeat_record
-from crankfem.report.fillets import StressRendering, shown_loads, stress_files, stresses_or_reason
+from crankfem.report.fillets import StressRendering, shown_loads, stress_files
 from crankfem.report.writing import write_report
 from crankfem.run_computation import RunComputation
 from crankfem.run_drawing import draw_run
@@ -25,6 +25,7 @@ from crankfem.run_files import (
     write_results,
 )
 from crankfem.run_files import RESULTS as RESULTS
+from crankfem.run_fillets import stresses_or_reason
 from crankfem.run_inputs import RunInputs, read_inputs
 from crankfem.run_pictures import Renderings
 from crankfem.run_progress import Progress, Silent, Timed

@@ -1,6 +1,5 @@
 """What all records for JSON and tables share."""
 
-import math
 from collections.abc import Iterable
 from typing import Any
 
@@ -8,8 +7,6 @@ from crankfem.toml_file import InputRecord
 
 # Plain JSON content.
 Record = dict[str, Any]
-# 1/min in a rad/s.
-RPM = 30.0 / math.pi
 
 
 def assumed_values(records: Iterable[InputRecord]) -> list[Record]:

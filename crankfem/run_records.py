@@ -12,7 +12,7 @@ from crankfem.fit_records import study_record
 from crankfem.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.mechanism_run import MechanismRun
 from crankfem.mechanism_tables import mechanism_record
-from crankfem.record import RPM, Record
+from crankfem.record import Record
 from crankfem.report.about import about_record
 from crankfem.report.checks import run_checks
 from crankfem.report.compliances import RESPONSES, regression_record
@@ -29,6 +29,7 @@ from fem.loads import pin_surfaces
 from fem.throw_analysis import ThrowAnalysis
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
+from geometry.units import RPM
 from regression.formulas.axial_formulas import axial_formulas
 from regression.models.compliance_model import ComplianceModel
 

@@ -6,6 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from crankfem.fit_diagrams import (
+    draw_fit_elasticities,
+    draw_fit_errors,
+    draw_fit_parity,
+    draw_fit_sobol,
+    draw_over_factor,
+    fe_text,
+)
 from crankfem.fitting import ResponseFits, compliance_model, fit_study, sensitivities
 from crankfem.throw_file import load_study
 from geometry.choices import check_choice, check_not_given
@@ -76,8 +84,6 @@ class StudyResult:
         InputError
             If an option is none of these or of no use to what is shown, or the form was not fitted.
         """
-        from crankfem.pictures import fit_panels
-
         check_choice("show", show, SHOWN, "these are diagrams of a study")
         name = next(iter(self.fits)) if response is None else response
         check_choice("response", name, self.fits, "these have equations")
@@ -93,27 +99,26 @@ class StudyResult:
         check_choice("factor", along, factors, "these vary in the study")
         axes = new_axes(axes)
         if show == "parity":
-            fit_panels.draw_fit_parity(axes, self.table, found, fit)
-            axes.set_xlabel(fit_panels.fe_text(found))
+            draw_fit_parity(axes, self.table, found, fit)
+            axes.set_xlabel(fe_text(found))
             axes.set_ylabel(f"{response_text(found.symbol, found.unit)} by the equation")
             legend_inside(axes)
         elif show == "errors":
-            fit_panels.draw_fit_errors(axes, self.table, found, fit)
+            draw_fit_errors(axes, self.table, found, fit)
             axes.set_ylabel("error of the equation [%]")
             write_title(axes, fit.form)
             legend_inside(axes)
         elif show == "response":
-            curves = fit_panels.response_curves(self.table, found)
-            fit_panels.draw_over_factor(axes, self.table, found, factors.index(along), curves)
+            draw_over_factor(axes, self.table, found, factors.index(along))
             axes.set_ylabel(response_text(found.symbol, found.unit))
             write_title(axes, f"{name.replace('_', ' ')}, {found.support}".rstrip(", "))
             legend_inside(axes)
         else:
             known = sensitivities(self.table, found)
             if show == "sobol":
-                fit_panels.draw_fit_sobol(axes, [factor_text(one) for one in factors], known)
+                draw_fit_sobol(axes, [factor_text(one) for one in factors], known)
             else:
-                fit_panels.draw_fit_elasticities(axes, self.table, found, known)
+                draw_fit_elasticities(axes, self.table, found, known)
             write_title(axes, name.replace("_", " "))
         return axes
 

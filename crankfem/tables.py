@@ -5,7 +5,7 @@ from typing import Any
 
 from crankfem.console import number, print_line, print_table
 from crankfem.output_units import SI, OutputUnit, OutputUnits
-from crankfem.record import RPM
+from geometry.units import RPM
 
 
 def print_throw(record: dict[str, Any], units: OutputUnits = SI) -> None:

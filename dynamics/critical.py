@@ -17,6 +17,7 @@ from dynamics.checks import (
 from dynamics.cycle import cycle_degrees, order_step
 from geometry.errors import InputError
 from geometry.frames import Row
+from geometry.units import RPM
 
 # A vector sum counts as full within this share of its largest possible value.
 FULL_SUM_TOLERANCE = 1e-6
@@ -47,7 +48,7 @@ class CriticalSpeed:
     @property
     def speed_rpm(self) -> float:
         """Speed of the crankshaft [1/min]."""
-        return self.speed * 30.0 / math.pi
+        return self.speed * RPM
 
     def row(self) -> Row:
         """Return what a table of critical speeds shows, each value with its unit; see `table_of`.

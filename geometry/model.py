@@ -7,7 +7,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
 from geometry.errors import InputError
-from geometry.quantity import DISPLAY_UNITS, parse_quantity, show_quantity
+from geometry.quantity import parse_quantity, show_quantity
+from geometry.units import DISPLAY_UNITS
 
 
 def quantity_field(

@@ -6,21 +6,10 @@ from functools import cache
 from typing import Any
 
 from geometry.errors import InputError
+from geometry.units import DISPLAY_UNITS, POWER_OF_TEN
 
-# The unit in which a quantity of each SI unit is shown to people, and its size in SI.
-DISPLAY_UNITS: dict[str, tuple[str, float]] = {
-    "m": ("mm", 1e-3),
-    "Pa": ("MPa", 1e6),
-    "rad": ("deg", math.pi / 180.0),
-    "rad/s": ("1/min", 2.0 * math.pi / 60.0),
-    "m/N": ("1e-9 m/N", 1e-9),
-    "rad/(N m)": ("1e-9 rad/(N m)", 1e-9),
-    "1/N": ("1e-9 1/N", 1e-9),
-}
 # Units that large numbers are shown a thousandfold in.
 THOUSANDFOLD, KILO_FROM = ("N", "N m", "W"), 1e4
-# What stands before a unit that is shown, but is none to be written.
-POWER_OF_TEN = "1e-9 "
 
 # A decimal number, then a unit. pint itself would calculate ("17 0 mm" is a product to it), drop
 # commas ("1,2 mm" would be 12 mm) and take a unit alone for one of it.

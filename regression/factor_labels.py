@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from geometry.diagram_style import math_symbol
 from geometry.model import InputModel, field_extra, part_kind
-from geometry.quantity import DISPLAY_UNITS
 from geometry.throw import CrankThrow
+from geometry.units import DISPLAY_UNITS
 
 PAPER_SYMBOL = re.compile(r"[A-Za-z](_[a-z]+)?")
 

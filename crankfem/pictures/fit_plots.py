@@ -8,17 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from crankfem.fitting import ResponseFits, predicted, sensitivities
-from crankfem.pictures.fit_panels import (
-    draw_fit_effects,
+from crankfem.fit_diagrams import (
     draw_fit_elasticities,
     draw_fit_errors,
     draw_fit_parity,
     draw_fit_sobol,
     draw_over_factor,
     forms_drawn,
-    response_curves,
 )
+from crankfem.fitting import ResponseFits, predicted, sensitivities
 from geometry.diagram_style import BLUE, GRAY, figure, make_folder, math_symbol
 from geometry.plots.legends import shown_unit
 from regression.fits.fits import Fit
@@ -69,10 +67,9 @@ def plot_fits(
 def plot_response(path: Path, table: StudyTable, found: ResponseFits) -> None:
     """Plot the chosen equation, and others beside it, over each factor in turn; see `draw_over_factor`."""
     factors = table.plan.factors
-    curves = response_curves(table, found)
     with _grid(path, len(factors)) as panels:
         for place, panel in enumerate(panels):
-            draw_over_factor(panel, table, found, place, curves)
+            draw_over_factor(panel, table, found, place)
         for panel in panels[::PANELS_PER_ROW]:
             panel.set_ylabel(response_text(found.symbol, found.unit))
         _legend(panels)
@@ -94,7 +91,7 @@ def plot_effects(path: Path, found: ResponseFits, fit: Fit) -> None:
     """Plot the coded coefficients of a fit in the order of their size (Pareto)."""
     shown = min(fit.coefficient_count - 1, BARS)
     with figure(path, width=7.2, height=1.2 + 0.26 * shown) as axes:
-        draw_fit_effects(axes, found, fit)
+        found.plot(axes, show="effects", form=fit.form)
 
 
 def plot_residuals(path: Path, table: StudyTable, found: ResponseFits, fit: Fit) -> None:

@@ -1,49 +1,118 @@
 """Single panels of an elastic hinge's diagrams, each drawn on the axes it is given."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crankfem.record import RPM
+from dynamics.checks import FloatArray
 from geometry.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
 from geometry.plots.legends import legend_inside, write_title
 from geometry.quantity import show_quantity
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from crankfem.hinge_run import HingeRun
-
 DASHES = ("-", "--", ":", "-.")
 
 
-def draw_gas_force(axes: "Axes", run: "HingeRun") -> None:
-    """Draw the gas force on the piston at all running points."""
-    for place, point in enumerate([run.moment, *(other.point for other in run.others)]):
-        label = show_quantity(point.speed, "rad/s", 5)
+@dataclass(frozen=True, eq=False)
+class RunningPoint:
+    """Forces over a turn at one running point.
+
+    Attributes
+    ----------
+    speed : float
+        [rad/s]
+    angles : (m,) array
+        From the top dead center [rad].
+    gas : (m,) array
+        On the piston [N].
+    moment : (m,) array
+        Of the hinge, for constant speed [N m].
+    given : (m,) array or None
+        What the guides give at a pressure; None where the moment is what they are made for.
+    pressure : float
+        [Pa]
+    """
+
+    speed: float
+    angles: FloatArray
+    gas: FloatArray
+    moment: FloatArray
+    given: FloatArray | None = None
+    pressure: float = 0.0
+
+    @property
+    def label(self) -> str:
+        """Its speed, as a legend says it."""
+        return show_quantity(self.speed, "rad/s", 5)
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """Speed over a turn of the crank.
+
+    Attributes
+    ----------
+    angles : (m,) array
+        From the top dead center [rad].
+    speed : (m,) array
+        [rad/s]
+    mean : float
+        [rad/s]
+    """
+
+    angles: FloatArray
+    speed: FloatArray
+    mean: float
+
+
+@dataclass(frozen=True, eq=False)
+class RollerPath:
+    """Path of the rollers for one spring.
+
+    Attributes
+    ----------
+    pressure : float
+        Of the spring [Pa].
+    angles, radius : (m,) array or None
+        [rad] and [m]; None where guides cannot be made.
+    """
+
+    pressure: float
+    angles: FloatArray | None = None
+    radius: FloatArray | None = None
+
+
+def draw_gas_force(axes: "Axes", points: Sequence[RunningPoint]) -> None:
+    """Draw the gas force on the piston at running points."""
+    for place, point in enumerate(points):
         color = COLORS[place % len(COLORS)]
-        axes.plot(np.degrees(point.angles), point.gas / 1e3, color=color, label=label)
+        axes.plot(np.degrees(point.angles), point.gas / 1e3, color=color, label=point.label)
     write_title(axes, "Gas force on the piston")
     axes.set_ylabel("force [kN]")
     _turn_axis(axes)
     legend_inside(axes)
 
 
-def draw_moments(axes: "Axes", run: "HingeRun") -> None:
-    """Draw the hinge moment for constant speed at all running points, and what the guides give."""
-    for place, point in enumerate([run.moment, *(other.point for other in run.others)]):
-        label = show_quantity(point.speed, "rad/s", 5)
+def draw_moments(axes: "Axes", points: Sequence[RunningPoint]) -> None:
+    """Draw the hinge moment for constant speed at running points, and what the guides give."""
+    for place, point in enumerate(points):
         color = COLORS[place % len(COLORS)]
-        axes.plot(np.degrees(point.angles), point.moment / 1e3, color=color, label=label)
-    for place, other in enumerate(run.others, start=1):
-        given = run.profile.moment_at(other.point.angles, other.best.pressure)
+        axes.plot(np.degrees(point.angles), point.moment / 1e3, color=color, label=point.label)
+    for place, point in enumerate(points):
+        if point.given is None:
+            continue
         axes.plot(
-            np.degrees(other.point.angles),
-            given / 1e3,
+            np.degrees(point.angles),
+            point.given / 1e3,
             "--",
             color=COLORS[place % len(COLORS)],
             linewidth=1.2,
-            label=f"given at {other.best.pressure / 1e6:.3g} MPa",
+            label=f"given at {point.pressure / 1e6:.3g} MPa",
         )
     write_title(axes, "Hinge moment for constant speed")
     axes.set_ylabel("$M_h$ [kN m]")
@@ -52,28 +121,17 @@ def draw_moments(axes: "Axes", run: "HingeRun") -> None:
     legend_inside(axes)
 
 
-def spring_sizes(run: "HingeRun") -> list[tuple[float, float]]:
-    """Return height of the spring and start radius of the compared guides, the largest first [m]."""
-    return sorted({(spring.height, radius) for spring, radius, _ in run.compared}, reverse=True)
-
-
-def draw_guides(axes: "Axes", run: "HingeRun", size: tuple[float, float]) -> None:
-    """Draw the rollers' path for all compared springs of a size."""
-    height, start = size
+def draw_guides(axes: "Axes", height: float, start: float, paths: Sequence[RollerPath]) -> None:
+    """Draw the rollers' path for springs of one height from one start radius [m]."""
     circle = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 361)) * start
     axes.plot(circle.real, circle.imag, color=GRAY, linewidth=0.8, label="start radius")
-    made = [
-        (spring, guides)
-        for spring, radius, guides in run.compared
-        if (spring.height, radius) == size
-    ]
-    for place, (spring, guides) in enumerate(made):
-        label = f"{spring.pressure / 1e6:g} MPa"
+    for place, path in enumerate(paths):
+        label = f"{path.pressure / 1e6:g} MPa"
         color, dash = COLORS[place % len(COLORS)], DASHES[place % len(DASHES)]
-        if isinstance(guides, str):
+        if path.angles is None or path.radius is None:
             axes.plot([], [], dash, color=color, label=f"{label}: cannot be made")
             continue
-        curve = guides.radius * np.exp(1j * guides.angles)
+        curve = path.radius * np.exp(1j * path.angles)
         closed = np.append(curve, curve[0])
         axes.plot(closed.real, closed.imag, dash, color=color, label=label)
     axes.plot([0.0], [0.0], "+", color=GRAY)
@@ -85,35 +143,43 @@ def draw_guides(axes: "Axes", run: "HingeRun", size: tuple[float, float]) -> Non
     axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper center")
 
 
-def draw_speeds(axes: "Axes", run: "HingeRun") -> None:
-    """Draw the speed over a turn with the hinge, with a flywheel, and without either."""
-    wheel, hinge = run.flywheel_turn, run.with_hinge
-    for angles, speed, color, dash, label in (
-        (run.without.angle, run.without.speed, ORANGE, "-", "without hinge and flywheel"),
-        (wheel.angles, wheel.speed, GREEN, "--", f"flywheel of {run.flywheel:,.0f} kg m$^2$"),
-        (hinge.angle, hinge.speed, BLUE, "-", "hinge"),
+def draw_speeds(
+    axes: "Axes", without: Turn, wheel: Turn, hinge: Turn, *, flywheel: float, from_speed: float
+) -> None:
+    """Draw the speed over a turn with the hinge, with a flywheel, and without either.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    without, wheel, hinge : Turn
+    flywheel : float
+        Its inertia [kg m^2].
+    from_speed : float
+        At the top dead center [rad/s].
+    """
+    for turn, color, dash, label in (
+        (without, ORANGE, "-", "without hinge and flywheel"),
+        (wheel, GREEN, "--", f"flywheel of {flywheel:,.0f} kg m$^2$"),
+        (hinge, BLUE, "-", "hinge"),
     ):
-        axes.plot(np.degrees(angles), speed * RPM, dash, color=color, label=label)
-    axes.set_ylim(0.0, 1.3 * float(run.without.speed.max()) * RPM)
+        axes.plot(np.degrees(turn.angles), turn.speed * RPM, dash, color=color, label=label)
+    axes.set_ylim(0.0, 1.3 * float(without.speed.max()) * RPM)
     axes.set_ylabel("crank speed [1/min]")
-    write_title(
-        axes, f"Speed over a turn from {show_quantity(run.point.speed, 'rad/s', 5)} at the top"
-    )
+    write_title(axes, f"Speed over a turn from {show_quantity(from_speed, 'rad/s', 5)} at the top")
     _turn_axis(axes)
     axes.legend(frameon=False, fontsize=9, loc="upper right")
 
 
-def draw_fluctuations(axes: "Axes", run: "HingeRun") -> None:
+def draw_fluctuations(axes: "Axes", wheel: Turn, hinge: Turn) -> None:
     """Draw how far the speed is above its mean with the hinge and with a flywheel."""
-    wheel, hinge = run.flywheel_turn, run.with_hinge
-    for angles, speed, mean, color, dash, name in (
-        (wheel.angles, wheel.speed, wheel.mean_speed, GREEN, "--", "flywheel"),
-        (hinge.angle, hinge.speed, hinge.mean_speed, BLUE, "-", "hinge"),
+    for turn, color, dash, name in (
+        (wheel, GREEN, "--", "flywheel"),
+        (hinge, BLUE, "-", "hinge"),
     ):
-        share = 100.0 * (speed / mean - 1.0)
-        label = f"{name}, fluctuation {float(np.ptp(speed)) / mean:.2g}"
-        axes.plot(np.degrees(angles), share, dash, color=color, label=label)
-    highest = 100.0 * (float(wheel.speed.max()) / wheel.mean_speed - 1.0)
+        share = 100.0 * (turn.speed / turn.mean - 1.0)
+        label = f"{name}, fluctuation {float(np.ptp(turn.speed)) / turn.mean:.2g}"
+        axes.plot(np.degrees(turn.angles), share, dash, color=color, label=label)
+    highest = 100.0 * (float(wheel.speed.max()) / wheel.mean - 1.0)
     axes.set_ylim(top=1.6 * highest)
     axes.set_ylabel("speed above its mean [%]")
     write_title(axes, "With hinge or flywheel")

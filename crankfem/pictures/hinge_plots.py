@@ -5,14 +5,6 @@ from pathlib import Path
 import numpy as np
 
 from crankfem.hinge_run import HingeRun
-from crankfem.pictures.hinge_panels import (
-    draw_fluctuations,
-    draw_gas_force,
-    draw_guides,
-    draw_moments,
-    draw_speeds,
-    spring_sizes,
-)
 from geometry.diagram_style import figure, make_folder
 
 
@@ -46,20 +38,20 @@ def plot_hinge(folder: Path, run: HingeRun) -> list[Path]:
 def plot_moments(path: Path, run: HingeRun) -> None:
     """Plot gas force and hinge moment of all running points, and the moments of the same guides."""
     with figure(path, columns=2, width=9.6, height=4.4) as (left, right):
-        draw_gas_force(left, run)
-        draw_moments(right, run)
+        run.plot(left, show="gas force")
+        run.plot(right, show="moment")
 
 
 def plot_guides(path: Path, run: HingeRun) -> None:
     """Plot the rollers' path for all compared springs, one panel for each size."""
-    sizes = spring_sizes(run)
-    with figure(path, columns=len(sizes), width=4.6 * len(sizes), height=4.9) as found:
-        for panel, size in zip(np.atleast_1d(found), sizes, strict=True):
-            draw_guides(panel, run, size)
+    count = len(run.spring_sizes)
+    with figure(path, columns=count, width=4.6 * count, height=4.9) as found:
+        for size, panel in enumerate(np.atleast_1d(found)):
+            run.plot_guides(panel, size)
 
 
 def plot_speeds(path: Path, run: HingeRun) -> None:
     """Plot the speed over a turn: with and without the hinge, and what hinge and flywheel leave."""
     with figure(path, columns=2, width=9.6) as (left, right):
-        draw_speeds(left, run)
-        draw_fluctuations(right, run)
+        run.plot(left, show="speed")
+        run.plot(right, show="fluctuation")

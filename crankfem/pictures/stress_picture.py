@@ -20,12 +20,13 @@ from geometry.errors import InputError
 from geometry.facets import six_node_triangles
 from geometry.processes import scratch_folder
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
+from geometry.units import UNITS
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 # Stresses are shown for loads of 1 kN and 1 kN m, in MPa.
-LOAD_SHOWN, STRESS_UNIT = 1e3, 1e6
+LOAD_SHOWN, STRESS_UNIT = UNITS["kN"][1], UNITS["MPa"][1]
 # Nearly white where there is no stress, dark red at the fillets' largest.
 COLORS = ("#eef1f4", "#d3dde6", "#f6e3ae", "#f4b266", "#e26a3c", "#b01f2e", "#560a1f")
 LINE_COLOR, TEXT_COLOR, QUIET = "#2a3644", "#1d2733", "#5b6875"

@@ -6,15 +6,7 @@ from crankfem.pictures.response_plots import plot_over_speed, plot_response_camp
 from crankfem.pictures.shaft_mode_plots import plot_axial_split, plot_mode_shares, plot_shaft_modes
 from crankfem.pictures.to_draw import ToDraw, draw_all
 from crankfem.pictures.transient_plots import plot_transient
-from crankfem.pictures.vibration_panels import (
-    barred_ranges,
-    critical_dots,
-    draw_modes,
-    free_end_title,
-    limit_curve,
-    most_stressed,
-    stress_title,
-)
+from crankfem.pictures.vibration_panels import free_end_title, stress_title
 from crankfem.vibration.assessment import Assessment
 from crankfem.vibration.forced import ForcedVibration
 from crankfem.vibration.modes import SourceResult, Vibration
@@ -86,7 +78,7 @@ def _kind_pictures(
                 vibration.chosen.elastic_frequencies,
                 orders,
                 (engine.lowest_speed, engine.highest_speed),
-                critical_dots(vibration, majors) if forced is None else forced.resonances,
+                vibration.critical_dots(majors) if forced is None else forced.resonances,
                 title=f"{engine.name}, {kind}",
             ),
         ),
@@ -119,7 +111,7 @@ def picture_run_up(path: Path, run: EngineVibration, found: RunUp) -> None:
 def plot_mode_shapes(path: Path, result: SourceResult) -> None:
     """Plot the first elastic mode shapes of a chain over its nodes."""
     with figure(path, height=3.4) as axes:
-        draw_modes(axes, result)
+        result.plot(axes)
 
 
 def _plot_free_end(
@@ -130,8 +122,8 @@ def _plot_free_end(
         forced.free_end,
         0,
         MOTION[forced.kind].quantity,
-        limits=limit_curve(assessment, forced, f"{forced.kind}_amplitude"),
-        barred=barred_ranges(assessment),
+        limits=assessment.limit_curve(f"{forced.kind}_amplitude", forced.response.speeds),
+        barred=assessment.verdict.ranges_to_bar,
         title=free_end_title(engine, forced.kind),
     )
 
@@ -142,9 +134,9 @@ def _plot_stress(path: Path, forced: ForcedVibration, assessment: Assessment, en
     plot_over_speed(
         path,
         forced.stress,
-        most_stressed(forced),
+        forced.stress.largest_place,
         "stress",
-        limits=limit_curve(assessment, forced, "crankshaft_stress"),
-        barred=barred_ranges(assessment),
+        limits=assessment.limit_curve("crankshaft_stress", forced.response.speeds),
+        barred=assessment.verdict.ranges_to_bar,
         title=stress_title(engine),
     )

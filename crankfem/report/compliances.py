@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
+from crankfem.number_formats import percent
 from crankfem.record import Record
-from crankfem.report.numbers import percent
 
 UNITS = {"axial": "m/N", "torsional": "rad/(N m)"}
 RESPONSES = {"axial": "axial_compliance", "torsional": "torsional_compliance"}

@@ -6,70 +6,26 @@ import re
 
 from markupsafe import Markup, escape
 
+from crankfem.number_formats import (
+    UNBOUNDED,
+    fixed,
+    nano,
+    percent,
+    scaled,
+    significant,
+    tiny,
+    used,
+)
 from crankfem.record import Record
 from crankfem.report.about import run_command
+from crankfem.vibration.motion import MOTION
 from geometry.quantity import show_quantity
 
-UNBOUNDED = "unbounded"
 # What the sources of compliances are called in results.json, and in words.
 SOURCE_WORDS = {"fe": "finite elements", "fe pinned": "finite elements, pinned"}
-# Displayed unit of the motion of the free end, and its size in SI.
-MOTION = {"axial": ("µm", 1e-6), "torsional": ("mrad", 1e-3)}
 UNIT_BEHIND = re.compile(r"(?<=\d) (?=(?:1/min|[MG]?Pa|kN|N|mm|m/N|Hz|%|µm|mrad|deg)(?![\w]))")
 MINUTE, HOUR = 60.0, 3600.0
 MOST_DIGITS = 15  # of a double
-
-
-def plain(value: float, digits: int) -> str:
-    """Write a number with so many significant digits or, if it is large, all before the point.
-
-    Examples
-    --------
-    >>> plain(57.25, 3), plain(1234.5, 3)
-    ('57.2', '1234')
-    """
-    text = f"{value:.{digits}g}"
-    return f"{value:.0f}" if "e+" in text else text
-
-
-def significant(value: float, digits: int = 4) -> str:
-    """Write a number with so many significant digits, zeros at its end included; see `plain`.
-
-    Examples
-    --------
-    >>> significant(1.6)
-    '1.600'
-    >>> significant(15597.0)
-    '15597'
-    """
-    text = f"{value:#.{digits}g}"
-    return f"{value:.0f}" if "e+" in text else text.removesuffix(".")
-
-
-def nano(value: float, digits: int = 4) -> str:
-    """Write a number in 1e-9 of its unit."""
-    return significant(value * 1e9, digits)
-
-
-def percent(share: float, digits: int = 2) -> str:
-    """Write a share in per cent; what is next to nothing as that.
-
-    Examples
-    --------
-    >>> percent(0.00958)
-    '0.96'
-    >>> percent(12.345)
-    '1234'
-    >>> percent(2e-12)
-    'below 0.001'
-    """
-    hundredfold = share * 100.0
-    return "below 0.001" if 0.0 < abs(hundredfold) < 1e-3 else plain(hundredfold, digits)
-
-
-def fixed(value: float, digits: int = 1) -> str:
-    """Write a number with so many digits behind the point; round-off is a plain zero."""
-    return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
 def quantity(value: float | None, unit: str, digits: int = 4) -> str:
@@ -91,26 +47,10 @@ def quantity(value: float | None, unit: str, digits: int = 4) -> str:
     return text
 
 
-def scaled(value: float | None, size: float, digits: int = 3) -> str:
-    """Write a number in units of `size`."""
-    return UNBOUNDED if value is None else significant(value / size, digits)
-
-
 def motion(value: float | None, kind: str, digits: int = 3) -> str:
     """Write an amplitude of axial or torsional vibration with its unit."""
-    unit, size = MOTION[kind]
-    return UNBOUNDED if value is None else f"{significant(value / size, digits)} {unit}"
-
-
-def tiny(value: float) -> str:
-    """Write the size of an error that is round-off, or nearly.
-
-    Examples
-    --------
-    >>> tiny(3.87e-13)
-    '4e-13'
-    """
-    return "0" if value == 0.0 else f"{abs(value):.0e}".replace("e-0", "e-")
+    own = MOTION[kind]
+    return UNBOUNDED if value is None else f"{significant(value / own.size, digits)} {own.unit}"
 
 
 def source_words(name: str) -> str:
@@ -196,11 +136,6 @@ def _figure(value: float | None, unit: str) -> str:
 def at_most_one(value: float) -> float:
     """Return a share for a bar that can be no longer than full."""
     return min(1.0, value) if math.isfinite(value) else 1.0
-
-
-def used(share: float | None) -> str:
-    """Write how much of a limit is used; what is unbounded as that."""
-    return UNBOUNDED if share is None else f"{plain(100.0 * share, 3)} %"
 
 
 def head(text: str) -> Markup:

@@ -3,8 +3,9 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from crankfem.number_formats import fixed, percent, significant, used
 from crankfem.record import Record
-from crankfem.report.numbers import fixed, motion, percent, quantity, significant, used
+from crankfem.report.numbers import motion, quantity
 
 KINDS = ("axial", "torsional")
 # Speeds of each kind that the first screen names, and how severe beside the worst they are at least.

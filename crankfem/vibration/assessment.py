@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from crankfem.engine_file import EngineFile
-from crankfem.pictures.vibration_panels import draw_bounds
 from crankfem.vibration.chains import damped_engine_chain
 from crankfem.vibration.engine_limits import engine_limits, limit_findings
 from crankfem.vibration.forced import ForcedVibration
@@ -102,8 +101,10 @@ class Uncertainty:
                 )
             unit = "m" if self.kind == "axial" else "rad"
             return self.amplitudes.plot(axes, label=f"largest amplitude of the free end [{unit}]")
+        from crankfem.pictures.vibration_panels import draw_bounds
+
         axes = new_axes(axes)
-        draw_bounds(axes, self)
+        draw_bounds(axes, self.lowest, self.nominal, self.highest)
         write_title(axes, f"Bounds of the {self.kind} natural frequencies")
         return axes
 
@@ -153,6 +154,11 @@ class Assessment:
     axial: Uncertainty
     torsional: Uncertainty
     beside: tuple[str, ...] = ()
+
+    def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
+        """Return a limit over speeds [rad/s] by what a legend calls it; nothing if there is no such."""
+        limit = self.limits.get(name)
+        return {} if limit is None else {"limit": limit.continuous.at(speeds)}
 
     def plot(self, axes: "Axes | None" = None) -> "Axes":
         """Draw how far each limit is used over the speed; see `Verdict.plot`."""

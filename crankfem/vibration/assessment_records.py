@@ -3,14 +3,15 @@
 from typing import Any
 
 from crankfem.console import print_line, print_table
-from crankfem.output_units import SI, UNBOUNDED, OutputUnits
-from crankfem.record import RPM, Record
-from crankfem.report.numbers import used
+from crankfem.number_formats import UNBOUNDED, used
+from crankfem.output_units import SI, OutputUnits
+from crankfem.record import Record
 from crankfem.vibration.assessment import Assessment, Uncertainty
 from crankfem.vibration.forced_records import finite_or_none
 from crankfem.vibration.motion import MOTION
 from dynamics.assessment.barred_ranges import BarredRange, judged_to
 from dynamics.assessment.verdict import LimitCheck
+from geometry.units import RPM
 
 # Critical speeds that a table shows; files hold all.
 ROWS_SHOWN = 12

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
@@ -13,11 +13,9 @@ from dynamics.assessment.limit_rules import Kind as EngineKind
 from dynamics.assessment.limit_rules import crankshaft_limit
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
 from dynamics.assessment.response_curves import curves_of
-from dynamics.response.loads import alternating_stress, section_modulus
+from dynamics.response.loads import ElementLoads, alternating_stress, section_modulus
+from dynamics.response.series import OrderSeries
 from geometry.errors import InputError
-
-if TYPE_CHECKING:
-    from crankfem.vibration.forced import ForcedVibration
 
 RULE_PICKED = (
     "no limit is given: that of a classification society for crankshafts of ships' main engines of plain "
@@ -26,6 +24,26 @@ RULE_PICKED = (
 # Firings count as even if their intervals differ by less [deg].
 UNEVEN = 0.01
 NOT_SAMPLED = "samples of the axial amplitude keep the excitation by torsion of the nominal chain"
+
+
+class Limited(Protocol):
+    """What limits are held against; `crankfem.vibration.forced.ForcedVibration` is one."""
+
+    @property
+    def free_end(self) -> OrderSeries:
+        """Motion of the free end."""
+
+    @property
+    def crank_elements(self) -> OrderSeries:
+        """Torque or force in the elements of the crankshaft."""
+
+    @property
+    def loads(self) -> ElementLoads:
+        """Torque or force in each element."""
+
+    @property
+    def stress(self) -> OrderSeries | None:
+        """Nominal torsional stress; None in the axial direction."""
 
 
 def engine_limits(
@@ -96,7 +114,7 @@ def judged_ends(engine_file: EngineFile) -> tuple[float, ...]:
 
 
 def limit_findings(
-    engine_file: EngineFile, axial: "ForcedVibration", torsional: "ForcedVibration"
+    engine_file: EngineFile, axial: Limited, torsional: Limited
 ) -> list[tuple[VibrationLimit, AmplitudeCurve]]:
     """Return each limit with each curve over the speed that it applies to.
 
@@ -136,7 +154,7 @@ def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float 
 
 
 def _curves(
-    name: str, engine_file: EngineFile, axial: "ForcedVibration", torsional: "ForcedVibration"
+    name: str, engine_file: EngineFile, axial: Limited, torsional: Limited
 ) -> tuple[AmplitudeCurve, ...]:
     """Curves over the speed that a limit applies to.
 

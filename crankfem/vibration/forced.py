@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankfem.engine_file import EngineFile
-from crankfem.pictures.vibration_panels import most_stressed
 from crankfem.vibration.chains import damped_engine_chain
 from crankfem.vibration.engine_limits import judged_ends, limit_findings
 from crankfem.vibration.excitation import (
@@ -172,13 +171,14 @@ class ForcedVibration:
         if show == "stress":
             if self.stress is None:
                 raise self._missing(show)
-            place = most_stressed(self)
-            return self.stress.plot(axes, place, quantity="stress", limits=limits, barred=barred)
+            worst = self.stress.largest_place
+            return self.stress.plot(axes, worst, quantity="stress", limits=limits, barred=barred)
         if show == "load":
             series = self.crank_elements
-            worst = int(np.argmax(np.max(series.synthesis.amplitude, axis=0)))
             quantity: Quantity = "force" if axial else "torque"
-            return series.plot(axes, worst, quantity=quantity, limits=limits, barred=barred)
+            return series.plot(
+                axes, series.largest_place, quantity=quantity, limits=limits, barred=barred
+            )
         moved = MOTION[self.kind].quantity
         axes = self.free_end.plot(axes, 0, quantity=moved, limits=limits, barred=barred)
         write_title(axes, f"{self.kind.capitalize()} vibration of the free end")

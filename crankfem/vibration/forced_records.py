@@ -9,12 +9,13 @@ from crankfem.column_file import write_columns
 from crankfem.console import print_line, print_table
 from crankfem.mechanism_tables import ASSUMED
 from crankfem.output_units import SI, OutputUnits
-from crankfem.record import RPM, Record
+from crankfem.record import Record
 from crankfem.vibration.forced import ForcedVibration
 from crankfem.vibration.motion import MOTION
 from dynamics.checks import FloatArray
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.series import OrderSeries
+from geometry.units import RPM
 
 # What a table shows; files hold everything.
 ROWS_SHOWN = 12

@@ -9,17 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.engine_file import EngineFile
-from crankfem.pictures.vibration_panels import SHAPES_SHOWN, draw_modes, draw_sources
 from crankfem.vibration.chains import (
     engine_axial_chain,
     engine_throw_inertias,
     engine_torsional_chain,
 )
 from crankfem.vibration.engine_limits import judged_ends
+from crankfem.vibration.motion import MOTION
 from crankfem.vibration.sources import Sources, axial_sources, torsional_sources
 from dynamics.chains.chain_modes import Modes
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.checks import whole_number
+from dynamics.checks import FloatArray, whole_number
 from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, vector_sums
 from fem.shaft import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
@@ -27,11 +27,14 @@ from geometry.choices import check_choice, check_not_given
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table
+from geometry.plots.bars import draw_rows
 from geometry.plots.legends import write_title
 from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+SHAPES_SHOWN = 3
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,41 @@ class SourceResult:
         """Natural frequencies without rigid-body modes [Hz]."""
         return self.modes.elastic_frequencies
 
+    def plot(self, axes: "Axes | None" = None, count: int = SHAPES_SHOWN) -> "Axes":
+        """Draw the first elastic mode shapes of the chain over its nodes.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        count : int, optional
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the count is not 1 or more.
+        """
+        from crankfem.pictures.vibration_panels import draw_modes
+
+        most = whole_number("count", count, 1, "a diagram shows some modes")
+        modes = self.modes
+        shown = slice(modes.rigid, min(modes.rigid + most, len(modes.frequencies)))
+        axes = new_axes(axes)
+        draw_modes(
+            axes,
+            modes.frequencies[shown],
+            modes.shapes[:, shown],
+            modes.node_positions[shown],
+            self.chain.chain.connections,
+            self.chain.nodes,
+            MOTION[self.chain.kind].quantity,
+        )
+        return axes
+
 
 @dataclass(frozen=True)
 class WeightedCritical:
@@ -79,6 +117,27 @@ class WeightedCritical:
     critical: CriticalSpeed
     phase_sum: float
     in_running_range: bool = True
+
+
+@dataclass(frozen=True)
+class CriticalDot:
+    """A critical speed as a Campbell diagram draws it, its size by its phase sum.
+
+    Attributes
+    ----------
+    frequency : float
+        [Hz]
+    speed_rpm : float
+    severity : float
+    kind : str
+    unbounded : bool
+    """
+
+    frequency: float
+    speed_rpm: float
+    severity: float
+    kind: str = "major"
+    unbounded: bool = False
 
 
 @dataclass(frozen=True)
@@ -103,6 +162,18 @@ class Vibration:
     others: tuple[SourceResult, ...]
     unusable: tuple[str, ...]
     criticals: tuple[WeightedCritical, ...]
+
+    def critical_dots(self, majors: FloatArray) -> list[CriticalDot]:
+        """Return the dots of the critical speeds; `majors` are the major orders."""
+        return [
+            CriticalDot(
+                one.critical.frequency,
+                one.critical.speed_rpm,
+                one.phase_sum,
+                "major" if np.any(np.isclose(one.critical.order, majors)) else "minor",
+            )
+            for one in self.criticals
+        ]
 
     def plot(
         self,
@@ -133,15 +204,21 @@ class Vibration:
         check_choice("show", show, ("modes", "sources"), "these are drawn of free vibration")
         if show == "sources":
             check_not_given("count", count, show, "it shows no modes")
-        asked = SHAPES_SHOWN if count is None else count
-        most = whole_number("count", asked, 1, "a diagram shows some modes")
-        axes = new_axes(axes)
-        if show == "modes":
-            draw_modes(axes, self.chosen, most)
-            write_title(axes, f"{self.kind.capitalize()} modes")
-        else:
-            draw_sources(axes, self.others, self.chosen.source)
+            axes = new_axes(axes)
+            chosen = self.chosen.source
+            draw_rows(
+                axes,
+                [
+                    f"{own.source} (chosen)" if own.source == chosen else own.source
+                    for own in self.others
+                ],
+                [float(own.elastic_frequencies[0]) for own in self.others],
+                "first elastic natural frequency [Hz]",
+            )
             write_title(axes, f"{self.kind.capitalize()} vibration by source of the compliances")
+            return axes
+        axes = self.chosen.plot(axes, SHAPES_SHOWN if count is None else count)
+        write_title(axes, f"{self.kind.capitalize()} modes")
         return axes
 
     def to_pandas(self) -> Any:

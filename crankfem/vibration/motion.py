@@ -2,6 +2,8 @@
 
 from typing import Literal, NamedTuple
 
+from geometry.units import UNITS, VIBRATING, written
+
 
 class Motion(NamedTuple):
     """Motion of a node in one kind of vibration.
@@ -27,7 +29,10 @@ class Motion(NamedTuple):
     size: float
 
 
-MOTION = {
-    "axial": Motion("displacement", "m", "um", "µm", 1e-6),
-    "torsional": Motion("twist", "rad", "mrad", "mrad", 1e-3),
-}
+def _motion(quantity: Literal["displacement", "twist"]) -> Motion:
+    printed = VIBRATING[quantity]
+    si, size = UNITS[printed]
+    return Motion(quantity, si, printed, written(printed), size)
+
+
+MOTION = {"axial": _motion("displacement"), "torsional": _motion("twist")}

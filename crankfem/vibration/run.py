@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from crankfem.engine_file import EngineFile, load_engine
 from crankfem.mechanism_file import MechanismFile, layout_of, mechanism_of
-from crankfem.pictures.vibration_panels import barred_ranges, critical_dots, limit_curve
 from crankfem.vibration.assessment import Assessment, assess
 from crankfem.vibration.excitation import engine_harmonics
 from crankfem.vibration.forced import ForcedVibration, forced_vibrations
@@ -149,7 +148,8 @@ class EngineVibration:
             return self.whole.plot(axes)
         if show == "limits" and self.assessment is not None:
             return self.assessment.plot(axes)
-        if forced is None or show == "shaft" or show == "limits":
+        assessment = self.assessment
+        if forced is None or assessment is None or show == "shaft" or show == "limits":
             raise InputError(
                 f"show: given {show!r}; allowed is what was calculated, because forced vibration needs gas "
                 "pressure in the engine file, and the whole crankshaft coupled=True."
@@ -158,8 +158,8 @@ class EngineVibration:
         return forced.plot(
             axes,
             show=show,
-            limits=limit_curve(self.assessment, forced, limit),
-            barred=() if show == "power" else barred_ranges(self.assessment),
+            limits=assessment.limit_curve(limit, forced.response.speeds),
+            barred=() if show == "power" else assessment.verdict.ranges_to_bar,
         )
 
     def to_pandas(self) -> Any:
@@ -200,7 +200,7 @@ class EngineVibration:
             vibration.chosen.elastic_frequencies,
             orders,
             (engine.lowest_speed, engine.highest_speed),
-            critical_dots(vibration, majors) if forced is None else forced.resonances,
+            vibration.critical_dots(majors) if forced is None else forced.resonances,
         )
         write_title(axes, f"{engine.name}, {vibration.kind}")
 

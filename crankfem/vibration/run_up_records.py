@@ -4,9 +4,10 @@ import numpy as np
 
 from crankfem.console import print_line, print_table
 from crankfem.output_units import SI, OutputUnits
-from crankfem.record import RPM, Record
+from crankfem.record import Record
 from crankfem.vibration.forced import ForcedVibration
 from crankfem.vibration.run_up import RunUp
+from geometry.units import RPM
 
 
 def run_up_record(found: RunUp, forced: ForcedVibration) -> Record:

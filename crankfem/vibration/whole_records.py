@@ -6,12 +6,13 @@ import numpy as np
 
 from crankfem.console import print_line, print_table
 from crankfem.output_units import SI, OutputUnits
-from crankfem.record import RPM, Record
+from crankfem.record import Record
 from crankfem.vibration.forced_records import finite_or_none
 from crankfem.vibration.motion import MOTION
 from crankfem.vibration.whole_shaft import ShaftComparison, WholeShaft
 from dynamics.crankshaft.chain_comparison import ChainVerdict
 from dynamics.crankshaft.coupled_response import CoupledResponse
+from geometry.units import RPM
 
 MODES_SHOWN = 12
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from crankfem.engine_file import EngineFile
-from crankfem.output_units import UNBOUNDED
+from crankfem.number_formats import UNBOUNDED
 from crankfem.vibration.motion import MOTION
 from crankfem.vibration.shaft_surroundings import shaft_surroundings
 from crankfem.vibration.whole_damping import damping_remarks, modal_damping

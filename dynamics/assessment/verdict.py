@@ -19,18 +19,22 @@ from dynamics.assessment.limits import (
     shown_range,
     usage,
 )
-from dynamics.plots.quantities import RPM, SPEED_LABEL, in_unit
-from dynamics.plots.speed_curves import ORDER_COLORS, draw_barred, set_speed_axis
+from dynamics.plots.quantities import SPEED_LABEL, in_unit
+from dynamics.plots.speed_curves import draw_barred, set_speed_axis
 from geometry.diagram_style import BLUE, GRAY, ORANGE, RED, new_axes, with_gaps
 from geometry.errors import InputError
 from geometry.frames import Row, table, table_of
+from geometry.plots.curves import ORDER_COLORS
 from geometry.plots.legends import legend_below, legend_inside, write_title
 from geometry.quantity import show_quantity
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from pandas import DataFrame
 
+# Checks that a diagram of the verdict draws: those of which most is used.
+WORST_DRAWN = 5
 Status = Literal["fine", "barred range needed", "not acceptable"]
 
 
@@ -206,6 +210,11 @@ class Verdict:
     remarks: tuple[str, ...]
 
     @property
+    def ranges_to_bar(self) -> list[tuple[float, float]]:
+        """Speed ranges that may be barred, whatever limit asks for them [rad/s]."""
+        return [(one.low, one.high) for one in self.barred if one.allowed]
+
+    @property
     def sentence(self) -> str:
         """The verdict in words, with the ranges and the worst finding."""
         worst = self.checks[0]
@@ -239,8 +248,8 @@ class Verdict:
         axes = new_axes(axes)
         low, highest = self.running_range
         end = max(check.judged[1] for check in self.checks)
-        draw_barred(axes, [(one.low, one.high) for one in self.barred if one.allowed])
-        worst = sorted(self.checks, key=lambda check: -check.used)[: len(ORDER_COLORS)]
+        draw_barred(axes, self.ranges_to_bar)
+        worst = sorted(self.checks, key=lambda check: -check.used)[:WORST_DRAWN]
         for check, color in zip(worst, ORDER_COLORS, strict=False):
             speeds = check.curve.speeds
             stated = np.isfinite(check.limit.continuous.at(speeds))

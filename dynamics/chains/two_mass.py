@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from dynamics.checks import positive_number
 from dynamics.cycle import order_step
 from dynamics.harmonics import Harmonics
+from geometry.units import RPM
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,7 @@ class TwoMassCheck:
     @property
     def vibrations_per_minute(self) -> float:
         """Natural vibrations per minute [1/min]."""
-        return self.angular_frequency * 30.0 / math.pi
+        return self.angular_frequency * RPM
 
     @property
     def resonant_speed(self) -> float:

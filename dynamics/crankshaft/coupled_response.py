@@ -11,8 +11,7 @@ from dynamics.checks import ComplexArray, FloatArray
 from dynamics.crankshaft.pin_excitation import PinForces, shaft_excitation
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
-from dynamics.plots.quantities import RPM, in_unit
-from dynamics.plots.speed_curves import set_speed_axis
+from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.synthesis import synthesis
@@ -20,7 +19,9 @@ from geometry.choices import check_choice
 from geometry.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
 from geometry.errors import InputError
 from geometry.frames import grid
+from geometry.plots.curves import Curves, Series, draw_curves
 from geometry.plots.legends import legend_inside, write_title
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -199,16 +200,8 @@ class SplitMotion:
         """
         drawn_as = in_unit(point_unit(self.point))
         axes = new_axes(axes, height=3.8)
-        for values, name, color in (
-            (self.both_sum, "all forces", RED),
-            (self.tangential_sum, "tangential forces alone", ORANGE),
-            (self.radial_sum, "radial forces alone", BLUE),
-        ):
-            drawn = with_gaps(drawn_as.factor * values)
-            axes.plot(self.speeds * RPM, drawn, color=color, linewidth=1.5, label=name)
-        set_speed_axis(axes, self.speeds)
-        axes.set_ylabel(drawn_as.label)
-        axes.set_ylim(bottom=0.0)
+        sums = (self.both_sum, self.tangential_sum, self.radial_sum)
+        draw_curves(axes, split_curves(self.speeds, sums, drawn_as.factor, drawn_as.label))
         write_title(
             axes, f"{self.point}: half the range over the working cycle, all orders together", 9
         )
@@ -295,3 +288,31 @@ def coupled_response(
     ]
     answers = [forced_response(system, part) for part in parts]
     return CoupledResponse(crankshaft, *answers)
+
+
+def split_curves(
+    speeds: FloatArray, sums: tuple[FloatArray, FloatArray, FloatArray], factor: float, label: str
+) -> Curves:
+    """Describe an amplitude over the speed by all, by tangential and by radial forces.
+
+    Parameters
+    ----------
+    speeds : (S,) array
+        [rad/s]
+    sums : three (S,) arrays
+        In SI.
+    factor : float
+        By which they are multiplied to be shown.
+    label : str
+        Of the upright axis, with its unit.
+    """
+    names = ("all forces", "tangential forces alone", "radial forces alone")
+    return Curves(
+        x=speeds * RPM,
+        series=tuple(
+            Series(name, with_gaps(factor * values), color=color)
+            for name, values, color in zip(names, sums, (RED, ORANGE, BLUE), strict=True)
+        ),
+        x_label=SPEED_LABEL,
+        y_label=label,
+    )

@@ -1,6 +1,5 @@
 """The load of an engine over its speed: constant, along a propeller's law, or as given."""
 
-import math
 from collections.abc import Callable
 from typing import Literal
 
@@ -9,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from dynamics.checks import FloatArray, finite_array, nonnegative_number, positive_number
 from geometry.errors import InputError
+from geometry.units import RPM
 
 # A number, one for each speed, or a function of the speeds [rad/s].
 Load = float | ArrayLike | Callable[[FloatArray], ArrayLike]
@@ -75,4 +75,4 @@ def load_at(load: Load, speeds: FloatArray) -> FloatArray:
 
 def per_minute(speed: float) -> str:
     """Return a speed [rad/s] for a message."""
-    return f"{speed * 30.0 / math.pi:.6g} 1/min"
+    return f"{speed * RPM:.6g} 1/min"

@@ -16,11 +16,12 @@ from dynamics.excitation.samples import order_places, phasors_of_samples
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.coordinates import speed_axis
-from dynamics.plots.quantities import MEGA, RPM
+from dynamics.plots.quantities import MEGA
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid
 from geometry.plots.legends import legend_below, write_title
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

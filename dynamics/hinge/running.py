@@ -13,7 +13,6 @@ from dynamics.hinge.periodic import TURN, periodic_spline
 from dynamics.hinge.profile import HingeProfile
 from dynamics.hinge.reduced import ReducedCrank
 from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
-from dynamics.plots.quantities import RPM
 from dynamics.turning.speed_over_angle import SpeedOverAngle, speed_over_angle
 from dynamics.turning.steady_energy import energy_for_mean_speed, mean_speed, slowest_mean_speed
 from geometry.diagram_style import new_axes
@@ -21,6 +20,7 @@ from geometry.errors import InputError
 from geometry.frames import table
 from geometry.plots.legends import write_title
 from geometry.quantity import show_quantity
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

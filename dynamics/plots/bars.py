@@ -17,6 +17,11 @@ ORDER_LABEL = "harmonic order [cycles per revolution]"
 FILLED = 0.6
 
 
+def bar_width(orders: FloatArray) -> float:
+    """Return the width of all bars of an order together."""
+    return FILLED * float(orders[0] if len(orders) < 2 else np.min(np.diff(orders)))
+
+
 def draw_harmonics(
     axes: "Axes",
     orders: FloatArray,
@@ -35,7 +40,7 @@ def draw_harmonics(
     label : str
         Of the upright axis, with its unit.
     """
-    width = FILLED * float(orders[0] if len(orders) < 2 else np.min(np.diff(orders)))
+    width = bar_width(orders)
     each = width / len(amplitudes)
     for place, (name, heights) in enumerate(amplitudes.items()):
         shift = (place - 0.5 * (len(amplitudes) - 1)) * each

@@ -1,14 +1,15 @@
 """The Campbell diagram: natural frequencies and order lines over the speed, and where they meet."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
 from dynamics.checks import FloatArray
-from dynamics.plots.quantities import RPM, SPEED_LABEL
+from dynamics.plots.quantities import SPEED_LABEL
 from dynamics.plots.stars import KIND_COLORS
 from geometry.diagram_style import COLORS, GRAY
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
 RUNNING = "#eef3f8"
 # Least and further size of a resonance's dot [points], the latter at severity 1.
 DOT, DOT_GROWTH = 2.5, 9.0
+# Share of the running range shown on both sides of it, and of the height what is highest takes.
+MARGIN, HEADROOM = 0.15, 1.12
+FREQUENCY_LABEL = "frequency [Hz]"
 
 
 class Meeting(Protocol):
@@ -42,6 +46,62 @@ class Meeting(Protocol):
         """Whether nothing damps it."""
 
 
+class CampbellFrame(NamedTuple):
+    """What a Campbell diagram shows, the same on paper and on a screen.
+
+    Attributes
+    ----------
+    running : tuple of two floats
+        Running range [1/min].
+    ends : tuple of two floats
+        Of the axis of the speed [1/min].
+    top : float
+        Of the axis of the frequency [Hz].
+    natural : ndarray of shape (m,)
+        Natural frequencies that are seen [Hz].
+    """
+
+    running: tuple[float, float]
+    ends: tuple[float, float]
+    top: float
+    natural: FloatArray
+
+    def leaves(self, order: float) -> tuple[float, float, bool]:
+        """Return where an order's line ends [1/min, Hz], and whether it does so at the top."""
+        right = self.ends[1]
+        over = order * right / 60.0 > self.top
+        speed = 60.0 * self.top / order if over else right
+        return speed, min(order * right / 60.0, self.top), over
+
+    def tells(self, order: float) -> bool:
+        """Whether an order's number stands at the end of its line: whole ones that are seen."""
+        return float(order).is_integer() and self.leaves(order)[0] > self.ends[0]
+
+
+def campbell_frame(
+    natural: FloatArray,
+    orders: FloatArray,
+    speed_range: tuple[float, float],
+    found: Sequence[Meeting],
+) -> CampbellFrame:
+    """Return what a Campbell diagram shows; arguments as for `draw_campbell`."""
+    low, high = (speed * RPM for speed in speed_range)
+    # Limits may hold above the running range, and resonances lie there.
+    last = max((own.speed_rpm for own in found), default=high)
+    margin = MARGIN * (high - low)
+    left, right = max(0.0, low - margin), max(high, last) + margin
+    met = [own.frequency for own in found]
+    reach = float(np.max(orders)) * right / 60.0
+    shown = natural[natural <= reach]
+    top = HEADROOM * (max(met) if met else float(shown[0]) if shown.size else reach)
+    return CampbellFrame((low, high), (left, right), top, natural[natural <= top])
+
+
+def mode_text(place: int, frequency: float) -> str:
+    """Return what stands at the line of a mode, from 0, of a frequency [Hz]."""
+    return f"mode {place + 1}: {frequency:.1f} Hz"
+
+
 def draw_campbell(
     axes: "Axes",
     natural: FloatArray,
@@ -63,22 +123,16 @@ def draw_campbell(
     found : sequence of Meeting
         Dots grow with their severity.
     """
-    low, high = (speed * RPM for speed in speed_range)
-    # Limits may hold above the running range, and resonances lie there.
-    last = max((own.speed_rpm for own in found), default=high)
-    left, right = max(0.0, low - 0.15 * (high - low)), max(high, last) + 0.15 * (high - low)
-    met = [own.frequency for own in found]
-    reach = float(np.max(orders)) * right / 60.0
-    shown = natural[natural <= reach]
-    top = 1.12 * (max(met) if met else float(shown[0]) if shown.size else reach)
+    frame = campbell_frame(natural, orders, speed_range, found)
+    (low, high), (left, right), top = frame.running, frame.ends, frame.top
     axes.axvspan(low, high, color=RUNNING, zorder=0)
     for order in orders.tolist():
-        _order_line(axes, order, (left, right), top)
-    for place, frequency in enumerate(natural[natural <= top].tolist()):
+        _order_line(axes, order, frame)
+    for place, frequency in enumerate(frame.natural.tolist()):
         color = COLORS[place % len(COLORS)]
         axes.axhline(frequency, color=color, linewidth=1.6, zorder=2)
         axes.annotate(
-            f"mode {place + 1}: {frequency:.1f} Hz",
+            mode_text(place, frequency),
             (left, frequency),
             xytext=(4, 3),
             textcoords="offset points",
@@ -105,30 +159,27 @@ def draw_campbell(
     axes.set_xlim(left, right)
     axes.set_ylim(0.0, top)
     axes.set_xlabel(SPEED_LABEL)
-    axes.set_ylabel("frequency [Hz]")
+    axes.set_ylabel(FREQUENCY_LABEL)
     if found:
         axes.legend(
             fontsize=8, ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.03), frameon=False
         )
 
 
-def _order_line(axes: "Axes", order: float, ends: tuple[float, float], top: float) -> None:
+def _order_line(axes: "Axes", order: float, frame: CampbellFrame) -> None:
     """Draw one order's line, its number where it leaves the diagram; whole orders are told."""
-    left, right = ends
-    whole = float(order).is_integer()
     axes.plot(
-        ends,
-        [order * end / 60.0 for end in ends],
+        frame.ends,
+        [order * end / 60.0 for end in frame.ends],
         color=GRAY,
-        linewidth=0.8 if whole else 0.35,
+        linewidth=0.8 if order.is_integer() else 0.35,
         zorder=1,
     )
-    over = order * right / 60.0 > top
-    speed = 60.0 * top / order if over else right
-    if whole and speed > left:
+    speed, frequency, over = frame.leaves(order)
+    if frame.tells(order):
         axes.annotate(
             f"{order:g}",
-            (speed, min(order * right / 60.0, top)),
+            (speed, frequency),
             xytext=(0, 2) if over else (3, 0),
             textcoords="offset points",
             fontsize=7,

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dynamics.checks import FloatArray, finite_array
-from dynamics.plots.quantities import RPM
 from geometry.diagram_style import BLUE, GRAY, ORANGE, new_axes
 from geometry.errors import InputError
 from geometry.plots.legends import legend_above, write_title
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,32 +1,31 @@
 """Names of vibrating quantities on an axis, the units they are shown in."""
 
-import math
 from typing import Literal, NamedTuple, TypeAlias
 
 from geometry.errors import InputError
+from geometry.units import UNITS, VIBRATING, factor_of, written
 
-# Turns per minute in a radian per second.
-RPM = 30.0 / math.pi
 # What values in SI are multiplied by to be shown in thousands, thousandths and so on.
-KILO, MEGA, MILLI, MICRO = 1e-3, 1e-6, 1e3, 1e6
+KILO, MEGA, MILLI = factor_of("kN"), factor_of("MPa"), factor_of("mm")
 SPEED_LABEL = "crankshaft speed [1/min]"
 
 Quantity: TypeAlias = Literal["twist", "displacement", "torque", "force", "stress"]
+
+
+def _labelled(quantity: str, words: str) -> tuple[str, float]:
+    unit = VIBRATING[quantity]
+    return f"{words} [{written(unit)}]", factor_of(unit)
+
+
 # Label of the axis, and what a value in SI is multiplied by.
 QUANTITIES: dict[str, tuple[str, float]] = {
-    "twist": ("amplitude [mrad]", MILLI),
-    "displacement": ("amplitude [µm]", MICRO),
-    "torque": ("alternating torque [kN m]", KILO),
-    "force": ("alternating force [kN]", KILO),
-    "stress": ("alternating stress [MPa]", 1e-6),
+    "twist": _labelled("twist", "amplitude"),
+    "displacement": _labelled("displacement", "amplitude"),
+    "torque": _labelled("torque", "alternating torque"),
+    "force": _labelled("force", "alternating force"),
+    "stress": _labelled("stress", "alternating stress"),
 }
-SI_UNITS: dict[str, str] = {
-    "twist": "rad",
-    "displacement": "m",
-    "torque": "N m",
-    "force": "N",
-    "stress": "Pa",
-}
+SI_UNITS: dict[str, str] = {quantity: UNITS[unit][0] for quantity, unit in VIBRATING.items()}
 
 
 class Shown(NamedTuple):
@@ -81,10 +80,8 @@ def shown(quantity: Quantity | None, either: str, words: str = "amplitude") -> S
 
 # Of what is drawn as it moves, not by its amplitude.
 MOVING: dict[str, tuple[str, float]] = {
-    "twist": ("twist [mrad]", MILLI),
-    "displacement": ("displacement [µm]", MICRO),
-    "torque": ("torque [kN m]", KILO),
-    "force": ("force [kN]", KILO),
+    quantity: _labelled(quantity, quantity)
+    for quantity in ("twist", "displacement", "torque", "force")
 }
 
 

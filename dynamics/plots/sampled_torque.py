@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 POINTS = 721
+ANGLE_LABEL, TORQUE_LABEL = "crank angle [deg]", "torque of one throw [N m]"
 
 
 class Sum(Protocol):
@@ -29,6 +30,26 @@ class Sum(Protocol):
         """Return the sum at crank angles [rad]."""
 
 
+def over_cycle(samples: FloatArray, found: Sum) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return angles and the sum of harmonics at them, and the angles of samples, all in degrees.
+
+    Parameters
+    ----------
+    samples : ndarray of shape (m,)
+        Even over one cycle from crank angle zero.
+    found : Sum
+
+    Returns
+    -------
+    degrees, sums : ndarray of shape (p,)
+    sampled : ndarray of shape (m,)
+    """
+    cycle = np.pi * found.strokes
+    angles = np.linspace(0.0, cycle, POINTS)
+    sampled = np.arange(len(samples)) * cycle / len(samples)
+    return np.rad2deg(angles), found.at(angles), np.rad2deg(sampled)
+
+
 def draw_samples(axes: "Axes", samples: FloatArray, found: Sum) -> None:
     """Draw samples of the torque of one throw, the sum of all harmonics, and the mean.
 
@@ -39,12 +60,10 @@ def draw_samples(axes: "Axes", samples: FloatArray, found: Sum) -> None:
         Even over one cycle from crank angle zero [N m].
     found : Sum
     """
-    cycle = np.pi * found.strokes
-    angles = np.linspace(0.0, cycle, POINTS)
-    sample_angles = np.arange(len(samples)) * cycle / len(samples)
-    axes.plot(np.rad2deg(angles), found.at(angles), color=BLUE, label="sum of harmonics")
-    axes.plot(np.rad2deg(sample_angles), samples, "o", color=ORANGE, markersize=3.5, label="table")
+    degrees, sums, sampled = over_cycle(samples, found)
+    axes.plot(degrees, sums, color=BLUE, label="sum of harmonics")
+    axes.plot(sampled, samples, "o", color=ORANGE, markersize=3.5, label="table")
     axes.axhline(found.mean, color=GREEN, linestyle="--", linewidth=1.0, label="mean")
-    axes.set_xlabel("crank angle [deg]")
-    axes.set_ylabel("torque of one throw [N m]")
+    axes.set_xlabel(ANGLE_LABEL)
+    axes.set_ylabel(TORQUE_LABEL)
     legend_inside(axes)

@@ -7,21 +7,29 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dynamics.checks import FloatArray
-from dynamics.plots.quantities import RPM, SPEED_LABEL, Shown
-from geometry.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE, RED, with_gaps
+from dynamics.plots.quantities import SPEED_LABEL, Shown
+from geometry.diagram_style import COLORS, with_gaps
+from geometry.plots.curves import (
+    Band,
+    Curves,
+    Mark,
+    Series,
+    draw_bands,
+    draw_curves,
+    draw_lines,
+)
 from geometry.plots.legends import legend_below, legend_inside
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 BARRED = "#f6dcd9"
-ALL_ORDERS = "#1c2733"
-# Red is that of limits.
-ORDER_COLORS = (BLUE, ORANGE, GREEN, "#7a5ba6", "#2a9d9d")
 # Orders that get a line of their own in a diagram over speed.
 MAIN_ORDERS = 5
 # Height of a diagram with unbounded speeds in medians of the plain sum.
 BESIDE_UNBOUNDED = 4.0
+HEADROOM = 1.08
 LEGEND_COLUMNS = 4
 
 
@@ -39,6 +47,29 @@ def main_orders_of(amplitudes: FloatArray, count: int) -> list[int]:
     return [int(place) for place in np.sort(np.argsort(peaks)[::-1][: max(0, count)])]
 
 
+def order_series(orders: FloatArray, amplitudes: FloatArray, count: int) -> list[Series]:
+    """Return all orders, those that are no main ones to be asked for.
+
+    Parameters
+    ----------
+    orders : ndarray of shape (K,)
+    amplitudes : ndarray of shape (K, S)
+        In the unit of the axis; what is not finite leaves a gap.
+    count : int
+        How many are main ones: those with the largest peaks.
+    """
+    main = main_orders_of(amplitudes, count)
+    others = [place for place in range(len(orders)) if place not in main]
+    # Those that are seen first have the colors first.
+    ranks = {place: rank for rank, place in enumerate([*main, *others])}
+    return [
+        Series(
+            f"order {order:g}", with_gaps(amplitudes[place]), "order", ranks[place], place in main
+        )
+        for place, order in enumerate(orders.tolist())
+    ]
+
+
 def draw_orders(
     axes: "Axes",
     speeds: FloatArray,
@@ -46,48 +77,21 @@ def draw_orders(
     amplitudes: FloatArray,
     count: int,
 ) -> None:
-    """Draw the main orders over the speed, a line each; what is not finite leaves a gap.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    speeds : ndarray of shape (S,)
-        [rad/s]
-    orders : ndarray of shape (K,)
-    amplitudes : ndarray of shape (K, S)
-        In the unit of the axis.
-    count : int
-        How many orders, those with the largest peaks.
-    """
-    for drawn, order in enumerate(main_orders_of(amplitudes, count)):
-        axes.plot(
-            speeds * RPM,
-            with_gaps(amplitudes[order]),
-            color=ORDER_COLORS[drawn % len(ORDER_COLORS)],
-            linewidth=1.1,
-            label=f"order {orders[order]:g}",
-        )
+    """Draw the main orders over the speed [rad/s], a line each; see `order_series`."""
+    draw_lines(axes, speeds * RPM, order_series(orders, amplitudes, count))
 
 
-def draw_sums(axes: "Axes", speeds: FloatArray, total: FloatArray, plain: FloatArray) -> None:
-    """Draw the sum of all orders over the cycle, and the plain sum of their amplitudes."""
-    rpm = speeds * RPM
-    axes.plot(
-        rpm, with_gaps(total), color=ALL_ORDERS, linewidth=2.0, label="all orders (synthesis)"
-    )
-    axes.plot(rpm, with_gaps(plain), color=GRAY, linewidth=1.1, linestyle=":", label="plain sum")
+def barred_bands(barred: Sequence[tuple[float, float]]) -> tuple[Band, ...]:
+    """Return barred ranges of speed [rad/s] as they are shaded."""
+    return tuple(Band(low * RPM, high * RPM, BARRED, "barred") for low, high in barred)
 
 
 def draw_barred(axes: "Axes", barred: Sequence[tuple[float, float]]) -> None:
     """Shade barred ranges of speed [rad/s]."""
-    for count, (low, high) in enumerate(barred):
-        axes.axvspan(
-            low * RPM, high * RPM, color=BARRED, zorder=0, label=None if count else "barred"
-        )
+    draw_bands(axes, barred_bands(barred))
 
 
-def draw_series(
-    axes: "Axes",
+def over_speed(
     speeds: FloatArray,
     orders: FloatArray,
     by_order: FloatArray,
@@ -97,14 +101,14 @@ def draw_series(
     quantity: Shown,
     *,
     limits: Mapping[str, ArrayLike] | None = None,
+    passing: Mapping[str, ArrayLike] | None = None,
     barred: Sequence[tuple[float, float]] = (),
     main_orders: int = MAIN_ORDERS,
-) -> None:
-    """Draw one place's main orders, synthesis and plain sum over the speed.
+) -> Curves:
+    """Describe one place's orders, synthesis and plain sum over the speed, with limits.
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
     speeds : ndarray of shape (S,)
         [rad/s]
     orders : ndarray of shape (K,)
@@ -114,63 +118,53 @@ def draw_series(
         Of all orders together, and the sum of their amplitudes, in SI.
     unbounded : ndarray of shape (S,), bool
     quantity : Shown
-    limits : mapping of str to float or array_like of shape (S,), optional
-        In SI; inf where none is stated.
+    limits, passing : mapping of str to float or array_like of shape (S,), optional
+        In SI; inf where none is stated. The latter, for passing a range, are no main ones.
     barred : sequence of pairs of floats, optional
         Ranges of speed [rad/s], shaded.
     main_orders : int, optional
-        How many orders, those with the largest peaks, get a line of their own.
+        How many orders, those with the largest peaks, are main ones.
     """
-    factor = quantity.factor
-    draw_barred(axes, barred)
-    draw_orders(axes, speeds, orders, with_gaps(factor * by_order), main_orders)
-    drawn = with_gaps(factor * plain)
-    draw_sums(axes, speeds, factor * total, drawn)
-    finish_over_speed(axes, speeds, drawn, unbounded, quantity, limits)
-
-
-def finish_over_speed(
-    axes: "Axes",
-    speeds: FloatArray,
-    plain: FloatArray,
-    unbounded: NDArray[np.bool_],
-    quantity: Shown,
-    limits: Mapping[str, ArrayLike] | None = None,
-) -> None:
-    """Draw limits and unbounded speeds, and set both axes and the legend.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    speeds : ndarray of shape (S,)
-        [rad/s]
-    plain : ndarray of shape (S,)
-        Highest curve, in the unit of the axis; it sets the height.
-    unbounded : ndarray of shape (S,), bool
-    quantity : Shown
-    limits : mapping of str to float or array_like of shape (S,), optional
-        In SI; inf where none is stated.
-    """
-    rpm = speeds * RPM
-    finite = plain[~unbounded]
+    rpm, factor = speeds * RPM, quantity.factor
+    plain_sum = with_gaps(factor * plain)
+    found = [
+        Series(
+            name,
+            with_gaps(factor * np.broadcast_to(np.asarray(limit, dtype=float), rpm.shape)),
+            "limit",
+            number,
+            main,
+        )
+        for some, main in ((limits, True), (passing, False))
+        for number, (name, limit) in enumerate((some or {}).items())
+    ]
+    finite = plain_sum[~unbounded]
     highest = float(np.max(finite, initial=0.0))
-    if finite.size < plain.size:
+    if finite.size < plain_sum.size:
         # Beside what has no bounds all else would be flat: let the curves leave at the top.
         highest = min(highest, BESIDE_UNBOUNDED * float(np.median(finite)) if finite.size else 0.0)
-    for count, (name, limit) in enumerate((limits or {}).items()):
-        values = np.broadcast_to(np.asarray(limit, dtype=float), rpm.shape)
-        drawn = with_gaps(quantity.factor * values)
-        axes.plot(
-            rpm, drawn, color=RED, linewidth=1.4, linestyle=("--", "-.")[count % 2], label=name
-        )
-        highest = max(highest, float(np.nanmax(drawn, initial=0.0)))
-    for count, speed in enumerate(rpm[unbounded].tolist()):
-        axes.axvline(
-            speed, color=RED, linewidth=0.8, linestyle=":", label=None if count else "unbounded"
-        )
-    set_speed_axis(axes, speeds)
-    axes.set_ylim(0.0, 1.08 * highest if highest > 0.0 else 1.0)
-    axes.set_ylabel(quantity.label)
+    highest = max(
+        [highest, *(float(np.nanmax(own.values, initial=0.0)) for own in found if own.main)]
+    )
+    return Curves(
+        x=rpm,
+        series=(
+            *order_series(orders, factor * by_order, main_orders),
+            Series("all orders (synthesis)", with_gaps(factor * total), "total"),
+            Series("plain sum", plain_sum, "plain sum"),
+            *found,
+        ),
+        x_label=SPEED_LABEL,
+        y_label=quantity.label,
+        top=HEADROOM * highest if highest > 0.0 else 1.0,
+        bands=barred_bands(barred),
+        marks=tuple(Mark(speed, "unbounded") for speed in rpm[unbounded].tolist()),
+    )
+
+
+def draw_over_speed(axes: "Axes", curves: Curves) -> None:
+    """Draw what `over_speed` describes, with its legend."""
+    draw_curves(axes, curves)
     legend_below(axes, LEGEND_COLUMNS)
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,12 +19,13 @@ from dynamics.checks import (
 from dynamics.places import place_of
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, Shown, shown
-from dynamics.plots.speed_curves import MAIN_ORDERS, draw_series
+from dynamics.plots.speed_curves import MAIN_ORDERS, draw_over_speed, over_speed
 from dynamics.response.excitation import at_angles, checked_speed_index
 from dynamics.response.synthesis import Synthesis, synthesis
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid
+from geometry.plots.curves import Curves
 from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
@@ -65,6 +66,11 @@ class OrderSeries:
     def synthesis(self) -> Synthesis:
         """Sum of all orders over the cycle, and the plain sum of amplitudes, (S, p) each."""
         return synthesis(self.orders, self.speeds, self.values, self.unbounded)
+
+    @property
+    def largest_place(self) -> int:
+        """Number of the place with the largest amplitude of all orders together, from 0."""
+        return int(np.argmax(np.max(self.synthesis.amplitude, axis=0)))
 
     def at_angle(self, speed_index: int, shaft_angle: ArrayLike) -> FloatArray:
         """Return the values over shaft angles, all orders together, without their mean.
@@ -138,6 +144,20 @@ class OrderSeries:
             axes, self, place, drawn, limits=limits, barred=barred, main_orders=main_orders
         )
 
+    def over_speed(self, place: int, quantity: Shown, **more: Any) -> Curves:
+        """Describe what `plot` draws of a place, from 0; further arguments as for `over_speed`."""
+        both = self.synthesis
+        return over_speed(
+            self.speeds,
+            self.orders,
+            self.amplitude[:, :, place],
+            both.amplitude[:, place],
+            both.plain_sum[:, place],
+            both.unbounded,
+            quantity,
+            **more,
+        )
+
     def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
         """Return complex ``values`` and ``unbounded`` over order, speed and place.
 
@@ -191,21 +211,11 @@ def plot_series(
     drawn_limits = checked_limits(limits, len(series.speeds))
     ranges = checked_barred(barred)
     count = whole_number("main_orders", main_orders, 0, "so many orders get a line of their own")
-    both = series.synthesis
     axes = new_axes(axes, height=4.4)
-    draw_series(
-        axes,
-        series.speeds,
-        series.orders,
-        series.amplitude[:, :, number],
-        both.amplitude[:, number],
-        both.plain_sum[:, number],
-        both.unbounded,
-        quantity,
-        limits=drawn_limits,
-        barred=ranges,
-        main_orders=count,
+    curves = series.over_speed(
+        number, quantity, limits=drawn_limits, barred=ranges, main_orders=count
     )
+    draw_over_speed(axes, curves)
     write_title(axes, series.names[number], 10)
     return axes
 

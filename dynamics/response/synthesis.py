@@ -12,8 +12,8 @@ from dynamics.checks import ComplexArray, FloatArray
 from dynamics.places import place_number
 from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import Quantity, shown
-from dynamics.plots.speed_curves import draw_sums, finish_over_speed
-from geometry.diagram_style import new_axes, with_gaps
+from dynamics.plots.speed_curves import draw_over_speed, over_speed
+from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid
 from geometry.plots.legends import write_title
@@ -93,12 +93,13 @@ class Synthesis:
         number = place_number("place", place, count, "the sum was taken at that many places")
         drawn = shown(quantity, "SI")
         total, plain = (
-            drawn.factor * values.reshape(len(self.speeds), -1)[:, number]
+            values.reshape(len(self.speeds), -1)[:, number]
             for values in (self.amplitude, self.plain_sum)
         )
         axes = new_axes(axes)
-        draw_sums(axes, self.speeds, total, plain)
-        finish_over_speed(axes, self.speeds, with_gaps(plain), self.unbounded, drawn)
+        none = np.empty((0, len(self.speeds)))
+        curves = over_speed(self.speeds, none[:, 0], none, total, plain, self.unbounded, drawn)
+        draw_over_speed(axes, curves)
         write_title(axes, "all orders together")
         return axes
 

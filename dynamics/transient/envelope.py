@@ -10,7 +10,7 @@ from dynamics.checks import FloatArray, whole_number
 from dynamics.places import node_index
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.coordinates import time_axis
-from dynamics.plots.quantities import MOVING, RPM
+from dynamics.plots.quantities import MOVING
 from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.transient.picking import OF_ELEMENTS, Moving, units_of
 from geometry.choices import check_choice
@@ -18,6 +18,7 @@ from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid
 from geometry.plots.legends import write_title
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -17,11 +17,12 @@ from dynamics.checks import (
     whole_number,
 )
 from dynamics.plots.angle_curves import draw_over_time
-from dynamics.plots.quantities import RPM
+from dynamics.plots.quantities import SPEED_LABEL
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table
 from geometry.plots.legends import write_title
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -230,7 +231,7 @@ class SpeedCurve:
         matplotlib.axes.Axes
         """
         axes = new_axes(axes, height=3.4)
-        draw_over_time(axes, self.times, {"speed": RPM * self.speeds}, "crankshaft speed [1/min]")
+        draw_over_time(axes, self.times, {"speed": RPM * self.speeds}, SPEED_LABEL)
         write_title(axes, "Speed over time")
         return axes
 

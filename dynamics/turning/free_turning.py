@@ -20,7 +20,7 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rods import RodModelName
 from dynamics.plots.angle_curves import draw_over_time
-from dynamics.plots.quantities import KILO, RPM
+from dynamics.plots.quantities import KILO
 from dynamics.turning.piston_gas import Gas
 from dynamics.turning.shaft_moments import Resistance, ShaftMoments, shaft_moments
 from geometry.choices import check_choice
@@ -28,6 +28,7 @@ from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import table
 from geometry.plots.legends import write_title
+from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

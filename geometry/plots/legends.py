@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from geometry.quantity import DISPLAY_UNITS
+from geometry.units import DISPLAY_UNITS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,17 +14,19 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from crankfem.fitting import fit_study, predicted
 from crankfem.pictures.interactive.angles import formulas_over_angle, interactive_angles
 from crankfem.pictures.interactive.campbell import campbell
+from crankfem.pictures.interactive.curves import UNSEEN, figure_of
 from crankfem.pictures.interactive.decimation import fewer_triangles
 from crankfem.pictures.interactive.mechanism import (
     developed_load,
     interactive_mechanism,
     polar_load,
 )
-from crankfem.pictures.interactive.over_speed import UNSEEN, Curve, amplitudes_over_speed
+from crankfem.pictures.interactive.over_speed import Curve, amplitudes_over_speed
 from crankfem.pictures.interactive.rounding import rounded
 from crankfem.pictures.interactive.shaft import axial_split, mode_shares, shaft_modes
 from crankfem.pictures.interactive.shapes import mode_shapes
@@ -43,12 +45,14 @@ from crankfem.pictures.interactive.writing import write_figure
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
 from dynamics.engine.loads import LoadDiagram
 from dynamics.harmonics import harmonics
+from dynamics.plots.quantities import shown
 from dynamics.response.resonance import Resonance
 from dynamics.response.series import OrderSeries
 from fem import fillet_stress
 from fem.analysis import analyze_throw
 from fem.fillet_stress import fillet_stresses
 from geometry.errors import InputError
+from geometry.plots.curves import ON_PAPER, draw_curves
 from geometry.throw import CrankThrow
 from regression.plans.design_choice import DesignChoice
 from regression.plans.factors import Factor
@@ -795,3 +799,27 @@ def test_vibration_of_an_engine(tmp_path, strict):
     split = run.comparison.coupled.split("section 0 uz")
     both = named(figures["axial_split"]["data"], "all forces")
     assert max(both["y"]) == pytest.approx(1e6 * split.both_sum.max(), rel=FIVE_DIGITS)
+
+
+def test_paper_and_screen_draw_the_same_curves(series):
+    limits = {"limit": np.where(series.speeds < 30.0, np.inf, 2e-4)}
+    barred = [(25.0, 30.0), (40.0, 44.0)]
+    described = series.over_speed(0, shown("twist", "SI"), limits=limits, barred=barred)
+    traces, layout = figure_of(described, "x")
+    axes = Figure().subplots()
+    draw_curves(axes, described)
+    drawn = {one.get_label(): one for one in axes.get_lines()}
+    assert axes.get_xlim() == pytest.approx(layout["xaxis"]["range"])
+    assert axes.get_ylim() == pytest.approx(layout["yaxis"]["range"])
+    assert axes.get_xlabel() == layout["xaxis"]["title"]["text"]
+    assert axes.get_ylabel() == layout["yaxis"]["title"]["text"]
+    seen = [trace for trace in traces if trace["visible"] is True]
+    assert {trace["name"] for trace in seen} == drawn.keys() - {"unbounded"}
+    for trace in seen:
+        line = drawn[trace["name"]]
+        assert line.get_color() == trace["line"]["color"]
+        assert line.get_linestyle() == ON_PAPER[trace["line"]["dash"]]
+        assert np.nanmax(line.get_ydata()) == pytest.approx(
+            np.nanmax(floats(trace["y"])), rel=FIVE_DIGITS
+        )
+    assert len(axes.patches) == len(barred)

@@ -9,7 +9,7 @@ import re
 
 import pytest
 
-from crankfem.output_units import PRINTED, SI, parse_output_units
+from crankfem.output_units import SI, UNITS, parse_output_units
 from geometry.errors import InputError
 from geometry.quantity import parse_quantity, unit_registry
 
@@ -42,9 +42,9 @@ def test_imperial_units(printed, name, size):
     assert unit.size == pytest.approx(size, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", PRINTED)
+@pytest.mark.parametrize("name", UNITS)
 def test_sizes_of_printed_units_are_those_of_pint(name):
-    unit, size = PRINTED[name]
+    unit, size = UNITS[name]
     # Turns per minute: engineers do not write the turn.
     registry, said = unit_registry(), name.replace("1/min", "turn/min")
     one = registry.Quantity(1.0, registry.parse_units(said)).to(registry.parse_units(unit))
@@ -55,7 +55,7 @@ def test_without_a_wish_everything_stays_in_si():
     for text in (None, "SI", "si", ""):
         units = parse_output_units(text)
         assert units == SI
-        assert all(units.of(name).name == name and not units.of(name).wished for name in PRINTED)
+        assert all(units.of(name).name == name and not units.of(name).wished for name in UNITS)
     assert SI.quantity(1.27e-9, "m/N", 4) == "1.27e-9 m/N"
     assert SI.of("um").number(None) == "unbounded"
     assert SI.text("280 mm") == "280 mm"

@@ -16,21 +16,25 @@ from crankfem.pictures.interactive.style import (
     line,
     number,
 )
-from crankfem.record import RPM
 from crankfem.vibration.motion import MOTION
+from dynamics.plots.campbell import (
+    FREQUENCY_LABEL,
+    RUNNING,
+    CampbellFrame,
+    campbell_frame,
+    mode_text,
+)
+from dynamics.plots.quantities import SPEED_LABEL
+from dynamics.plots.stars import KIND_COLORS
 from dynamics.response.resonance import Resonance
-from geometry.diagram_style import COLORS, GRAY, ORANGE, RED
+from geometry.diagram_style import COLORS, GRAY
 
 Array = NDArray[np.float64]
 
-RUNNING_COLOR = "#eef3f8"
-KIND_COLORS = {"major": RED, "minor": ORANGE}
 # Least and further size of a resonance's dot [pixels], the latter at severity 1.
 DOT, DOT_GROWTH = 5.0, 12.0
 # Points along a straight line to hover on.
 PLACES = 25
-# Share of the running range shown on both sides of it.
-MARGIN = 0.15
 HEIGHT = 480
 
 
@@ -62,45 +66,37 @@ def campbell(
     traces : list of dict
     layout : dict
     """
-    low, high = (speed * RPM for speed in speed_range)
-    # Limits may hold above the running range, and resonances lie there.
-    last = max((own.speed_rpm for own in found), default=high)
-    left, right = max(0.0, low - MARGIN * (high - low)), max(high, last) + MARGIN * (high - low)
-    met = [one.frequency for one in found]
-    reach = float(np.max(orders)) * right / 60.0
     natural = np.asarray(frequencies, dtype=np.float64)
-    shown = natural[natural <= reach]
-    top = 1.12 * (max(met) if met else float(shown[0]) if shown.size else reach)
-    traces = [_order_line(order, left, right, top, first=not n) for n, order in enumerate(orders)]
+    frame = campbell_frame(natural, orders, speed_range, found)
+    left, right = frame.ends
+    traces = [_order_line(order, frame, first=not n) for n, order in enumerate(orders.tolist())]
     traces += [
         _mode_line(place, frequency, left, right)
-        for place, frequency in enumerate(natural[natural <= top].tolist())
+        for place, frequency in enumerate(frame.natural.tolist())
     ]
     for name, color in KIND_COLORS.items():
         own = [one for one in found if one.kind == name]
         if own:
             traces.append(_dots(kind, f"{name} order", own, color))
-    notes = [
-        _order_label(order, right, top) for order in orders.tolist() if _whole(order, left, top)
-    ]
+    notes = [_order_label(order, frame) for order in orders.tolist() if frame.tells(order)]
     notes += [
         {
             "x": left,
             "y": frequency,
-            "text": f"mode {place + 1}: {frequency:.1f} Hz",
+            "text": mode_text(place, frequency),
             "showarrow": False,
             "xanchor": "left",
             "yanchor": "bottom",
             "font": {"size": 12, "color": COLORS[place % len(COLORS)]},
         }
-        for place, frequency in enumerate(natural[natural <= top].tolist())
+        for place, frequency in enumerate(frame.natural.tolist())
     ]
     made = layout(
-        axis("crankshaft speed [1/min]", range=[left, right], showgrid=False),
-        axis("frequency [Hz]", range=[0.0, top]),
+        axis(SPEED_LABEL, range=[left, right], showgrid=False),
+        axis(FREQUENCY_LABEL, range=[0.0, frame.top]),
         title=title,
         height=HEIGHT,
-        shapes=[band(low, high, RUNNING_COLOR, name="running range", showlegend=True)],
+        shapes=[band(*frame.running, RUNNING, name="running range", showlegend=True)],
         annotations=notes,
     )
     # Dots of all sizes are one size in the legend.
@@ -108,32 +104,26 @@ def campbell(
     return traces, made
 
 
-def _order_line(order: float, left: float, right: float, top: float, *, first: bool) -> Part:
+def _order_line(order: float, frame: CampbellFrame, *, first: bool) -> Part:
     """Return one order's line as far as it is seen; the legend switches all of them at once."""
-    speeds = np.linspace(left, min(right, 60.0 * top / order), PLACES)
-    whole = float(order).is_integer()
+    speeds = np.linspace(frame.ends[0], frame.leaves(order)[0], PLACES)
     return line(
         speeds,
         order * speeds / 60.0,
         "orders",
         GRAY,
         f"order {order:g}<br>%{{x:.5g}} 1/min<br>%{{y:.5g}} Hz",
-        width=1.1 if whole else 0.5,
+        width=1.1 if order.is_integer() else 0.5,
         legendgroup="orders",
         showlegend=first,
     )
 
 
-def _whole(order: float, left: float, top: float) -> bool:
-    """Whether an order is told at its line's end: whole ones that are seen."""
-    return order.is_integer() and 60.0 * top / order > left
-
-
-def _order_label(order: float, right: float, top: float) -> Part:
-    over = order * right / 60.0 > top
+def _order_label(order: float, frame: CampbellFrame) -> Part:
+    speed, frequency, over = frame.leaves(order)
     return {
-        "x": 60.0 * top / order if over else right,
-        "y": top if over else order * right / 60.0,
+        "x": speed,
+        "y": frequency,
         "text": f"{order:g}",
         "showarrow": False,
         "xanchor": "center" if over else "left",

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.pictures.interactive.over_speed import HOVER_STEP, SPEED_TITLE, UNSEEN
+from crankfem.pictures.interactive.curves import figure_of
 from crankfem.pictures.interactive.rounding import rounded
 from crankfem.pictures.interactive.style import (
     Figure,
@@ -15,13 +15,12 @@ from crankfem.pictures.interactive.style import (
     line,
     shown_in_turn,
 )
-from crankfem.pictures.interactive.thinning import seen_points
-from crankfem.record import RPM
 from crankfem.vibration.motion import MOTION
-from dynamics.crankshaft.coupled_response import CoupledResponse
+from dynamics.crankshaft.coupled_response import CoupledResponse, split_curves
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.crankshaft.shaft_throw import RZ, UX, UY, UZ
-from geometry.diagram_style import BLUE, COLORS, GREEN, ORANGE, RED, with_gaps
+from dynamics.plots.quantities import in_unit
+from geometry.diagram_style import BLUE, COLORS, GREEN, ORANGE
 
 Array = NDArray[np.float64]
 
@@ -142,23 +141,10 @@ def axial_split(response: CoupledResponse, title: str) -> Figure:
     layout : dict
     """
     split = response.split("section 0 uz")
-    rpm = response.speeds * RPM
-    curves = [
-        (with_gaps(values / AXIAL.size), name, color)
-        for values, name, color in (
-            (split.both_sum, "all forces", RED),
-            (split.tangential_sum, "tangential forces alone", ORANGE),
-            (split.radial_sum, "radial forces alone", BLUE),
-        )
-    ]
-    top = max(float(np.nanmax(values, initial=0.0)) for values, _, _ in curves)
-    traces = []
-    for values, name, color in curves:
-        kept = seen_points(rpm, values, UNSEEN * top, HOVER_STEP * float(np.ptp(rpm)))
-        told = f"{name}<br>%{{x:.5g}} 1/min<br>%{{y:.4g}} {AXIAL.unit}"
-        traces.append(line(rpm[kept], values[kept], name, color, told, width=2.0))
-    return traces, layout(
-        axis(SPEED_TITLE, range=[float(rpm[0]), float(rpm[-1])]),
-        axis(f"axial amplitude of the free end [{AXIAL.unit}]", rangemode="tozero"),
-        title=title,
+    curves = split_curves(
+        response.speeds,
+        (split.both_sum, split.tangential_sum, split.radial_sum),
+        in_unit(AXIAL.si).factor,
+        f"axial amplitude of the free end [{AXIAL.unit}]",
     )
+    return figure_of(curves, title)

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.fitting import ResponseFits, predicted, surface
-from crankfem.nominal_section import moved, nominal_section, same_designs
+from crankfem.fitting import ResponseFits, predicted
+from crankfem.nominal_section import over_factor
 from crankfem.pictures.interactive.rounding import rounded
 from crankfem.pictures.interactive.style import (
     Figure,
@@ -81,23 +81,18 @@ def response_over_factors(table: StudyTable, found: ResponseFits) -> Figure:
     """
     unit, size = shown_unit(found.unit)
     factors = table.plan.factors
-    section = nominal_section(table)
-    chosen = surface(table.plan, found, found.chosen)
-    off_curve = table.responses[found.column] / predicted(table, found, found.chosen)
     told = designs_told(factors, table.values)
     forms = _forms(found)
     traces: list[Part] = []
     owners: list[int] = []
     for place, factor in enumerate(factors):
-        sweep = moved(section, place, _sweep(factor))
-        x = shown_values(factor, sweep[:, place])
+        section = over_factor(table, found, place, forms, _sweep(factor))
+        x, on_line = shown_values(factor, section.values), section.on_line
         own = [
-            _curve(factor, x, surface(table.plan, found, fit)(sweep) / size, fit, number, unit)
-            for number, fit in enumerate(forms)
+            _curve(factor, x, curve / size, fit, number, unit)
+            for number, (fit, curve) in enumerate(zip(forms, section.curves, strict=True))
         ]
-        here = moved(section, place, table.values[:, place])
-        on_line = same_designs(table, here)
-        y = chosen(here) * off_curve / size
+        y = section.results / size
         across = shown_values(factor, table.values[:, place])
         for those, symbol, name in (
             (~on_line, "circle-open", "other designs, moved to this line"),

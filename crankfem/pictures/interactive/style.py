@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankfem.pictures.interactive.rounding import rounded
-from geometry.diagram_style import BLUE, GRAY, GREEN, ORANGE, STYLE
+from geometry.diagram_style import GRAY, STYLE
+from geometry.plots.curves import order_look
 
 # Plain JSON content in plotly's form.
 Part = dict[str, Any]
@@ -22,10 +23,6 @@ FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, s
 TEXT_COLOR, QUIET_COLOR = "#1d2733", "#5b6875"
 GRID_COLOR = STYLE["grid.color"]
 HEIGHT = 430  # pixels
-# Red is that of limits.
-CURVE_COLORS = (BLUE, ORANGE, GREEN, "#7a5ba6", "#2a9d9d", "#8c6d1f")
-# A second round of colors has other dashes, so that each curve has a look of its own.
-DASHES = ("solid", "dash", "dot", "dashdot")
 
 
 def axis(title: str, **more: Any) -> Part:
@@ -141,8 +138,8 @@ def dots(
 
 def look(number: int) -> Part:
     """Color and dashes of one of many curves, as arguments of `line`."""
-    rounds, place = divmod(number, len(CURVE_COLORS))
-    return {"color": CURVE_COLORS[place], "dash": DASHES[rounds % len(DASHES)]}
+    color, dash, _ = order_look(number)
+    return {"color": color, "dash": dash}
 
 
 def band(low: float, high: float, color: str, **more: Any) -> Part:

@@ -27,13 +27,15 @@ from fem.throw_analysis import ThrowAnalysis
 from fem.unit_loads import UnitLoad, whole_facets, whole_nodes
 from geometry.facets import six_node_triangles
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
+from geometry.units import UNITS
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 MILLI = 1e3
 # Displacements are shown for 1 kN in µm, stresses for 1 kN or 1 kN m in MPa.
-DISPLACEMENT_SHOWN, STRESS_SHOWN = 1e3 * 1e6, 1e3 / 1e6
+DISPLACEMENT_SHOWN = UNITS["kN"][1] / UNITS["um"][1]
+STRESS_SHOWN = UNITS["kN"][1] / UNITS["MPa"][1]
 # The largest displacement is drawn as this share of the throw's length.
 DRAWN_DISPLACEMENT = 0.06
 STEEL_COLOR, FEATURE_COLOR, MESH_COLOR = "#b9c4d0", "#2a3644", "#33475b"

@@ -5,18 +5,20 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from crankfem.pictures.interactive.curves import UNSEEN
 from crankfem.pictures.interactive.rounding import rounded
-from crankfem.pictures.interactive.style import Figure, axis, degrees_of, dots, layout, line, number
+from crankfem.pictures.interactive.style import Figure, axis, dots, layout, line, number
 from crankfem.pictures.interactive.thinning import seen_points
 from crankfem.pictures.interactive.writing import write_figure
 from dynamics.harmonics import Harmonics
+from dynamics.plots.bars import ORDER_LABEL, bar_width
+from dynamics.plots.sampled_torque import ANGLE_LABEL, TORQUE_LABEL, over_cycle
 from geometry.diagram_style import BLUE, GREEN, ORANGE, make_folder
 
 Array = NDArray[np.float64]
 
-POINTS = 721
-# Share of the height that a thinned curve may miss, and the longest way without a point [deg].
-UNSEEN, HOVER_STEP = 5e-4, 6.0
+# The longest way without a point [deg].
+HOVER_STEP = 6.0
 
 
 def interactive_torque(folder: Path, samples: Array, found: Harmonics) -> list[Path]:
@@ -46,17 +48,14 @@ def interactive_torque(folder: Path, samples: Array, found: Harmonics) -> list[P
 
 def torque_and_harmonics(samples: Array, found: Harmonics) -> Figure:
     """Draw torque samples with the sum of all harmonics above, and the amplitudes by order below."""
-    cycle = np.pi * found.strokes
-    angles = np.linspace(0.0, cycle, POINTS)
-    degrees, sums = degrees_of(angles), found.at(angles)
+    degrees, sums, own = over_cycle(samples, found)
     kept = seen_points(degrees, sums, UNSEEN * float(np.ptp(sums)), HOVER_STEP)
-    own = degrees_of(np.arange(len(samples)) * cycle / len(samples))
     told = "<br>crank angle %{x:.4g} deg<br>%{y:.4g} N m"
     bars = {
         "type": "bar",
         "x": rounded(found.orders),
         "y": rounded(found.amplitude),
-        "width": 0.6 * float(found.orders[0]),
+        "width": bar_width(found.orders),
         "name": "amplitude of an order",
         "marker": {"color": BLUE},
         "customdata": rounded(np.rad2deg(found.phase)),
@@ -81,13 +80,13 @@ def torque_and_harmonics(samples: Array, found: Harmonics) -> Figure:
         bars,
     ]
     made = layout(
-        axis("crank angle [deg]", range=[0.0, float(degrees[-1])], dtick=90, tick0=0, anchor="y"),
-        axis("torque of one throw [N m]", domain=[0.58, 1.0]),
+        axis(ANGLE_LABEL, range=[0.0, float(degrees[-1])], dtick=90, tick0=0, anchor="y"),
+        axis(TORQUE_LABEL, domain=[0.58, 1.0]),
         title="Torque of one throw and its harmonics",
         height=620,
     )
     lower = {
-        "xaxis2": axis("harmonic order [cycles per revolution]", anchor="y2"),
+        "xaxis2": axis(ORDER_LABEL, anchor="y2"),
         "yaxis2": axis("amplitude M<sub>k</sub> [N m]", domain=[0.0, 0.4], anchor="x2"),
     }
     return traces, made | lower

@@ -8,12 +8,7 @@ from crankfem.pictures.interactive.shaft import axial_split, mode_shares, shaft_
 from crankfem.pictures.interactive.shapes import mode_shapes
 from crankfem.pictures.interactive.style import Figure
 from crankfem.pictures.interactive.writing import write_figure
-from crankfem.pictures.vibration_panels import (
-    barred_ranges,
-    free_end_title,
-    most_stressed,
-    stress_title,
-)
+from crankfem.pictures.vibration_panels import free_end_title, stress_title
 from crankfem.vibration.assessment import Assessment
 from crankfem.vibration.forced import ForcedVibration
 from crankfem.vibration.motion import MOTION
@@ -87,7 +82,7 @@ def _free_end(forced: ForcedVibration, assessment: Assessment, engine: str) -> F
             MOTION[forced.kind].quantity,
             assessment.limits.get(f"{forced.kind}_amplitude"),
         ),
-        barred_ranges(assessment),
+        assessment.verdict.ranges_to_bar,
         free_end_title(engine, forced.kind),
     )
 
@@ -95,9 +90,9 @@ def _free_end(forced: ForcedVibration, assessment: Assessment, engine: str) -> F
 def _stress(forced: ForcedVibration, assessment: Assessment, engine: str) -> Figure:
     """Show the crankshaft's element that is stressed most."""
     assert forced.stress is not None
-    worst = most_stressed(forced)
+    worst = forced.stress.largest_place
     return amplitudes_over_speed(
         Curve(forced.stress, worst, "stress", assessment.limits.get("crankshaft_stress")),
-        barred_ranges(assessment),
+        assessment.verdict.ranges_to_bar,
         f"{stress_title(engine)}, {forced.stress.names[worst]}",
     )

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.pictures.interactive.style import literal
-from geometry.quantity import DISPLAY_UNITS
+from geometry.units import DISPLAY_UNITS
 from regression.fits.equation_text import factor_label
 from regression.plans.factors import Factor
 

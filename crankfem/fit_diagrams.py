@@ -1,22 +1,17 @@
-"""Single panels of a study's diagrams, each drawn on the axes it is given."""
+"""Single diagrams of a study's equations, each drawn on the axes it is given."""
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from crankfem.fitting import ResponseFits, Sensitivities, predicted, surface
-from crankfem.nominal_section import moved, nominal_section, same_designs
+from crankfem.fitting import ResponseFits, Sensitivities, predicted
+from crankfem.nominal_section import over_factor
 from geometry.diagram_style import math_symbol
 from geometry.plots.legends import shown_unit, write_title
 from regression.factor_labels import factor_text
-from regression.fits.equation_text import term_effects
 from regression.fits.fits import Fit
 from regression.plots.equations import (
     Curve,
     draw_curves,
-    draw_effects,
     draw_elasticities,
     draw_sobol,
 )
@@ -27,33 +22,12 @@ from regression.runs.study_table import StudyTable
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
-
 # Beside the chosen form these are drawn, as far as they were fitted, to compare it with.
 COMPARED = ("linear", "quadratic", "power law", "log-quadratic", "log-cubic", "group quadratic")
 FORMS_DRAWN = 4
 
 
-class ResponseCurves(NamedTuple):
-    """A response's forms as functions of factor values (n, k), and how runs lie off the chosen one."""
-
-    forms: list[tuple[Fit, Callable[[Array], Array]]]
-    chosen: Callable[[Array], Array]
-    off_curve: Array
-
-
-def response_curves(table: StudyTable, found: ResponseFits) -> ResponseCurves:
-    """Return what is drawn over every factor."""
-    return ResponseCurves(
-        [(fit, surface(table.plan, found, fit)) for fit in forms_drawn(found)],
-        surface(table.plan, found, found.chosen),
-        table.responses[found.column] / predicted(table, found, found.chosen),
-    )
-
-
-def draw_over_factor(
-    axes: "Axes", table: StudyTable, found: ResponseFits, place: int, curves: ResponseCurves
-) -> None:
+def draw_over_factor(axes: "Axes", table: StudyTable, found: ResponseFits, place: int) -> None:
     """Draw the chosen equation, and others beside it, over one factor.
 
     The other factors stay at the nominal throw, or at the levels next to it. Filled dots are finite
@@ -61,17 +35,17 @@ def draw_over_factor(
     keep their distance to it.
     """
     factor, size = table.plan.factors[place], shown_unit(found.unit)[1]
-    section = nominal_section(table)
+    forms = forms_drawn(found)
     values = sweep(factor.lowest, factor.highest, factor.labels)
-    points = moved(section, place, values)
+    section = over_factor(table, found, place, forms, values)
     x_size = factor_size(factor.unit, factor.labels)
     drawn = [
-        Curve(fit.form, curve(points) / size, fit is found.chosen) for fit, curve in curves.forms
+        Curve(fit.form, curve / size, fit is found.chosen)
+        for fit, curve in zip(forms, section.curves, strict=True)
     ]
     draw_curves(axes, values / x_size, drawn, bool(factor.labels))
-    here = moved(section, place, table.values[:, place])
-    dots = curves.chosen(here) * curves.off_curve / size
-    draw_section(axes, table.values[:, place] / x_size, dots, same_designs(table, here))
+    places = table.values[:, place] / x_size
+    draw_section(axes, places, section.results / size, section.on_line)
     label_factor_axis(axes, factor.name, factor.unit, factor.labels)
 
 
@@ -81,8 +55,7 @@ def draw_fit_parity(axes: "Axes", table: StudyTable, found: ResponseFits, fit: F
     by_fe, values = table.responses[found.column], predicted(table, found, fit)
     draw_parity(axes, by_fe / size, values / size, table.held_out)
     worst = 100.0 * (fit.largest_heldout_error or 0.0)
-    star = " (chosen)" if fit is found.chosen else ""
-    write_title(axes, f"{fit.form}{star}:\nheld out within {worst:.2g} %", 9)
+    write_title(axes, f"{found.form_text(fit)}:\nheld out within {worst:.2g} %", 9)
 
 
 def draw_fit_errors(axes: "Axes", table: StudyTable, found: ResponseFits, fit: Fit) -> None:
@@ -96,19 +69,6 @@ def draw_fit_errors(axes: "Axes", table: StudyTable, found: ResponseFits, fit: F
 def fe_text(found: ResponseFits) -> str:
     """Label of an axis for a response by finite elements."""
     return f"{math_symbol(found.symbol)} by FE [{shown_unit(found.unit)[0]}]"
-
-
-def draw_fit_effects(axes: "Axes", found: ResponseFits, fit: Fit) -> None:
-    """Draw the coded coefficients of a fit in the order of their size (Pareto)."""
-    names, values = term_effects(fit.fitted)
-    if fit.fitted.logarithmic:
-        unit, size, of = "%", 0.01, "ln "
-    elif fit.basis == "groups":
-        unit, size, of = "1", 1.0, ""
-    else:
-        (unit, size), of = shown_unit(found.unit), ""
-    label = f"coded coefficient of {of}{math_symbol(found.symbol)} [{unit}]"
-    draw_effects(axes, names, values / size, label, fit.form)
 
 
 def draw_fit_elasticities(

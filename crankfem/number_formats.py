@@ -1,0 +1,76 @@
+"""How numbers are written without their units: so many digits, in an engineer's words."""
+
+UNBOUNDED = "unbounded"
+
+
+def plain(value: float, digits: int) -> str:
+    """Write a number with so many significant digits or, if it is large, all before the point.
+
+    Examples
+    --------
+    >>> plain(57.25, 3), plain(1234.5, 3)
+    ('57.2', '1234')
+    """
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e+" in text else text
+
+
+def significant(value: float, digits: int = 4) -> str:
+    """Write a number with so many significant digits, zeros at its end included; see `plain`.
+
+    Examples
+    --------
+    >>> significant(1.6)
+    '1.600'
+    >>> significant(15597.0)
+    '15597'
+    """
+    text = f"{value:#.{digits}g}"
+    return f"{value:.0f}" if "e+" in text else text.removesuffix(".")
+
+
+def nano(value: float, digits: int = 4) -> str:
+    """Write a number in 1e-9 of its unit."""
+    return significant(value * 1e9, digits)
+
+
+def percent(share: float, digits: int = 2) -> str:
+    """Write a share in per cent; what is next to nothing as that.
+
+    Examples
+    --------
+    >>> percent(0.00958)
+    '0.96'
+    >>> percent(12.345)
+    '1234'
+    >>> percent(2e-12)
+    'below 0.001'
+    """
+    hundredfold = share * 100.0
+    return "below 0.001" if 0.0 < abs(hundredfold) < 1e-3 else plain(hundredfold, digits)
+
+
+def fixed(value: float, digits: int = 1) -> str:
+    """Write a number with so many digits behind the point; round-off is a plain zero."""
+    return f"{round(value, digits) + 0.0:.{digits}f}"
+
+
+def scaled(value: float | None, size: float, digits: int = 3) -> str:
+    """Write a number in units of `size`."""
+    return UNBOUNDED if value is None else significant(value / size, digits)
+
+
+def tiny(value: float) -> str:
+    """Write the size of an error that is round-off, or nearly.
+
+    Examples
+    --------
+    >>> tiny(3.87e-13)
+    '4e-13'
+    """
+    return "0" if value == 0.0 else f"{abs(value):.0e}".replace("e-0", "e-")
+
+
+def used(share: float | None) -> str:
+    """Write how much of a limit is used; what is unbounded as that."""
+    return UNBOUNDED if share is None else f"{plain(100.0 * share, 3)} %"
