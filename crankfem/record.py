@@ -10,6 +10,8 @@ from crankfem.toml_file import InputRecord
 Record = dict[str, Any]
 # 1/min in a rad/s.
 RPM = 30.0 / math.pi
+# How a remark begins that tells of a value nobody gave.
+ASSUMED = "Assumed: "
 
 
 def assumed_values(records: Iterable[InputRecord]) -> list[Record]:

@@ -1,19 +1,12 @@
 """Verdict and uncertainty as plain numbers, and the tables made from them."""
 
-from typing import Any
-
-from crankfem.console import print_line, print_table
 from crankfem.output_units import SI, UNBOUNDED, OutputUnits
 from crankfem.record import RPM, Record
-from crankfem.report.numbers import used
+from crankfem.table import Column, Table
 from crankfem.vibration.assessment import Assessment, Uncertainty
-from crankfem.vibration.forced_records import finite_or_none
-from crankfem.vibration.motion import MOTION
+from crankfem.vibration.forced_records import ROWS_SHOWN, SPEED, finite_or_none
 from dynamics.assessment.barred_ranges import BarredRange, judged_to
 from dynamics.assessment.verdict import LimitCheck
-
-# Critical speeds that a table shows; files hold all.
-ROWS_SHOWN = 12
 
 
 def assessment_record(assessment: Assessment) -> Record:
@@ -45,86 +38,62 @@ def assessment_record(assessment: Assessment) -> Record:
     }
 
 
-def print_assessment(record: dict[str, Any], units: OutputUnits = SI) -> None:
-    """Print what is uncertain, limits, barred ranges and, last, the verdict."""
-    speed = units.of("1/min")
-    for kind, uncertain in record["uncertainty"].items():
-        _print_uncertainty(kind, uncertain, units)
-    for limit in dict.fromkeys(check["limit"] for check in record["checks"]):
-        print_table(
-            f"{limit.capitalize()}, worst speeds",
-            ["where", f"at [{speed.name}]", "reached", "permitted", "used [%]"],
-            [
-                [
-                    check["place"],
-                    speed.fixed(check["speed_rpm"] / RPM, 1),
-                    _quantity(check["value"], check["unit"], units),
-                    _quantity(check["permitted"], check["unit"], units),
-                    used(check["used"]).removesuffix(" %"),
-                ]
-                for check in record["checks"]
-                if check["limit"] == limit
-            ],
-        )
-    lowest, highest = record["running_rpm"]
-    for limit in record["limits"]:
-        assumed = ", assumed" if limit["assumed"] else ""
-        end = limit["judged_to_rpm"]
-        beyond = (
-            f", for it holds above the highest running speed of {highest:.4g} 1/min too"
-            if end > highest
-            else ""
-        )
-        print_line(
-            units.text(
-                f"Limit on {limit['name']}: {limit['source']}{assumed}; judged from {lowest:.4g} to "
-                f"{end:.4g} 1/min{beyond}."
-            )
-        )
-    for line in record["remarks"]:
-        print_line(units.text(f"Note: {line}"))
-    for name, fine in (
-        ("barred", "may be barred"),
-        ("started_through", "is passed on every start"),
-    ):
-        for one in record[name]:
-            said = "; ".join(one["refusals"]) or fine
-            print_line(units.text(f"Range {one['shown']}: {said}. Its ends: {one['ends']}."))
-    print_line(units.text(f"Verdict: {record['sentence']}"))
-    for line in record["beside"]:
-        print_line(units.text(line))
+def limit_table(record: Record, limit: str | None = None, units: OutputUnits = SI) -> Table:
+    """Return how far limits are used, each place at its worst speed: all of them, or one by its name."""
+    checks = [one for one in record["checks"] if limit in (None, one["limit"])]
 
+    def quantity(value: float | None, unit: str) -> str:
+        return UNBOUNDED if value is None else units.quantity(value, unit, 4)
 
-def _print_uncertainty(kind: str, record: dict[str, Any], units: OutputUnits) -> None:
-    motion, speed = units.of(MOTION[kind].printed), units.of("1/min")
-    for spread in record["spreads"]:
-        print_line(
-            f"{kind.capitalize()}: {spread['name']} {spread['low']:.3g} to {spread['high']:.3g} times the "
-            "value used"
-        )
-    count = len(record["critical"])
-    print_table(
-        f"{kind.capitalize()} critical speeds with what is uncertain, and their margin to running speeds"
-        + (f", the first {ROWS_SHOWN} of {count}" if count > ROWS_SHOWN else ""),
-        ["mode", "order", f"speed [{speed.name}]", "lowest", "highest", "margin [%]"],
+    table = Table(
+        "Limits, worst speeds" if limit is None else f"{limit.capitalize()}, worst speeds",
+        [
+            Column("limit", words=True),
+            Column("where", words=True),
+            Column("at", "1/min", decimals=1),
+            Column("reached"),
+            Column("permitted"),
+            Column("used", "%", 3, missing=UNBOUNDED),
+        ],
         [
             [
-                str(one["mode"]),
-                f"{one['order']:g}",
-                *(speed.fixed(one[name] / RPM, 1) for name in ("speed_rpm", "low_rpm", "high_rpm")),
-                "none" if one["margin"] == 0.0 else f"{100.0 * one['margin']:.1f}",
+                one["limit"],
+                one["place"],
+                one["speed_rpm"] / RPM,
+                quantity(one["value"], one["unit"]),
+                quantity(one["permitted"], one["unit"]),
+                one["used"],
             ]
-            for one in record["critical"][:ROWS_SHOWN]
+            for one in checks
+        ],
+        marks=["" if one["passed"] else "over" for one in checks],
+    )
+    return table if limit is None else table.only("where", "at", "reached", "permitted", "used")
+
+
+def margin_table(kind: str, record: Record) -> Table:
+    """Return the critical speeds of one kind with what is uncertain of them."""
+    found = record["critical"]
+    return Table(
+        f"{kind.capitalize()} critical speeds with what is uncertain, and their margin to running speeds"
+        + (f", the first {ROWS_SHOWN} of {len(found)}" if len(found) > ROWS_SHOWN else ""),
+        [
+            Column("mode"),
+            Column("order", digits=6),
+            SPEED,
+            *(Column(name, "1/min", decimals=1, bare=True) for name in ("lowest", "highest")),
+            Column("margin", "%", decimals=1),
+        ],
+        [
+            [
+                one["mode"],
+                one["order"],
+                *(one[name] / RPM for name in ("speed_rpm", "low_rpm", "high_rpm")),
+                one["margin"] or None,
+            ]
+            for one in found[:ROWS_SHOWN]
         ],
     )
-    if record["amplitudes"] is not None:
-        found = record["amplitudes"]
-        print_line(
-            f"{kind.capitalize()} amplitude of the free end at running speeds: nominal "
-            f"{motion.number(found['nominal'])}, 5 to 95 % of {found['samples']} samples "
-            f"{motion.number(found['percentile_5'])} to {motion.number(found['percentile_95'])} "
-            f"{motion.name}"
-        )
 
 
 def _check(check: LimitCheck, running: tuple[float, float]) -> Record:
@@ -196,7 +165,3 @@ def _uncertainty(uncertain: Uncertainty) -> Record:
             "highest": finite_or_none(float(amplitudes.highest)),
         },
     }
-
-
-def _quantity(value: float | None, unit: str, units: OutputUnits) -> str:
-    return UNBOUNDED if value is None else units.quantity(value, unit, 4)

@@ -1,15 +1,10 @@
 """Forced vibration as plain numbers, and the tables and columns made from them."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 
-from crankfem.column_file import write_columns
-from crankfem.console import print_line, print_table
-from crankfem.mechanism_tables import ASSUMED
-from crankfem.output_units import SI, OutputUnits
-from crankfem.record import RPM, Record
+from crankfem.output_units import SI, UNBOUNDED, OutputUnits
+from crankfem.record import ASSUMED, RPM, Record
+from crankfem.table import Column, Table
 from crankfem.vibration.forced import ForcedVibration
 from crankfem.vibration.motion import MOTION
 from dynamics.checks import FloatArray
@@ -23,6 +18,7 @@ LOAD = {"torsional": "kN m", "axial": "kN"}
 # SI units of loads in records.
 LOAD_UNIT = {"torsional": "N m", "axial": "N"}
 
+SPEED = Column("speed", "1/min", decimals=1)
 # Shares below this are round-off: the cylinders cancel.
 ROUND_OFF = 1e-12
 
@@ -72,71 +68,67 @@ def forced_record(forced: ForcedVibration) -> Record:
     }
 
 
-def print_forced(record: dict[str, Any], units: OutputUnits = SI) -> None:
-    """Print resonances and peaks of a forced vibration."""
-    kind = record["kind"]
-    motion, load = units.of(MOTION[kind].printed), units.of(LOAD[kind])
-    speed, stress = units.of("1/min"), units.of("MPa")
-    free_end = record["free_end"]
-    for line in (*record["damping"], *record["remarks"]):
-        print_line(units.text(f"{kind.capitalize()}: {line}"))
-    worst = sorted(record["resonances"], key=lambda one: -one["severity"])[:ROWS_SHOWN]
-    count = len(record["resonances"])
-    print_table(
+def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
+    """Return the most severe resonances of a `forced_record`, by speed."""
+    kind, found = record["kind"], record["resonances"]
+    worst = sorted(found, key=lambda one: -one["severity"])[:ROWS_SHOWN]
+    motion = MOTION[kind].printed
+    return Table(
         f"{kind.capitalize()} resonances {_judged(record, units)}"
-        + (f", the {ROWS_SHOWN} most severe of {count}" if count > ROWS_SHOWN else ""),
+        + (f", the {ROWS_SHOWN} most severe of {len(found)}" if len(found) > ROWS_SHOWN else ""),
         [
-            f"speed [{speed.name}]",
-            "order",
-            "mode",
-            f"{free_end['node']} [{motion.name}]",
-            "by magnifier",
-            "kind:",
+            SPEED,
+            Column("order", digits=6),
+            Column("mode"),
+            Column(record["free_end"]["node"], motion, missing=UNBOUNDED),
+            Column("by magnifier", motion, missing=UNBOUNDED, bare=True),
+            Column("kind", words=True),
         ],
         [
             [
-                speed.fixed(one["speed_rpm"] / RPM, 1),
-                f"{one['order']:g}",
-                str(one["mode"]),
-                motion.number(one["amplitude"]),
-                motion.number(one["estimate"]),
-                one["kind"] + ("" if one["in_running_range"] else ", above"),
+                one["speed_rpm"] / RPM,
+                one["order"],
+                one["mode"],
+                one["amplitude"],
+                one["estimate"],
+                one["kind"] + ("" if one.get("in_running_range", True) else ", above"),
             ]
             for one in sorted(worst, key=lambda one: float(one["speed_rpm"]))
         ],
     )
-    stresses = {one["element"]: one for one in record["stress"] or ()}
-    stressed = [f"stress [{stress.name}]"] if stresses else []
-    print_table(
-        f"{kind.capitalize()} vibration of the elements, largest over the speeds "
+
+
+def element_table(record: Record) -> Table:
+    """Return the largest loads, and stresses if there are, of the elements of a `forced_record`."""
+    stresses = {one["element"]: one["peak"] for one in record["stress"] or ()}
+    load = LOAD[record["kind"]]
+    return Table(
+        f"{record['kind'].capitalize()} vibration of the elements, largest over the speeds "
         "(all orders over the cycle; plain sum of amplitudes)",
         [
-            "element",
-            f"load [{load.name}]",
-            f"at [{speed.name}]",
-            f"plain sum [{load.name}]",
-            *stressed,
+            Column("element", words=True),
+            Column("load", load, missing=UNBOUNDED),
+            Column("at", "1/min", decimals=0),
+            Column("plain sum", load, missing=UNBOUNDED),
+            *([Column("stress", "MPa", missing=UNBOUNDED)] if stresses else []),
         ],
         [
             [
                 one["element"],
-                load.number(one["peak"]),
-                speed.fixed(one["speed_rpm"] / RPM, 0),
-                load.number(one["plain_sum_peak"]),
-                *(
-                    [stress.number(stresses[one["element"]]["peak"])]
-                    if one["element"] in stresses
-                    else [""] * len(stressed)
-                ),
+                one["peak"],
+                one["speed_rpm"] / RPM,
+                one["plain_sum_peak"],
+                *([stresses.get(one["element"], "")] if stresses else []),
             ]
             for one in record["loads"]
         ],
     )
 
 
-def _judged(record: dict[str, Any], units: OutputUnits) -> str:
+def _judged(record: Record, units: OutputUnits) -> str:
     """Say over which speeds resonances are listed."""
-    running, judged = record["running_rpm"], record["judged_rpm"]
+    running = record["running_rpm"]
+    judged = record.get("judged_rpm") or running
     if judged[1] <= running[1]:
         return "in the running range"
     return units.text(
@@ -145,8 +137,8 @@ def _judged(record: dict[str, Any], units: OutputUnits) -> str:
     )
 
 
-def write_forced(path: Path, forced: ForcedVibration) -> None:
-    """Write the amplitudes over the speed as CSV: free end by order, loads of all elements."""
+def forced_columns(forced: ForcedVibration) -> tuple[dict[str, FloatArray], str]:
+    """Return the amplitudes over the speed, of the free end by order and of loads, and what they are."""
     free_end, loads = forced.free_end, forced.loads.elements
     unit = MOTION[forced.kind].si
     load = "Nm" if forced.kind == "torsional" else "N"
@@ -159,7 +151,7 @@ def write_forced(path: Path, forced: ForcedVibration) -> None:
         columns[f"free_end_order_{order:g}_{unit}"] = free_end.amplitude[place, :, 0]
     for place, name in enumerate(loads.names):
         columns[f"{name} [{load}]"] = loads.synthesis.amplitude[:, place]
-    write_columns(path, columns, f"{forced.kind} vibration, amplitudes; inf is unbounded")
+    return columns, f"{forced.kind} vibration, amplitudes; inf is unbounded"
 
 
 def _peaks(series: OrderSeries, unit: str) -> list[Record]:

@@ -1,20 +1,16 @@
-"""All of an engine's vibration as plain numbers, and the tables that the command line prints."""
+"""All of an engine's vibration as plain numbers, and the tables made from them."""
 
-from typing import Any
-
-from crankfem import tables
-from crankfem.console import print_line
-from crankfem.output_units import SI, OutputUnits
-from crankfem.record import Record
+from crankfem.record import RPM, Record
 from crankfem.results import vibration_record
-from crankfem.vibration.assessment_records import assessment_record, print_assessment
-from crankfem.vibration.forced_records import forced_record, print_forced
+from crankfem.table import Column, Table
+from crankfem.vibration.assessment_records import assessment_record
+from crankfem.vibration.forced_records import SPEED, forced_record
 from crankfem.vibration.run import EngineVibration
-from crankfem.vibration.whole_records import print_whole, whole_record
+from crankfem.vibration.whole_records import whole_record
 
-NOT_FORCED = (
-    "Amplitudes are not calculated, because the engine file gives no gas pressure: add [gas]."
-)
+# Resultant of the cylinders on a mode shape from which they count as acting together.
+TOGETHER = 0.5
+FREQUENCY = Column("frequency", "Hz", decimals=2)
 
 
 def run_record(run: EngineVibration) -> Record:
@@ -28,15 +24,70 @@ def run_record(run: EngineVibration) -> Record:
     }
 
 
-def print_run(record: dict[str, Any], units: OutputUnits = SI) -> None:
-    """Print everything, the verdict last."""
-    for kind in ("axial", "torsional"):
-        tables.print_vibration(record[kind], forced=record["forced"] is not None, units=units)
-        if record["forced"] is not None:
-            print_forced(record["forced"][kind], units)
-    if record["whole"] is not None:
-        print_whole(record["whole"], units)
-    if record["assessment"] is None:
-        print_line(NOT_FORCED)
-    else:
-        print_assessment(record["assessment"], units)
+def mode_table(record: Record) -> Table:
+    """Return the natural modes of one kind, from its `vibration_record`."""
+    return Table(
+        f"{record['kind'].capitalize()} modes (compliances: {record['source']})",
+        [
+            Column("mode", words=True),
+            FREQUENCY,
+            Column("[1/min]", decimals=0),
+            Column("nodes at", decimals=2, words=True),
+        ],
+        [
+            [
+                "rigid body" if one["rigid"] else str(one["number"]),
+                one["frequency"],
+                60.0 * one["frequency"],
+                one["node_positions"],
+            ]
+            for one in record["modes"]
+        ],
+        note=f"Nodes count the chain's points: 0 is {record['nodes'][0]}, {len(record['nodes']) - 1} is "
+        f"{record['nodes'][-1]}.",
+    )
+
+
+def critical_table(record: Record) -> Table:
+    """Return the critical speeds of one kind; marked are those at which the cylinders act together."""
+    return Table(
+        f"{record['kind'].capitalize()} critical speeds in the running range",
+        [
+            SPEED,
+            Column("order", digits=6),
+            Column("mode"),
+            FREQUENCY,
+            Column("phase sum", decimals=3),
+        ],
+        [
+            [
+                one["speed_rpm"] / RPM,
+                one["order"],
+                one["mode"],
+                one["frequency"],
+                one["phase_sum"],
+            ]
+            for one in record["criticals"]
+        ],
+        marks=[
+            ("chosen" if one["phase_sum"] >= TOGETHER else "")
+            + ("" if one.get("in_running_range", True) else " above")
+            for one in record["criticals"]
+        ],
+    )
+
+
+def source_table(record: Record) -> Table:
+    """Return the first frequencies of one kind with every source of compliances."""
+    return Table(
+        f"First {record['kind']} frequencies by source of the compliances",
+        [
+            Column("source", words=True),
+            Column("frequencies", "Hz", decimals=1),
+            Column("first beside chosen", decimals=3),
+        ],
+        [
+            [one["source"], one["first_frequencies"], one["beside_chosen"]]
+            for one in record["sources"]
+        ],
+    )

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from crankfem.console import print_line, print_table
-from crankfem.output_units import SI, OutputUnits
+from crankfem.output_units import SI, UNBOUNDED, OutputUnits
 from crankfem.record import RPM, Record
+from crankfem.table import Column, Table
 from crankfem.vibration.forced import ForcedVibration
 from crankfem.vibration.run_up import RunUp
 
@@ -39,29 +39,22 @@ def run_up_record(found: RunUp, forced: ForcedVibration) -> Record:
     }
 
 
-def print_run_up(record: Record, units: OutputUnits = SI) -> None:
-    """Print the largest torques of a run-up."""
-    torque, speed = units.of("kN m"), units.of("1/min")
+def run_up_table(record: Record, units: OutputUnits = SI) -> Table:
+    """Return the largest torques of a `run_up_record`."""
+    speed = units.of("1/min")
     cut = "" if record["complete"] else ", interrupted"
-    print_table(
+    return Table(
         f"Run-up from {speed.fixed(record['from_rpm'] / RPM, 0)} to "
         f"{speed.fixed(record['to_rpm'] / RPM, 0)} {speed.name} in {record['duration']:g} s{cut}: "
         "amplitude of the torque in the springs",
         [
-            "element",
-            f"largest [{torque.name}]",
-            f"at [{speed.name}]",
-            f"at constant speeds [{torque.name}]",
+            Column("element", words=True),
+            Column("largest", "kN m"),
+            Column("at", "1/min", decimals=0),
+            Column("at constant speeds", "kN m", missing=UNBOUNDED),
         ],
         [
-            [
-                one["element"],
-                torque.number(one["largest"]),
-                speed.fixed(one["at_rpm"] / RPM, 0),
-                torque.number(one["steady"]),
-            ]
+            [one["element"], one["largest"], one["at_rpm"] / RPM, one["steady"]]
             for one in record["elements"]
         ],
     )
-    for note in record["notes"]:
-        print_line(units.text(f"Note: {note}"))
