@@ -1,7 +1,7 @@
 """What the command line prints of a crank mechanism's forces."""
 
 from crankfem.console import print_line, print_table
-from crankfem.mechanism_records import (
+from crankfem.load_tables import (
     bearing_table,
     crankpin_table,
     cylinder_table,

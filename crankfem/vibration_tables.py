@@ -3,12 +3,18 @@
 from crankfem.console import print_line, print_notes, print_table
 from crankfem.output_units import SI, OutputUnits
 from crankfem.record import Record
-from crankfem.vibration.assessment_records import limit_table, margin_table
-from crankfem.vibration.forced_records import element_table, resonance_table
 from crankfem.vibration.motion import MOTION
-from crankfem.vibration.records import critical_table, mode_table, source_table
-from crankfem.vibration.run_up_records import run_up_table
-from crankfem.vibration.whole_records import whole_table
+from crankfem.vibration.tables import (
+    critical_table,
+    element_table,
+    limit_table,
+    margin_table,
+    mode_table,
+    resonance_table,
+    run_up_table,
+    source_table,
+    whole_table,
+)
 
 NOT_FORCED = (
     "Amplitudes are not calculated, because the engine file gives no gas pressure: add [gas]."

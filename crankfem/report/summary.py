@@ -5,7 +5,7 @@ from typing import Any
 
 from crankfem.record import Record
 from crankfem.report.numbers import fixed, motion, percent, quantity, significant, used
-from crankfem.vibration.records import TOGETHER
+from crankfem.vibration.tables import TOGETHER
 
 KINDS = ("axial", "torsional")
 # Speeds of each kind that the first screen names, and how severe beside the worst they are at least.

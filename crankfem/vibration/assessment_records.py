@@ -1,10 +1,8 @@
-"""Verdict and uncertainty as plain numbers, and the tables made from them."""
+"""Verdict and uncertainty as plain numbers."""
 
-from crankfem.output_units import SI, UNBOUNDED, OutputUnits
 from crankfem.record import RPM, Record
-from crankfem.table import Column, Table
 from crankfem.vibration.assessment import Assessment, Uncertainty
-from crankfem.vibration.forced_records import ROWS_SHOWN, SPEED, finite_or_none
+from crankfem.vibration.forced_records import finite_or_none
 from dynamics.assessment.barred_ranges import BarredRange, judged_to
 from dynamics.assessment.verdict import LimitCheck
 
@@ -36,64 +34,6 @@ def assessment_record(assessment: Assessment) -> Record:
             one.kind: _uncertainty(one) for one in (assessment.axial, assessment.torsional)
         },
     }
-
-
-def limit_table(record: Record, limit: str | None = None, units: OutputUnits = SI) -> Table:
-    """Return how far limits are used, each place at its worst speed: all of them, or one by its name."""
-    checks = [one for one in record["checks"] if limit in (None, one["limit"])]
-
-    def quantity(value: float | None, unit: str) -> str:
-        return UNBOUNDED if value is None else units.quantity(value, unit, 4)
-
-    table = Table(
-        "Limits, worst speeds" if limit is None else f"{limit.capitalize()}, worst speeds",
-        [
-            Column("limit", words=True),
-            Column("where", words=True),
-            Column("at", "1/min", decimals=1),
-            Column("reached"),
-            Column("permitted"),
-            Column("used", "%", 3, missing=UNBOUNDED),
-        ],
-        [
-            [
-                one["limit"],
-                one["place"],
-                one["speed_rpm"] / RPM,
-                quantity(one["value"], one["unit"]),
-                quantity(one["permitted"], one["unit"]),
-                one["used"],
-            ]
-            for one in checks
-        ],
-        marks=["" if one["passed"] else "over" for one in checks],
-    )
-    return table if limit is None else table.only("where", "at", "reached", "permitted", "used")
-
-
-def margin_table(kind: str, record: Record) -> Table:
-    """Return the critical speeds of one kind with what is uncertain of them."""
-    found = record["critical"]
-    return Table(
-        f"{kind.capitalize()} critical speeds with what is uncertain, and their margin to running speeds"
-        + (f", the first {ROWS_SHOWN} of {len(found)}" if len(found) > ROWS_SHOWN else ""),
-        [
-            Column("mode"),
-            Column("order", digits=6),
-            SPEED,
-            *(Column(name, "1/min", decimals=1, bare=True) for name in ("lowest", "highest")),
-            Column("margin", "%", decimals=1),
-        ],
-        [
-            [
-                one["mode"],
-                one["order"],
-                *(one[name] / RPM for name in ("speed_rpm", "low_rpm", "high_rpm")),
-                one["margin"] or None,
-            ]
-            for one in found[:ROWS_SHOWN]
-        ],
-    )
 
 
 def _check(check: LimitCheck, running: tuple[float, float]) -> Record:

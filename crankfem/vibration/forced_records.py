@@ -1,24 +1,17 @@
-"""Forced vibration as plain numbers, and the tables and columns made from them."""
+"""Forced vibration as plain numbers, and the columns of its file."""
 
 import numpy as np
 
-from crankfem.output_units import SI, UNBOUNDED, OutputUnits
 from crankfem.record import ASSUMED, RPM, Record
-from crankfem.table import Column, Table
 from crankfem.vibration.forced import ForcedVibration
 from crankfem.vibration.motion import MOTION
 from dynamics.checks import FloatArray
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.series import OrderSeries
 
-# What a table shows; files hold everything.
-ROWS_SHOWN = 12
-# Units in which loads are printed.
-LOAD = {"torsional": "kN m", "axial": "kN"}
 # SI units of loads in records.
 LOAD_UNIT = {"torsional": "N m", "axial": "N"}
 
-SPEED = Column("speed", "1/min", decimals=1)
 # Shares below this are round-off: the cylinders cancel.
 ROUND_OFF = 1e-12
 
@@ -66,75 +59,6 @@ def forced_record(forced: ForcedVibration) -> Record:
         if forced.axial_forces is None
         else _axial_forces(forced.axial_forces, forced),
     }
-
-
-def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
-    """Return the most severe resonances of a `forced_record`, by speed."""
-    kind, found = record["kind"], record["resonances"]
-    worst = sorted(found, key=lambda one: -one["severity"])[:ROWS_SHOWN]
-    motion = MOTION[kind].printed
-    return Table(
-        f"{kind.capitalize()} resonances {_judged(record, units)}"
-        + (f", the {ROWS_SHOWN} most severe of {len(found)}" if len(found) > ROWS_SHOWN else ""),
-        [
-            SPEED,
-            Column("order", digits=6),
-            Column("mode"),
-            Column(record["free_end"]["node"], motion, missing=UNBOUNDED),
-            Column("by magnifier", motion, missing=UNBOUNDED, bare=True),
-            Column("kind", words=True),
-        ],
-        [
-            [
-                one["speed_rpm"] / RPM,
-                one["order"],
-                one["mode"],
-                one["amplitude"],
-                one["estimate"],
-                one["kind"] + ("" if one.get("in_running_range", True) else ", above"),
-            ]
-            for one in sorted(worst, key=lambda one: float(one["speed_rpm"]))
-        ],
-    )
-
-
-def element_table(record: Record) -> Table:
-    """Return the largest loads, and stresses if there are, of the elements of a `forced_record`."""
-    stresses = {one["element"]: one["peak"] for one in record["stress"] or ()}
-    load = LOAD[record["kind"]]
-    return Table(
-        f"{record['kind'].capitalize()} vibration of the elements, largest over the speeds "
-        "(all orders over the cycle; plain sum of amplitudes)",
-        [
-            Column("element", words=True),
-            Column("load", load, missing=UNBOUNDED),
-            Column("at", "1/min", decimals=0),
-            Column("plain sum", load, missing=UNBOUNDED),
-            *([Column("stress", "MPa", missing=UNBOUNDED)] if stresses else []),
-        ],
-        [
-            [
-                one["element"],
-                one["peak"],
-                one["speed_rpm"] / RPM,
-                one["plain_sum_peak"],
-                *([stresses.get(one["element"], "")] if stresses else []),
-            ]
-            for one in record["loads"]
-        ],
-    )
-
-
-def _judged(record: Record, units: OutputUnits) -> str:
-    """Say over which speeds resonances are listed."""
-    running = record["running_rpm"]
-    judged = record.get("judged_rpm") or running
-    if judged[1] <= running[1]:
-        return "in the running range"
-    return units.text(
-        f"at the speeds judged: the running range to {running[1]:.4g} 1/min, and above it to "
-        f"{judged[1]:.4g} 1/min, as far as a limit holds"
-    )
 
 
 def forced_columns(forced: ForcedVibration) -> tuple[dict[str, FloatArray], str]:

@@ -1,9 +1,8 @@
-"""The whole crankshaft's modes and coupled vibration as plain numbers, and the tables made from them."""
+"""The whole crankshaft's modes and coupled vibration as plain numbers."""
 
 import numpy as np
 
 from crankfem.record import RPM, Record
-from crankfem.table import Column, Table
 from crankfem.vibration.forced_records import finite_or_none
 from crankfem.vibration.whole_shaft import ShaftComparison, WholeShaft
 from dynamics.crankshaft.chain_comparison import ChainVerdict
@@ -39,19 +38,6 @@ def whole_record(whole: WholeShaft, comparison: ShaftComparison | None) -> Recor
         if comparison is None or comparison.coupled is None
         else _split(comparison.coupled),
     }
-
-
-def whole_table(record: Record) -> Table:
-    """Return the modes of a `whole_record`."""
-    return Table(
-        "Modes of the whole crankshaft in its bearings",
-        [
-            Column("mode", words=True),
-            Column("frequency", "Hz", decimals=2),
-            Column("motion", words=True),
-        ],
-        [[one["name"], one["frequency"], one["label"]] for one in record["modes"]],
-    )
 
 
 def _chain(verdict: ChainVerdict) -> Record:
