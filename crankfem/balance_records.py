@@ -137,7 +137,7 @@ def balance_table(record: Record, kind: str, units: OutputUnits = SI) -> Table:
     return Table(
         f"Inertia {kind}s on the engine at {speed}{where}",
         [
-            Column("order", digits=6),
+            Column("order", digits=None),
             Column("largest", unit),
             Column("least", unit),
             Column("axis", "deg", missing=""),

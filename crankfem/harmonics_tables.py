@@ -90,7 +90,7 @@ def print_harmonics(title: str, record: Record, unit: str, units: OutputUnits = 
         Table(
             title,
             [
-                Column("order", digits=6),
+                Column("order", digits=None),
                 *(shown.column(symbol) for symbol in ("A_k", "B_k", "M_k")),
                 Column("a_k", "deg", decimals=2),
             ],
@@ -118,7 +118,7 @@ def print_engine(record: Record, units: OutputUnits = SI) -> None:
         Table(
             f"Amplitudes by throw [{shown.name}]",
             [
-                Column("order", digits=6),
+                Column("order", digits=None),
                 *(
                     shown.column(_throw_name(place, throw), bare=True)
                     for place, throw in enumerate(throws, start=1)
@@ -133,7 +133,7 @@ def print_engine(record: Record, units: OutputUnits = SI) -> None:
         Table(
             "Stars of the orders, all cylinders alike",
             [
-                Column("order", digits=6),
+                Column("order", digits=None),
                 Column("kind", words=True),
                 Column("resultant / sum", decimals=4),
                 Column("same star as", digits=6, words=True),
@@ -172,7 +172,7 @@ def print_pin_forces(record: Record, units: OutputUnits = SI) -> None:
             f"Cylinder {record['number']}: {field} force {letter} on the crankpin, phases from its "
             f"firing top at {record['firing_angle_deg']:g} deg; mean [{mean.name}]: {means}"
         )
-        columns, values = [Column("order", digits=6)], [parts["gas"]["orders"]]
+        columns, values = [Column("order", digits=None)], [parts["gas"]["orders"]]
         for part in PARTS:
             columns += [shown.column(f"{part} M_k"), Column(f"{part} a_k", "deg", decimals=2)]
             values += [parts[part]["amplitude"], map(math.radians, parts[part]["phase_deg"])]

@@ -28,8 +28,9 @@ class Column:
     unit : str or OutputUnit
         In which values are printed, such as "kN", unless the user wishes another; "%" for shares; an
         `OutputUnit` stays as it is.
-    digits : int
-        Significant digits of a value; whole numbers have all of theirs.
+    digits : int or None
+        Significant digits of a value; whole numbers have all of theirs. None for numbers that were given,
+        such as orders, which get no zeros at their end.
     decimals : int or None
         Decimals in place of digits.
     words : bool
@@ -50,7 +51,7 @@ class Column:
 
     name: str
     unit: str | OutputUnit = ""
-    digits: int = 4
+    digits: int | None = 4
     decimals: int | None = None
     words: bool = field(default=False, kw_only=True)
     joint: str = field(default=", ", kw_only=True)
@@ -86,6 +87,8 @@ class Column:
             return unit.fixed(cell, self.decimals)
         if isinstance(cell, int) and unit is NO_UNIT:
             return str(cell)
+        if self.digits is None:
+            return unit.number(cell, 6)
         return (
             unit.number(cell, self.digits)
             if write is None
@@ -117,10 +120,6 @@ class Table:
     note: str = ""
     marks: Sequence[str] = ()
     merged: bool = False
-
-    def heads(self, units: OutputUnits = SI) -> list[str]:
-        """Return the head of each column."""
-        return [column.head(units) for column in self.columns]
 
     def texts(
         self, units: OutputUnits = SI, write: Callable[[float, int], str] | None = None

@@ -121,7 +121,7 @@ def _print_uncertainty(kind: str, record: Record, units: OutputUnits) -> None:
             f"{kind.capitalize()}: {spread['name']} {spread['low']:.3g} to {spread['high']:.3g} times the "
             "value used"
         )
-    print_table(margin_table(kind, record), units)
+    print_table(margin_table(record, kind), units)
     found, motion = record["amplitudes"], units.of(MOTION[kind].printed)
     if found is not None:
         print_line(

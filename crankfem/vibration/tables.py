@@ -45,7 +45,7 @@ def critical_table(record: Record) -> Table:
         f"{record['kind'].capitalize()} critical speeds in the running range",
         [
             SPEED,
-            Column("order", digits=6),
+            Column("order", digits=None),
             Column("mode"),
             FREQUENCY,
             Column("phase sum", decimals=3),
@@ -94,7 +94,7 @@ def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
         + (f", the {ROWS_SHOWN} most severe of {len(found)}" if len(found) > ROWS_SHOWN else ""),
         [
             SPEED,
-            Column("order", digits=6),
+            Column("order", digits=None),
             Column("mode"),
             Column(record["free_end"]["node"], motion, missing=UNBOUNDED),
             Column("by magnifier", motion, missing=UNBOUNDED, bare=True),
@@ -174,7 +174,7 @@ def limit_table(record: Record, limit: str | None = None, units: OutputUnits = S
     return table if limit is None else table.only("where", "at", "reached", "permitted", "used")
 
 
-def margin_table(kind: str, record: Record) -> Table:
+def margin_table(record: Record, kind: str) -> Table:
     """Return the critical speeds of one kind with what is uncertain of them."""
     found = record["critical"]
     return Table(
@@ -182,7 +182,7 @@ def margin_table(kind: str, record: Record) -> Table:
         + (f", the first {ROWS_SHOWN} of {len(found)}" if len(found) > ROWS_SHOWN else ""),
         [
             Column("mode"),
-            Column("order", digits=6),
+            Column("order", digits=None),
             SPEED,
             *(Column(name, "1/min", decimals=1, bare=True) for name in ("lowest", "highest")),
             Column("margin", "%", decimals=1),
@@ -235,9 +235,9 @@ def run_up_table(record: Record, units: OutputUnits = SI) -> Table:
 
 def _judged(record: Record, units: OutputUnits) -> str:
     """Say over which speeds resonances are listed."""
-    running = record["running_rpm"]
-    judged = record.get("judged_rpm") or running
-    if judged[1] <= running[1]:
+    running, judged = record.get("running_rpm"), record.get("judged_rpm")
+    # Results of older runs know no speeds above the running range.
+    if running is None or judged is None or judged[1] <= running[1]:
         return "in the running range"
     return units.text(
         f"at the speeds judged: the running range to {running[1]:.4g} 1/min, and above it to "
