@@ -119,11 +119,7 @@ def _case_record(hodograph: Hodograph, reference: Hodograph) -> Record:
     change = hodograph_change(hodograph, reference)
     return {
         **hodograph_record(hodograph),
-        "change": {
-            "major": change.major,
-            "minor": change.minor,
-            "turn_deg": _degrees(change.turn),
-        },
+        "change": {"major": change.major, "minor": change.minor, "turn_deg": _degrees(change.turn)},
     }
 
 

@@ -70,10 +70,7 @@ class Column:
         return f"{self.name} [{unit}]" if self.name and unit else self.name or unit
 
     def text(
-        self,
-        cell: Cell,
-        units: OutputUnits = SI,
-        write: Callable[[float, int], str] | None = None,
+        self, cell: Cell, units: OutputUnits = SI, write: Callable[[float, int], str] | None = None
     ) -> str:
         """Write a cell without the unit; `write` makes text of a number and its digits."""
         if isinstance(cell, str):

@@ -90,11 +90,7 @@ def print_profile(seconds: dict[str, float]) -> None:
     print_table(
         Table(
             "Where the time went",
-            [
-                Column("work", words=True),
-                Column("s", decimals=2),
-                Column("", "%", decimals=0),
-            ],
+            [Column("work", words=True), Column("s", decimals=2), Column("", "%", decimals=0)],
             [[name, s, s / total] for name, s in (seconds | {"all": total}).items()],
         )
     )

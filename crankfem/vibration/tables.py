@@ -51,13 +51,7 @@ def critical_table(record: Record) -> Table:
             Column("phase sum", decimals=3),
         ],
         [
-            [
-                one["speed_rpm"] / RPM,
-                one["order"],
-                one["mode"],
-                one["frequency"],
-                one["phase_sum"],
-            ]
+            [one["speed_rpm"] / RPM, one["order"], one["mode"], one["frequency"], one["phase_sum"]]
             for one in record["criticals"]
         ],
         marks=[
