@@ -18,7 +18,8 @@ import numpy as np
 from fem.material import STEEL
 from regression.fits.fits import fit_form
 from regression.fits.groups import group_named
-from regression.models.compliance_model import ComplianceModel, ResponseModel
+from regression.models.compliance_model import ComplianceModel
+from regression.models.response_model import ResponseModel
 
 ROOT = Path(__file__).resolve().parents[1]
 ROUNDS = 5

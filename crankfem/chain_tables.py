@@ -1,13 +1,12 @@
 """Modes of a chain file as plain numbers and as tables."""
 
-from typing import Any
-
 import numpy as np
 
 from crankfem.chain_file import ChainFile
 from crankfem.console import number, print_line, print_table
 from crankfem.output_units import SI, OutputUnits
 from crankfem.record import Record
+from crankfem.table import Column, Table
 
 # Modes and shares that tables show; records hold all.
 MODES_SHOWN, LEAST_SHARE = 10, 0.01
@@ -45,34 +44,34 @@ def chain_record(read: ChainFile) -> Record:
     }
 
 
-def print_chain(record: dict[str, Any], units: OutputUnits = SI) -> None:
+def print_chain(record: Record, units: OutputUnits = SI) -> None:
     """Print the modes of a chain, with what takes most part in them."""
-    frequency = units.of("Hz")
     print_table(
-        f"{record['name']}: {record['kind']} modes",
-        [
-            "mode:",
-            f"frequency [{frequency.name}]",
-            "[1/min]",
-            "nodes at:",
-            "moves most:",
-            "strained most:",
-        ],
-        [
+        Table(
+            f"{record['name']}: {record['kind']} modes",
             [
-                mode["name"],
-                frequency.fixed(mode["frequency"], 3),
-                f"{60.0 * mode['frequency']:.1f}",
-                ", ".join(f"{place:.2f}" for place in mode["node_positions"]),
-                _largest(mode["kinetic_shares"]),
-                _largest(mode["strain_shares"]),
-            ]
-            for mode in record["modes"][:MODES_SHOWN]
-        ],
-    )
-    print_line(
-        "Nodes at 2.37 are at 37 % of element 2, counted from 0; shares are those of kinetic and of strain "
-        "energy.",
+                Column("mode", words=True),
+                Column("frequency", "Hz", decimals=3),
+                Column("[1/min]", decimals=1),
+                Column("nodes at", decimals=2, words=True),
+                Column("moves most", words=True),
+                Column("strained most", words=True),
+            ],
+            [
+                [
+                    mode["name"],
+                    mode["frequency"],
+                    60.0 * mode["frequency"],
+                    mode["node_positions"],
+                    _largest(mode["kinetic_shares"]),
+                    _largest(mode["strain_shares"]),
+                ]
+                for mode in record["modes"][:MODES_SHOWN]
+            ],
+            note="Nodes at 2.37 are at 37 % of element 2, counted from 0; shares are those of kinetic and of "
+            "strain energy.",
+        ),
+        units,
     )
     for name, text in record["sources"].items():
         print_line(f"[{name}] {text}")

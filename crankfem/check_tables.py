@@ -2,9 +2,10 @@
 
 import math
 
-from crankfem.console import print_line, print_table, rows_of
+from crankfem.console import print_line, print_notes, print_table
 from crankfem.output_units import SI, OutputUnit, OutputUnits
 from crankfem.record import Record
+from crankfem.table import Column, Table
 from crankfem.tables import print_shape
 from geometry.units import RPM
 
@@ -31,23 +32,21 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
     if record["shape"] is not None:
         print_shape(record["shape"], units)
         _print_dimensions(record["dimensions"], units)
-    for remark in record["remarks"]:
-        print_line(units.text(f"Note: {remark.rstrip('.')}."))
+    print_notes((f"{remark.rstrip('.')}." for remark in record["remarks"]), units)
     print_table(
-        "Inputs",
-        ["field", "value:", "assumed:", "source:"],
-        rows_of(
-            inputs,
-            lambda r: r["field"],
-            lambda r: r["given"],
-            lambda r: "yes" if r["assumed"] else "",
-            lambda r: r["source"],
-        ),
+        Table(
+            "Inputs",
+            [Column(name, words=True) for name in ("field", "value", "assumed", "source")],
+            [
+                [one["field"], one["given"], "yes" if one["assumed"] else "", one["source"]]
+                for one in inputs
+            ],
+        )
     )
 
 
 def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
-    length, speed, angle = units.of("mm"), units.of("1/min"), units.of("deg")
+    length, speed = units.of("mm"), units.of("1/min")
     digits = _digits(length)
     kind = "in line" if engine["bank_angles_deg"] is None else "in banks"
     speeds = [
@@ -64,22 +63,30 @@ def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
     fired = dict(zip(engine["firing_order"], engine["firing_angles_deg"], strict=True))
     banks = engine["bank_angles_deg"]
     print_table(
-        f"Cylinders [{angle.name}]",
-        ["cylinder", "crank angle", *([] if banks is None else ["bank angle"]), "fires at"],
-        [
+        Table(
+            f"Cylinders [{units.of('deg').name}]",
             [
-                str(place + 1),
+                Column("cylinder"),
                 *(
-                    _angle(value, units)
-                    for value in (
-                        crank,
-                        *([] if banks is None else [banks[place]]),
-                        fired[place + 1],
+                    Column(name, "deg", 6, bare=True)
+                    for name in (
+                        "crank angle",
+                        *([] if banks is None else ["bank angle"]),
+                        "fires at",
                     )
                 ),
-            ]
-            for place, crank in enumerate(engine["crank_angles_deg"])
-        ],
+            ],
+            [
+                [
+                    place,
+                    math.radians(crank),
+                    *([] if banks is None else [math.radians(banks[place - 1])]),
+                    math.radians(fired[place]),
+                ]
+                for place, crank in enumerate(engine["crank_angles_deg"], start=1)
+            ],
+        ),
+        units,
     )
 
 
@@ -92,22 +99,17 @@ def _digits(unit: OutputUnit) -> int:
     return 5 if unit.wished else 6
 
 
-def _angle(degrees: float, units: OutputUnits) -> str:
-    return units.of("deg").number(math.radians(degrees), 6)
-
-
 def _print_dimensions(dimensions: list[Record], units: OutputUnits) -> None:
-    length = units.of("mm")
     print_table(
-        "The throw as understood",
-        ["dimension", "symbol:", length.name, "meaning:"],
-        [
+        Table(
+            "The throw as understood",
             [
-                one["name"],
-                one["symbol"],
-                length.number(one["value"], _digits(length)),
-                one["meaning"],
-            ]
-            for one in dimensions
-        ],
+                Column("dimension", words=True),
+                Column("symbol", words=True),
+                Column("", "mm", _digits(units.of("mm"))),
+                Column("meaning", words=True),
+            ],
+            [[one[name] for name in ("name", "symbol", "value", "meaning")] for one in dimensions],
+        ),
+        units,
     )

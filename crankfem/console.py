@@ -6,43 +6,35 @@ import sys
 import tempfile
 import time
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn
 from rich.progress import TimeElapsedColumn as Elapsed
-from rich.table import Table
+from rich.table import Table as RichTable
 
+from crankfem.error_sentences import TRACEBACK, told
 from crankfem.exit_codes import (
-    EXIT_FAILED,
     EXIT_INPUT,
     EXIT_INTERRUPTED,
     EXIT_LIMITS,
     EXIT_PIPE,
 )
 from crankfem.interrupts import interrupted_sentence, interrupts_raise
-from geometry.errors import InputError, MeshError, MissingLibraryError, RenderError
-from regression.records import Outcome, StudyStoppedError
+from crankfem.output_units import SI, OutputUnits
+from crankfem.table import Table
+from geometry.errors import InputError
+from regression.records import Outcome
 
 LONGEST_WORD = 20
 # Seconds between two lines of progress where no bar can be drawn.
 LINE_EVERY = 30.0
-# The environment variable that lets errors show where they come from.
-TRACEBACK = "CRANKFEM_TRACEBACK"
 # With what rich and typer end where the output is read no more.
 UNREAD = 1
-NAMED_WRONGLY = (
-    FileNotFoundError,
-    FileExistsError,
-    NotADirectoryError,
-    IsADirectoryError,
-    PermissionError,
-)
-
 errors = Console(stderr=True)
 # Brackets in units and file names are text, not markup.
 output = Console(markup=False)
@@ -64,22 +56,33 @@ def note(text: str, quiet: bool = False) -> None:
         errors.print(escape(text), soft_wrap=True, highlight=False)
 
 
-def print_table(title: str, columns: list[str], rows: list[list[str]]) -> None:
-    """Print a table; columns after the first are set right unless they end in a colon."""
-    table = Table(title=title, title_justify="left", title_style="bold", header_style="bold")
-    for place, column in enumerate(columns):
-        left = place == 0 or column.endswith(":")
+def print_table(table: Table, units: OutputUnits = SI) -> None:
+    """Print a table and its note; the first column and columns of words are set left."""
+    drawn = RichTable(
+        title=table.title, title_justify="left", title_style="bold", header_style="bold"
+    )
+    rows = table.texts(units)
+    for place, column in enumerate(table.columns):
+        left = place == 0 or column.words
         longest = max((len(word) for row in rows for word in row[place].split()), default=0)
-        table.add_column(
-            column.removesuffix(":"),
+        drawn.add_column(
+            column.head(units),
             justify="left" if left else "right",
             overflow="fold",
             # Words of ordinary length are not broken, even where the terminal is narrow.
             min_width=longest if left and longest <= LONGEST_WORD else None,
         )
     for row in rows:
-        table.add_row(*row)
-    output.print(table)
+        drawn.add_row(*row)
+    output.print(drawn)
+    if table.note:
+        print_line(table.note)
+
+
+def print_notes(remarks: Iterable[str], units: OutputUnits = SI) -> None:
+    """Print remarks, each as a note."""
+    for remark in remarks:
+        print_line(units.text(f"Note: {remark}"))
 
 
 def check_folder(file: Path) -> None:
@@ -191,33 +194,6 @@ def clear_errors() -> Iterator[None]:
             traceback.print_exc()
         message, code = told(error)
         _stop(message, code)
-
-
-def told(error: Exception) -> tuple[str, int]:
-    """Return the sentence and the exit code of an error."""
-    if isinstance(error, InputError):
-        return str(error), EXIT_INPUT
-    # An error of a module that has not been loaded it cannot be; loading it takes long.
-    solver = sys.modules.get("fem.solver")
-    of_solver = () if solver is None else (solver.SolveError,)
-    if isinstance(
-        error, (MissingLibraryError, RenderError, MeshError, StudyStoppedError, *of_solver)
-    ):
-        return str(error), EXIT_FAILED
-    if isinstance(error, MemoryError):
-        return "The machine has not enough memory for this.", EXIT_FAILED
-    if isinstance(error, OSError):
-        # What was named cannot be used, or the machine cannot do it.
-        code = EXIT_INPUT if isinstance(error, NAMED_WRONGLY) else EXIT_FAILED
-        return f"{error.filename or 'file'}: {error.strerror or error}.", code
-    if isinstance(error, ImportError):
-        return f"{str(error).rstrip('.')}.", EXIT_FAILED
-    text = " ".join(str(error).split())
-    return (
-        f"{type(error).__name__}{': ' if text else ''}{text.rstrip('.')}, which nobody expected; set "
-        f"{TRACEBACK}=1 to see where it comes from.",
-        EXIT_FAILED,
-    )
 
 
 class SaidExit(SystemExit):
@@ -376,10 +352,3 @@ def parse_pairs(
             raise InputError(f"{name.strip()}: given twice; give it once.")
         found[name.strip()] = convert(name.strip(), text)
     return found
-
-
-def rows_of(
-    records: list[dict[str, Any]], *columns: Callable[[dict[str, Any]], str]
-) -> list[list[str]]:
-    """Make table rows from records by one function for each column."""
-    return [[column(record) for column in columns] for record in records]

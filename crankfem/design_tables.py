@@ -4,8 +4,9 @@ import re
 from collections import defaultdict
 from typing import Any
 
-from crankfem import console
-from crankfem.console import print_table
+from crankfem.console import print_line, print_table
+from crankfem.output_units import OutputUnit
+from crankfem.table import Cell, Column, Table
 from geometry.units import DISPLAY_UNITS
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedStudy
@@ -48,24 +49,26 @@ def print_plan(planned: PlannedStudy) -> None:
     """Print the designs of a study, what they are called, and which were excluded and why."""
     plan = planned.plan
     held_out = sum(design.role == HELD_OUT for design in planned.designs)
-    _say(
+    print_line(
         f"{planned.statement[0].upper()}{planned.statement[1:]}; {held_out} held-out designs to judge by "
         f"(Latin hypercube, seed {plan.seed})."
     )
     for remark in planned.remarks:
-        _say(f"Note: {remark}")
+        print_line(f"Note: {remark}")
     print_table(
-        "Designs",
-        ["design", "role:", *(_heading(factor) for factor in plan.factors)],
-        [
-            [str(number), design.role, *map(_cell, plan.factors, design.values)]
-            for number, design in enumerate(planned.designs[:MOST_ROWS], start=1)
-        ],
+        Table(
+            "Designs",
+            [Column("design"), Column("role", words=True), *map(_column, plan.factors)],
+            [
+                [number, design.role, *map(_cell, plan.factors, design.values)]
+                for number, design in enumerate(planned.designs[:MOST_ROWS], start=1)
+            ],
+        )
     )
     if len(planned.designs) > MOST_ROWS:
-        _say(f"... and {len(planned.designs) - MOST_ROWS} more; --json has them all.")
+        print_line(f"... and {len(planned.designs) - MOST_ROWS} more; --json has them all.")
     for path, text in plan.relations.items():
-        _say(f"In every design {path} = {text}.")
+        print_line(f"In every design {path} = {text}.")
     _print_excluded(planned)
 
 
@@ -74,7 +77,7 @@ def _print_excluded(planned: PlannedStudy) -> None:
     if not planned.excluded:
         return
     factors = planned.plan.factors
-    _say(f"Excluded before any finite elements: {len(planned.excluded)} designs.")
+    print_line(f"Excluded before any finite elements: {len(planned.excluded)} designs.")
     alike: dict[str, list[ExcludedDesign]] = defaultdict(list)
     for design in planned.excluded:
         alike[NUMBER.sub("#", design.reason)].append(design)
@@ -86,27 +89,18 @@ def _print_excluded(planned: PlannedStudy) -> None:
             for factor, value in zip(factors, first.values, strict=True)
         )
         more = f" ({len(designs) - 1} more alike)" if len(designs) > 1 else ""
-        _say(f"  {first.role}, {values}: {first.reason.rstrip('.')}{more}.")
+        print_line(f"  {first.role}, {values}: {first.reason.rstrip('.')}{more}.")
     if len(groups) > MOST_REASONS:
-        _say(f"  ... and {len(groups) - MOST_REASONS} other reasons; --json has them all.")
+        print_line(f"  ... and {len(groups) - MOST_REASONS} other reasons; --json has them all.")
 
 
-def _say(text: str) -> None:
-    console.output.print(text, soft_wrap=True, highlight=False)
+def _column(factor: Factor) -> Column:
+    unit, size = DISPLAY_UNITS.get(factor.unit, (factor.unit, 1.0))
+    return Column(factor.name, OutputUnit(unit, size), 6, words=factor.categorical)
 
 
-def _heading(factor: Factor) -> str:
-    if factor.categorical:
-        return f"{factor.name}:"
-    return f"{factor.name} [{DISPLAY_UNITS.get(factor.unit, (factor.unit, 1.0))[0]}]".removesuffix(
-        " []"
-    )
-
-
-def _cell(factor: Factor, value: float) -> str:
-    if factor.categorical:
-        return factor.show(value)
-    return f"{value / DISPLAY_UNITS.get(factor.unit, ('', 1.0))[1]:.6g}"
+def _cell(factor: Factor, value: float) -> Cell:
+    return factor.show(value) if factor.categorical else float(value)
 
 
 def _named(factors: tuple[Factor, ...], values: tuple[float, ...]) -> dict[str, float | str]:

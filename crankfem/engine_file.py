@@ -41,7 +41,7 @@ from geometry.model import InputModel
 from geometry.quantity import show_quantity
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
-from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES
+from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 from regression.plans.plan import StudyPlan, plan_designs
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 
-from crankfem import console
-from crankfem.console import number, print_table
+from crankfem.console import number, print_line, print_table
 from crankfem.fit_records import LACK_OF_FIT
 from crankfem.record import Record
+from crankfem.table import Column, Table
 from geometry.quantity import show_quantity
 
 MAIN_RESPONSE = "axial_compliance"
@@ -32,26 +32,26 @@ def print_fits(
     record = fits[detailed]
     shown = _taken(record, form)
     _print_forms(detailed, record, shown)
-    _say(f"Chosen by its errors: {record['reason']}")
+    print_line(f"Chosen by its errors: {record['reason']}")
     if form is None:
-        _say("That error chose the form, so it is slightly optimistic for other designs.")
+        print_line("That error chose the form, so it is slightly optimistic for other designs.")
     else:
-        _say(f"Taken all the same, as --form asks: {form}.")
+        print_line(f"Taken all the same, as --form asks: {form}.")
     for line in record["skipped"]:
-        _say(f"Not fitted: {line}")
-    _say(f"\n{shown['form']}: {shown['equation']}\n")
+        print_line(f"Not fitted: {line}")
+    print_line(f"\n{shown['form']}: {shown['equation']}\n")
     if "[" in shown["equation"]:
-        _say("A condition in square brackets is 1 where it holds, 0 elsewhere.")
+        print_line("A condition in square brackets is 1 where it holds, 0 elsewhere.")
     _print_coefficients(shown)
     for title, terms in (
         ("Dropped, because PRESS does not grow without them", shown["dropped"]),
         ("Left out, because the runs do not determine them", shown["undetermined"]),
     ):
         if terms:
-            _say(f"{title}: {', '.join(terms)}.")
+            print_line(f"{title}: {', '.join(terms)}.")
     for line in shown["warnings"]:
-        _say(f"Warning: {line}")
-    _say(LACK_OF_FIT)
+        print_line(f"Warning: {line}")
+    print_line(LACK_OF_FIT)
     _print_sensitivities(detailed, record)
 
 
@@ -68,7 +68,7 @@ def print_main_fits(fits: Mapping[str, Record]) -> None:
     record = fits.get(MAIN_RESPONSE)
     if record is not None:
         chosen = _taken(record, None)
-        _say(f"{chosen['form']}: {chosen['equation']}")
+        print_line(f"{chosen['form']}: {chosen['equation']}")
 
 
 def print_comparisons(records: list[Record]) -> None:
@@ -76,83 +76,114 @@ def print_comparisons(records: list[Record]) -> None:
     if not records:
         return
     print_table(
-        "Measured values beside the equations",
-        ["source", "response:", "measured", "calculated", "calculated / measured"],
-        [
+        Table(
+            "Measured values beside the equations",
             [
-                r["source"],
-                _words(r["response"]),
-                number(r["measured"]),
-                number(r["calculated"]) if "calculated" in r else "none",
-                f"{r['ratio']:.3f}" if r.get("ratio") is not None else "",
-            ]
-            for r in records
-        ],
+                Column("source", words=True),
+                Column("response", words=True),
+                Column("measured"),
+                Column("calculated"),
+                Column("calculated / measured", decimals=3, missing=""),
+            ],
+            [
+                [
+                    r["source"],
+                    _words(r["response"]),
+                    r["measured"],
+                    r.get("calculated"),
+                    r.get("ratio"),
+                ]
+                for r in records
+            ],
+        )
     )
     for reason in dict.fromkeys(f"{r['source']}: {r['reason']}" for r in records if "reason" in r):
-        _say(f"Not compared: {reason}")
+        print_line(f"Not compared: {reason}")
     remarks = (f"{r['source']}: {text}" for r in records for text in r.get("remarks", ()))
     for remark in dict.fromkeys(remarks):
-        _say(f"Note: {remark}")
+        print_line(f"Note: {remark}")
 
 
 def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None:
     chosen = {name: _taken(record, form) for name, record in fits.items()}
     equations = "their chosen equations" if form is None else f"the form {form}, as given"
     print_table(
-        f"All responses by {equations}: largest and mean error held out, estimated error of FE",
-        ["response", "form:", "Q2", "held out", "mean", "FE"],
-        [
+        Table(
+            f"All responses by {equations}: largest and mean error held out, estimated error of FE",
             [
-                _words(name),
-                f["form"],
-                _share(f["q_squared"]),
-                _percent(f["largest_error_held_out"]),
-                _percent(f["mean_error_held_out"]),
-                _percent(fits[name]["fe_error"]),
-            ]
-            for name, f in chosen.items()
-        ],
+                Column("response", words=True),
+                Column("form", words=True),
+                Column("Q2", decimals=5),
+                *map(Column, ("held out", "mean", "FE")),
+            ],
+            [
+                [
+                    _words(name),
+                    f["form"],
+                    f["q_squared"],
+                    _percent(f["largest_error_held_out"]),
+                    _percent(f["mean_error_held_out"]),
+                    _percent(fits[name]["fe_error"]),
+                ]
+                for name, f in chosen.items()
+            ],
+        )
     )
 
 
 def _print_forms(name: str, record: Record, taken: Record) -> None:
     support = f", {record['support']}" if record["support"] else ""
     print_table(
-        f"{_words(name).capitalize()} {record['symbol']}{support}: largest (mean) errors in %",
-        ["form", "terms", "R2", "Q2", "at the runs", "held out"],
-        [
+        Table(
+            f"{_words(name).capitalize()} {record['symbol']}{support}: largest (mean) errors in %",
             [
-                f["form"] + (" *" if f is taken else ""),
-                str(f["coefficient_count"]),
-                _share(f["r_squared"]),
-                _share(f["q_squared"]),
-                _both(f["largest_error_at_runs"], f["mean_error_at_runs"]),
-                _both(f["largest_error_held_out"], f["mean_error_held_out"]),
-            ]
-            for f in record["forms"]
-        ],
+                Column("form", words=True),
+                Column("terms"),
+                *(Column(name, decimals=5) for name in ("R2", "Q2")),
+                *map(Column, ("at the runs", "held out")),
+            ],
+            [
+                [
+                    f["form"] + (" *" if f is taken else ""),
+                    f["coefficient_count"],
+                    f["r_squared"],
+                    f["q_squared"],
+                    _both(f["largest_error_at_runs"], f["mean_error_at_runs"]),
+                    _both(f["largest_error_held_out"], f["mean_error_held_out"]),
+                ]
+                for f in record["forms"]
+            ],
+        )
     )
 
 
 def _print_coefficients(form: Record) -> None:
     natural = form["coefficients"]
     print_table(
-        f"Coefficients of {form['form']}: coded (-1 ... 1 over the runs), and natural in SI units",
-        ["term", "coded", "std. error", "t", "VIF", "natural"],
-        [
+        Table(
+            f"Coefficients of {form['form']}: coded (-1 ... 1 over the runs), and natural in SI units",
             [
-                c["symbols"],
-                number(c["coefficient"], 5),
-                _or_none(c["standard_error"], 2),
-                _or_none(c["t"], 3),
-                _or_none(c["variance_inflation"], 3),
-                number(natural[c["term"]], 6),
-            ]
-            for c in form["coded"]
-        ],
+                Column("term", words=True),
+                Column("coded", digits=5),
+                Column("std. error", digits=2),
+                Column("t", digits=3),
+                Column("VIF", digits=3),
+                Column("natural", digits=6),
+            ],
+            [
+                [
+                    c["symbols"],
+                    c["coefficient"],
+                    c["standard_error"],
+                    c["t"],
+                    c["variance_inflation"],
+                    natural[c["term"]],
+                ]
+                for c in form["coded"]
+            ],
+        )
     )
-    _say(
+    print_line(
         f"Adjusted R2 {_share(form['adjusted_r_squared'])}, F {_or_none(form['f_value'])}, "
         f"AIC {_or_none(form['aic'], 5)}, BIC {_or_none(form['bic'], 5)}, "
         f"condition number {form['condition_number']:.3g}, largest leverage "
@@ -164,26 +195,31 @@ def _print_sensitivities(name: str, record: Record) -> None:
     found = record["sensitivities"]
     sobol = found["sobol"] or {"first": {}, "total": {}}
     print_table(
-        f"Sensitivity of the {_words(name)} by the chosen equation",
-        ["factor", "nominal", "elasticity", "Sobol, first", "total"],
-        [
+        Table(
+            f"Sensitivity of the {_words(name)} by the chosen equation",
             [
-                factor,
-                value if isinstance(value, str) else show_quantity(value, found["units"][factor]),
-                f"{round(found['elasticity'][factor], 3) + 0.0:+.3f}"
-                if factor in found["elasticity"]
-                else "",
-                *(
-                    f"{round(sobol[order][factor], 3) + 0.0:.3f}"
-                    if factor in sobol[order]
-                    else "none"
-                    for order in ("first", "total")
-                ),
-            ]
-            for factor, value in found["nominal"].items()
-        ],
+                Column("factor", words=True),
+                Column("nominal"),
+                Column("elasticity"),
+                Column("Sobol, first", decimals=3),
+                Column("total", decimals=3),
+            ],
+            [
+                [
+                    factor,
+                    value
+                    if isinstance(value, str)
+                    else show_quantity(value, found["units"][factor]),
+                    f"{round(found['elasticity'][factor], 3) + 0.0:+.3f}"
+                    if factor in found["elasticity"]
+                    else "",
+                    *(sobol[order].get(factor) for order in ("first", "total")),
+                ]
+                for factor, value in found["nominal"].items()
+            ],
+        )
     )
-    _say(
+    print_line(
         "Elasticity: change in per cent for one per cent of the factor, at the nominal values. "
         "Sobol indices: shares of the variance over the ranges, alone and with others."
     )
@@ -211,7 +247,3 @@ def _both(largest: float, mean: float) -> str:
 
 def _or_none(value: float | None, digits: int = 4) -> str:
     return "none" if value is None else number(value, digits)
-
-
-def _say(text: str) -> None:
-    console.output.print(text, soft_wrap=True, highlight=False, markup=False)

@@ -3,13 +3,14 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rich.table import Table
+from rich.table import Table as RichTable
 
 from crankfem import console
 from crankfem.angle_argument import angle_text
-from crankfem.console import print_table
+from crankfem.console import print_line, print_table
 from crankfem.formula_spread import EngineSpread, FormulaSpread, Ratio, formula_spreads
 from crankfem.output_units import SI, OutputUnit, OutputUnits
+from crankfem.table import Column, Table
 from regression.formulas.published_table import (
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,
@@ -31,11 +32,6 @@ SHORT_NAMES: Mapping[str, str] = {
 }
 # What may stand behind a number.
 MARKS = ("*", "?")
-
-
-def say(text: str) -> None:
-    """Print a line of text below a table, unwrapped."""
-    console.output.print(text, soft_wrap=True, highlight=False, markup=False)
 
 
 def _print_title(text: str) -> None:
@@ -68,7 +64,7 @@ def print_one_throw(
         )
     if fe is not None and fe["angle_law"] is not None:
         law, axial = fe["angle_law"], units.of("1e-9 m/N")
-        say(
+        print_line(
             "Finite elements over the angle: e(gamma) = e_0 + (e_180 - e_0) / (1 + rho cot^2(gamma/2)) "
             f"with e_0 = {axial.with_name(law['e_0'])}, e_180 = {axial.with_name(law['e_180'])}, "
             f"rho = {law['rho']:.3g}."
@@ -101,17 +97,29 @@ def _print_kind(
     ]
     if fe is not None:
         rows.insert(0, row("finite elements", fe, "", ""))
-    ratio = [] if fe is None else ["beside FE"]
+    ratio = [] if fe is None else [Column("beside FE")]
     # As a line of its own, because a table breaks its title at its own width.
     _print_title(title)
-    print_table("", ["formula", f"value [{unit.name}]", *ratio, "applies:", "remarks:"], rows)
+    print_table(
+        Table(
+            "",
+            [
+                Column("formula", words=True),
+                Column(f"value [{unit.name}]"),
+                *ratio,
+                Column("applies", words=True),
+                Column("remarks", words=True),
+            ],
+            rows,
+        )
+    )
     for text, place in numbers.items():
-        say(units.text(f"  {place}. {text}"))
+        print_line(units.text(f"  {place}. {text}"))
     for record in left_out:
-        say(units.text(f"  Left out: {record['reason']}."))
+        print_line(units.text(f"  Left out: {record['reason']}."))
     inside = [record["value"] / fe for record in records if record["valid"]] if fe else []
     if len(inside) > 1:
-        say(
+        print_line(
             f"  The {len(inside)} formulas that apply give {min(inside):.2f} to {max(inside):.2f} of "
             "finite elements."
         )
@@ -153,11 +161,11 @@ def print_spread(
             rows.append([word, "", "", *(_summary(summary.get(name), word) for name in names)])
         _add_rows(table, rows, section=len(spreads))
         console.output.print(table)
-    say(
+    print_line(
         "* outside the range where the formula has a meaning. s/R: overlap of main journal and crankpin "
         "beside the crank radius. Mean: geometric."
     )
-    say(_legend())
+    print_line(_legend())
 
 
 def print_published(values: Sequence[PublishedValue]) -> None:
@@ -174,29 +182,29 @@ def print_published(values: Sequence[PublishedValue]) -> None:
     ]
     _add_rows(table, rows)
     console.output.print(table)
-    say("* power of ten repaired; printed are:")
+    print_line("* power of ten repaired; printed are:")
     for value in values:
         if value.mark == "*" and value.repaired is not None and value.formula != FINITE_ELEMENTS:
-            say(
+            print_line(
                 f"    {value.engine}, {value.formula}: {value.digits}, taken as "
                 f"{value.repaired * 1e9:.6g}"
             )
-    say("? as printed, and doubted:")
+    print_line("? as printed, and doubted:")
     for value in values:
         if value.mark == "?" and value.exponent_factor is not None:
-            say(f"    {value.engine}, {value.formula}: {value.doubt}")
-    say("    Guglielmotti-Macchiotta: exponents of this column lost one by one")
-    say(FINITE_ELEMENTS_DOUBT)
-    say(
+            print_line(f"    {value.engine}, {value.formula}: {value.doubt}")
+    print_line("    Guglielmotti-Macchiotta: exponents of this column lost one by one")
+    print_line(FINITE_ELEMENTS_DOUBT)
+    print_line(
         "The paper gives no dimensions, and no dimensions make all columns agree: TsN, D2, And, Dor and "
         "Sko go with one web thickness, D1, Gor and Sto with a thicker one."
     )
-    say(_legend())
+    print_line(_legend())
 
 
-def _wide_table(columns: Sequence[str]) -> Table:
+def _wide_table(columns: Sequence[str]) -> RichTable:
     """Return a table without lines, so that a dozen columns go on 80 characters."""
-    table = Table(header_style="bold", box=None, padding=(0, 0, 0, 1), pad_edge=False)
+    table = RichTable(header_style="bold", box=None, padding=(0, 0, 0, 1), pad_edge=False)
     for place, column in enumerate(columns):
         table.add_column(
             column, justify="left" if place == 0 else "right", no_wrap=place == 0, overflow="fold"
@@ -233,7 +241,7 @@ def _published(value: PublishedValue | None) -> str:
     return f"{value.repaired * 1e9:#.4g}{value.mark}"
 
 
-def _add_rows(table: Table, rows: Sequence[Sequence[str]], section: int | None = None) -> None:
+def _add_rows(table: RichTable, rows: Sequence[Sequence[str]], section: int | None = None) -> None:
     """Add rows so that digits stand below digits in columns where some cells have a mark."""
     marked = [any(cell.endswith(MARKS) for cell in column) for column in zip(*rows, strict=True)]
     for place, row in enumerate(rows):

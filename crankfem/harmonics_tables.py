@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from crankfem.console import number, print_line, print_table
+from crankfem.console import number, print_line, print_notes, print_table
 from crankfem.mechanism_file import MechanismFile
-from crankfem.output_units import SI, OutputUnit, OutputUnits
+from crankfem.output_units import SI, OutputUnits
 from crankfem.record import Record
 from crankfem.results import harmonics_record
+from crankfem.table import Column, Table
 from crankfem.table_units import table_unit
 from dynamics.torque.pin_harmonics import PinForceHarmonics
 from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
@@ -84,16 +85,19 @@ def _star_record(star: Star) -> Record:
 
 def print_harmonics(title: str, record: Record, unit: str, units: OutputUnits = SI) -> None:
     """Print orders, coefficients, amplitudes and phases, given in `unit`."""
-    rows = zip(*(record[name] for name in COLUMNS), strict=True)
-    shown, angle = table_unit(record["amplitude"], unit, units), units.of("deg")
+    shown = table_unit(record["amplitude"], unit, units)
+    orders, *coefficients, phases = (record[name] for name in COLUMNS)
     print_table(
-        title,
-        [
-            "order",
-            *(f"{symbol} [{shown.name}]" for symbol in ("A_k", "B_k", "M_k")),
-            f"a_k [{angle.name}]",
-        ],
-        [[f"{row[0]:g}", *map(shown.text, row[1:4]), _phase(row[4], angle)] for row in rows],
+        Table(
+            title,
+            [
+                Column("order", digits=None),
+                *(shown.column(symbol) for symbol in ("A_k", "B_k", "M_k")),
+                Column("a_k", "deg", decimals=2),
+            ],
+            list(zip(orders, *coefficients, map(math.radians, phases), strict=True)),
+        ),
+        units,
     )
 
 
@@ -106,34 +110,45 @@ def print_engine(record: Record, units: OutputUnits = SI) -> None:
         f"{record['engine']} at {speed}: mean torque {_with_unit(record['mean'], 'N m', units)}, indicated "
         f"power {_with_unit(record['power'], 'W', units)}{said}."
     )
-    for remark in record["remarks"]:
-        print_line(units.text(f"Note: {remark}."))
+    print_notes((f"{remark}." for remark in record["remarks"]), units)
     print_harmonics("Harmonics of the engine's torque", record["harmonics"], "N m", units)
     throws = record["throws"]
-    orders = record["harmonics"]["orders"]
     amplitudes = [throw["harmonics"]["amplitude"] for throw in throws]
     shown = table_unit((value for own in amplitudes for value in own), "N m", units)
     print_table(
-        f"Amplitudes by throw [{shown.name}]",
-        ["order", *(_throw_name(place, throw) for place, throw in enumerate(throws, start=1))],
-        [
-            [f"{order:g}", *(shown.text(own[row]) for own in amplitudes)]
-            for row, order in enumerate(orders)
-        ],
+        Table(
+            f"Amplitudes by throw [{shown.name}]",
+            [
+                Column("order", digits=None),
+                *(
+                    shown.column(_throw_name(place, throw), bare=True)
+                    for place, throw in enumerate(throws, start=1)
+                ),
+            ],
+            list(zip(record["harmonics"]["orders"], *amplitudes, strict=True)),
+        ),
+        units,
     )
     like = {order: group for group in record["same_stars"] for order in group}
     print_table(
-        "Stars of the orders, all cylinders alike",
-        ["order", "kind:", "resultant / sum", "same star as:"],
-        [
+        Table(
+            "Stars of the orders, all cylinders alike",
             [
-                f"{star['order']:g}",
-                star["kind"],
-                f"{star['share']:.4f}",
-                ", ".join(f"{other:g}" for other in like[star["order"]] if other != star["order"]),
-            ]
-            for star in record["stars"]
-        ],
+                Column("order", digits=None),
+                Column("kind", words=True),
+                Column("resultant / sum", decimals=4),
+                Column("same star as", digits=6, words=True),
+            ],
+            [
+                [
+                    star["order"],
+                    star["kind"],
+                    star["share"],
+                    [other for other in like[star["order"]] if other != star["order"]],
+                ]
+                for star in record["stars"]
+            ],
+        )
     )
     if record["hinged_rods"]:
         print_line(
@@ -148,50 +163,25 @@ def print_engine(record: Record, units: OutputUnits = SI) -> None:
 
 def print_pin_forces(record: Record, units: OutputUnits = SI) -> None:
     """Print the harmonics of one cylinder's forces on its crankpin."""
-    angle = units.of("deg")
     for field, letter in (("tangential", "T"), ("radial", "Z")):
         parts = record[field]
-        orders = parts["gas"]["orders"]
         amplitudes = (value for part in PARTS for value in parts[part]["amplitude"])
         shown = table_unit(amplitudes, "N", units)
         mean = table_unit((parts[part]["mean"] for part in PARTS), "N", units)
         means = ", ".join(f"{part} {mean.text(parts[part]['mean'])}" for part in PARTS)
-        print_table(
-            units.text(
-                f"Cylinder {record['number']}: {field} force {letter} on the crankpin, phases from its "
-                f"firing top at {record['firing_angle_deg']:g} deg; mean [{mean.name}]: {means}"
-            ),
-            [
-                "order",
-                *(
-                    f"{part} {sign}"
-                    for part in PARTS
-                    for sign in (f"M_k [{shown.name}]", f"a_k [{angle.name}]")
-                ),
-            ],
-            [
-                [
-                    f"{order:g}",
-                    *(
-                        text
-                        for part in PARTS
-                        for text in (
-                            shown.text(parts[part]["amplitude"][row]),
-                            _phase(parts[part]["phase_deg"][row], angle),
-                        )
-                    ),
-                ]
-                for row, order in enumerate(orders)
-            ],
+        title = units.text(
+            f"Cylinder {record['number']}: {field} force {letter} on the crankpin, phases from its "
+            f"firing top at {record['firing_angle_deg']:g} deg; mean [{mean.name}]: {means}"
         )
+        columns, values = [Column("order", digits=None)], [parts["gas"]["orders"]]
+        for part in PARTS:
+            columns += [shown.column(f"{part} M_k"), Column(f"{part} a_k", "deg", decimals=2)]
+            values += [parts[part]["amplitude"], map(math.radians, parts[part]["phase_deg"])]
+        print_table(Table(title, columns, list(zip(*values, strict=True))), units)
 
 
 def _with_unit(value: float, unit: str, units: OutputUnits) -> str:
     return table_unit([value], unit, units).with_unit(value)
-
-
-def _phase(degrees: float, unit: OutputUnit) -> str:
-    return unit.fixed(math.radians(degrees), 2)
 
 
 def _throw_name(place: int, throw: Record) -> str:

@@ -1,11 +1,9 @@
 """Results of an elastic hinge as plain JSON content, and as a table over the turn."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 
-from crankfem.column_file import write_columns
 from crankfem.hinge_run import HingeRun, OtherSpeed
 from crankfem.record import Record, assumed_values
 from dynamics.checks import FloatArray
@@ -123,10 +121,10 @@ def _other_record(other: OtherSpeed) -> Record:
     }
 
 
-def write_hinge_table(path: Path, run: HingeRun) -> None:
-    """Write forces, moments, guides and speeds over the turn as CSV, a line for each angle."""
+def hinge_columns(run: HingeRun) -> dict[str, FloatArray]:
+    """Return forces, moments, guides and speeds over the turn, by name with unit."""
     moment, profile = run.moment, run.profile
-    columns: dict[str, FloatArray] = {
+    return {
         "crank_angle_deg": np.degrees(moment.angles),
         "gas_force_N": moment.gas,
         "reduced_inertia_kg_m2": moment.reduced.inertia,
@@ -142,7 +140,6 @@ def write_hinge_table(path: Path, run: HingeRun) -> None:
         "speed_with_hinge_rad_per_s": _at(run.with_hinge, moment.angles),
         "speed_without_rad_per_s": _at(run.without, moment.angles),
     }
-    write_columns(path, columns)
 
 
 def _at(turn: SpeedOverAngle, angles: FloatArray) -> FloatArray:

@@ -3,9 +3,10 @@
 import math
 import re
 
-from crankfem.console import print_line, print_table
+from crankfem.console import print_line, print_notes, print_table
 from crankfem.output_units import SI, OutputUnits
 from crankfem.record import Record
+from crankfem.table import Column, Table
 from geometry.units import RPM
 
 
@@ -28,24 +29,27 @@ def print_hinge(record: Record, units: OutputUnits = SI) -> None:
 
 
 def _print_moment(record: Record, units: OutputUnits) -> None:
-    moment, shown, angle = record["hinge_moment"], units.of("kN m"), units.of("deg")
+    moment = record["hinge_moment"]
     print_table(
-        units.text(
-            f"{record['engine']} at {record['speed_rpm']:.4g} 1/min: moments on the crank "
-            f"({record['kinematics']} kinematics)"
-        ),
-        ["", shown.name, f"at [{angle.name}]"],
-        [
-            ["load M_r", shown.number(moment["load"]), ""],
-            *(
-                [
-                    f"{name} M_h",
-                    shown.number(moment[name]),
-                    angle.fixed(math.radians(moment[f"{name}_at_deg"]), 1),
-                ]
-                for name in ("largest", "least")
+        Table(
+            units.text(
+                f"{record['engine']} at {record['speed_rpm']:.4g} 1/min: moments on the crank "
+                f"({record['kinematics']} kinematics)"
             ),
-        ],
+            [
+                Column("", words=True),
+                Column("", "kN m"),
+                Column("at", "deg", decimals=1, missing=""),
+            ],
+            [
+                ["load M_r", moment["load"], None],
+                *(
+                    [f"{name} M_h", moment[name], math.radians(moment[f"{name}_at_deg"])]
+                    for name in ("largest", "least")
+                ),
+            ],
+        ),
+        units,
     )
     low, high = moment["reduced_inertia"]
     print_line(
@@ -69,61 +73,72 @@ def _print_profile(record: Record, units: OutputUnits) -> None:
     spring, profile = record["spring"], record["profile"]
     length, pressure = units.of("mm"), units.of("MPa")
     print_table(
-        f"Guides for a gas spring of {pressure.with_name(spring['pressure'])}, "
-        f"{length.with_name(spring['height'])} high, n = {spring['exponent']:g}",
-        ["", "value", "unit:"],
-        [
-            [name, unit.number(value), unit.name]
-            for name, value, unit in (
-                ("radius, smallest", profile["smallest_radius"], length),
-                ("radius, largest", profile["largest_radius"], length),
-                ("compression z, largest", profile["largest_compression"], length),
-                ("gas pressure, largest", profile["largest_pressure"], pressure),
-                ("force on a roller, largest", profile["largest_normal_force"], units.of("kN")),
-                (
-                    "off the spring's axis",
-                    math.radians(profile["largest_force_angle_deg"]),
-                    units.of("deg"),
-                ),
-            )
-        ],
+        Table(
+            f"Guides for a gas spring of {pressure.with_name(spring['pressure'])}, "
+            f"{length.with_name(spring['height'])} high, n = {spring['exponent']:g}",
+            [Column("", words=True), Column("value"), Column("unit", words=True)],
+            [
+                [name, unit.number(value), unit.name]
+                for name, value, unit in (
+                    ("radius, smallest", profile["smallest_radius"], length),
+                    ("radius, largest", profile["largest_radius"], length),
+                    ("compression z, largest", profile["largest_compression"], length),
+                    ("gas pressure, largest", profile["largest_pressure"], pressure),
+                    ("force on a roller, largest", profile["largest_normal_force"], units.of("kN")),
+                    (
+                        "off the spring's axis",
+                        math.radians(profile["largest_force_angle_deg"]),
+                        units.of("deg"),
+                    ),
+                )
+            ],
+        )
     )
     checks = [(check, pressure if check["unit"] == "Pa" else length) for check in profile["checks"]]
     print_table(
-        "Can it be made",
-        ["check", "found", "limit", "met:"],
-        [
+        Table(
+            "Can it be made",
             [
-                f"{check['name']} [{unit.name}]",
-                "none" if check["value"] is None else unit.number(check["value"]),
-                f"> {unit.number(check['limit'])}",
-                "yes" if check["met"] else f"no: {check['meaning']}",
-            ]
-            for check, unit in checks
-        ],
+                Column("check", words=True),
+                Column("found"),
+                Column("limit"),
+                Column("met", words=True),
+            ],
+            [
+                [
+                    f"{check['name']} [{unit.name}]",
+                    None if check["value"] is None else unit.number(check["value"]),
+                    f"> {unit.number(check['limit'])}",
+                    "yes" if check["met"] else f"no: {check['meaning']}",
+                ]
+                for check, unit in checks
+            ],
+        )
     )
-    for remark in profile["remarks"]:
-        print_line(units.text(f"Note: {remark}"))
+    print_notes(profile["remarks"], units)
 
 
 def _print_turning(record: Record, units: OutputUnits) -> None:
-    turning, speed = record["turning"], units.of("1/min")
+    turning = record["turning"]
     hinge, without, wheel = turning["with_hinge"], turning["without"], turning["flywheel"]
     print_table(
-        "Crank let turn under the constant load",
-        ["", f"mean [{speed.name}]", "fluctuation (max - min)/mean"],
-        [
+        Table(
+            "Crank let turn under the constant load",
             [
-                name,
-                speed.fixed(found["mean_speed_rpm"] / RPM, 2),
-                f"{found['fluctuation']:.3g}",
-            ]
-            for name, found in (
-                ("with the hinge", hinge),
-                ("without, from the same speed at the top", without),
-                (f"without, flywheel of {_inertia(wheel['inertia'], units)}", wheel),
-            )
-        ],
+                Column("", words=True),
+                Column("mean", "1/min", decimals=2),
+                Column("fluctuation (max - min)/mean", digits=3),
+            ],
+            [
+                [name, found["mean_speed_rpm"] / RPM, found["fluctuation"]]
+                for name, found in (
+                    ("with the hinge", hinge),
+                    ("without, from the same speed at the top", without),
+                    (f"without, flywheel of {_inertia(wheel['inertia'], units)}", wheel),
+                )
+            ],
+        ),
+        units,
     )
     print_line(f"The hinge leaves {turning['remaining_share']:.2g} of the fluctuation without it.")
     if not without["comes_round_at_mean_speed"]:
@@ -131,28 +146,31 @@ def _print_turning(record: Record, units: OutputUnits) -> None:
 
 
 def _print_others(record: Record, units: OutputUnits) -> None:
-    speed, moment, pressure = units.of("1/min"), units.of("kN m"), units.of("MPa")
+    speed = units.of("1/min")
     print_table(
-        "The same guides at other running points: the start pressure that evens most",
-        [
-            speed.name,
-            f"M_r [{moment.name}]",
-            f"p_0 [{pressure.name}]",
-            "ratio",
-            "fluctuation",
-            "M_h lacks [%]",
-        ],
-        [
+        Table(
+            "The same guides at other running points: the start pressure that evens most",
             [
-                speed.number(other["speed_rpm"] / RPM),
-                moment.number(other["hinge_moment"]["load"]),
-                pressure.number(other["best_pressure"]),
-                f"{other['best_ratio']:.3f}",
-                f"{other['fluctuation']:.3g}",
-                f"{100.0 * other['moment_residual']:.3g}",
-            ]
-            for other in record["other_speeds"]
-        ],
+                Column("", "1/min"),
+                Column("M_r", "kN m"),
+                Column("p_0", "MPa"),
+                Column("ratio", decimals=3),
+                Column("fluctuation", digits=3),
+                Column("M_h lacks", "%", 3),
+            ],
+            [
+                [
+                    other["speed_rpm"] / RPM,
+                    other["hinge_moment"]["load"],
+                    other["best_pressure"],
+                    other["best_ratio"],
+                    other["fluctuation"],
+                    other["moment_residual"],
+                ]
+                for other in record["other_speeds"]
+            ],
+        ),
+        units,
     )
     wanted = record["turning"]["flywheel"]["fluctuation"]
     for other in record["other_speeds"]:
@@ -171,39 +189,38 @@ def _print_others(record: Record, units: OutputUnits) -> None:
 
 
 def _print_compared(compared: list[Record], units: OutputUnits) -> None:
-    length, pressure, angle = units.of("mm"), units.of("MPa"), units.of("deg")
     print_table(
-        "Guides by size and pressure: radii, largest pressure, steepest force on a roller",
-        [
-            f"H [{length.name}]",
-            f"rho_0 [{length.name}]",
-            f"p_0 [{pressure.name}]",
-            f"rho [{length.name}]",
-            f"p [{pressure.name}]",
-            f"off axis [{angle.name}]",
-        ],
-        [
+        Table(
+            "Guides by size and pressure: radii, largest pressure, steepest force on a roller",
             [
-                length.number(entry["height"]),
-                length.number(entry["start_radius"]),
-                pressure.number(entry["pressure"]),
-                *(
-                    ["cannot be made", "", ""]
-                    if "refused" in entry
-                    else [
-                        f"{length.number(entry['smallest_radius'])} to "
-                        f"{length.number(entry['largest_radius'])}",
-                        pressure.number(entry["largest_pressure"]),
-                        angle.fixed(math.radians(entry["largest_force_angle_deg"]), 1),
-                    ]
-                ),
-            ]
-            for entry in compared
-        ],
+                Column("H", "mm"),
+                Column("rho_0", "mm"),
+                Column("p_0", "MPa"),
+                Column("rho", "mm", joint=" to "),
+                Column("p", "MPa", missing=""),
+                Column("off axis", "deg", decimals=1, missing=""),
+            ],
+            [
+                [
+                    entry["height"],
+                    entry["start_radius"],
+                    entry["pressure"],
+                    *(
+                        ["cannot be made", None, None]
+                        if "refused" in entry
+                        else [
+                            (entry["smallest_radius"], entry["largest_radius"]),
+                            entry["largest_pressure"],
+                            math.radians(entry["largest_force_angle_deg"]),
+                        ]
+                    ),
+                ]
+                for entry in compared
+            ],
+        ),
+        units,
     )
-    for entry in compared:
-        if "refused" in entry:
-            print_line(units.text(f"Note: {entry['refused']}"))
+    print_notes((entry["refused"] for entry in compared if "refused" in entry), units)
 
 
 def _field(name: str) -> str:

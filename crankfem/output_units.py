@@ -61,6 +61,8 @@ class OutputUnit:
         if value is None:
             return UNBOUNDED
         text = f"{value / self.size:.{digits}g}"
+        if self.name == "%" and "e+" in text:
+            return f"{value / self.size:.0f}"
         if self.wished and "e" in text and 1.0 <= abs(float(text)) < WRITTEN_OUT:
             return f"{float(text):.0f}"
         return text

@@ -7,6 +7,8 @@ from crankfem.toml_file import InputRecord
 
 # Plain JSON content.
 Record = dict[str, Any]
+# How a remark begins that tells of a value nobody gave.
+ASSUMED = "Assumed: "
 
 
 def assumed_values(records: Iterable[InputRecord]) -> list[Record]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Protocol, Self
 
-from crankfem.console import TRACEBACK, told
+from crankfem.error_sentences import TRACEBACK, told
 from crankfem.pictures.to_draw import ToDraw
 from geometry.errors import MissingLibraryError, RenderError
 from geometry.processes import scratch_folder

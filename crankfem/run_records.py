@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 
 from crankfem import results as records
-from crankfem.balance_tables import balance_record
+from crankfem.balance_records import balance_record
 from crankfem.engine_file import EngineFile
 from crankfem.fit_records import study_record
 from crankfem.formula_records import fe_axial_curve, fe_record, formula_records
+from crankfem.mechanism_records import mechanism_record
 from crankfem.mechanism_run import MechanismRun
-from crankfem.mechanism_tables import mechanism_record
 from crankfem.record import Record
 from crankfem.report.about import about_record
 from crankfem.report.checks import run_checks

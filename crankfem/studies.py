@@ -22,7 +22,8 @@ from geometry.plots.legends import legend_inside, write_title
 from regression.factor_labels import factor_text
 from regression.models.compliance_model import ComplianceModel
 from regression.plots.factor_axis import response_text
-from regression.runs.study import Progress, StudyTable, run_plan
+from regression.runs.study import Progress, run_plan
+from regression.runs.study_table import StudyTable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

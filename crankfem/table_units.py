@@ -4,7 +4,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from crankfem.output_units import SI, OutputUnits
+from crankfem.output_units import SI, OutputUnit, OutputUnits
+from crankfem.table import Column
 
 # From here on a table is written in the thousandfold unit.
 KILO_FROM = 1e4
@@ -28,10 +29,13 @@ class TableUnit:
     size: float
     decimals: int
 
+    def column(self, name: str, *, bare: bool = False) -> Column:
+        """Return a column of numbers in this unit."""
+        return Column(name, OutputUnit(self.name, self.size), decimals=self.decimals, bare=bare)
+
     def text(self, value: float) -> str:
         """Write a number without its unit."""
-        # Adding zero turns a negative zero into zero.
-        return f"{round(value / self.size, self.decimals) + 0.0:.{self.decimals}f}"
+        return OutputUnit(self.name, self.size).fixed(value, self.decimals)
 
     def with_unit(self, value: float) -> str:
         """Write a number with its unit."""

@@ -14,7 +14,7 @@ from geometry.quantity import parse_quantity
 
 if TYPE_CHECKING:
     from regression.plans.plan import StudyPlan
-    from regression.runs.study import StudyTable
+    from regression.runs.study_table import StudyTable
 
 # Fewer held-out designs leave most of the box unseen.
 FEW_HELD_OUT = 5

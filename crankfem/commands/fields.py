@@ -24,6 +24,7 @@ def fields(
     from dataclasses import asdict
 
     from crankfem.field_tables import section_tables
+    from crankfem.table import Column, Table
 
     found = section_tables(section)
     if json:
@@ -31,7 +32,9 @@ def fields(
         return
     for table in found:
         print_table(
-            f"{table.title} ({table.need})",
-            ["field", "unit:", "allowed:", "meaning:"],
-            [[row.name, row.unit, row.allowed, row.meaning] for row in table.rows],
+            Table(
+                f"{table.title} ({table.need})",
+                [Column(name, words=True) for name in ("field", "unit", "allowed", "meaning")],
+                [[row.name, row.unit, row.allowed, row.meaning] for row in table.rows],
+            )
         )

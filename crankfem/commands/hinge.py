@@ -41,8 +41,9 @@ def hinge(
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Guides of an elastic hinge for constant crank speed, and how evenly the crank turns with it."""
+    from crankfem.column_file import write_columns
     from crankfem.hinge_file import load_hinge
-    from crankfem.hinge_records import hinge_record, write_hinge_table
+    from crankfem.hinge_records import hinge_columns, hinge_record
     from crankfem.hinge_run import run_hinge
     from crankfem.hinge_tables import print_hinge
     from crankfem.output_units import parse_output_units
@@ -59,7 +60,7 @@ def hinge(
     run = run_hinge(loaded, described, other)
     record = hinge_record(run)
     if csv is not None:
-        write_hinge_table(csv, run)
+        write_columns(csv, hinge_columns(run))
     made: list[Path] = []
     if folder is not None:
         from crankfem.pictures.hinge_plots import plot_hinge

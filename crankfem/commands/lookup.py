@@ -17,7 +17,8 @@ from geometry.errors import InputError
 
 if TYPE_CHECKING:
     from crankfem.output_units import OutputUnits
-    from regression.models.compliance_model import ComplianceModel, Lookup
+    from regression.models.compliance_model import ComplianceModel
+    from regression.models.lookup import Lookup
 
 
 def lookup(

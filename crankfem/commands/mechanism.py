@@ -40,16 +40,14 @@ def mechanism(
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Forces in the crank mechanism, load diagrams of the bearings, and the balance of the engine."""
-    from crankfem.balance_tables import (
-        balance_record,
-        hinged_rods_record,
-        print_balance,
-        print_hinged_rods,
-    )
+    from crankfem.balance_records import balance_record, hinged_rods_record
+    from crankfem.balance_tables import print_balance, print_hinged_rods
+    from crankfem.column_file import write_columns
     from crankfem.input_files import mechanism_inputs
     from crankfem.mechanism_file import load_mechanism
+    from crankfem.mechanism_records import force_columns, mechanism_record
     from crankfem.mechanism_run import run_mechanism
-    from crankfem.mechanism_tables import mechanism_record, print_mechanism, write_forces
+    from crankfem.mechanism_tables import print_mechanism
     from crankfem.output_units import parse_output_units
     from crankfem.pictures.mechanism_pictures import picture_mechanism
     from crankfem.speed_argument import parse_speed
@@ -63,7 +61,7 @@ def mechanism(
     record = mechanism_record(run)
     balanced, hinged = balance_record(run.balance), hinged_rods_record(run.hinged_rods)
     if csv is not None:
-        write_forces(csv, run)
+        write_columns(csv, *force_columns(run))
     made = [] if folder is None else picture_mechanism(folder, run)
     if json:
         print_json(

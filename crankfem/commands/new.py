@@ -114,6 +114,7 @@ def _copy(source: str, file: Path) -> str:
 
 def _list(json: bool) -> None:
     from crankfem.shipped import shipped_files
+    from crankfem.table import Column, Table
 
     if json:
         print_json(
@@ -126,7 +127,9 @@ def _list(json: bool) -> None:
         )
         return
     console.print_table(
-        "Shipped files, for `crankfem new MY.toml --from NAME` or by name in place of a file",
-        ["name", "kind:", "about:"],
-        [[one.name, one.kind, one.about] for one in shipped_files()],
+        Table(
+            "Shipped files, for `crankfem new MY.toml --from NAME` or by name in place of a file",
+            [Column(name, words=True) for name in ("name", "kind", "about")],
+            [[one.name, one.kind, one.about] for one in shipped_files()],
+        )
     )

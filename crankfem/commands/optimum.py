@@ -161,25 +161,29 @@ def _record(found: "Optimum") -> dict[str, Any]:
 
 def _print_optimum(model: "ComplianceModel", found: "Optimum", units: "OutputUnits") -> None:
     from crankfem.model_arguments import dimensions_text
+    from crankfem.table import Column, Table
 
     print_line(f"Smallest {found.minimized}: {units.quantity(found.value, found.unit, 4)}")
     for text in dimensions_text(model, found.factors):
         end = " (end of its range)" if text.partition(" ")[0] in found.at_ends else ""
         print_line(units.text(f"  {text}{end}"))
     if found.limits:
+        names = ("limit", "bound", "by the equation", "worst in its band", "kept")
         print_table(
-            "Limits",
-            ["limit", "bound", "by the equation", "worst in its band", "kept:"],
-            [
+            Table(
+                "Limits",
+                [Column(name, words=name == "kept") for name in names],
                 [
-                    check.limit.name.replace("_", " "),
-                    f"{check.limit.sign} {units.quantity(check.limit.bound, check.limit.unit, 4)}",
-                    units.quantity(check.value, check.limit.unit, 4),
-                    units.quantity(check.worst, check.limit.unit, 4),
-                    "just" if check.active else "with room",
-                ]
-                for check in found.limits
-            ],
+                    [
+                        check.limit.name.replace("_", " "),
+                        f"{check.limit.sign} {units.quantity(check.limit.bound, check.limit.unit, 4)}",
+                        units.quantity(check.value, check.limit.unit, 4),
+                        units.quantity(check.worst, check.limit.unit, 4),
+                        "just" if check.active else "with room",
+                    ]
+                    for check in found.limits
+                ],
+            )
         )
     for remark in found.remarks:
         print_line(units.text(f"{remark[0].upper()}{remark[1:].rstrip('.')}."))

@@ -68,7 +68,7 @@ def run(
 
 def _print(results: dict[str, Any], units: "OutputUnits") -> None:
     from crankfem import fit_tables, formula_tables, tables
-    from crankfem.vibration.records import print_run
+    from crankfem.vibration_tables import print_run
 
     tables.print_throw(results["throw"], units)
     formula_tables.print_one_throw(results["formulas"], 180.0, units=units)

@@ -44,8 +44,8 @@ def throw(
     """
     from crankfem import tables
     from crankfem.output_units import parse_output_units
-    from crankfem.pipeline import UNIT_RADIAL_FORCE
     from crankfem.results import mode_records, throw_record
+    from crankfem.run_records import UNIT_RADIAL_FORCE
     from crankfem.throw_file import load_throw
     from fem.analysis import analyze_throw
     from fem.class_modes import MOST_MODES
@@ -101,13 +101,27 @@ def stress(
 ) -> None:
     """Find the stresses at a throw's fillets under unit loads, and their concentration factors."""
     from crankfem.output_units import parse_output_units
-    from crankfem.stress import run_stress
+    from crankfem.stress import stress_record
+    from crankfem.stress_tables import print_stresses
+    from crankfem.throw_file import load_throw
+    from fem.fillet_stress import fillet_stresses
 
-    run_stress(
-        engine,
-        accuracy,
-        end_sections=cast(Any, end_sections),
-        pictures=pictures,
-        json=json,
-        units=parse_output_units(units),
-    )
+    shown = parse_output_units(units)
+    part, material = load_throw(engine)
+    if pictures is not None:
+        console.check_folder(pictures)
+        if pictures.exists() and not pictures.is_dir():
+            raise InputError(
+                f"--pictures: given {pictures}, which is a file; allowed is a folder, for there is a "
+                "picture of each load."
+            )
+    stresses = fillet_stresses(part, material, accuracy, end_sections=cast(Any, end_sections))
+    record = stress_record(stresses)
+    if pictures is not None:
+        from crankfem.pictures.stress_picture import picture_stresses
+
+        record["pictures"] = [str(file) for file in picture_stresses(stresses, pictures)]
+    if json:
+        print_json(record)
+    else:
+        print_stresses(record, shown)

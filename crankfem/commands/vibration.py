@@ -60,14 +60,16 @@ def vibration(
         others = coupled or strict or any(given is not None for given in (run_up, csv, pictures))
         _of_chain(engine, json, shown, only_engines=others)
         return
+    from crankfem.column_file import write_columns
     from crankfem.engine_file import load_engine
     from crankfem.pictures.vibration_pictures import picture_run_up, picture_vibration
-    from crankfem.vibration.forced_records import write_forced
-    from crankfem.vibration.records import print_run, run_record
+    from crankfem.vibration.forced_records import forced_columns
+    from crankfem.vibration.records import run_record
     from crankfem.vibration.run import engine_vibration
     from crankfem.vibration.run_up import parse_duration
     from crankfem.vibration.run_up import run_up as turned_up
-    from crankfem.vibration.run_up_records import print_run_up, run_up_record
+    from crankfem.vibration.run_up_records import run_up_record
+    from crankfem.vibration_tables import print_run, print_run_up
     from geometry.diagram_style import make_folder
 
     duration = None if run_up is None else parse_duration(run_up)
@@ -90,7 +92,7 @@ def vibration(
         for forced in (run.forced_axial, run.forced_torsional):
             if forced is not None:
                 written.append(folders[0] / f"{forced.kind}.csv")
-                write_forced(written[-1], forced)
+                write_columns(written[-1], *forced_columns(forced))
     if folders[1] is not None:
         written += picture_vibration(folders[1], run)
         if found is not None:

@@ -146,7 +146,7 @@ def head(text: str) -> Markup:
     >>> str(head("speed [1/min]"))
     'speed <span class="nowrap">[1/min]</span>'
     """
-    name, bracket, unit = text.partition(" [")
+    name, bracket, unit = text.replace("[um]", "[µm]").partition(" [")
     return (
         Markup('{} <span class="nowrap">[{}</span>').format(name, unit) if bracket else escape(text)
     )
@@ -158,6 +158,7 @@ def tied(text: str) -> str:
 
 
 FILTERS = {
+    "cells": lambda table: table.texts(write=significant),
     "sig": significant,
     "plain": lambda value: f"{value:g}",
     "count": lambda value: f"{value:,}".replace(",", "\N{NARROW NO-BREAK SPACE}"),

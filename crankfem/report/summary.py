@@ -6,12 +6,11 @@ from typing import Any
 from crankfem.number_formats import fixed, percent, significant, used
 from crankfem.record import Record
 from crankfem.report.numbers import motion, quantity
+from crankfem.vibration.tables import TOGETHER
 
 KINDS = ("axial", "torsional")
 # Speeds of each kind that the first screen names, and how severe beside the worst they are at least.
 SPEEDS_SHOWN, LEAST_SEVERITY = 4, 0.05
-# Resultant of the cylinders from which they count as acting together.
-TOGETHER = 0.5
 NOT_JUDGED = "Not judged: no gas pressure is given"
 
 

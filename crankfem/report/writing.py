@@ -9,11 +9,20 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from crankfem.load_tables import bearing_table
 from crankfem.report.compliances import compliance_tables
 from crankfem.report.figures import load_figures
 from crankfem.report.numbers import FILTERS
 from crankfem.report.summary import summary
 from crankfem.run_files import write_whole
+from crankfem.vibration.tables import (
+    critical_table,
+    element_table,
+    limit_table,
+    margin_table,
+    resonance_table,
+    whole_table,
+)
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -30,6 +39,16 @@ LATER: dict[str, Any] = {
     "picture_note": None,
 }
 LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
+# What makes tables of the results.
+TABLES = (
+    bearing_table,
+    critical_table,
+    element_table,
+    limit_table,
+    margin_table,
+    resonance_table,
+    whole_table,
+)
 TEMPLATE, STYLE, DRAWING = "report.html.j2", "report/style.css", "interactive.js"
 
 
@@ -102,7 +121,7 @@ def _environment() -> "Environment":
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= FILTERS
+    environment.filters |= FILTERS | {make.__name__: make for make in TABLES}
     return environment
 
 

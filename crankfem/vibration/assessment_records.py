@@ -1,20 +1,11 @@
-"""Verdict and uncertainty as plain numbers, and the tables made from them."""
+"""Verdict and uncertainty as plain numbers."""
 
-from typing import Any
-
-from crankfem.console import print_line, print_table
-from crankfem.number_formats import UNBOUNDED, used
-from crankfem.output_units import SI, OutputUnits
 from crankfem.record import Record
 from crankfem.vibration.assessment import Assessment, Uncertainty
 from crankfem.vibration.forced_records import finite_or_none
-from crankfem.vibration.motion import MOTION
 from dynamics.assessment.barred_ranges import BarredRange, judged_to
 from dynamics.assessment.verdict import LimitCheck
 from geometry.units import RPM
-
-# Critical speeds that a table shows; files hold all.
-ROWS_SHOWN = 12
 
 
 def assessment_record(assessment: Assessment) -> Record:
@@ -44,88 +35,6 @@ def assessment_record(assessment: Assessment) -> Record:
             one.kind: _uncertainty(one) for one in (assessment.axial, assessment.torsional)
         },
     }
-
-
-def print_assessment(record: dict[str, Any], units: OutputUnits = SI) -> None:
-    """Print what is uncertain, limits, barred ranges and, last, the verdict."""
-    speed = units.of("1/min")
-    for kind, uncertain in record["uncertainty"].items():
-        _print_uncertainty(kind, uncertain, units)
-    for limit in dict.fromkeys(check["limit"] for check in record["checks"]):
-        print_table(
-            f"{limit.capitalize()}, worst speeds",
-            ["where", f"at [{speed.name}]", "reached", "permitted", "used [%]"],
-            [
-                [
-                    check["place"],
-                    speed.fixed(check["speed_rpm"] / RPM, 1),
-                    _quantity(check["value"], check["unit"], units),
-                    _quantity(check["permitted"], check["unit"], units),
-                    used(check["used"]).removesuffix(" %"),
-                ]
-                for check in record["checks"]
-                if check["limit"] == limit
-            ],
-        )
-    lowest, highest = record["running_rpm"]
-    for limit in record["limits"]:
-        assumed = ", assumed" if limit["assumed"] else ""
-        end = limit["judged_to_rpm"]
-        beyond = (
-            f", for it holds above the highest running speed of {highest:.4g} 1/min too"
-            if end > highest
-            else ""
-        )
-        print_line(
-            units.text(
-                f"Limit on {limit['name']}: {limit['source']}{assumed}; judged from {lowest:.4g} to "
-                f"{end:.4g} 1/min{beyond}."
-            )
-        )
-    for line in record["remarks"]:
-        print_line(units.text(f"Note: {line}"))
-    for name, fine in (
-        ("barred", "may be barred"),
-        ("started_through", "is passed on every start"),
-    ):
-        for one in record[name]:
-            said = "; ".join(one["refusals"]) or fine
-            print_line(units.text(f"Range {one['shown']}: {said}. Its ends: {one['ends']}."))
-    print_line(units.text(f"Verdict: {record['sentence']}"))
-    for line in record["beside"]:
-        print_line(units.text(line))
-
-
-def _print_uncertainty(kind: str, record: dict[str, Any], units: OutputUnits) -> None:
-    motion, speed = units.of(MOTION[kind].printed), units.of("1/min")
-    for spread in record["spreads"]:
-        print_line(
-            f"{kind.capitalize()}: {spread['name']} {spread['low']:.3g} to {spread['high']:.3g} times the "
-            "value used"
-        )
-    count = len(record["critical"])
-    print_table(
-        f"{kind.capitalize()} critical speeds with what is uncertain, and their margin to running speeds"
-        + (f", the first {ROWS_SHOWN} of {count}" if count > ROWS_SHOWN else ""),
-        ["mode", "order", f"speed [{speed.name}]", "lowest", "highest", "margin [%]"],
-        [
-            [
-                str(one["mode"]),
-                f"{one['order']:g}",
-                *(speed.fixed(one[name] / RPM, 1) for name in ("speed_rpm", "low_rpm", "high_rpm")),
-                "none" if one["margin"] == 0.0 else f"{100.0 * one['margin']:.1f}",
-            ]
-            for one in record["critical"][:ROWS_SHOWN]
-        ],
-    )
-    if record["amplitudes"] is not None:
-        found = record["amplitudes"]
-        print_line(
-            f"{kind.capitalize()} amplitude of the free end at running speeds: nominal "
-            f"{motion.number(found['nominal'])}, 5 to 95 % of {found['samples']} samples "
-            f"{motion.number(found['percentile_5'])} to {motion.number(found['percentile_95'])} "
-            f"{motion.name}"
-        )
 
 
 def _check(check: LimitCheck, running: tuple[float, float]) -> Record:
@@ -197,7 +106,3 @@ def _uncertainty(uncertain: Uncertainty) -> Record:
             "highest": finite_or_none(float(amplitudes.highest)),
         },
     }
-
-
-def _quantity(value: float | None, unit: str, units: OutputUnits) -> str:
-    return UNBOUNDED if value is None else units.quantity(value, unit, 4)

@@ -1,15 +1,8 @@
-"""Forced vibration as plain numbers, and the tables and columns made from them."""
-
-from pathlib import Path
-from typing import Any
+"""Forced vibration as plain numbers, and the columns of its file."""
 
 import numpy as np
 
-from crankfem.column_file import write_columns
-from crankfem.console import print_line, print_table
-from crankfem.mechanism_tables import ASSUMED
-from crankfem.output_units import SI, OutputUnits
-from crankfem.record import Record
+from crankfem.record import ASSUMED, Record
 from crankfem.vibration.forced import ForcedVibration
 from crankfem.vibration.motion import MOTION
 from dynamics.checks import FloatArray
@@ -17,10 +10,6 @@ from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.series import OrderSeries
 from geometry.units import RPM
 
-# What a table shows; files hold everything.
-ROWS_SHOWN = 12
-# Units in which loads are printed.
-LOAD = {"torsional": "kN m", "axial": "kN"}
 # SI units of loads in records.
 LOAD_UNIT = {"torsional": "N m", "axial": "N"}
 
@@ -73,81 +62,8 @@ def forced_record(forced: ForcedVibration) -> Record:
     }
 
 
-def print_forced(record: dict[str, Any], units: OutputUnits = SI) -> None:
-    """Print resonances and peaks of a forced vibration."""
-    kind = record["kind"]
-    motion, load = units.of(MOTION[kind].printed), units.of(LOAD[kind])
-    speed, stress = units.of("1/min"), units.of("MPa")
-    free_end = record["free_end"]
-    for line in (*record["damping"], *record["remarks"]):
-        print_line(units.text(f"{kind.capitalize()}: {line}"))
-    worst = sorted(record["resonances"], key=lambda one: -one["severity"])[:ROWS_SHOWN]
-    count = len(record["resonances"])
-    print_table(
-        f"{kind.capitalize()} resonances {_judged(record, units)}"
-        + (f", the {ROWS_SHOWN} most severe of {count}" if count > ROWS_SHOWN else ""),
-        [
-            f"speed [{speed.name}]",
-            "order",
-            "mode",
-            f"{free_end['node']} [{motion.name}]",
-            "by magnifier",
-            "kind:",
-        ],
-        [
-            [
-                speed.fixed(one["speed_rpm"] / RPM, 1),
-                f"{one['order']:g}",
-                str(one["mode"]),
-                motion.number(one["amplitude"]),
-                motion.number(one["estimate"]),
-                one["kind"] + ("" if one["in_running_range"] else ", above"),
-            ]
-            for one in sorted(worst, key=lambda one: float(one["speed_rpm"]))
-        ],
-    )
-    stresses = {one["element"]: one for one in record["stress"] or ()}
-    stressed = [f"stress [{stress.name}]"] if stresses else []
-    print_table(
-        f"{kind.capitalize()} vibration of the elements, largest over the speeds "
-        "(all orders over the cycle; plain sum of amplitudes)",
-        [
-            "element",
-            f"load [{load.name}]",
-            f"at [{speed.name}]",
-            f"plain sum [{load.name}]",
-            *stressed,
-        ],
-        [
-            [
-                one["element"],
-                load.number(one["peak"]),
-                speed.fixed(one["speed_rpm"] / RPM, 0),
-                load.number(one["plain_sum_peak"]),
-                *(
-                    [stress.number(stresses[one["element"]]["peak"])]
-                    if one["element"] in stresses
-                    else [""] * len(stressed)
-                ),
-            ]
-            for one in record["loads"]
-        ],
-    )
-
-
-def _judged(record: dict[str, Any], units: OutputUnits) -> str:
-    """Say over which speeds resonances are listed."""
-    running, judged = record["running_rpm"], record["judged_rpm"]
-    if judged[1] <= running[1]:
-        return "in the running range"
-    return units.text(
-        f"at the speeds judged: the running range to {running[1]:.4g} 1/min, and above it to "
-        f"{judged[1]:.4g} 1/min, as far as a limit holds"
-    )
-
-
-def write_forced(path: Path, forced: ForcedVibration) -> None:
-    """Write the amplitudes over the speed as CSV: free end by order, loads of all elements."""
+def forced_columns(forced: ForcedVibration) -> tuple[dict[str, FloatArray], str]:
+    """Return the amplitudes over the speed, of the free end by order and of loads, and what they are."""
     free_end, loads = forced.free_end, forced.loads.elements
     unit = MOTION[forced.kind].si
     load = "Nm" if forced.kind == "torsional" else "N"
@@ -160,7 +76,7 @@ def write_forced(path: Path, forced: ForcedVibration) -> None:
         columns[f"free_end_order_{order:g}_{unit}"] = free_end.amplitude[place, :, 0]
     for place, name in enumerate(loads.names):
         columns[f"{name} [{load}]"] = loads.synthesis.amplitude[:, place]
-    write_columns(path, columns, f"{forced.kind} vibration, amplitudes; inf is unbounded")
+    return columns, f"{forced.kind} vibration, amplitudes; inf is unbounded"
 
 
 def _peaks(series: OrderSeries, unit: str) -> list[Record]:

@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 from crankfem.engine_file import EngineFile
 from fem.shaft import ShaftCompliances, shaft_compliances
 from fem.throw_analysis import ThrowAnalysis
-from regression.formulas.axial_formulas import axial_formulas, fold_angle_deg
+from regression.formulas.arguments import fold_angle_deg
+from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.torsional_formulas import torsional_formulas
 from regression.models.compliance_model import ComplianceModel
 

@@ -1,14 +1,9 @@
-"""The whole crankshaft's modes and coupled vibration as plain numbers, and the tables made from them."""
-
-from typing import Any
+"""The whole crankshaft's modes and coupled vibration as plain numbers."""
 
 import numpy as np
 
-from crankfem.console import print_line, print_table
-from crankfem.output_units import SI, OutputUnits
 from crankfem.record import Record
 from crankfem.vibration.forced_records import finite_or_none
-from crankfem.vibration.motion import MOTION
 from crankfem.vibration.whole_shaft import ShaftComparison, WholeShaft
 from dynamics.crankshaft.chain_comparison import ChainVerdict
 from dynamics.crankshaft.coupled_response import CoupledResponse
@@ -44,43 +39,6 @@ def whole_record(whole: WholeShaft, comparison: ShaftComparison | None) -> Recor
         if comparison is None or comparison.coupled is None
         else _split(comparison.coupled),
     }
-
-
-def print_whole(record: dict[str, Any], units: OutputUnits = SI) -> None:
-    """Print modes of the whole crankshaft and how far the chains agree."""
-    frequency, length = units.of("Hz"), units.of("um")
-    print_table(
-        "Modes of the whole crankshaft in its bearings",
-        ["mode:", f"frequency [{frequency.name}]", "motion:"],
-        [
-            [one["name"], frequency.fixed(one["frequency"], 2), one["label"]]
-            for one in record["modes"]
-        ],
-    )
-    for line in record["remarks"]:
-        print_line(units.text(f"Note: {line}"))
-    for kind, chain in record["chains"].items():
-        motion = units.of(MOTION[kind].printed)
-        if chain["chain_amplitude"] is not None or chain["shaft_amplitude"] is not None:
-            print_line(
-                f"{kind.capitalize()} amplitude of the free end, largest over the speeds: chain "
-                f"{motion.number(chain['chain_amplitude'])}, whole crankshaft "
-                f"{motion.number(chain['shaft_amplitude'])} {motion.name}"
-            )
-        if chain["suffices"]:
-            print_line(f"The {kind} chain suffices in place of the whole crankshaft.")
-        else:
-            reasons = " ".join(chain["reasons"])
-            print_line(units.text(f"The {kind} chain does not suffice: {reasons}"))
-    split = record["axial_split"]
-    if split is not None:
-        print_line(
-            "Axial amplitude of the free end, largest over the speeds: "
-            f"{length.number(split['tangential'])} {length.name} by tangential forces alone (torsion), "
-            f"{length.number(split['radial'])} {length.name} by radial forces alone, "
-            f"{length.number(split['both'])} {length.name} by both at "
-            f"{units.text(format(split['speed_rpm'], '.0f') + ' 1/min')}"
-        )
 
 
 def _chain(verdict: ChainVerdict) -> Record:

@@ -25,7 +25,8 @@ from geometry.plots.bars import draw_groups
 from geometry.plots.legends import write_title
 from geometry.quantity import show_quantity
 from geometry.throw import CrankThrow
-from regression.models.compliance_model import ComplianceModel, Lookup
+from regression.models.compliance_model import ComplianceModel
+from regression.models.lookup import Lookup
 from regression.models.optimum_limits import (
     Limit,
     Points,

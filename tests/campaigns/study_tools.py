@@ -9,7 +9,9 @@ import time
 from pathlib import Path
 
 from geometry.throw import CrankThrow
-from regression.plans.plan import DesignChoice, Factor, StudyPlan, plan_designs
+from regression.plans.design_choice import DesignChoice
+from regression.plans.factors import Factor
+from regression.plans.plan import StudyPlan, plan_designs
 
 ROOT = Path(__file__).resolve().parents[2]
 THROW = CrankThrow(

@@ -18,7 +18,8 @@ from fem import fillet_stress
 from fem.analysis import analyze_throw
 from geometry.errors import MissingLibraryError
 from regression.fits.fits import fit_form
-from regression.models.compliance_model import ComplianceModel, ResponseModel
+from regression.models.compliance_model import ComplianceModel
+from regression.models.response_model import ResponseModel
 from regression.plans.designs import full_factorial
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from crankfem import balance_tables, console
+from crankfem import balance_records, balance_tables, console
 from crankfem.pictures.balance_plots import (
     plot_accelerations,
     plot_balance,
@@ -37,7 +37,7 @@ def vee():
 
 def test_records_are_json_and_hold_the_numbers():
     found = balance(vee(), SPEED)
-    record = json.loads(json.dumps(balance_tables.balance_record(found), allow_nan=False))
+    record = json.loads(json.dumps(balance_records.balance_record(found), allow_nan=False))
     first, second = record["orders"][:2]
     assert (first["force_balanced"], first["moment_balanced"]) == (True, False)
     assert (second["force_balanced"], second["moment_balanced"]) == (False, True)
@@ -50,7 +50,7 @@ def test_records_are_json_and_hold_the_numbers():
     assert len(record["masses"]) == 4
     cases = json.loads(
         json.dumps(
-            balance_tables.hinged_rods_record(hinged_rod_effects(vee(), SPEED, cylinders=[1, 2]))
+            balance_records.hinged_rods_record(hinged_rod_effects(vee(), SPEED, cylinders=[1, 2]))
         )
     )
     assert cases[1]["side_by_side"]["change"] == {"major": 0.0, "minor": 0.0, "turn_deg": 0.0}
@@ -59,7 +59,7 @@ def test_records_are_json_and_hold_the_numbers():
 
 def test_tables(capsys, monkeypatch):
     monkeypatch.setattr(console.output, "width", 120)
-    balance_tables.print_balance(balance_tables.balance_record(balance(vee(), SPEED)))
+    balance_tables.print_balance(balance_records.balance_record(balance(vee(), SPEED)))
     forces, moments = capsys.readouterr().out.split("Inertia moments")
     second = 1e-3 * balance(vee(), SPEED).of(2).force.major
     assert [line.split()[3] for line in forces.splitlines() if "│ 1 " in line] == ["balanced"]
@@ -67,7 +67,7 @@ def test_tables(capsys, monkeypatch):
     assert "about z = 0.2 m" in moments
     assert moments.count("balanced") == 3  # the second and fourth order, and the note
     effects = hinged_rod_effects(vee(), SPEED, cylinders=[1, 2])
-    balance_tables.print_hinged_rods(balance_tables.hinged_rods_record(effects))
+    balance_tables.print_hinged_rods(balance_records.hinged_rods_record(effects))
     shown = capsys.readouterr().out
     assert "hinged: movement alone" in shown
     assert "-12.2 %" in shown

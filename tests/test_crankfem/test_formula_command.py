@@ -17,7 +17,8 @@ from fem.supports import Neighbors
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Web
 from regression.formulas.angle_factors import ANGLE_FACTORS
-from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES, axial_formulas
+from regression.formulas.axial_formulas import axial_formulas
+from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 
 coarse = functools.partial(analyze_throw, accuracy=0.1)

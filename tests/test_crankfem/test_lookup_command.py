@@ -20,7 +20,8 @@ from dynamics.chains.engine_chains import axial_chain
 from geometry.errors import InputError
 from regression.fits.fits import fit_form
 from regression.models import optimum as optimum_search
-from regression.models.compliance_model import ComplianceModel, ResponseModel
+from regression.models.compliance_model import ComplianceModel
+from regression.models.response_model import ResponseModel
 
 ENGINE = "6chn25-34"
 THROW = load_throw(engine_path(ENGINE))[0]

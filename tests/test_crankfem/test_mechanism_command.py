@@ -6,10 +6,11 @@ import pytest
 
 from crankfem.engine_file import load_engine
 from crankfem.mechanism_file import load_mechanism
+from crankfem.mechanism_records import mechanism_record
 from crankfem.mechanism_run import run_mechanism
-from crankfem.mechanism_tables import mechanism_record, merged_rows
 from crankfem.pictures.mechanism_pictures import picture_mechanism
 from crankfem.rod_comparison import compare_rod_models
+from crankfem.table import merged_rows
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from crankfem import stress
+from crankfem.commands import throw as commands
 from crankfem.pictures import stress_picture
 from crankfem.pictures.stress_picture import (
     largest_peak,
@@ -17,7 +17,8 @@ from crankfem.pictures.stress_picture import (
     picture_stresses,
     render,
 )
-from crankfem.stress import print_stresses, run_stress, stress_record
+from crankfem.stress import stress_record
+from crankfem.stress_tables import print_stresses
 from fem import fillet_stress
 from fem.fillet_stress import fillet_stresses
 from fem.unit_loads import unit_loads
@@ -139,12 +140,12 @@ def computed(found, monkeypatch):
         asked.append((arguments, options))
         return found["quarter"]
 
-    monkeypatch.setattr(stress, "fillet_stresses", done)
+    monkeypatch.setattr(fillet_stress, "fillet_stresses", done)
     return asked
 
 
 def test_command_prints_json_and_nothing_else(computed, capsys):
-    run_stress("6chn25-34", 0.1, end_sections="averaged", json=True)
+    commands.stress("6chn25-34", 0.1, end_sections="averaged", json=True)
     record = json.loads(capsys.readouterr().out)
     assert record["pictures"] == []
     (throw, _, accuracy), options = computed[0]
@@ -155,13 +156,13 @@ def test_command_writes_pictures(computed, capsys, monkeypatch, tmp_path):
     monkeypatch.setattr(
         stress_picture, "picture_stresses", lambda _, folder: (folder / "stress-axial.png",)
     )
-    run_stress("6chn25-34", pictures=tmp_path / "made")
+    commands.stress("6chn25-34", pictures=tmp_path / "made")
     assert f"{tmp_path / 'made' / 'stress-axial.png'} written." in capsys.readouterr().out
 
 
 def test_command_refuses_a_folder_that_cannot_be_made(computed, tmp_path):
     with pytest.raises(InputError, match="there is no folder"):
-        run_stress("6chn25-34", pictures=tmp_path / "missing" / "made")
+        commands.stress("6chn25-34", pictures=tmp_path / "missing" / "made")
     assert not computed
 
 

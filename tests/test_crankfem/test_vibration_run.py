@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from crankfem.column_file import write_columns
 from crankfem.data_files import engine_path
 from crankfem.engine_file import load_engine
 from crankfem.mechanism_file import load_mechanism, mechanism_of
@@ -15,7 +16,7 @@ from crankfem.vibration.assessment import assess
 from crankfem.vibration.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.vibration.excitation import engine_harmonics
 from crankfem.vibration.forced import forced_vibrations, nominal_section_modulus
-from crankfem.vibration.forced_records import forced_record, write_forced
+from crankfem.vibration.forced_records import forced_columns, forced_record
 from crankfem.vibration.records import run_record
 from crankfem.vibration.run import engine_vibration
 from crankfem.vibration.run_up import parse_duration, run_up
@@ -255,7 +256,7 @@ def test_records_pictures_and_columns(run, tmp_path):
         "torsional_stress",
     }
     assert all(path.read_text(encoding="utf-8").startswith("<?xml") for path in made)
-    write_forced(tmp_path / "torsional.csv", run.forced_torsional)
+    write_columns(tmp_path / "torsional.csv", *forced_columns(run.forced_torsional))
     head, names, first = (tmp_path / "torsional.csv").read_text("utf-8").splitlines()[:3]
     assert head.startswith("# torsional vibration")
     assert len(names.split(",")) == len(first.split(",")) == 3 + 24 + 7

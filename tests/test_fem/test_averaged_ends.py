@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from fem.assembly import assemble_stiffness, symmetric_product
-from fem.condensation import condense, end_sections, nodes_on
+from fem.condensation import condense, nodes_on
 from fem.fields import displacement_field
-from fem.loads import unit_end_loads, unit_pin_loads
+from fem.loads import end_sections, unit_end_loads, unit_pin_loads
 from fem.material import STEEL
 from fem.superelement import combine_classes
 from fem.supports import Neighbors, support_throw

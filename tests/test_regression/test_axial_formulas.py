@@ -7,15 +7,10 @@ from hypothesis import strategies as st
 
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.formulas.axial_formulas import (
-    AXIAL_FORMULA_NAMES,
-    DEFAULT_CONSTANTS,
-    FORMULA_CONSTANTS,
-    axial_formula,
-    axial_formula_faults,
-    axial_formulas,
-    fold_angle_deg,
-)
+from regression.formulas.arguments import fold_angle_deg
+from regression.formulas.axial_formulas import axial_formula, axial_formula_faults, axial_formulas
+from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
+from regression.formulas.constants import DEFAULT_CONSTANTS, FORMULA_CONSTANTS
 
 
 def throw_of_mm(R, D_km, D_shm, L_km, L_shm, B, h):

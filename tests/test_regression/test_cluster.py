@@ -18,6 +18,7 @@ import pytest
 
 from geometry.errors import InputError, MissingLibraryError
 from geometry.throw import CrankThrow
+from regression.plans.plan import StudyPlan
 from regression.records import StudyStoppedError
 from regression.runs import cluster as cluster_module
 from regression.runs import shelf as shelf_module
@@ -25,7 +26,7 @@ from regression.runs import supervised
 from regression.runs.cluster import TaskLostError, compute_design, identity, run_on_cluster
 from regression.runs.dask_cluster import DaskCluster, check_address
 from regression.runs.shelf import Shelf
-from regression.runs.study import StudyPlan, run_plan
+from regression.runs.study import run_plan
 from regression.runs.supervised import Limits
 
 THROW = CrankThrow(

@@ -12,12 +12,10 @@ from hypothesis import strategies as st
 
 from geometry.errors import InputError
 from regression.fits.fits import fit_form
-from regression.models.compliance_model import (
-    ComplianceModel,
-    Lookup,
-    OutsideRangeWarning,
-    ResponseModel,
-)
+from regression.models.compliance_model import ComplianceModel
+from regression.models.lookup import Lookup
+from regression.models.outside import OutsideRangeWarning
+from regression.models.response_model import ResponseModel
 
 ROOT = Path(__file__).resolve().parents[2]
 FACTORS = ("web_width", "web_thickness", "pin_length")

@@ -21,9 +21,11 @@ from regression.fits.fits import fit_form
 from regression.fits.forms import FittedForm
 from regression.fits.terms import polynomial_terms
 from regression.models.angle import between, fold_angle
-from regression.models.compliance_model import ComplianceModel, OutsideRangeWarning, ResponseModel
+from regression.models.compliance_model import ComplianceModel
 from regression.models.evaluator import PIECE, compile_equation
 from regression.models.model_file import checksum
+from regression.models.outside import OutsideRangeWarning
+from regression.models.response_model import ResponseModel
 
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098)}
 GRID = np.array(list(itertools.product(*(np.linspace(*ends, 3) for ends in BOX.values()))))

@@ -17,7 +17,9 @@ from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
 from regression.fits.groups import group_named
-from regression.models.compliance_model import ComplianceModel, OutsideRangeWarning, ResponseModel
+from regression.models.compliance_model import ComplianceModel
+from regression.models.outside import OutsideRangeWarning
+from regression.models.response_model import ResponseModel
 
 E, RHO = STEEL.youngs_modulus, STEEL.density
 THROW = {

@@ -5,7 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from regression.fits.equation_text import FactorLabel, equation_text, factor_label, term_symbols
+from regression.factor_labels import FactorLabel, factor_label
+from regression.fits.equation_text import equation_text, term_symbols
 from regression.fits.fits import fit_form
 from regression.fits.forms import FORMS, FittedForm
 

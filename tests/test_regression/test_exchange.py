@@ -14,11 +14,12 @@ from geometry.errors import InputError, MissingLibraryError
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Counterweight
 from regression.plans.factors import Factor
+from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import HELD_OUT, MEASURED, RUN
 from regression.runs import supervised
 from regression.runs.export_table import export_table
 from regression.runs.store import ResultStore
-from regression.runs.study import StudyPlan, import_results, plan_designs, read_study, run_plan
+from regression.runs.study import import_results, read_study, run_plan
 from regression.runs.study_table import study_table
 from regression.throw_values import SAME
 

@@ -4,7 +4,8 @@ import pytest
 
 from geometry.throw import CrankThrow
 from geometry.throw_sections import FurtherPin, Web
-from regression.formulas.axial_formulas import axial_formulas, round_area, round_inertia
+from regression.formulas.axial_formulas import axial_formulas
+from regression.formulas.case import round_area, round_inertia
 from regression.formulas.torsional_formulas import torsional_formulas
 
 

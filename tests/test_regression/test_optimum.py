@@ -12,9 +12,10 @@ import pytest
 
 from geometry.errors import InputError
 from regression.fits.fits import fit_form
-from regression.models.compliance_model import ComplianceModel, ResponseModel
+from regression.models.compliance_model import ComplianceModel
 from regression.models.optimum import find_optimum
 from regression.models.optimum_limits import Limit, Points, limit_values
+from regression.models.response_model import ResponseModel
 
 BOX = {
     "web_width": (0.270, 0.330),

@@ -18,14 +18,8 @@ from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans.design_choice import SPACE_FILLING, DesignChoice
 from regression.plans.factors import Factor, rounded
-from regression.plans.plan import (
-    HELD_OUT,
-    MODEL_VERSION,
-    RUN,
-    StudyPlan,
-    plan_designs,
-)
-from regression.records import content_key
+from regression.plans.plan import MODEL_VERSION, StudyPlan, plan_designs
+from regression.records import HELD_OUT, RUN, content_key
 from regression.runs.store import ResultStore
 
 THROW = CrankThrow(

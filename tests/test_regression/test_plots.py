@@ -12,9 +12,10 @@ from regression.factor_labels import factor_text, term_text
 from regression.fits.fits import fit_form
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.formula_frames import formulas_to_pandas
-from regression.models.compliance_model import ComplianceModel, ResponseModel
+from regression.models.compliance_model import ComplianceModel
 from regression.models.optimum import LimitCheck, Optimum
 from regression.models.optimum_limits import Limit
+from regression.models.response_model import ResponseModel
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
 from regression.plots.formula_curves import draw_formula_bars

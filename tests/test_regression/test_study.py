@@ -16,18 +16,14 @@ from fem.responses import evaluate_throw
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans import plan as plan_module
-from regression.plans.plan import DesignChoice, Factor
+from regression.plans.design_choice import DesignChoice
+from regression.plans.factors import Factor
+from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import HELD_OUT, RUN
 from regression.runs import study as study_module
 from regression.runs import supervised
 from regression.runs.store import ResultStore
-from regression.runs.study import (
-    StudyPlan,
-    import_results,
-    plan_designs,
-    read_study,
-    run_plan,
-)
+from regression.runs.study import import_results, read_study, run_plan
 
 ROOT = Path(__file__).resolve().parents[2]
 THROW = CrankThrow(

@@ -22,13 +22,9 @@ from hypothesis import strategies as st
 
 from geometry.throw import CrankThrow
 from regression.formulas.angle_factors import ANGLE_FACTORS
-from regression.formulas.axial_formulas import (
-    AXIAL_VARIANTS,
-    DEFAULT_CONSTANTS,
-    axial_formula,
-    axial_formulas,
-)
-from regression.formulas.catalogue import AXIAL_FORMULAS
+from regression.formulas.axial_formulas import axial_formula, axial_formulas
+from regression.formulas.catalogue import AXIAL_FORMULAS, AXIAL_VARIANTS
+from regression.formulas.constants import DEFAULT_CONSTANTS
 
 E = 2.1e11
 

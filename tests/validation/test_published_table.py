@@ -16,7 +16,8 @@ import pytest
 from crankfem.data_files import data_folder
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
-from regression.formulas.axial_formulas import AXIAL_FORMULA_NAMES, axial_formula
+from regression.formulas.axial_formulas import axial_formula
+from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
 from regression.formulas.published_table import (
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,

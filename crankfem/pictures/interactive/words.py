@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from crankfem.pictures.interactive.style import literal
 from geometry.units import DISPLAY_UNITS
-from regression.fits.equation_text import factor_label
+from regression.factor_labels import factor_label
 from regression.plans.factors import Factor
 
 Array = NDArray[np.float64]
