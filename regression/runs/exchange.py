@@ -18,7 +18,7 @@ from regression.plans.factors import Factor, changed_record, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.plans.relations import calculate
 from regression.plans.variants import Variants
-from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome
+from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, above_zero
 from regression.runs.store import ResultStore
 from regression.runs.study_table import DONE, throw_dimensions, throw_outlines
 from regression.throw_values import same, show
@@ -26,10 +26,6 @@ from regression.throw_values import same, show
 ROLES = (RUN, HELD_OUT, MEASURED)
 # Columns that say something of a row as a whole.
 ABOUT = ("role", "source", "status", "model_version")
-# Responses that are above zero in every throw; influence coefficients and reactions have a sign.
-POSITIVE = tuple(
-    name for name in RESPONSES if not name.startswith(("influence_coefficient", "axial_reaction"))
-)
 # Columns of an exported table that an import has no use for.
 IGNORED = ("seconds", "unknowns", "reason")
 # A dimension and a ratio that both were measured agree if they do to this share: they were rounded.
@@ -208,7 +204,7 @@ def _response_reader(where: str, name: str, given: str | None) -> Callable[[str,
             )
         return value
 
-    return read_positive if name in POSITIVE else read
+    return read_positive if above_zero(name) else read
 
 
 def _number(cell: str, where: str) -> float:
