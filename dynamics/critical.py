@@ -13,6 +13,7 @@ from dynamics.checks import (
     nonnegative_vector,
     positive_number,
     positive_vector,
+    within,
 )
 from dynamics.cycle import cycle_degrees, order_step
 from geometry.errors import InputError
@@ -131,7 +132,7 @@ def critical_speeds(
     for mode, frequency in enumerate(natural.tolist()):
         for order in excited.tolist():
             speed = 2.0 * math.pi * frequency / order
-            if low <= speed <= high:
+            if within(speed, low, high):
                 found.append(CriticalSpeed(mode, frequency, order, speed))
     return tuple(sorted(found, key=lambda item: (item.speed, item.mode, item.order)))
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, positive_number, positive_vector, read_only
+from dynamics.checks import FloatArray, positive_number, positive_vector, read_only, within
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import draw_named_curves
 from geometry.diagram_style import new_axes
@@ -32,16 +32,28 @@ class LimitCurve:
     values : callable
         Speeds (S,) [rad/s] to permitted values (S,).
     low, high : float
-        Speeds from and to which the value is stated [rad/s]; all by default.
+        Speeds from and to which the value is stated [rad/s], both counting; all by default.
+
+    Raises
+    ------
+    InputError
+        If `low` is negative, or not below `high`.
     """
 
     values: Values
     low: float = 0.0
     high: float = np.inf
 
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.low < self.high:
+            raise InputError(
+                f"low, high: given {self.low} and {self.high} rad/s; allowed are a speed of zero or more "
+                "and a higher one, because the limit is stated between them."
+            )
+
     def at(self, speeds: FloatArray) -> FloatArray:
         """Return the permitted values (S,); inf at speeds for which none is stated."""
-        stated = (self.low <= speeds) & (speeds <= self.high)
+        stated = within(speeds, self.low, self.high)
         # A rule's formula may mean nothing outside its range, so it is not asked there.
         permitted = np.full(speeds.shape, np.inf)
         permitted[stated] = self.values(speeds[stated])

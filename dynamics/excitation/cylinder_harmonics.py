@@ -14,6 +14,7 @@ from dynamics.checks import (
     finite_vector,
     nonnegative_number,
     read_only,
+    turning_speeds,
     whole_number,
 )
 from dynamics.cycle import even_angles
@@ -120,7 +121,7 @@ class CylinderHarmonics:
             single = cast(float, speed)
             running = np.array([nonnegative_number("speed", single, "rad/s", "the shaft turns")])
         else:
-            running = over_angles("speed", speed, angles)
+            running = over_angles("speed", turning_speeds("speed", speed), angles)
         turning = np.exp(1j * np.outer(angles, np.concatenate(([0.0], self.orders))))
         found = self.phasors(running, load)
         if running.size == 1:

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dynamics.checks import FloatArray, finite_array, nonnegative_number, positive_number, read_only
+from dynamics.checks import (
+    FloatArray,
+    nonnegative_number,
+    positive_number,
+    read_only,
+    turning_speeds,
+)
 from dynamics.cycle import even_angles
 from dynamics.excitation.engine_load import Load, load_at, per_minute
 from dynamics.excitation.samples import order_places, phasors_of_samples
@@ -97,7 +103,7 @@ class PressureMap:
             If a speed or load lies outside the map, which is never extended, or a load is missing
             or too many.
         """
-        asked = np.atleast_1d(finite_array("speeds", speeds))
+        asked = np.atleast_1d(turning_speeds("speeds", speeds))
         along = _axis_weights("speed", self.speeds, asked, self.method)
         if self.loads is None or (self.loads.size == 1 and load is None):
             if self.loads is None and load is not None:

@@ -11,11 +11,11 @@ from dynamics.chains.links import speed_ratios
 from dynamics.checks import (
     ComplexArray,
     FloatArray,
-    finite_array,
     finite_vector,
     node_index,
     nonnegative_vector,
     positive_number,
+    turning_speeds,
     whole_number,
 )
 from dynamics.response.excitation import OrderExcitation, checked_speeds
@@ -105,7 +105,7 @@ class PropellerForces:
         return self._law(speeds, self.rated_torque)
 
     def _law(self, speeds: ArrayLike, rated: float) -> FloatArray:
-        return np.asarray(rated * (finite_array("speeds", speeds) / self.rated_speed) ** 2)
+        return np.asarray(rated * (turning_speeds("speeds", speeds) / self.rated_speed) ** 2)
 
 
 def propeller_excitation(
