@@ -476,10 +476,10 @@ def _check_magnitudes(field: str, array: FloatArray, unit: str, *, zero_allowed:
     """Refuse numbers so large or small that their squares and quotients are none that a computer has."""
     largest = HIGHEST_SPEED if unit == _SPEED_UNIT else LARGEST
     least = 0.0 if zero_allowed else SMALLEST
-    refused = np.argwhere((array > largest) | (array < least))
-    if refused.size == 0:
+    refused = (array > largest) | (array < least)
+    if not np.any(refused):
         return
-    place = tuple(refused[0])
+    place = tuple(np.argwhere(refused)[0])
     index = "".join(f"[{number}]" for number in place)
     raise InputError(
         f"{field}{index}: given {_with_unit(array[place], unit)}; allowed are numbers of "

@@ -76,8 +76,10 @@ class CylinderHarmonics:
         Raises
         ------
         InputError
-            If a speed or load lies outside a pressure map, or a load is given and none is needed.
+            If a speed is no finite number or too high, a speed or load lies outside a pressure map,
+            or a load is given and none is needed.
         """
+        speeds = np.atleast_1d(turning_speeds("speeds", speeds))
         if load is not None and not self.takes_load:
             raise InputError(
                 "load: given without a pressure map; allowed is none, because a single diagram "

@@ -11,6 +11,7 @@ from dynamics.chains.links import speed_ratios
 from dynamics.checks import (
     ComplexArray,
     FloatArray,
+    finite_array,
     finite_vector,
     node_index,
     nonnegative_vector,
@@ -154,8 +155,8 @@ def propeller_excitation(
             f'kind: given {kind!r}; allowed are "torsional" and "axial", because a propeller has torque '
             "and thrust."
         )
-    turning = _own_ratio(chain, place) if ratio is None else float(ratio)
-    if not np.isfinite(turning) or turning == 0.0:
+    turning = _own_ratio(chain, place) if ratio is None else float(finite_array("ratio", ratio))
+    if turning == 0.0:
         raise InputError(
             f"ratio: given {turning:g}; allowed is a finite number other than zero, because the "
             "propeller turns."
