@@ -464,7 +464,8 @@ def _bounded_number(
     allowed = _allowed(unit, reason, zero_allowed=zero_allowed)
     raw = np.asarray(value)
     if raw.ndim != 0 or raw.dtype.kind not in "iuf":
-        raise InputError(f"{field}: given {value!r}; {allowed}.")
+        given = f"an array of shape {raw.shape}" if raw.ndim else repr(value)
+        raise InputError(f"{field}: given {given}; {allowed}.")
     number = float(raw)
     if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero_allowed):
         raise InputError(f"{field}: given {_with_unit(number, unit)}; {allowed}.")

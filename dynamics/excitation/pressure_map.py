@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dynamics.checks import (
     FloatArray,
+    finite_vector,
     nonnegative_number,
     positive_number,
     read_only,
@@ -22,6 +23,7 @@ from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import MEGA, RPM
+from dynamics.response.excitation import checked_speeds
 from geometry.diagram_style import new_axes
 from geometry.errors import InputError
 from geometry.frames import grid
@@ -59,6 +61,12 @@ class PressureMap:
         Along either axis: cubic spline, or straight lines.
     load_of_speed : ndarray of shape (a,) or None
         Load of each speed's only diagram, where there is one.
+
+    Raises
+    ------
+    InputError
+        If speeds are not above zero and ascending, a load is no finite number, or there is not a
+        diagram for each point.
     """
 
     speeds: FloatArray
@@ -66,6 +74,16 @@ class PressureMap:
     diagrams: tuple[GasPressure, ...]
     method: Method
     load_of_speed: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        speeds = checked_speeds(self.speeds)
+        loads = None if self.loads is None else finite_vector("loads", self.loads)
+        points = speeds.size * (1 if loads is None else loads.size)
+        if len(self.diagrams) != points:
+            raise InputError(
+                f"diagrams: given {len(self.diagrams)}; allowed are {points}, because each point of speed "
+                "and load has one."
+            )
 
     @property
     def strokes(self) -> int:
