@@ -142,7 +142,7 @@ def _compute(
     study = None
     if engine_file.study is not None:
         told.step("Running the study")
-        study = fitted(run_plan(engine_file.study, store, workers, told.design))
+        study = fitted(run_plan(engine_file.study, store, workers, told.design, note=told.note))
     vibration = engine_vibration(
         engine_file,
         analysis=analysis,

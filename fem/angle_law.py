@@ -13,6 +13,7 @@ The influence coefficient c follows the same law. rho = 1 makes it linear in cos
 factors of most published formulas are; throws have rho of 1.7 to 3.3.
 """
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -48,6 +49,11 @@ class AngleLaw:
         rho, stiffness against tilting across the crank plane divided by that in it.
     influence_in_line, influence_opposite : float
         c_0 and c_180 [m/N].
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, or a compliance or the ratio not above zero.
     """
 
     in_line: float
@@ -55,6 +61,15 @@ class AngleLaw:
     ratio: float
     influence_in_line: float
     influence_opposite: float
+
+    def __post_init__(self) -> None:
+        for name in ("in_line", "opposite", "ratio", "influence_in_line", "influence_opposite"):
+            value, signed = getattr(self, name), name.startswith("influence")
+            if not math.isfinite(value) or not (signed or value > 0.0):
+                kind = "finite number" if signed else "finite number above zero"
+                raise InputError(
+                    f"{name}: given {value:g}; allowed is a {kind}, as every throw has it."
+                )
 
     def share(self, gamma_deg: ArrayLike) -> NDArray[np.float64]:
         """How far the throw is from in line (0) to opposite (1) at these angles [deg].

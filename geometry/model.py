@@ -219,6 +219,9 @@ def _sentence(model: type[InputModel], error: ValidationError) -> str:
         expected = str(first["ctx"]["expected"]).replace("'", "")
         return f"{field}: given {given!r}; allowed is {expected}."
     allowed = _range(known) if unit is not None else ""
+    bound = _BOUNDS.get(first["type"])
+    if unit is None and bound is not None:
+        allowed = bound.format(**first.get("ctx", {}))
     if first["type"] in _KINDS:
         allowed = f"{_KINDS[first['type']]}, {allowed}".removesuffix(", ")
     return f"{field}: given {shown}; allowed is {allowed} for {_describe(known)}."
@@ -231,6 +234,12 @@ _KINDS = {
     "int_type": "a whole number",
     "string_type": "text",
     "tuple_type": "a list",
+}
+# And about the numbers in them; a field with a unit tells its range.
+_BOUNDS = {
+    "finite_number": "a finite number",
+    "greater_than_equal": "a number of {ge:g} or more",
+    "less_than_equal": "a number of {le:g} or less",
 }
 
 

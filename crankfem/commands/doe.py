@@ -92,7 +92,7 @@ def doe(
             console.print_line(text)
 
     say(_summary(table, store))
-    for text in _warnings(table):
+    for text in _warnings(table, store):
         say(f"Note: {text}")
     if export is not None:
         count = export_table(table, export)
@@ -114,15 +114,21 @@ def _summary(table: "StudyTable", store: Path) -> str:
     return f"{text}."
 
 
-def _warnings(table: "StudyTable") -> list[str]:
+def _warnings(table: "StudyTable", store: Path) -> list[str]:
     """What makes the errors of a fit say less than they seem to."""
+    from regression.runs.store_rows import told_of
+
     held_out = int(table.held_out.sum())
+    found = []
+    if table.damaged:
+        told = told_of(table.damaged, store)
+        found.append(f"{told}; import them again.")
     if 0 < held_out < FEW_HELD_OUT:
-        return [
+        found.append(
             f"only {held_out} held-out designs judge the fits; with fewer than {FEW_HELD_OUT} their largest "
             "error says little of the space between the runs."
-        ]
-    return []
+        )
+    return found
 
 
 def _show_fits(table: "StudyTable", json: bool) -> None:
@@ -166,6 +172,8 @@ def _import(plan: "StudyPlan", store: Path, file: Path, quiet: bool) -> None:
         f"{file}: {found.designs} finished designs and {found.rows} further rows taken over{left_out}{own}.",
         quiet,
     )
+    if found.damaged:
+        console.note(f"Note: {found.damaged}.", quiet)
 
 
 def _run(

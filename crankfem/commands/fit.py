@@ -36,7 +36,7 @@ def fit(
     ] = None,
     plots: Annotated[Path | None, typer.Option(help="Folder to write diagrams to (SVG).")] = None,
     json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    quiet: QuietOption = False,
 ) -> None:
     """Fit equations to a study's results and save the best as a model."""
     from crankfem.fit_records import study_record
@@ -45,6 +45,7 @@ def fit(
     from crankfem.pictures.fit_plots import plot_fits
     from crankfem.studies import study_key
     from geometry.errors import InputError
+    from regression.runs.store_rows import told_of
     from regression.runs.study import read_study
 
     console.check_folder(model)
@@ -56,6 +57,9 @@ def fit(
     if study is not None and study.endswith(".toml"):
         study = study_key(study)
     table = read_study(store, study)
+    if table.damaged:
+        again = "run the study again (crankfem doe), which computes their designs"
+        console.note(f"Note: {told_of(table.damaged, store)}; {again}.", quiet)
     fits = fit_study(table)
     if response is not None and response not in fits:
         raise InputError(

@@ -12,13 +12,10 @@ from fem.responses import RESPONSES
 from geometry.errors import InputError
 from geometry.quantity import parse_quantity
 from regression.plans.plan import StudyPlan
+from regression.records import above_zero
 
 # Columns that say something of a row as a whole.
 ABOUT = ("role", "source", "status", "model_version")
-# Responses that are above zero in every throw; influence coefficients and reactions have a sign.
-POSITIVE = tuple(
-    name for name in RESPONSES if not name.startswith(("influence_coefficient", "axial_reaction"))
-)
 # Columns of an exported table that an import has no use for.
 IGNORED = ("seconds", "unknowns", "reason")
 HEADER = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\[\]]*)\]\s*)?")
@@ -168,7 +165,7 @@ def _response_reader(where: str, name: str, given: str | None) -> Callable[[str,
             )
         return value
 
-    return read_positive if name in POSITIVE else read
+    return read_positive if above_zero(name) else read
 
 
 def _number(cell: str, where: str) -> float:

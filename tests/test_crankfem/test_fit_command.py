@@ -1,5 +1,7 @@
 """`crankfem fit` on a store whose results are calculated, not computed by finite elements."""
 
+import sqlite3
+
 import pytest
 
 from geometry.throw import CrankThrow
@@ -98,3 +100,14 @@ def test_fit_refuses(store, call, tmp_path, option, value, message):
     assert (answer.code, answer.out) == (2, "")
     assert message in " ".join(answer.err.split())
     assert not (tmp_path / "model.json").exists()
+
+
+def test_fit_tells_of_a_damaged_row_and_does_without(store, call, tmp_path):
+    connection = sqlite3.connect(store)
+    connection.execute("UPDATE designs SET responses = '{\"mass\": NaN}' WHERE rowid = 1")
+    connection.commit()
+    connection.close()
+    answer = call("fit", store)
+    assert answer.code == 0, answer.err
+    assert "1 row is damaged in" in " ".join(answer.err.split())
+    assert ComplianceModel.load(tmp_path / "model.json").responses["mass"].runs == 11

@@ -117,7 +117,7 @@ def test_phasors_from_samples_and_aliasing():
         ([0.0, 1.0], SPEEDS, PUSH, "orders.0.: given 0"),
         ([1.0, 2.0], [0.0, 1.0, 2.0], PUSH, "speeds.0.: given 0"),
         ([1.0, 2.0], SPEEDS, PUSH[:1], "forces: given an array of shape"),
-        ([1.0, 2.0], SPEEDS, PUSH * np.nan, r"forces\[0, 0, 0\]: given"),
+        ([1.0, 2.0], SPEEDS, PUSH * np.nan, r"forces\[0\]\[0\]\[0\]: given"),
         ([], SPEEDS, PUSH, "orders: given no values"),
     ],
 )

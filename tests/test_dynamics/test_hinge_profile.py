@@ -96,7 +96,7 @@ def test_largest_work_leaves_the_least_column():
     """100 to the power of n - 1, by hand: (100^0.25 - 1) / 0.25 of A p_0 H."""
     most = 0.031 * 5e6 * (100.0**0.25 - 1.0) / 0.25
     assert float(SPRING.compression(most * (1.0 - 1e-9))) == pytest.approx(0.99, abs=1e-9)
-    for work in (most * (1.0 + 1e-9), 1e300):
+    for work in (most * (1.0 + 1e-9), 1e50):
         with pytest.raises(
             InputError, match=r"at most 1341 kJ until 0\.01 m of the column are left"
         ):

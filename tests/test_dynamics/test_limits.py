@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,13 @@ from dynamics.assessment.limit_rules import (
     generator_set_limit,
     propulsion_shaft_limit,
 )
-from dynamics.assessment.limits import AmplitudeCurve, axial_force_limit, given_limit, usage
+from dynamics.assessment.limits import (
+    AmplitudeCurve,
+    LimitCurve,
+    axial_force_limit,
+    given_limit,
+    usage,
+)
 from geometry.errors import InputError
 
 
@@ -30,6 +38,38 @@ def test_impossible_limits_are_refused(values, message):
     given = {"unit": "N m", "applies_to": "coupling", "source": "maker"} | values
     with pytest.raises(InputError, match=message):
         given_limit("torque", **given)
+
+
+@pytest.mark.parametrize("per_minute", [450.0, 1000.0, 1500.0, 2300.0, 3001.0])
+@pytest.mark.parametrize(
+    ("ratio", "pick"),
+    [
+        (1.15, lambda n: crankshaft_limit(n, strokes=4).continuous),
+        (0.8, lambda n: crankshaft_limit(n, strokes=4).passing),
+        (1.05, lambda n: propulsion_shaft_limit(5e8, 0.3, n).continuous),
+        (0.8, lambda n: propulsion_shaft_limit(5e8, 0.3, n).passing),
+        (1.1, lambda n: generator_set_limit(n, part="crankshaft").continuous),
+        (0.9, lambda n: generator_set_limit(n, part="crankshaft").passing),
+    ],
+)
+def test_a_limit_holds_at_its_end_however_that_is_calculated(per_minute, ratio, pick):
+    rated = per_minute * np.pi / 30.0
+    ends = np.array(
+        [ratio * rated, ratio * per_minute * np.pi / 30.0, per_minute * ratio / (30.0 / np.pi)]
+    )
+    curve = pick(rated)
+    assert np.isfinite(curve.at(ends)).all()
+    assert np.isfinite(curve.at(np.nextafter(ends, np.inf))).all()
+    assert np.isinf(curve.at(ends * (1.0 + 1e-9))).all()
+
+
+def test_a_limit_holds_from_its_beginning_and_is_used_there():
+    curve = LimitCurve(np.ones_like, 11.5, 23.0)
+    places = np.array([np.nextafter(11.5, 0.0), 11.5, 23.0, np.nextafter(23.0, 99.0)])
+    assert curve.at(places).tolist() == [1.0, 1.0, 1.0, 1.0]
+    assert np.isinf(curve.at(np.array([11.4999, 23.0001]))).all()
+    limit = replace(given_limit("force", 1.0, "N", applies_to="x", source="y"), continuous=curve)
+    assert usage(limit, AmplitudeCurve("shaft", places, [2.0] * 4)).tolist() == [2.0] * 4
 
 
 def test_usage_counts_unbounded_and_leaves_out_speeds_without_a_limit():

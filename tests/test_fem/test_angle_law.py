@@ -1,3 +1,6 @@
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -96,3 +99,19 @@ def test_throws_without_symmetry_are_refused():
 def test_angles_must_be_numbers(analysis, gamma):
     with pytest.raises(InputError, match=r"^gamma_deg: given"):
         analysis.angle_law.axial(gamma)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *(("ratio", value) for value in (0.0, -1.0, math.nan, math.inf)),
+        *(("in_line", value) for value in (0.0, -1e-9, math.nan)),
+        ("opposite", math.inf),
+        ("influence_in_line", math.nan),
+        ("influence_opposite", -math.inf),
+    ],
+)
+def test_numbers_of_no_throw_are_refused(name, value):
+    law = AngleLaw(1e-9, 2e-9, 1.5, -1e-10, 0.0)  # the influence has a sign
+    with pytest.raises(InputError, match=f"^{name}: given .*; allowed is a finite number"):
+        replace(law, **{name: value})

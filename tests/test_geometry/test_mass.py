@@ -1,7 +1,12 @@
+import math
+
 import numpy as np
 import pytest
 
-from geometry.mass import mass_properties, mesh_mass_properties
+from geometry import crankshaft
+from geometry.crankshaft import Crankshaft, throw_masses
+from geometry.errors import InputError
+from geometry.mass import cylinder_mass_properties, mass_properties, mesh_mass_properties
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 
@@ -95,3 +100,26 @@ def test_mass_properties_of_the_whole_mirrored_mesh(dimensions, coarse_mesh):
     assert found.mass == pytest.approx(masses.sum(), rel=1e-12)
     assert found.center == pytest.approx(center, rel=1e-12, abs=1e-14)
     assert found.inertia == pytest.approx(inertia, rel=1e-11, abs=1e-11)
+
+
+@pytest.mark.parametrize(
+    "density", [math.nan, math.inf, -7850.0, 0.0, 1e308, "7850", True, None, [7850.0]]
+)
+def test_densities_of_no_body_are_refused(dimensions, density, monkeypatch):
+    """Before anything is built, which takes a second."""
+    monkeypatch.setattr(crankshaft, "shared_process", None)
+    throw = CrankThrow(**dimensions)
+    shaft = Crankshaft((throw,), (0.0,))
+    for call in (
+        lambda: throw_masses(throw, density),
+        lambda: shaft.masses(density),
+        lambda: shaft.unbalance(density),
+        lambda: cylinder_mass_properties(0.1, 0.0, 0.1, density),
+    ):
+        with pytest.raises(InputError, match=r"^density: given .*; allowed are numbers above 0"):
+            call()
+
+
+@pytest.mark.parametrize("density", [7850, 1.0, np.float64(7850.0), np.int64(7850)])
+def test_densities_of_any_number_type_are_taken(density):
+    assert cylinder_mass_properties(0.1, 0.0, 0.1, density).mass > 0.0

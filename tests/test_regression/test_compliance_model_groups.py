@@ -518,3 +518,12 @@ def test_no_warning_inside(model):
         warnings.simplefilter("error")
         model.axial_compliance(**THROW)
         model.of_throw(CrankThrow(**THROW))
+
+
+@pytest.mark.parametrize(
+    ("response", "size"), [("torsional_compliance", 1e-120), ("mass", 1e120), ("mass", 1e-120)]
+)
+def test_a_throw_of_no_size_that_numbers_have_is_refused(model, response, size):
+    for asked in (scaled(THROW, size), scaled({n: np.array([v]) for n, v in THROW.items()}, size)):
+        with pytest.raises(InputError, match=r"given"):
+            model.value(response, **asked)
