@@ -12,7 +12,7 @@ LARGEST_POWER = 1000.0
 # Bytes of an input file in TOML or of the text of a chain, and of a table or a model.
 LARGEST_TEXT_FILE = 1_000_000
 LARGEST_TABLE_FILE = 50_000_000
-# Values in a TOML file, names in a dotted key or tables in tables, and characters of one text.
+# Values in a TOML file, names in a dotted key or tables in tables, and characters of one name or text.
 MOST_VALUES = 10_000
 DEEPEST_TABLE = 30
 LONGEST_TEXT = 10_000

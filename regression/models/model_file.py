@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from geometry.errors import InputError
+from geometry.text_limits import LARGEST_TABLE_FILE, check_file_size
 from regression.fits.terms import polynomial_terms
 
 FILE_FORMAT = "crankfem compliance model"
@@ -72,6 +73,7 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
         cut since it was written.
     """
     shown = os.fspath(path)
+    check_file_size(Path(path), LARGEST_TABLE_FILE, "a compliance model")
     try:
         text = Path(path).read_text(encoding="utf-8")
     except OSError as error:
@@ -82,7 +84,7 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
         raise InputError(f"{shown}: given a file that is not text; {_WANTED}.") from None
     try:
         record = json.loads(text)
-    except (json.JSONDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # not JSON, or an integer of thousands of digits
         raise InputError(
             f"{shown}: given a file that is not complete JSON ({error}); {_WANTED}."
         ) from None

@@ -13,6 +13,7 @@ import numpy as np
 from fem.responses import RESPONSES
 from geometry.errors import InputError
 from geometry.quantity import parse_quantity
+from geometry.text_limits import LARGEST_TABLE_FILE, check_file_size
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor, changed_record, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan
@@ -92,6 +93,7 @@ def _read_lines(path: Path) -> list[list[str]]:
             f"{path.name}: is a Parquet table; allowed are a CSV table or another store, because Parquet "
             "is written for other programs only."
         )
+    check_file_size(path, LARGEST_TABLE_FILE, "a table of results")
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             text = file.read()
