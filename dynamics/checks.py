@@ -8,10 +8,13 @@ from typing import SupportsIndex
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geometry.errors import InputError
+from geometry.errors import InputError, quoted
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+
+# No samples, steps, cycles or places are as many.
+MOST_COUNTED = 100_000_000
 
 
 def finite_array(field: str, values: ArrayLike) -> FloatArray:
@@ -106,7 +109,7 @@ def whole_number(field: str, given: int, least: int, reason: str) -> int:
     Raises
     ------
     InputError
-        If it is no whole number, or below `least`.
+        If it is no whole number, below `least`, or more than anything is counted to.
     """
     try:
         number = None if isinstance(given, bool) else operator.index(given)
@@ -114,7 +117,12 @@ def whole_number(field: str, given: int, least: int, reason: str) -> int:
         number = None
     if number is None or number < least:
         raise InputError(
-            f"{field}: given {given!r}; allowed are whole numbers of {least} or more, because {reason}."
+            f"{field}: given {quoted(given)}; allowed are whole numbers of {least} or more, because {reason}."
+        )
+    if number > MOST_COUNTED:
+        raise InputError(
+            f"{field}: given {quoted(given)}; allowed is up to {MOST_COUNTED}, because more can be neither "
+            "calculated nor kept."
         )
     return number
 
@@ -131,9 +139,9 @@ def node_index(field: str, node: SupportsIndex, count: int) -> int:
     try:
         index = operator.index(node)
     except TypeError:
-        raise InputError(f"{field}: given {node!r}; {allowed}.") from None
+        raise InputError(f"{field}: given {quoted(node)}; {allowed}.") from None
     if not 0 <= index < count:
-        raise InputError(f"{field}: given {index}; {allowed}.")
+        raise InputError(f"{field}: given {quoted(index)}; {allowed}.")
     return index
 
 
@@ -165,7 +173,7 @@ def values_at_nodes(
     if isinstance(values, Mapping):
         array = np.zeros(count)
         for node, value in values.items():
-            name = f"{field}[{node!r}]"
+            name = f"{field}[{quoted(node)}]"
             array[node_index(name, node, count)] = nonnegative_number(name, value, unit, reason)
         return array
     array = nonnegative_vector(field, values, unit, reason)
@@ -271,7 +279,7 @@ def place_of(field: str, given: object, names: Sequence[str], what: str, reason:
     if isinstance(given, int | np.integer) and is_whole(given) and 0 <= given < len(names):
         return int(given)
     raise InputError(
-        f"{field}: given {given!r}; allowed are the whole numbers 0 to {len(names) - 1} and the names of "
+        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {len(names) - 1} and the names of "
         f"{what}, because {reason}."
     )
 
@@ -287,7 +295,7 @@ def place_number(field: str, given: object, count: int, reason: str) -> int:
     if isinstance(given, int | np.integer) and is_whole(given) and 0 <= given < count:
         return int(given)
     raise InputError(
-        f"{field}: given {given!r}; allowed are the whole numbers 0 to {count - 1}, because {reason}."
+        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {count - 1}, because {reason}."
     )
 
 
@@ -313,7 +321,7 @@ def checked_limits(
         return {}
     if not isinstance(limits, Mapping):
         raise InputError(
-            f"limits: given {limits!r}; allowed is a mapping of names to limits, because each is drawn "
+            f"limits: given {quoted(limits)}; allowed is a mapping of names to limits, because each is drawn "
             "with its name."
         )
     found = {}
@@ -345,7 +353,7 @@ def checked_barred(barred: Sequence[tuple[float, float]]) -> list[tuple[float, f
     """
     if isinstance(barred, str) or not isinstance(barred, Sequence | np.ndarray):
         raise InputError(
-            f"barred: given {barred!r}; allowed are pairs of speeds in rad/s, because each range is shaded."
+            f"barred: given {quoted(barred)}; allowed are pairs of speeds in rad/s, because each range is shaded."
         )
     reason = "a range from one to the other is shaded"
     return [
@@ -369,7 +377,7 @@ def checked_range(field: str, ends: object, unit: str, reason: str) -> tuple[flo
     if raw.shape == (2,) and raw.dtype.kind in "iuf" and 0.0 <= raw[0] < raw[1] < math.inf:
         return float(raw[0]), float(raw[1])
     raise InputError(
-        f"{field}: given {ends!r}; allowed are two finite numbers in {unit}, the lower first, because "
+        f"{field}: given {quoted(ends)}; allowed are two finite numbers in {unit}, the lower first, because "
         f"{reason}."
     )
 
@@ -410,7 +418,7 @@ def _bounded_number(
     allowed = _allowed(unit, reason, zero_allowed=zero_allowed)
     raw = np.asarray(value)
     if raw.ndim != 0 or raw.dtype.kind not in "iuf":
-        raise InputError(f"{field}: given {value!r}; {allowed}.")
+        raise InputError(f"{field}: given {quoted(value)}; {allowed}.")
     number = float(raw)
     if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero_allowed):
         raise InputError(f"{field}: given {_with_unit(number, unit)}; {allowed}.")
