@@ -14,7 +14,9 @@ FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 # No samples, steps, cycles or places are as many.
-MOST_COUNTED = 100_000_000
+MOST_COUNTED = 10_000_000
+# Longest time that is followed, a day [s], and the most turns of a shaft: each takes milliseconds.
+LONGEST_RUN, MOST_TURNS = 86_400.0, 20_000
 
 
 def finite_array(field: str, values: ArrayLike) -> FloatArray:
@@ -96,6 +98,31 @@ def nonnegative_number(field: str, value: float, unit: str, reason: str) -> floa
         If the value is not a finite real number of zero or more.
     """
     return _bounded_number(field, value, unit, reason, zero_allowed=True)
+
+
+def run_time(field: str, value: float) -> float:
+    """Return a time that a motion is followed for [s].
+
+    Raises
+    ------
+    InputError
+        If it is no finite number above zero, or more than a day.
+    """
+    time = positive_number(field, value, "s", "time runs forward")
+    if time > LONGEST_RUN:
+        raise InputError(
+            f"{field}: given {time:g} s; allowed is up to {LONGEST_RUN:g} s, a day, because a motion is "
+            "followed turn by turn."
+        )
+    return time
+
+
+def too_many_turns(field: str, time: float, turns: float) -> InputError:
+    """Return the error for a time in which a shaft turns more often than can be followed."""
+    return InputError(
+        f"{field}: given {time:g} s, in which the shaft turns {turns:g} times or more; allowed are "
+        f"{MOST_TURNS} turns, because each is followed by itself."
+    )
 
 
 def is_whole(value: object) -> bool:
