@@ -117,6 +117,23 @@ def run_time(field: str, value: float) -> float:
     return time
 
 
+def turns_followed(field: str, turns: float) -> float:
+    """Return a number of turns that a motion is followed for.
+
+    Raises
+    ------
+    InputError
+        If it is no finite number above zero, or more than can be followed.
+    """
+    number = positive_number(field, turns, "", "the shaft turns forward")
+    if number > MOST_TURNS:
+        raise InputError(
+            f"{field}: given {number:g}; allowed are up to {MOST_TURNS} turns, because each is followed by "
+            "itself."
+        )
+    return number
+
+
 def too_many_turns(field: str, time: float, turns: float) -> InputError:
     """Return the error for a time in which a shaft turns more often than can be followed."""
     return InputError(
@@ -306,8 +323,8 @@ def place_of(field: str, given: object, names: Sequence[str], what: str, reason:
     if isinstance(given, int | np.integer) and is_whole(given) and 0 <= given < len(names):
         return int(given)
     raise InputError(
-        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {len(names) - 1} and the names of "
-        f"{what}, because {reason}."
+        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {len(names) - 1} and the "
+        f"names of {what}, because {reason}."
     )
 
 
@@ -380,7 +397,8 @@ def checked_barred(barred: Sequence[tuple[float, float]]) -> list[tuple[float, f
     """
     if isinstance(barred, str) or not isinstance(barred, Sequence | np.ndarray):
         raise InputError(
-            f"barred: given {quoted(barred)}; allowed are pairs of speeds in rad/s, because each range is shaded."
+            f"barred: given {quoted(barred)}; allowed are pairs of speeds in rad/s, because each "
+            "range is shaded."
         )
     reason = "a range from one to the other is shaded"
     return [

@@ -274,7 +274,9 @@ def _integrated(
         angle = float(state[0])
         limit = _next_end(ends, angle)
         middle = angle + 0.5 * (min(limit, angle + 2.0 * math.pi) - angle)
-        found = _stroke(moments, moments.directions(middle), (time, end), state, limit, last, scales)
+        found = _stroke(
+            moments, moments.directions(middle), (time, end), state, limit, last, scales
+        )
         reached = float(found.t[-1])
         # Closed at the end: the next stroke begins after it.
         asked = told[(told > time) & (told <= reached)]
@@ -317,7 +319,7 @@ def _stroke(
     last: float,
     scales: FloatArray,
 ) -> Any:
-    """Integrate angle, speed and the four works until the time is over or an angle is reached; up to `last`."""
+    """Integrate angle, speed and the four works until the time is over or an angle reached; to `last`."""
     from scipy.integrate import solve_ivp
 
     def slope(_: float, state: FloatArray) -> list[float]:

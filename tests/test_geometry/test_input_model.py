@@ -3,6 +3,7 @@ import re
 import numpy as np
 import pytest
 
+from fem.material import STEEL
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
 
@@ -191,7 +192,9 @@ def test_a_changed_record_keeps_what_was_given_alone(dimensions):
     assert changed.model_fields_set == set(dimensions)
 
 
-@pytest.mark.parametrize("number", [10**400, -(10**400), 10**5000])
+@pytest.mark.parametrize(
+    "number", [10**400, -(10**400), 10**5000], ids=["large", "negative", "endless"]
+)
 def test_integers_too_large_for_a_float_are_refused(number):
     with pytest.raises(InputError, match=r"^material\.youngs_modulus: given ") as caught:
         STEEL.changed(youngs_modulus=number)

