@@ -14,6 +14,7 @@ from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_elements import Motion
 from fem.material import STEEL, Material
 from geometry.errors import InputError
+from geometry.text_limits import LARGEST_TEXT_FILE, check_file_size
 
 # Sizes within which all calculations keep their digits.
 SMALLEST, LARGEST = 1e-20, 1e20
@@ -72,6 +73,7 @@ def load_chain(path: str | Path) -> ChainFile:
     """
     found = chain_path(path)
     if found.suffix.lower() != ".toml":
+        check_file_size(found, LARGEST_TEXT_FILE, "the text of a chain")
         try:
             text = found.read_text(encoding="utf-8-sig")
         except (OSError, UnicodeDecodeError) as error:

@@ -27,7 +27,10 @@ from crankfem.exit_codes import (
 from crankfem.interrupts import interrupted_sentence, interrupts_raise
 from crankfem.output_units import SI, OutputUnits
 from crankfem.table import Table
-from geometry.errors import InputError
+from geometry.errors import (
+    InputError,
+    with_short_quotes,
+)
 from regression.records import Outcome
 
 LONGEST_WORD = 20
@@ -229,7 +232,8 @@ def _end_unread() -> NoReturn:
 
 
 def _stop(message: str, code: int) -> NoReturn:
-    errors.print(f"[bold red]Error:[/] {escape(message)}", soft_wrap=True, highlight=False)
+    message = escape(with_short_quotes(message))
+    errors.print(f"[bold red]Error:[/] {message}", soft_wrap=True, highlight=False)
     raise SystemExit(code)
 
 

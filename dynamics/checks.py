@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geometry.errors import InputError
+from geometry.errors import InputError, quoted
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -19,6 +19,10 @@ HIGHEST_SPEED = 1e9
 _SPEED_UNIT = "rad/s"
 # Speeds this near the end of a range, as a share, lie in it: 1.15 times a speed is rounded.
 AT_END = 8.0 * float(np.finfo(np.float64).eps)
+# No samples, steps, cycles or places are as many.
+MOST_COUNTED = 10_000_000
+# Longest time that is followed, a day [s], and the most turns of a shaft: each takes milliseconds.
+LONGEST_RUN, MOST_TURNS = 86_400.0, 20_000
 
 
 def finite_array(field: str, values: ArrayLike) -> FloatArray:
@@ -147,6 +151,48 @@ def nonnegative_number(field: str, value: float, unit: str, reason: str) -> floa
     return _bounded_number(field, value, unit, reason, zero_allowed=True)
 
 
+def run_time(field: str, value: float) -> float:
+    """Return a time that a motion is followed for [s].
+
+    Raises
+    ------
+    InputError
+        If it is no finite number above zero, or more than a day.
+    """
+    time = positive_number(field, value, "s", "time runs forward")
+    if time > LONGEST_RUN:
+        raise InputError(
+            f"{field}: given {time:g} s; allowed is up to {LONGEST_RUN:g} s, a day, because a motion is "
+            "followed turn by turn."
+        )
+    return time
+
+
+def turns_followed(field: str, turns: float) -> float:
+    """Return a number of turns that a motion is followed for.
+
+    Raises
+    ------
+    InputError
+        If it is no finite number above zero, or more than can be followed.
+    """
+    number = positive_number(field, turns, "", "the shaft turns forward")
+    if number > MOST_TURNS:
+        raise InputError(
+            f"{field}: given {number:g}; allowed are up to {MOST_TURNS} turns, because each is followed by "
+            "itself."
+        )
+    return number
+
+
+def too_many_turns(field: str, time: float, turns: float) -> InputError:
+    """Return the error for a time in which a shaft turns more often than can be followed."""
+    return InputError(
+        f"{field}: given {time:g} s, in which the shaft turns {turns:g} times or more; allowed are "
+        f"{MOST_TURNS} turns, because each is followed by itself."
+    )
+
+
 def is_whole(value: object) -> bool:
     """Tell whether a value is a whole number by its type: neither True nor 2.0 names a cylinder."""
     return isinstance(value, int | np.integer) and not isinstance(value, bool)
@@ -158,7 +204,7 @@ def whole_number(field: str, given: int, least: int, reason: str) -> int:
     Raises
     ------
     InputError
-        If it is no whole number, or below `least`.
+        If it is no whole number, below `least`, or more than anything is counted to.
     """
     try:
         number = None if isinstance(given, bool) else operator.index(given)
@@ -166,7 +212,12 @@ def whole_number(field: str, given: int, least: int, reason: str) -> int:
         number = None
     if number is None or number < least:
         raise InputError(
-            f"{field}: given {given!r}; allowed are whole numbers of {least} or more, because {reason}."
+            f"{field}: given {quoted(given)}; allowed are whole numbers of {least} or more, because {reason}."
+        )
+    if number > MOST_COUNTED:
+        raise InputError(
+            f"{field}: given {quoted(given)}; allowed is up to {MOST_COUNTED}, because more can be neither "
+            "calculated nor kept."
         )
     return number
 
@@ -265,7 +316,7 @@ def checked_limits(
         return {}
     if not isinstance(limits, Mapping):
         raise InputError(
-            f"limits: given {limits!r}; allowed is a mapping of names to limits, because each is drawn "
+            f"limits: given {quoted(limits)}; allowed is a mapping of names to limits, because each is drawn "
             "with its name."
         )
     found = {}
@@ -297,7 +348,8 @@ def checked_barred(barred: Sequence[tuple[float, float]]) -> list[tuple[float, f
     """
     if isinstance(barred, str) or not isinstance(barred, Sequence | np.ndarray):
         raise InputError(
-            f"barred: given {barred!r}; allowed are pairs of speeds in rad/s, because each range is shaded."
+            f"barred: given {quoted(barred)}; allowed are pairs of speeds in rad/s, because each "
+            "range is shaded."
         )
     reason = "a range from one to the other is shaded"
     return [
@@ -321,7 +373,7 @@ def checked_range(field: str, ends: object, unit: str, reason: str) -> tuple[flo
     if raw.shape == (2,) and raw.dtype.kind in "iuf" and 0.0 <= raw[0] < raw[1] < math.inf:
         return float(raw[0]), float(raw[1])
     raise InputError(
-        f"{field}: given {ends!r}; allowed are two finite numbers in {unit}, the lower first, because "
+        f"{field}: given {quoted(ends)}; allowed are two finite numbers in {unit}, the lower first, because "
         f"{reason}."
     )
 
@@ -363,7 +415,7 @@ def _bounded_number(
     allowed = _allowed(unit, reason, zero_allowed=zero_allowed)
     raw = np.asarray(value)
     if raw.ndim != 0 or raw.dtype.kind not in "iuf":
-        given = f"an array of shape {raw.shape}" if raw.ndim else repr(value)
+        given = f"an array of shape {raw.shape}" if raw.ndim else quoted(value)
         raise InputError(f"{field}: given {given}; {allowed}.")
     number = float(raw)
     if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero_allowed):

@@ -20,12 +20,11 @@ from dynamics.gas.heat_targets import (
     heat_for_peak,
     idle_heat,
     in_mega,
-    is_number,
 )
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.gas.sampled_cycle import cycle_samples
 from dynamics.plots.quantities import MEGA
-from geometry.choices import check_choice
+from geometry.choices import check_choice, is_number
 from geometry.diagram_style import BLUE, new_axes
 from geometry.errors import InputError
 from geometry.frames import table

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from geometry.errors import InputError
+from geometry.text_limits import LARGEST_TABLE_FILE, check_file_size
 from regression.fits.terms import polynomial_terms
 
 FILE_FORMAT = "crankfem compliance model"
@@ -72,6 +73,7 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
         cut since it was written.
     """
     shown = os.fspath(path)
+    check_file_size(Path(path), LARGEST_TABLE_FILE, "a compliance model")
     try:
         text = Path(path).read_text(encoding="utf-8")
     except OSError as error:
@@ -86,6 +88,8 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
         raise InputError(
             f"{shown}: given a file that is not complete JSON ({error}); {_WANTED}."
         ) from None
+    except ValueError:  # Python reads no integers of thousands of digits
+        raise InputError(f"{shown}: given a number of thousands of digits; {_WANTED}.") from None
     if not isinstance(record, dict) or record.get("format") != FILE_FORMAT:
         raise InputError(f"{shown}: given a file of another kind; {_WANTED}.")
     content = dict(record)

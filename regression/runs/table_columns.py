@@ -11,6 +11,7 @@ from typing import Any
 from fem.responses import RESPONSES
 from geometry.errors import InputError
 from geometry.quantity import parse_quantity
+from geometry.text_limits import LARGEST_TABLE_FILE, check_file_size
 from regression.plans.plan import StudyPlan
 from regression.records import above_zero
 
@@ -43,6 +44,7 @@ def read_lines(path: Path) -> list[list[str]]:
             f"{path.name}: is a Parquet table; allowed are a CSV table or another store, because Parquet "
             "is written for other programs only."
         )
+    check_file_size(path, LARGEST_TABLE_FILE, "a table of results")
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             text = file.read()
