@@ -68,7 +68,8 @@ def _before(lines: list[str], place: int) -> int | None:
             (
                 number
                 for number, other in enumerate(lines[: place - 1], start=1)
-                if (found := HEADER.match(other)) is not None and found[1].strip() == header[1].strip()
+                if (found := HEADER.match(other)) is not None
+                and found[1].strip() == header[1].strip()
             ),
             None,
         )

@@ -5,12 +5,12 @@ import re
 from typing import Any
 
 from geometry.errors import InputError, shortened
-from geometry.text_limits import DEEPEST_TABLE, LARGEST_INTEGER, LONGEST_TEXT, MOST_VALUES
+from geometry.text_limits import DEEPEST_TABLE, LONGEST_TEXT, MOST_BITS, MOST_VALUES
 
 # A key of more names than tables may lie in tables; taking it apart would take long. Nothing is gone
 # back on, so that looking for it does not take long either.
 _LONG_KEY = re.compile(
-    r"(?<![\w-])(?>(?>[\w-]+|\"[^\"\n]*\"|'[^'\n]*')[ \t]*\.[ \t]*){%d}" % DEEPEST_TABLE, re.ASCII
+    rf"(?<![\w-])(?>(?>[\w-]+|\"[^\"\n]*\"|'[^'\n]*')[ \t]*\.[ \t]*){{{DEEPEST_TABLE}}}", re.ASCII
 )
 
 
@@ -85,10 +85,10 @@ def check_content(name: str, content: dict[str, Any]) -> None:
             raise InputError(
                 f"{name}: {field}: given {value}, which is not finite; allowed are numbers up to 1.8e308."
             )
-        elif isinstance(value, int) and not -LARGEST_INTEGER <= value <= LARGEST_INTEGER:
+        elif isinstance(value, int) and (value if value > 0 else ~value).bit_length() > MOST_BITS:
             raise InputError(
-                f"{name}: {field}: given a whole number of {value.bit_length()} bits; allowed are 64 bits, "
-                "because TOML has no larger ones."
+                f"{name}: {field}: given a whole number of {value.bit_length()} bits; allowed are {MOST_BITS} "
+                "bits, because TOML has no larger ones."
             )
 
 

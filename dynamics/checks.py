@@ -14,7 +14,9 @@ FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 # No samples, steps, cycles or places are as many.
-MOST_COUNTED = 100_000_000
+MOST_COUNTED = 10_000_000
+# Longest time that is followed, a day [s], and the most turns of a shaft: each takes milliseconds.
+LONGEST_RUN, MOST_TURNS = 86_400.0, 20_000
 
 
 def finite_array(field: str, values: ArrayLike) -> FloatArray:
@@ -96,6 +98,48 @@ def nonnegative_number(field: str, value: float, unit: str, reason: str) -> floa
         If the value is not a finite real number of zero or more.
     """
     return _bounded_number(field, value, unit, reason, zero_allowed=True)
+
+
+def run_time(field: str, value: float) -> float:
+    """Return a time that a motion is followed for [s].
+
+    Raises
+    ------
+    InputError
+        If it is no finite number above zero, or more than a day.
+    """
+    time = positive_number(field, value, "s", "time runs forward")
+    if time > LONGEST_RUN:
+        raise InputError(
+            f"{field}: given {time:g} s; allowed is up to {LONGEST_RUN:g} s, a day, because a motion is "
+            "followed turn by turn."
+        )
+    return time
+
+
+def turns_followed(field: str, turns: float) -> float:
+    """Return a number of turns that a motion is followed for.
+
+    Raises
+    ------
+    InputError
+        If it is no finite number above zero, or more than can be followed.
+    """
+    number = positive_number(field, turns, "", "the shaft turns forward")
+    if number > MOST_TURNS:
+        raise InputError(
+            f"{field}: given {number:g}; allowed are up to {MOST_TURNS} turns, because each is followed by "
+            "itself."
+        )
+    return number
+
+
+def too_many_turns(field: str, time: float, turns: float) -> InputError:
+    """Return the error for a time in which a shaft turns more often than can be followed."""
+    return InputError(
+        f"{field}: given {time:g} s, in which the shaft turns {turns:g} times or more; allowed are "
+        f"{MOST_TURNS} turns, because each is followed by itself."
+    )
 
 
 def is_whole(value: object) -> bool:
@@ -279,8 +323,8 @@ def place_of(field: str, given: object, names: Sequence[str], what: str, reason:
     if isinstance(given, int | np.integer) and is_whole(given) and 0 <= given < len(names):
         return int(given)
     raise InputError(
-        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {len(names) - 1} and the names of "
-        f"{what}, because {reason}."
+        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {len(names) - 1} and the "
+        f"names of {what}, because {reason}."
     )
 
 
@@ -353,7 +397,8 @@ def checked_barred(barred: Sequence[tuple[float, float]]) -> list[tuple[float, f
     """
     if isinstance(barred, str) or not isinstance(barred, Sequence | np.ndarray):
         raise InputError(
-            f"barred: given {quoted(barred)}; allowed are pairs of speeds in rad/s, because each range is shaded."
+            f"barred: given {quoted(barred)}; allowed are pairs of speeds in rad/s, because each "
+            "range is shaded."
         )
     reason = "a range from one to the other is shaded"
     return [

@@ -154,8 +154,8 @@ def _header(path: Path, number: int, line: str, kind: TableKind) -> tuple[str, s
     names = [name.strip() for name in line.split(",")]
     if len(names) != 2 or names[0] not in kind.angle_names or names[1] not in kind.value_names:
         raise InputError(
-            f'{path}, line {number}: given the header "{shortened(line)}"; allowed is {kind.headers}, because '
-            f"{kind.header_reason}."
+            f'{path}, line {number}: given the header "{shortened(line)}"; allowed is {kind.headers}, '
+            f"because {kind.header_reason}."
         )
     return names[0], names[1]
 

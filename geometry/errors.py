@@ -8,7 +8,9 @@ LONGEST_QUOTE = 80
 LONGEST_MESSAGE = 4000
 CUT = " ... "
 # Where a quoted text or a list may begin; an apostrophe within a word begins none.
-_GIVEN = re.compile(r"(?<!\w)(?:'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\")|\bgiven (\w*[\[({])", re.DOTALL)
+_GIVEN = re.compile(
+    r"(?<!\w)(?:'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\")|\bgiven (\w*[\[({])", re.DOTALL
+)
 _NESTED = re.compile(r"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"|[\[({]|[\])}]", re.DOTALL)
 # The parts of a path are cut each for itself: what is told of a file must lead to it.
 _WORD = re.compile(rf"[^\s/]{{{LONGEST_QUOTE + 1},}}")

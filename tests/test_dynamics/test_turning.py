@@ -364,3 +364,24 @@ def test_refusals(change, message):
     usual = {"start_angle": 0.0, "start_speed": 10.0, "duration": 1.0}
     with pytest.raises(InputError, match=message):
         turn_freely(hinged_pair(), **(usual | change))
+
+
+@pytest.mark.parametrize(
+    ("speed", "duration"), [(100.0, 1e308), (0.0, 1e308), (1e300, 1.0), (1e4, 86_400.0)]
+)
+def test_times_that_cannot_be_followed_are_refused(speed, duration):
+    with pytest.raises(InputError, match=r"^duration: given .* allowed "):
+        turn_freely(hinged_pair(), 0.0, speed, duration)
+
+
+def test_a_shaft_that_turns_faster_and_faster_is_given_up(monkeypatch):
+    monkeypatch.setattr("dynamics.turning.free_turning.MOST_TURNS", 20)
+    with pytest.raises(InputError, match="allowed are 20000 turns"):
+        turn_freely(hinged_pair(), 0.0, 1.0, 100.0, load=-1e3)
+
+
+def test_more_turns_than_can_be_followed_are_refused():
+    with pytest.raises(InputError, match="turns: given 1e"):
+        speed_over_angle(constant(2.0), constant(0.0), 0.0, 10.0, 1e300)
+    with pytest.raises(InputError, match="turns: given 1e"):
+        steady_turning(constant(2.0), constant(0.0), 10.0, 1e300)

@@ -3,6 +3,7 @@ import re
 import numpy as np
 import pytest
 
+from fem.material import STEEL
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
 
@@ -189,3 +190,12 @@ def test_a_changed_throw_is_checked_like_a_new_one(dimensions):
 def test_a_changed_record_keeps_what_was_given_alone(dimensions):
     changed = CrankThrow(**dimensions).changed(pin_length=0.150)
     assert changed.model_fields_set == set(dimensions)
+
+
+@pytest.mark.parametrize(
+    "number", [10**400, -(10**400), 10**5000], ids=["large", "negative", "endless"]
+)
+def test_integers_too_large_for_a_float_are_refused(number):
+    with pytest.raises(InputError, match=r"^material\.youngs_modulus: given ") as caught:
+        STEEL.changed(youngs_modulus=number)
+    assert len(str(caught.value)) < 300
