@@ -1,5 +1,6 @@
 """How the command line talks: tables on standard output, progress and errors on standard error."""
 
+import errno
 import json
 import os
 import sys
@@ -25,7 +26,13 @@ from crankfem.exit_codes import (
     EXIT_PIPE,
 )
 from crankfem.interrupts import interrupted_sentence, interrupts_raise
-from geometry.errors import InputError, MeshError, MissingLibraryError, RenderError
+from geometry.errors import (
+    InputError,
+    MeshError,
+    MissingLibraryError,
+    RenderError,
+    with_short_quotes,
+)
 from regression.records import Outcome, StudyStoppedError
 
 LONGEST_WORD = 20
@@ -208,7 +215,8 @@ def told(error: Exception) -> tuple[str, int]:
         return "The machine has not enough memory for this.", EXIT_FAILED
     if isinstance(error, OSError):
         # What was named cannot be used, or the machine cannot do it.
-        code = EXIT_INPUT if isinstance(error, NAMED_WRONGLY) else EXIT_FAILED
+        misnamed = isinstance(error, NAMED_WRONGLY) or error.errno == errno.ENAMETOOLONG
+        code = EXIT_INPUT if misnamed else EXIT_FAILED
         return f"{error.filename or 'file'}: {error.strerror or error}.", code
     if isinstance(error, ImportError):
         return f"{str(error).rstrip('.')}.", EXIT_FAILED
@@ -253,7 +261,8 @@ def _end_unread() -> NoReturn:
 
 
 def _stop(message: str, code: int) -> NoReturn:
-    errors.print(f"[bold red]Error:[/] {escape(message)}", soft_wrap=True, highlight=False)
+    message = escape(with_short_quotes(message))
+    errors.print(f"[bold red]Error:[/] {message}", soft_wrap=True, highlight=False)
     raise SystemExit(code)
 
 

@@ -87,8 +87,8 @@ def check_content(name: str, content: dict[str, Any]) -> None:
             )
         elif isinstance(value, int) and (value if value > 0 else ~value).bit_length() > MOST_BITS:
             raise InputError(
-                f"{name}: {field}: given a whole number of {value.bit_length()} bits; allowed are {MOST_BITS} "
-                "bits, because TOML has no larger ones."
+                f"{name}: {field}: given a whole number of {value.bit_length()} bits; allowed are "
+                f"{MOST_BITS} bits, because TOML has no larger ones."
             )
 
 

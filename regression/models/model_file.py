@@ -84,10 +84,12 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
         raise InputError(f"{shown}: given a file that is not text; {_WANTED}.") from None
     try:
         record = json.loads(text)
-    except (ValueError, RecursionError) as error:  # not JSON, or an integer of thousands of digits
+    except (json.JSONDecodeError, RecursionError) as error:
         raise InputError(
             f"{shown}: given a file that is not complete JSON ({error}); {_WANTED}."
         ) from None
+    except ValueError:  # Python reads no integers of thousands of digits
+        raise InputError(f"{shown}: given a number of thousands of digits; {_WANTED}.") from None
     if not isinstance(record, dict) or record.get("format") != FILE_FORMAT:
         raise InputError(f"{shown}: given a file of another kind; {_WANTED}.")
     content = dict(record)

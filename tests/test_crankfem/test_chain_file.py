@@ -340,3 +340,10 @@ def test_names_that_text_cannot_hold():
 def test_files_that_are_not_there():
     with pytest.raises(InputError, match=r"does not exist; .*geared-example, mwm-six"):
         load_chain("nothing-here")
+
+
+def test_text_that_is_too_large_is_no_chain(tmp_path):
+    path = tmp_path / "chain.txt"
+    path.write_text("torsional\n" + "# remark\n" * 200_000, encoding="utf-8")
+    with pytest.raises(InputError, match="given a file of 1.8 MB; allowed are 1 MB"):
+        load_chain(path)

@@ -745,3 +745,24 @@ def test_the_page_tells_all_commands_and_exit_codes():
     assert sorted(re.findall(r"^\| `(\w+)` \| .* \| .* \|$", page, re.M)) == COMMANDS
     for code, meaning in MEANINGS.items():
         assert f"| {code} | {meaning} |" in page
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("check", "9" * 5000),
+        ("9" * 5000,),
+        ("check", "6chn25-34", "--" + "9" * 5000),
+        ("new", "x.toml", "--cylinders", "9" * 5000),
+        ("harmonics", "6chn25-34", "--speed", "1 m**9**9**9"),
+        ("harmonics", "6chn25-34", "--speed", "5 mm^60/km^60/s"),
+        ("harmonics", "6chn25-34", "--units", "in**9**9**9"),
+        ("formulas", "6chn25-34", "--gamma", "9" * 5000),
+    ],
+    ids=lambda arguments: " ".join(arguments)[:40],
+)
+def test_what_is_endless_is_refused_in_a_short_sentence(call, arguments):
+    answer = call(*arguments)
+    assert answer.code == 2
+    assert answer.err.startswith("Error: ")
+    assert len(answer.err) < 600

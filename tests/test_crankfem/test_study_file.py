@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from crankfem import console
+from crankfem.design_file import read_design
 from crankfem.design_tables import plan_record, print_plan
 from crankfem.studies import run_study, study_key
 from crankfem.study_file import FIELDS, study_plan
@@ -469,3 +470,18 @@ def test_notes_of_a_study_go_to_standard_error_or_where_they_are_wanted(monkeypa
             run_study("6chn25-34", dask="tcp://h:1", **options)
     assert told == ["the cluster has no workers; waiting for one"]
     assert capsys.readouterr() == ("", f"{told[0]}\n")
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ("web_width [mm]\n" + "9" * 200_000 + "\n", "which is no table"),
+        ("web_width [mm]\n" + "270\n" * 15_000_000, "given a file of 60 MB"),
+    ],
+    ids=["long cell", "large file"],
+)
+def test_tables_that_are_too_large(tmp_path, table, message):
+    path = tmp_path / "designs.csv"
+    path.write_text(table, encoding="utf-8")
+    with pytest.raises(InputError, match=message):
+        read_design(tmp_path, "designs.csv", (), THROW)

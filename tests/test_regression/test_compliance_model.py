@@ -251,6 +251,8 @@ def damaged(text, kind):
             return ""
         case "newer":
             return json.dumps(record | {"version": 3})
+        case "long number":
+            return text.replace('"version": 2', f'"version": {"9" * 5000}')
         case "no responses":
             del record["responses"]
             return json.dumps(record)
@@ -266,6 +268,7 @@ def damaged(text, kind):
         ("list", "given a file of another kind"),
         ("empty", "not complete JSON"),
         ("newer", "given format version 3; allowed are 1 and 2"),
+        ("long number", "given a number of thousands of digits"),
         ("no responses", "checksum does not fit"),
     ],
 )
