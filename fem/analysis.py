@@ -488,7 +488,7 @@ def _vector(name: str, given: ArrayLike, unit: str) -> NDArray[np.float64]:
     """Three finite numbers."""
     try:
         vector = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         vector = np.empty(0)
     if vector.shape != (3,) or not np.all(np.abs(vector) <= LARGEST_LOAD):
         raise InputError(

@@ -25,7 +25,7 @@ from fem.supports import Neighbors, support_throw
 from fem.symmetry import MIRROR_X, MIRROR_Z
 from geometry.choices import check_choice
 from geometry.diagram_style import BLUE, new_axes
-from geometry.errors import InputError
+from geometry.errors import InputError, quoted
 from geometry.frames import grid, table
 from geometry.plots.legends import legend_inside, write_title
 
@@ -69,10 +69,12 @@ class AngleLaw:
             if angles.dtype.kind not in "iufO":  # text like "120" and True would be converted
                 raise TypeError
             angles = angles.astype(np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             angles = np.array(np.nan)
         if not np.all(np.isfinite(angles)):
-            raise InputError(f"gamma_deg: given {gamma_deg!r}; allowed are finite angles in deg.")
+            raise InputError(
+                f"gamma_deg: given {quoted(gamma_deg)}; allowed are finite angles in deg."
+            )
         half = np.deg2rad(angles) / 2.0
         sine, cosine = np.sin(half) ** 2, np.cos(half) ** 2
         return np.asarray(sine / (sine + self.ratio * cosine))
@@ -202,8 +204,8 @@ def _row_of_angles(gamma_deg: ArrayLike) -> NDArray[Any]:
         angles = np.zeros((0, 0))
     if angles.ndim != 1 or not angles.size:
         raise InputError(
-            f"gamma_deg: given {gamma_deg!r}; allowed are one or more angles in a row, because the table "
-            "has a row for each."
+            f"gamma_deg: given {quoted(gamma_deg)}; allowed are one or more angles in a row, because the "
+            "table has a row for each."
         )
     return angles
 

@@ -31,13 +31,13 @@ from fem.modes import (
     check_resolved,
     class_problem,
     frequencies_of,
-    is_number,
 )
 from fem.plots.frequency_stems import draw_frequencies
 from fem.superelement import section_rotation
 from fem.symmetry import SymmetryClass, symmetry_classes
+from geometry.choices import is_number
 from geometry.diagram_style import GRAY, new_axes
-from geometry.errors import InputError
+from geometry.errors import InputError, quoted
 from geometry.frames import table
 from geometry.mesh import ThrowMesh
 from geometry.stopwatch import Stopwatch
@@ -122,7 +122,7 @@ class DynamicSuperelement:
         """
         if isinstance(count, bool) or not isinstance(count, int) or not 0 <= count <= self.natural:
             raise InputError(
-                f"count: given {count!r}; allowed is 0 to {self.natural}, because the superelement has "
+                f"count: given {quoted(count)}; allowed is 0 to {self.natural}, because the superelement has "
                 "no more natural modes."
             )
         kept = slice(0, 12 + count)
@@ -232,12 +232,12 @@ def dynamic_superelement(
     """
     if not (is_number(highest_frequency) and 0.0 <= highest_frequency < np.inf):
         raise InputError(
-            f"highest_frequency: given {highest_frequency!r}; allowed is a finite frequency from 0 Hz, "
+            f"highest_frequency: given {quoted(highest_frequency)}; allowed is a finite frequency from 0 Hz, "
             "because modes are kept in proportion to it."
         )
     if not (is_number(cutoff_factor) and 1.0 <= cutoff_factor < np.inf):
         raise InputError(
-            f"cutoff_factor: given {cutoff_factor!r}; allowed is a finite number from 1, because modes "
+            f"cutoff_factor: given {quoted(cutoff_factor)}; allowed is a finite number from 1, because modes "
             "below the highest frequency must not be missing."
         )
     _check_classes(mesh, classes)
@@ -370,7 +370,7 @@ def _checked_matrix(name: str, given: Array) -> Array:
     """
     try:
         matrix = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         matrix = np.empty(0)
     if matrix.ndim != 2 or len(matrix) != matrix.shape[1] or not np.all(np.isfinite(matrix)):
         raise InputError(

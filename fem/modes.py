@@ -26,8 +26,9 @@ from fem.plots.frequency_stems import draw_frequencies
 from fem.solver import Factorization, SolveError, factorize
 from fem.superelement import RX, RY, RZ, UX, UY, UZ
 from fem.symmetry import MIRROR_X, MIRROR_Z, SymmetryClass, symmetry_classes
+from geometry.choices import is_number
 from geometry.diagram_style import new_axes
-from geometry.errors import InputError
+from geometry.errors import InputError, quoted
 from geometry.frames import table
 from geometry.mesh import ThrowMesh, element_volumes
 from geometry.stopwatch import Stopwatch
@@ -516,13 +517,6 @@ def name_of_motion(motions: Array, length: float) -> str:
     return name
 
 
-def is_number(given: object) -> bool:
-    """Whether something is a real number."""
-    return isinstance(given, int | float | np.number) and not isinstance(
-        given, bool | np.complexfloating
-    )
-
-
 def check_resolved(mesh: ThrowMesh, material: Material, frequency: float) -> None:
     """Refuse a frequency whose shear waves are shorter than two elements of mean size.
 
@@ -543,8 +537,8 @@ def check_resolved(mesh: ThrowMesh, material: Material, frequency: float) -> Non
 def _check_wish(count: int | None, highest_frequency: float | None) -> None:
     if (count is None) == (highest_frequency is None):
         raise InputError(
-            f"count, highest_frequency: given {count!r} and {highest_frequency!r}; allowed is one of "
-            "them, because each alone says how many modes there are."
+            f"count, highest_frequency: given {quoted(count)} and {quoted(highest_frequency)}; allowed is "
+            "one of them, because each alone says how many modes there are."
         )
     if count is not None and (
         isinstance(count, bool)
@@ -552,15 +546,15 @@ def _check_wish(count: int | None, highest_frequency: float | None) -> None:
         or not 1 <= count <= MOST_MODES
     ):
         raise InputError(
-            f"count: given {count!r}; allowed is a whole number from 1 to {MOST_MODES}, because higher "
+            f"count: given {quoted(count)}; allowed is a whole number from 1 to {MOST_MODES}, because higher "
             "modes have waves shorter than a throw's details."
         )
     if highest_frequency is not None and not (
         is_number(highest_frequency) and 0.0 < highest_frequency < np.inf
     ):
         raise InputError(
-            f"highest_frequency: given {highest_frequency!r}; allowed is a finite frequency above 0 Hz, "
-            "because a free throw has modes of any height."
+            f"highest_frequency: given {quoted(highest_frequency)}; allowed is a finite frequency above 0 "
+            "Hz, because a free throw has modes of any height."
         )
 
 

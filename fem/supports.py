@@ -1,6 +1,5 @@
 """What a throw does under each named support: compliances, influence coefficient, reactions."""
 
-import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -9,7 +8,8 @@ from numpy.typing import NDArray
 
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotation
 from fem.throw_frames import load_table
-from geometry.errors import InputError
+from geometry.choices import is_number
+from geometry.errors import InputError, quoted
 
 Array = NDArray[np.float64]
 LONGEST_CHAIN = 64
@@ -44,9 +44,9 @@ class Neighbors:
     def __post_init__(self) -> None:
         for name in ("left_deg", "right_deg"):
             value = getattr(self, name)
-            if not isinstance(value, int | float) or not math.isfinite(value):
+            if not is_number(value):
                 raise InputError(
-                    f"Neighbors.{name}: given {value!r}; allowed is a finite angle in degrees."
+                    f"Neighbors.{name}: given {quoted(value)}; allowed is a finite angle in degrees."
                 )
 
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import psutil
 
+from geometry.choices import is_number
 from geometry.errors import InputError
 from geometry.processes import package_environment
-from regression.formulas.arguments import is_number
 
 # Seconds that a design may take at 1 % accuracy before its worker counts as hanging.
 TIME_LIMIT = 300.0
