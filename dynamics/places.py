@@ -91,8 +91,8 @@ def place_of(field: str, given: object, names: Sequence[str], what: str, reason:
     if isinstance(given, int | np.integer) and is_whole(given) and 0 <= given < len(names):
         return int(given)
     raise InputError(
-        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {len(names) - 1} and the names of "
-        f"{what}, because {reason}."
+        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {len(names) - 1} and the "
+        f"names of {what}, because {reason}."
     )
 
 

@@ -53,7 +53,7 @@ def checked_inertia(given: float, angle: float, least: float = 0.0) -> float:
     if not least < inertia < math.inf:
         raise InputError(
             f"inertia: given {quoted(given)} kg m^2 at a shaft angle of {math.degrees(angle):.6g} deg; "
-            "allowed are finite numbers clearly above zero, because a shaft without inertia has no speed that "
-            "follows from the moments."
+            "allowed are finite numbers clearly above zero, because a shaft without inertia has no speed "
+            "that follows from the moments."
         )
     return inertia
