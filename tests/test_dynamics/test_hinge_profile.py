@@ -102,7 +102,7 @@ def test_largest_work_leaves_the_least_column():
         ):
             SPRING.compression(work)
     with pytest.raises(InputError, match="the compression z must stay below the height H"):
-        replace(SPRING, ambient=101325.0).compression(1e300)
+        replace(SPRING, ambient=101325.0).compression(1e50)
 
 
 @pytest.mark.parametrize("ambient", [0.0, 101325.0])
