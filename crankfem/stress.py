@@ -2,14 +2,17 @@
 
 from pathlib import Path
 
-from crankfem import console
 from crankfem.console import print_json, print_line, print_table
+from crankfem.data_files import engine_path
 from crankfem.output_units import SI, OutputUnit, OutputUnits
 from crankfem.record import Record
 from crankfem.throw_file import load_throw
 from fem.condensation import EndSections
 from fem.fillet_stress import FilletPeak, FilletStresses, fillet_stresses
+from fem.loads import radial_directions
+from fem.unit_loads import unit_loads
 from geometry.errors import InputError
+from geometry.outputs import check_output, protect
 
 # Stresses are printed for loads of 1 kN and 1 kN m, or of so many of the user's own units.
 LOAD = 1000.0
@@ -47,12 +50,20 @@ def run_stress(
     """
     throw, material = load_throw(engine)
     if pictures is not None:
-        console.check_folder(pictures)
+        if not pictures.absolute().parent.is_dir():
+            raise InputError(
+                f"{pictures}: cannot be written; there is no folder {pictures.parent}."
+            )
         if pictures.exists() and not pictures.is_dir():
             raise InputError(
                 f"--pictures: given {pictures}, which is a file; allowed is a folder, for there is a "
                 "picture of each load."
             )
+        from crankfem.pictures.stress_picture import picture_name
+
+        protect(engine_path(engine))
+        for load in unit_loads(radial_directions(throw)):
+            check_output(pictures / picture_name(load), "picture")
     stresses = fillet_stresses(throw, material, accuracy, end_sections=end_sections)
     record = stress_record(stresses)
     if pictures is not None:

@@ -9,6 +9,7 @@ import typer
 from crankfem import console
 from crankfem.commands.options import (
     EngineArgument,
+    ForceOption,
     JsonOption,
     QuietOption,
     ThrowArgument,
@@ -95,6 +96,7 @@ def stress(
     pictures: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="Folder for a picture of each load.")
     ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     units: UnitsOption = None,
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result

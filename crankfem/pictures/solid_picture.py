@@ -1,7 +1,6 @@
 """Pictures of a throw's or a crankshaft's solid, seen from the side with the free end to the left."""
 
 import math
-import shutil
 import tempfile
 from dataclasses import asdict
 from pathlib import Path
@@ -29,6 +28,7 @@ from crankfem.pictures.solid_surface import (
 from geometry.crankshaft import Crankshaft
 from geometry.errors import InputError
 from geometry.mesher import Throw
+from geometry.outputs import copy_file
 
 Array = NDArray[np.float64]
 
@@ -132,7 +132,7 @@ def _write(
         made = Path(folder) / "picture.png"
         OffscreenProcess("crankfem.pictures.solid_picture", arrays, made).wait()
         try:
-            shutil.copyfile(made, path)
+            copy_file(made, path, "picture")
         except OSError as error:
             raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
     return path
