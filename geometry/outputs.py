@@ -26,7 +26,6 @@ FORMAT = "crankfem outputs"
 DATABASE = b"SQLite format 3\0"
 # A file that crankfem wrote, or the one before it: which one is there, an interrupt decides.
 REMEMBERED = 2
-ALLOWED = "name another file, or allow it with --force (in Python: with crankfem.replacing_files())"
 
 Recognized = Callable[[Path], bool]
 Kind = Literal[
@@ -144,7 +143,10 @@ def check_output(
         )
     reason = None if rules.force else _not_ours(path, kind, recognized, rules.run)
     if reason is not None:
-        raise InputError(f"{shown}: is not replaced, because {reason}; {ALLOWED}.")
+        raise InputError(
+            f"{shown}: is not replaced, because {reason}; name another {'folder' if rules.run else 'file'}, "
+            "or allow it with --force (in Python: with crankfem.replacing_files())."
+        )
 
 
 def _not_ours(path: Path, kind: Kind, recognized: Recognized | None, run: bool) -> str | None:
