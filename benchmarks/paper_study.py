@@ -14,6 +14,7 @@ from pathlib import Path
 
 from crankfem.fitting import fit_study
 from crankfem.pictures.fit_plots import plot_parity, plot_response
+from geometry.outputs import replacing_files
 from geometry.throw import CrankThrow
 from regression.fits.fits import Fit, fit_form
 from regression.fits.forms import FORMS
@@ -114,7 +115,8 @@ def main() -> None:
     if given.plots:
         for name, plot in (("27", plot_parity), ("36", plot_response)):
             found = fit_study(tables[name])["axial_compliance"]
-            plot(given.plots / f"paper_study_{name}.svg", tables[name], found)
+            with replacing_files():
+                plot(given.plots / f"paper_study_{name}.svg", tables[name], found)
     for name, table in tables.items():
         found = fits(table)
         taken = choose(found, float(table.errors[COLUMNS[0]].std()))

@@ -342,6 +342,7 @@ from geometry.mass import MassProperties as MassProperties
 from geometry.mesh import ThrowMesh as ThrowMesh
 from geometry.mesh_files import write_mesh as write_mesh
 from geometry.mesher import mesh_isolated as mesh_throw  # noqa: F401
+from geometry.outputs import replacing_files as replacing_files
 from geometry.shaft_ends import ShaftEnds as ShaftEnds
 from geometry.solid_files import write_step as write_step
 from geometry.throw import CrankThrow as CrankThrow

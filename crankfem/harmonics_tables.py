@@ -16,6 +16,7 @@ from crankfem.table_units import table_unit
 from dynamics.torque.pin_harmonics import PinForceHarmonics
 from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
+from geometry.outputs import written
 from geometry.units import RPM
 
 COLUMNS = ("orders", "cosine", "sine", "amplitude", "phase_deg")
@@ -218,7 +219,7 @@ def _what(record: Record) -> str:
 
 def write_table(path: Path, record: Record) -> None:
     """Write harmonics as CSV; the first line names what they are of, the row of order 0 is the mean."""
-    with path.open("w", encoding="utf-8", newline="") as stream:
+    with written(path, "table") as part, part.open("w", encoding="utf-8", newline="") as stream:
         stream.write(f"# {_what(record)}\n")
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(["of", "unit", "order", "cosine", "sine", "amplitude", "phase_deg"])

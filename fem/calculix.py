@@ -24,6 +24,7 @@ from fem.superelement import RX, UX
 from geometry.errors import InputError
 from geometry.facets import six_node_triangles
 from geometry.mesh import ThrowMesh
+from geometry.outputs import write_text
 from geometry.solid import LEFT_END, RIGHT_END
 
 Array = NDArray[np.float64]
@@ -83,7 +84,7 @@ def write_calculix(
         )
     text = calculix_deck(mesh, material, standard_cases(mesh) if cases is None else cases)
     try:
-        path.write_text(text, encoding="utf-8")
+        write_text(path, text, "deck")
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
     return path

@@ -11,6 +11,7 @@ from geometry.isolated import ProcessLostError, shared_process
 from geometry.mesh import checked_part
 from geometry.mesh_checks import check_solid, solid_properties
 from geometry.mesher import TIME_LIMIT
+from geometry.outputs import write_text
 from geometry.parts import ThrowParts
 from geometry.processes import scratch_folder
 from geometry.solid import LEFT_END, RIGHT_END, make_solid, remove_loose
@@ -63,7 +64,7 @@ def write_step(solid: CrankThrow | Crankshaft, path: str | Path, part: str = "fu
     except ProcessLostError as error:
         raise MeshError(f"the solid could not be built: {error}.") from None
     try:
-        path.write_text(text, encoding="ascii")
+        write_text(path, text, "solid")
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
     return path

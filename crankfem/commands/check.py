@@ -7,7 +7,7 @@ import typer
 
 from crankfem import console
 from crankfem.commands import completion
-from crankfem.commands.options import JsonOption, QuietOption, UnitsOption
+from crankfem.commands.options import ForceOption, JsonOption, QuietOption, UnitsOption
 from crankfem.console import print_json
 
 
@@ -24,6 +24,7 @@ def check(
         Path | None,
         typer.Option(metavar="THROW.svg", help="Also draw the throw with its dimensions."),
     ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     units: UnitsOption = None,
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
@@ -38,6 +39,7 @@ def check(
     checked = check_file(file)
     record = check_record(checked)
     if picture is not None:
+        from crankfem.outputs import check_writable
         from crankfem.pictures.drawing import check_drawing_ending, write_drawing
 
         if checked.throw is None:
@@ -46,7 +48,7 @@ def check(
                 "that is drawn."
             )
         check_drawing_ending(picture)
-        console.check_folder(picture)
+        check_writable(picture, "picture", checked.path)
         record["picture"] = str(write_drawing(checked.throw, picture, checked.path.stem))
     if json:
         print_json(record)

@@ -7,7 +7,7 @@ import typer
 
 from crankfem import console
 from crankfem.commands import completion
-from crankfem.commands.options import JsonOption, QuietOption, WorkersOption
+from crankfem.commands.options import ForceOption, JsonOption, QuietOption, WorkersOption
 from crankfem.console import print_json
 from geometry.errors import InputError
 from geometry.quantity import parse_quantity
@@ -58,10 +58,13 @@ def doe(
     plan: Annotated[
         bool, typer.Option("--plan", help="Show what would be computed, and compute nothing.")
     ] = False,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Run a design of experiments, or continue it where it stopped."""
+    from crankfem.data_files import engine_path
+    from crankfem.outputs import check_apart, check_writable
     from crankfem.throw_file import load_study
     from regression.runs.export_table import check_export, export_table
 
@@ -78,8 +81,11 @@ def doe(
     if plan:
         _show_plan(read, json)
         return
+    files = [store, engine_path(study), *(import_ or ())]
     if export is not None:
         check_export(export)
+        check_apart({"--store": store, "--export": export})
+        check_writable(export, "table", *files, name=f"--export {export}")
     for file in import_ or ():
         _import(read, store, file, quiet)
     table = _run(read, store, workers, {"dask": dask, **limits}, quiet)

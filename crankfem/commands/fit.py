@@ -7,7 +7,7 @@ import typer
 
 from crankfem import console
 from crankfem.commands import completion
-from crankfem.commands.options import JsonOption, QuietOption
+from crankfem.commands.options import ForceOption, JsonOption, QuietOption
 from crankfem.console import print_json
 
 
@@ -35,6 +35,7 @@ def fit(
         str | None, typer.Option(help="Response to print in detail; the axial compliance else.")
     ] = None,
     plots: Annotated[Path | None, typer.Option(help="Folder to write diagrams to (SVG).")] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -42,18 +43,23 @@ def fit(
     from crankfem.fit_records import study_record
     from crankfem.fit_tables import MAIN_RESPONSE, print_comparisons, print_fits
     from crankfem.fitting import compliance_model, fit_study
+    from crankfem.outputs import check_writable
     from crankfem.pictures.fit_plots import plot_fits
     from crankfem.studies import study_key
     from geometry.errors import InputError
+    from regression.models.model_file import is_model
     from regression.runs.store_rows import told_of
     from regression.runs.study import read_study
 
-    console.check_folder(model)
     if model.is_dir():
         raise InputError(
             f"--model: given {model}, which is a folder; allowed is a file to write, like "
             f"{model / 'model.json'}."
         )
+    inputs = [store]
+    if study is not None and study.endswith(".toml"):
+        inputs.append(Path(study))
+    check_writable(model, "model", *inputs, name=f"--model {model}", recognized=is_model)
     if study is not None and study.endswith(".toml"):
         study = study_key(study)
     table = read_study(store, study)

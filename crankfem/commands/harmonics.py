@@ -8,7 +8,7 @@ import typer
 
 from crankfem import console
 from crankfem.commands import completion
-from crankfem.commands.options import JsonOption, QuietOption, SpeedOption, UnitsOption
+from crankfem.commands.options import ForceOption, JsonOption, QuietOption, SpeedOption, UnitsOption
 from crankfem.console import print_json
 from geometry.errors import InputError
 
@@ -59,6 +59,7 @@ def harmonics(
         str | None,
         typer.Option(metavar="FOLDER", help="Write torque, harmonics and star diagrams as SVG."),
     ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     units: UnitsOption = None,
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
@@ -98,6 +99,7 @@ def _names_engine(source: str) -> bool:
 
 def _of_table(source: str, asked: _Asked) -> dict[str, Any]:
     from crankfem.data_files import torque_path
+    from crankfem.outputs import check_outputs
     from crankfem.pictures.plots import plot_torque
     from crankfem.results import harmonics_record
     from dynamics.torque_table import read_torque_table
@@ -115,7 +117,7 @@ def _of_table(source: str, asked: _Asked) -> dict[str, Any]:
     table = read_torque_table(path, strokes=4 if asked.strokes is None else asked.strokes)
     found = table.harmonics()
     _check_resolved(asked.orders, found)
-    folder = console.check_outputs(asked.csv, asked.pictures, path)
+    folder = check_outputs(asked.csv, asked.pictures, path)
     if folder is not None:
         plot_torque(folder / "torque.svg", table.torque, found)
     return {"table": path.name} | harmonics_record(found)
@@ -125,6 +127,7 @@ def _of_engine(source: str, asked: _Asked) -> dict[str, Any]:
     from crankfem.harmonics_tables import engine_record, pin_force_record
     from crankfem.input_files import mechanism_inputs
     from crankfem.mechanism_file import load_mechanism
+    from crankfem.outputs import check_outputs
     from crankfem.pictures import titles
     from crankfem.pictures.torque_plots import picture_torque
     from crankfem.speed_argument import parse_speed
@@ -145,7 +148,7 @@ def _of_engine(source: str, asked: _Asked) -> dict[str, Any]:
             f"--cylinder: given {cylinder}; allowed is 1 to {len(engine.cylinders)}, because the "
             "engine has that many."
         )
-    folder = console.check_outputs(asked.csv, asked.pictures, *mechanism_inputs(mechanism))
+    folder = check_outputs(asked.csv, asked.pictures, *mechanism_inputs(mechanism))
     pressure = mechanism.pressure or None
     torque = engine_torque(engine, speed, pressure, throws=mechanism.throws)
     _check_resolved(asked.orders, torque.harmonics())

@@ -7,7 +7,13 @@ import typer
 
 from crankfem import console
 from crankfem.commands import completion
-from crankfem.commands.options import JsonOption, QuietOption, UnitsOption, checked_choice
+from crankfem.commands.options import (
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    UnitsOption,
+    checked_choice,
+)
 from crankfem.console import print_json
 
 
@@ -36,6 +42,7 @@ def hinge(
     pictures: Annotated[
         str | None, typer.Option(metavar="FOLDER", help="Write moments, guides and speeds.")
     ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     units: UnitsOption = None,
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
@@ -47,6 +54,7 @@ def hinge(
     from crankfem.hinge_run import run_hinge
     from crankfem.hinge_tables import print_hinge
     from crankfem.output_units import parse_output_units
+    from crankfem.outputs import check_outputs
     from dynamics.hinge.reduced import KINEMATICS
     from geometry.quantity import parse_quantity
 
@@ -56,7 +64,7 @@ def hinge(
     described = checked_choice(
         "--kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
     )
-    folder = console.check_outputs(csv, pictures, loaded.path)
+    folder = check_outputs(csv, pictures, loaded.path)
     run = run_hinge(loaded, described, other)
     record = hinge_record(run)
     if csv is not None:

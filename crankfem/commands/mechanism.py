@@ -8,6 +8,7 @@ import typer
 from crankfem import console
 from crankfem.commands.options import (
     EngineArgument,
+    ForceOption,
     JsonOption,
     QuietOption,
     SpeedOption,
@@ -35,6 +36,7 @@ def mechanism(
     pictures: Annotated[
         str | None, typer.Option(metavar="FOLDER", help="Write load diagrams and hodographs.")
     ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     units: UnitsOption = None,
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
@@ -49,6 +51,7 @@ def mechanism(
     from crankfem.mechanism_run import run_mechanism
     from crankfem.mechanism_tables import print_mechanism
     from crankfem.output_units import parse_output_units
+    from crankfem.outputs import check_outputs
     from crankfem.pictures.mechanism_pictures import picture_mechanism
     from crankfem.speed_argument import parse_speed
     from dynamics.mechanism.rods import ROD_MODELS
@@ -56,7 +59,7 @@ def mechanism(
     shown = parse_output_units(units)
     loaded, turning = load_mechanism(engine), parse_speed(speed)
     rods = checked_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")
-    folder = console.check_outputs(csv, pictures, *mechanism_inputs(loaded))
+    folder = check_outputs(csv, pictures, *mechanism_inputs(loaded))
     run = run_mechanism(loaded, turning, rods, motored=motored)
     record = mechanism_record(run)
     balanced, hinged = balance_record(run.balance), hinged_rods_record(run.hinged_rods)

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from crankfem import console
-from crankfem.commands.options import EngineArgument, JsonOption, QuietOption
+from crankfem.commands.options import EngineArgument, ForceOption, JsonOption, QuietOption
 from crankfem.console import print_json
 from geometry.errors import InputError
 
@@ -30,10 +30,13 @@ def export(
             "--calculix", help="Into .inp write a whole deck: mesh, supports, load cases."
         ),
     ] = False,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
+    from crankfem.data_files import engine_path
+    from crankfem.outputs import check_writable
     from crankfem.throw_file import load_crankshaft, load_throw
     from fem.calculix import write_calculix
     from geometry.mesh_files import ENDINGS as MESH_ENDINGS
@@ -42,7 +45,6 @@ def export(
     from geometry.solid_files import ENDINGS, write_step
 
     throw, material = load_throw(engine)
-    console.check_folder(file)
     record: dict[str, Any] = {"file": str(file)}
     if calculix and (file.suffix != ".inp" or part != "full"):
         raise InputError(
@@ -52,6 +54,7 @@ def export(
     if shaft or file.suffix.lower() in ENDINGS:
         if size != 1.0:
             raise InputError(f"--size: given {size:g}; allowed only for meshes, not for solids.")
+        check_writable(file, "solid", engine_path(engine))
         write_step(load_crankshaft(engine) if shaft else throw, file, part)
     else:
         if file.suffix.lower() not in MESH_ENDINGS:
@@ -61,6 +64,7 @@ def export(
             )
         if not 0.05 <= size <= 10.0:
             raise InputError(f"--size: given {size:g}; allowed is 0.05 to 10.")
+        check_writable(file, "deck" if calculix else "mesh", engine_path(engine))
         mesh = mesh_isolated(throw, size, part)
         if calculix:
             write_calculix(mesh, material, file)
@@ -96,22 +100,25 @@ def draw(
     shaft: Annotated[
         Path | None, typer.Option(metavar="SHAFT.png", help="Picture of the whole crankshaft.")
     ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Draw a throw to scale with its dimensions, and picture the solid of throw and crankshaft."""
     from crankfem.data_files import engine_path
+    from crankfem.outputs import check_apart, check_writable
     from crankfem.pictures.drawing import check_drawing_ending, write_drawing
     from crankfem.pictures.solid_picture import check_picture_ending, picture_shaft, picture_throw
     from crankfem.throw_file import load_crankshaft, load_throw
 
-    name = engine_path(engine).stem
-    drawing = output or Path(f"{name}-throw.svg")
+    source = engine_path(engine)
+    drawing = output or Path(f"{source.stem}-throw.svg")
     check_drawing_ending(drawing)
     for file in filter(None, (picture, shaft)):
         check_picture_ending(file)
+    check_apart({"--output": drawing, "--picture": picture, "--shaft": shaft})
     for file in filter(None, (drawing, picture, shaft)):
-        console.check_folder(file)
+        check_writable(file, "picture", source)
     dimensions, _ = load_throw(engine)
     crankshaft = load_crankshaft(engine) if shaft else None
     files = [write_drawing(dimensions, drawing, _title(engine))]

@@ -13,6 +13,7 @@ import numpy as np
 from crankfem.pictures.title_block import BLOCK_HEIGHT, POINT_ON_PAPER, block_texts, draw_block
 from geometry.diagram_style import REPRODUCIBLE
 from geometry.errors import InputError
+from geometry.outputs import written
 from geometry.parts import ThrowParts
 from geometry.plots.dimension_lines import View
 from geometry.plots.end_view import draw_end
@@ -107,8 +108,8 @@ def write_drawing(throw: CrankThrow, path: str | Path, title: str = "") -> Path:
     path = Path(path)
     metadata = ENDINGS[check_drawing_ending(path)]
     try:
-        with mpl.rc_context(REPRODUCIBLE):
-            draw_throw(throw, title).savefig(path, dpi=PIXELS_PER_INCH, metadata=metadata)
+        with mpl.rc_context(REPRODUCIBLE), written(path, "picture") as part:
+            draw_throw(throw, title).savefig(part, dpi=PIXELS_PER_INCH, metadata=metadata)
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
     return path

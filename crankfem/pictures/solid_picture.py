@@ -1,7 +1,6 @@
 """Pictures of a throw's or a crankshaft's solid, seen from the side with the free end to the left."""
 
 import math
-import shutil
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -28,6 +27,7 @@ from crankfem.pictures.solid_surface import (
 from geometry.crankshaft import Crankshaft
 from geometry.errors import InputError
 from geometry.mesher import Throw
+from geometry.outputs import copy_file
 from geometry.processes import scratch_folder
 
 Array = NDArray[np.float64]
@@ -132,7 +132,7 @@ def _write(
     with scratch_folder() as folder:
         OffscreenProcess("crankfem.pictures.solid_picture", arrays, folder).wait()
         try:
-            shutil.copyfile(folder / PICTURE, path)
+            copy_file(folder / PICTURE, path, "picture")
         except OSError as error:
             raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
     return path

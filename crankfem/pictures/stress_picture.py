@@ -1,7 +1,6 @@
 """Pictures of the stress all over a throw under each unit load, the largest one at a fillet marked."""
 
 import math
-import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,6 +17,7 @@ from fem.unit_loads import UnitLoad, whole_facets, whole_nodes
 from geometry.diagram_style import STYLE
 from geometry.errors import InputError
 from geometry.facets import six_node_triangles
+from geometry.outputs import check_output, copy_file
 from geometry.processes import scratch_folder
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
 from geometry.units import UNITS
@@ -79,13 +79,15 @@ def picture_stresses(stresses: FilletStresses, folder: str | Path) -> tuple[Path
     """
     folder = Path(folder)
     names = [picture_name(load) for load in stresses.loaded.loads]
+    for name in names:
+        check_output(folder / name, "picture")
     with scratch_folder() as scratch:
         arrays = picture_arrays(stresses)
         OffscreenProcess("crankfem.pictures.stress_picture", arrays, scratch).wait()
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for name in names:
-                shutil.copyfile(scratch / name, folder / name)
+                copy_file(scratch / name, folder / name, "picture")
         except OSError as error:
             raise InputError(f"{folder}: cannot be written ({error.strerror or error}).") from None
     return tuple(folder / name for name in names)

@@ -167,7 +167,7 @@ TOPICS = (
         "pictures",
         "Pictures and tables",
         "Drawings and diagrams written to files, and tables of results.",
-        ("crankfem.pictures", "geometry.frames"),
+        ("crankfem.pictures", "geometry.frames", "geometry.outputs"),
     ),
     Topic(
         "errors",

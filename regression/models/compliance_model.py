@@ -527,7 +527,7 @@ class ComplianceModel(InputModel):
     # ----------------------------------------------------------------------------------- file
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the model as a JSON file; an existing file is replaced in one step.
+        """Write the model as a JSON file; an existing model is replaced in one step.
 
         Parameters
         ----------
@@ -537,7 +537,7 @@ class ComplianceModel(InputModel):
         Raises
         ------
         InputError
-            If the path is that of a folder.
+            If the path is that of a folder, or of a file that is no such model; see `replacing_files`.
         OSError
             If the file cannot be written.
         """

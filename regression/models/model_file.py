@@ -3,12 +3,12 @@
 import hashlib
 import json
 import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from geometry.errors import InputError
+from geometry.outputs import write_text
 from geometry.text_limits import LARGEST_TABLE_FILE, check_file_size
 from regression.fits.terms import polynomial_terms
 
@@ -20,7 +20,7 @@ _WANTED = "allowed is a compliance model file as crankfem saves it"
 
 
 def write_model(content: Mapping[str, object], path: str | os.PathLike[str]) -> None:
-    """Write a model's content; an existing file is replaced in one step.
+    """Write a model's content; an existing model is replaced in one step.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def write_model(content: Mapping[str, object], path: str | os.PathLike[str]) -> 
     Raises
     ------
     InputError
-        If the path is that of a folder.
+        If the path is that of a folder, or of a file that is no such model.
     OSError
         If the file cannot be written.
     """
@@ -45,18 +45,17 @@ def write_model(content: Mapping[str, object], path: str | os.PathLike[str]) -> 
         "checksum": checksum(content),
         **content,
     }
-    target = Path(path)
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    write_text(Path(path), text, "model", recognized=is_model)
+
+
+def is_model(path: Path) -> bool:
+    """Whether a file is a model that crankfem saved, and unchanged since then."""
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        # Temporary files are private; a model is meant to be read.
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, target)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+        read_model(path)
+    except InputError:
+        return False
+    return True
 
 
 def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:

@@ -280,7 +280,9 @@ def test_new_overwrites_nothing(call, tmp_path):
     (tmp_path / "mine.toml").write_text("precious", encoding="utf-8")
     answer = call("new", "mine.toml")
     assert answer.code == 2
-    assert answer.err == "Error: mine.toml: exists already; give a new file name.\n"
+    assert answer.err == (
+        "Error: mine.toml: exists already; give a new file name, or --force to replace it.\n"
+    )
     assert (tmp_path / "mine.toml").read_text(encoding="utf-8") == "precious"
 
 

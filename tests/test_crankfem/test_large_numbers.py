@@ -2,7 +2,8 @@
 
 import pytest
 
-from dynamics.checks import finite_array, positive_number, values_at_nodes, whole_number
+from dynamics.checks import finite_array, positive_number, whole_number
+from dynamics.places import values_at_nodes
 from dynamics.turning.given_functions import checked_inertia
 from fem.dynamic_shaft import natural_modes
 from fem.material import STEEL

@@ -4,8 +4,8 @@ import shutil
 
 import pytest
 
-from crankfem.console import check_outputs
 from crankfem.data_files import data_folder, engine_path, hinge_path
+from crankfem.outputs import check_outputs
 from geometry.errors import InputError
 
 TABLE = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"

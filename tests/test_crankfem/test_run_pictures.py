@@ -7,6 +7,7 @@ from crankfem.pictures.offscreen import ADVICE, OffscreenProcess, render_failure
 from crankfem.pictures.to_draw import ToDraw
 from crankfem.run_pictures import Pictures, Renderings
 from geometry.errors import MissingLibraryError, RenderError
+from geometry.outputs import written
 
 
 @pytest.fixture
@@ -24,8 +25,9 @@ def write(path):
 
 
 def write_half_and_fail(path):
-    write(path)
-    raise ValueError("no such thing")
+    with written(path, "picture") as part:
+        write(part)
+        raise ValueError("no such thing")
 
 
 def fail(*_):

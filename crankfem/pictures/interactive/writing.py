@@ -5,6 +5,7 @@ from pathlib import Path
 
 from crankfem.pictures.interactive.style import Part
 from geometry.errors import InputError
+from geometry.outputs import write_text
 
 
 def write_figure(path: Path, traces: list[Part], layout: Part) -> Path:
@@ -36,7 +37,7 @@ def write_figure(path: Path, traces: list[Part], layout: Part) -> Path:
         ensure_ascii=False,
     )
     try:
-        path.write_text(text + "\n", encoding="utf-8")
+        write_text(path, text + "\n", "plot")
     except OSError as error:
         raise InputError(
             f"path: given {path}, which cannot be written ({error.strerror}); allowed is a file in a folder "
