@@ -11,21 +11,6 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
 
-_approx = pytest.approx
-
-
-def _relative_approx(expected, rel=None, abs=None, nan_ok=False):  # noqa: A002 - pytest's name
-    """Compare as pytest does, without its absolute tolerance of 1e-12 where none is asked for.
-
-    Compliances are near 1e-9 m/N: a tolerance of 1e-12 there passes errors of 0.1 %, whatever `rel` says.
-    """
-    if abs is None:
-        rel, abs = 1e-6 if rel is None else rel, 0.0  # noqa: A001
-    return _approx(expected, rel=rel, abs=abs, nan_ok=nan_ok)
-
-
-pytest.approx = _relative_approx
-
 # Constants of fem.fillet_stress with which meshes are as coarse as can be.
 COARSE_STRESSES = {"BULK": 2.5, "COARSE": 1.0, "COARSEST": 0.5, "FINE": 1.5, "MOST_MESHES": 2}
 

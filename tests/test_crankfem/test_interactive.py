@@ -15,6 +15,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from comparing import close
 from crankfem.fitting import fit_study, predicted
 from crankfem.pictures.interactive.angles import formulas_over_angle, interactive_angles
 from crankfem.pictures.interactive.campbell import campbell
@@ -167,9 +168,9 @@ def test_every_order_over_speed(series):
     for trace, values in shown:
         x, y = floats(trace["x"]), floats(trace["y"])
         places = np.array([np.argmin(np.abs(series.speeds * RPM - one)) for one in x])
-        assert x == pytest.approx(series.speeds[places] * RPM, rel=FIVE_DIGITS)
+        assert x == close(series.speeds[places] * RPM, rel=FIVE_DIGITS)
         own = np.where(np.isfinite(values), 1e3 * values, np.nan)
-        assert y == pytest.approx(own[places], rel=FIVE_DIGITS, nan_ok=True)
+        assert y == close(own[places], rel=FIVE_DIGITS, nan_ok=True)
         assert np.isnan(y).sum() == np.isinf(values).sum()
         known = np.isfinite(own)
         drawn = np.interp(series.speeds[known] * RPM, x[~np.isnan(y)], y[~np.isnan(y)])
@@ -185,11 +186,11 @@ def test_every_order_over_speed(series):
         assert None in limits[name]["y"]  # where none is stated
     bands = [shape for shape in layout["shapes"] if shape["type"] == "rect"]
     assert [(one["x0"], one["x1"]) for one in bands] == [
-        pytest.approx((low * RPM, high * RPM)) for low, high in barred
+        close((low * RPM, high * RPM)) for low, high in barred
     ]
     assert [one["showlegend"] for one in bands] == [True, False]
     lines = [shape for shape in layout["shapes"] if shape["type"] == "line"]
-    assert [one["x0"] for one in lines] == [pytest.approx(series.speeds[110] * RPM)]
+    assert [one["x0"] for one in lines] == [close(series.speeds[110] * RPM)]
 
 
 @pytest.mark.parametrize(
@@ -216,7 +217,7 @@ def test_units_over_speed(series, quantity, title, factor):
     ):
         # Maxima are never thinned out.
         largest = factor * values[np.isfinite(values)].max()
-        assert np.nanmax(floats(named(traces, name)["y"])) == pytest.approx(largest, rel=5e-5)
+        assert np.nanmax(floats(named(traces, name)["y"])) == close(largest, rel=5e-5)
 
 
 def shaft(count=14):
@@ -247,7 +248,7 @@ def test_motion_along_the_shaft():
         drawn = np.array([trace["y"] for trace in four]).T
         place = np.unravel_index(np.argmax(np.abs(every)), every.shape)
         assert drawn[place] == 1
-        assert drawn == pytest.approx(every / every[place], rel=FIVE_DIGITS)
+        assert drawn == close(every / every[place], rel=FIVE_DIGITS)
         assert all(trace["x"] == [0, 300, 600, 900] for trace in four)
         assert [trace["name"] for trace in four] == [
             "axial",
@@ -265,7 +266,7 @@ def test_shares_of_the_energy():
     assert layout["xaxis"]["title"]["text"] == "share of the mode's energy [%]"
     assert [trace["name"] for trace in traces] == ["axial", "torsional", "bending"]
     for trace, shares in zip(traces, modes.shares, strict=True):
-        assert floats(trace["x"]) == pytest.approx(100.0 * shares[1:13], rel=FIVE_DIGITS)
+        assert floats(trace["x"]) == close(100.0 * shares[1:13], rel=FIVE_DIGITS)
     assert traces[0]["customdata"][:2] == ["10.0 Hz", "20.0 Hz"]
     assert layout["yaxis"]["ticktext"][:2] == ["10.0", "20.0"]
 
@@ -288,8 +289,8 @@ def test_what_excites_the_axial_vibration():
         trace = named(traces, name)
         places = np.rint((floats(trace["x"]) / RPM - 20.0) / 5.0).astype(int)
         own = np.where(np.isfinite(values), 1e6 * values, np.nan)[places]
-        assert floats(trace["x"]) == pytest.approx(speeds[places] * RPM, rel=FIVE_DIGITS)
-        assert floats(trace["y"]) == pytest.approx(own, rel=FIVE_DIGITS, nan_ok=True)
+        assert floats(trace["x"]) == close(speeds[places] * RPM, rel=FIVE_DIGITS)
+        assert floats(trace["y"]) == close(own, rel=FIVE_DIGITS, nan_ok=True)
         assert np.isnan(own).any() == np.isinf(values).any()
         assert trace["hovertemplate"].endswith(" µm<extra></extra>")
 
@@ -378,7 +379,7 @@ def test_campbell_tells_what_meets():
     assert len(lines) == orders.size
     assert [line["showlegend"] for line in lines].count(True) == 1
     for order, line in zip(orders, lines, strict=True):
-        assert floats(line["y"]) == pytest.approx(order * floats(line["x"]) / 60.0, rel=1e-4)
+        assert floats(line["y"]) == close(order * floats(line["x"]) / 60.0, rel=1e-4)
         assert f"order {order:g}<br>" in line["hovertemplate"]
         assert max(line["y"]) <= layout["yaxis"]["range"][1] * (1.0 + FIVE_DIGITS)
     assert {trace["name"] for trace in traces if trace["name"].startswith("mode")} == {
@@ -393,7 +394,7 @@ def test_campbell_tells_what_meets():
     assert major["marker"]["symbol"] == ["circle", "x"]
     assert major["marker"]["size"][0] > minor["marker"]["size"][0]
     assert layout["yaxis"]["title"]["text"] == "frequency [Hz]"
-    assert layout["shapes"][0]["x0"] == pytest.approx(40.0 * RPM)
+    assert layout["shapes"][0]["x0"] == close(40.0 * RPM)
 
 
 def known_record():
@@ -423,13 +424,11 @@ def test_formulas_over_the_angle(tmp_path, strict):
     assert units_told(formulas)
     assert units_told(angles)
     fe, ours = formulas["data"]
-    assert floats(fe["y"]) == pytest.approx(
-        1e9 * np.array(record["angle_law"]["fe"]), rel=FIVE_DIGITS
-    )
+    assert floats(fe["y"]) == close(1e9 * np.array(record["angle_law"]["fe"]), rel=FIVE_DIGITS)
     assert ours["y"] == [None, *[2] * 6]
     law = named(angles["data"], "finite elements, ρ = 2.50")
     share = np.array(record["angle_law"]["fe"]) / record["angle_law"]["fe"][-1]
-    assert floats(law["y"]) == pytest.approx(share, rel=FIVE_DIGITS)
+    assert floats(law["y"]) == close(share, rel=FIVE_DIGITS)
     assert law["y"][-1] == 1
     (menu,) = angles["layout"]["updatemenus"]
     visible = [button["args"][0]["visible"] for button in menu["buttons"]]
@@ -450,10 +449,10 @@ def test_torque_table(tmp_path, strict):
     assert units_told(figure)
     bars = figure["data"][-1]
     assert bars["x"] == found.orders.tolist()
-    assert floats(bars["customdata"]) == pytest.approx(180.0 / math.pi * found.phase, rel=5e-5)
+    assert floats(bars["customdata"]) == close(180.0 / math.pi * found.phase, rel=5e-5)
     assert "phase %{customdata:.4g} deg" in bars["hovertemplate"]
-    assert floats(bars["y"]) == pytest.approx(found.amplitude, rel=FIVE_DIGITS, abs=1e-12)
-    assert floats(named(figure["data"], "table")["y"]) == pytest.approx(samples, rel=FIVE_DIGITS)
+    assert floats(bars["y"]) == close(found.amplitude, rel=FIVE_DIGITS, abs=1e-12)
+    assert floats(named(figure["data"], "table")["y"]) == close(samples, rel=FIVE_DIGITS)
 
 
 # ------------------------------------------------------------------------------------- mechanism
@@ -476,13 +475,13 @@ def test_polar_load(load, frame):
     for trace in traces:
         angles, sizes = np.array(trace["customdata"]).T
         places = np.rint(angles).astype(int)
-        assert floats(trace["x"]) == pytest.approx(own.imag[places], rel=FIVE_DIGITS, abs=1e-9)
-        assert floats(trace["y"]) == pytest.approx(own.real[places], rel=FIVE_DIGITS, abs=1e-9)
-        assert sizes == pytest.approx(1e-3 * load.magnitude[places], rel=FIVE_DIGITS)
+        assert floats(trace["x"]) == close(own.imag[places], rel=FIVE_DIGITS, abs=1e-9)
+        assert floats(trace["y"]) == close(own.real[places], rel=FIVE_DIGITS, abs=1e-9)
+        assert sizes == close(1e-3 * load.magnitude[places], rel=FIVE_DIGITS)
     assert [angle for angle, _ in marks["customdata"]] == np.arange(0.0, 720.0, 30.0).tolist()
     assert layout["yaxis"]["scaleanchor"] == "x"
     spans = [np.ptp(layout[name]["range"]) for name in ("xaxis", "yaxis")]
-    assert spans[0] == pytest.approx(spans[1])
+    assert spans[0] == close(spans[1])
     assert "shaft angle" in curve["hovertemplate"]
     assert "kN" in curve["hovertemplate"]
 
@@ -490,9 +489,9 @@ def test_polar_load(load, frame):
 def test_developed_load(load):
     traces, layout = developed_load(load, "x")
     assert layout["yaxis"]["title"]["text"] == "force [kN]"
-    assert max(traces[0]["y"]) == pytest.approx(1e-3 * load.maximum, rel=FIVE_DIGITS)
-    assert traces[1]["y"][0] == pytest.approx(1e-3 * load.mean, rel=FIVE_DIGITS)
-    assert traces[2]["x"] == [pytest.approx(np.degrees(load.maximum_angle), rel=FIVE_DIGITS)]
+    assert max(traces[0]["y"]) == close(1e-3 * load.maximum, rel=FIVE_DIGITS)
+    assert traces[1]["y"][0] == close(1e-3 * load.mean, rel=FIVE_DIGITS)
+    assert traces[2]["x"] == [close(np.degrees(load.maximum_angle), rel=FIVE_DIGITS)]
     assert traces[0]["x"][-1] == 720
 
 
@@ -521,7 +520,7 @@ def test_forces_of_a_mechanism(load, tmp_path, strict):
     gas = figures[-1]["data"][0]
     # Counted from the firing top at 180 deg.
     places = (np.rint(gas["x"]).astype(int) + 180) % 720
-    assert floats(gas["y"]) == pytest.approx(1e-3 * values[0][places], rel=FIVE_DIGITS)
+    assert floats(gas["y"]) == close(1e-3 * values[0][places], rel=FIVE_DIGITS)
 
 
 # ----------------------------------------------------------------------------------------- study
@@ -578,9 +577,9 @@ def test_parity(studied):
         shown = button["args"][0]["y"]
         for held, upper, lower in ((False, *shown[:2]), (True, *shown[2:])):
             own = table.held_out == held
-            assert floats(upper) == pytest.approx(1e9 * values[own], rel=FIVE_DIGITS)
+            assert floats(upper) == close(1e9 * values[own], rel=FIVE_DIGITS)
             errors = 100.0 * (values[own] / column[own] - 1.0)
-            assert floats(lower) == pytest.approx(errors, rel=FIVE_DIGITS)
+            assert floats(lower) == close(errors, rel=FIVE_DIGITS)
     assert [trace["y"] for trace in traces] == menu["buttons"][0]["args"][0]["y"]
     assert [len(trace["text"]) for trace in traces] == [12, 12, 4, 4]
 
@@ -608,7 +607,7 @@ def box(count):
 
 def test_edges_and_shading_of_a_cube():
     cube = box(3)
-    assert cube.face_normals.sum(axis=0) == pytest.approx(np.zeros(3), abs=1e-12)
+    assert cube.face_normals.sum(axis=0) == close(np.zeros(3), abs=1e-12)
     ends, sides, sharp = cube.edges()
     assert len(ends) == len(sides) == 1.5 * len(cube.triangles)  # closed
     assert sharp.sum() == len(cube.sharp_edges()) == 12 * 3
@@ -619,7 +618,7 @@ def test_edges_and_shading_of_a_cube():
     assert len(sources) == 6 * 16
     apart = TriangleSurface(cube.points[sources], triangles)
     # Each point has the normal of its one side.
-    assert np.abs(apart.point_normals).max(axis=1) == pytest.approx(np.ones(96), rel=1e-12)
+    assert np.abs(apart.point_normals).max(axis=1) == close(np.ones(96), rel=1e-12)
 
 
 def test_fewer_triangles_keep_shape_edges_and_steep_values():
@@ -637,7 +636,7 @@ def test_fewer_triangles_keep_shape_edges_and_steep_values():
     # By the divergence theorem; flat sides stay flat but for round-off.
     corners = coarse.points[coarse.triangles]
     volume = np.sum(corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])) / 6.0
-    assert volume == pytest.approx(1.0, rel=1e-12)
+    assert volume == close(1.0, rel=1e-12)
 
 
 def test_what_cannot_go_unnoticed_stays():
@@ -691,11 +690,11 @@ def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch, coarse_stres
             assert np.nanmax(values) <= high
     # One scale for all axes.
     scales = [scene["aspectratio"][name] / np.ptp(scene[f"{name}axis"]["range"]) for name in "xyz"]
-    assert scales == pytest.approx([scales[0]] * 3, rel=1e-4)
+    assert scales == close([scales[0]] * 3, rel=1e-4)
     solid = named(traces, "solid")
     # The whole throw, to a hundredth of a millimeter.
-    assert np.ptp(solid["z"]) == pytest.approx(1e3 * analysis.mesh.length, abs=0.02)
-    assert min(solid["x"]) == pytest.approx(-max(solid["x"]), abs=0.02)
+    assert np.ptp(solid["z"]) == close(1e3 * analysis.mesh.length, abs=0.02)
+    assert min(solid["x"]) == close(-max(solid["x"]), abs=0.02)
     (menu,) = figure["layout"]["updatemenus"]
     changes = {button["label"]: button["args"][0] for button in menu["buttons"]}
     assert list(changes) == [
@@ -709,10 +708,10 @@ def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch, coarse_stres
     deformed, bent = named(traces, "deformed"), changes["deformed by an axial force"]
     moved = np.array([deformed[name] for name in "xyz"]) - np.array([solid[name] for name in "xyz"])
     sizes = np.linalg.norm(moved, axis=0)
-    assert sizes.max() == pytest.approx(DRAWN_DISPLACEMENT * 1e3 * analysis.mesh.length, rel=1e-3)
+    assert sizes.max() == close(DRAWN_DISPLACEMENT * 1e3 * analysis.mesh.length, rel=1e-3)
     # Colors are displacements for 1 kN; as much longer as the throw gets, its ends move apart.
     (shown,) = bent["intensity"]
-    assert np.array(shown) * sizes.max() / max(shown) == pytest.approx(sizes, abs=0.05)
+    assert np.array(shown) * sizes.max() / max(shown) == close(sizes, abs=0.05)
     x, y, z = (np.array(solid[name]) for name in "xyz")
     heights = []
     for end in (z.min(), z.max()):
@@ -723,13 +722,13 @@ def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch, coarse_stres
     pulled = (heights[1] - heights[0]) * max(shown) / sizes.max()
     compliance = analysis.supported("pinned").axial
     # Coordinates are rounded to a hundredth of a millimeter, displacements here are ten.
-    assert pulled == pytest.approx(1e9 * compliance, rel=2e-3)
+    assert pulled == close(1e9 * compliance, rel=2e-3)
     for label, kind in (("stress, radial force", "radial"), ("stress, torque", "torsion")):
         (values,) = changes[label]["intensity"]
         assert len(values) == len(named(traces, "fillet stress")["x"])
         largest = max(peak.von_mises for peak in stresses.peaks if peak.load.kind == kind)
         on_fillets = changes[label]["cmax"]
-        assert on_fillets == [pytest.approx(1e-3 * largest)]
+        assert on_fillets == [close(1e-3 * largest)]
         # The surface shows its corner nodes: the largest of all may be a middle one.
         assert 0.8 * largest * 1e-3 < max(values)
 
@@ -794,4 +793,4 @@ def test_vibration_of_an_engine(tmp_path, strict):
     assert drawn["y"][:2] == rounded(shape[list(ends)])
     split = run.comparison.coupled.split("section 0 uz")
     both = named(figures["axial_split"]["data"], "all forces")
-    assert max(both["y"]) == pytest.approx(1e6 * split.both_sum.max(), rel=FIVE_DIGITS)
+    assert max(both["y"]) == close(1e6 * split.both_sum.max(), rel=FIVE_DIGITS)

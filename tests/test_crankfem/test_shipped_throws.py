@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from comparing import close
 from crankfem.data_files import engine_path, shipped_engines
 from crankfem.engine_file import load_engine
 from crankfem.mechanism_file import load_mechanism
@@ -91,7 +92,7 @@ def test_citations_and_short_names_belong_together(name):
 @pytest.mark.parametrize("name", FULL)
 def test_full_engine_files_are_valid(name):
     engine = load_engine(name)
-    assert engine.throw.crank_radius == pytest.approx(engine.engine.stroke / 2.0)
+    assert engine.throw.crank_radius == close(engine.engine.stroke / 2.0)
     assert engine.throw.further_pins == ()
 
 
@@ -99,7 +100,7 @@ def test_full_engine_files_are_valid(name):
 def test_mechanisms_are_those_of_engines_that_exist(name):
     mechanism = load_mechanism(name)
     layout = mechanism.layout
-    assert layout.crank_radius == pytest.approx(mechanism.throw.crank_radius)
+    assert layout.crank_radius == close(mechanism.throw.crank_radius)
     assert 4.0 < 2.0 * layout.crank_radius * mechanism.rated_speed / math.pi < 15.0  # piston speed
     assert all(0.19 < layout.crank_radius / c.rod.length < 0.5 for c in layout.cylinders)
     assert 5e6 < mechanism.pressure[0].peak_pressure < 16e6
@@ -148,9 +149,9 @@ def test_a_throw_is_as_long_as_the_cylinder_pitch_it_states(name):
     if not stated:
         assert name == "2ch85-110"  # two cylinders between two bearings
         first, second = ((pin.start + pin.end) / 2.0 for pin in throw.parts.pins)
-        assert second - first == pytest.approx(0.104)
+        assert second - first == close(0.104)
         return
-    assert stated == [pytest.approx(throw.length, abs=1e-6)]
+    assert stated == [close(throw.length, abs=1e-6)]
 
 
 def test_the_features_are_where_the_engines_have_them():
