@@ -22,16 +22,6 @@ def pytest_collection_modifyitems(items):
             item.add_marker("slow")
 
 
-# Constants of fem.fillet_stress with which meshes are as coarse as can be.
-COARSE_STRESSES = {"BULK": 2.5, "COARSE": 1.0, "COARSEST": 0.5, "FINE": 1.5, "MOST_MESHES": 2}
-
-
-@pytest.fixture(scope="session")
-def coarse_stresses():
-    """What to set in fem.fillet_stress where nothing depends on how accurate stresses are."""
-    return COARSE_STRESSES
-
-
 @pytest.fixture(scope="session")
 def dimensions():
     """A medium-speed engine's throw, in m."""

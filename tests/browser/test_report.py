@@ -19,7 +19,7 @@ from crankfem.pictures.interactive.angles import formulas_over_angle
 from crankfem.pictures.interactive.mechanism import polar_load
 from dynamics.engine.loads import LoadDiagram
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.further
 MEGABYTE = 1e6
 # Plots that are not there, or not yet complete.
 NOT_DRAWN = "div.interactive[hidden], div.interactive.waiting"

@@ -56,6 +56,7 @@ from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import Outcome
 from regression.runs.study_table import study_table
+from stand_ins import COARSE_STRESSES
 
 FIVE_DIGITS = 5e-5
 RPM = 30.0 / math.pi
@@ -666,10 +667,10 @@ def analysis(throw):
 
 
 @pytest.mark.slow
-def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch, coarse_stresses):
+def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch):
     import plotly.graph_objects
 
-    for name, value in coarse_stresses.items():
+    for name, value in COARSE_STRESSES.items():
         monkeypatch.setattr(fillet_stress, name, value)
     stresses = fillet_stresses(throw, accuracy=0.2)
     path = throw_view(tmp_path, analysis, stresses)

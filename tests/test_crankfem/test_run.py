@@ -284,7 +284,7 @@ def test_report_writes_the_report_again(finished_run, call, tmp_path):
 
 
 def test_another_choice_of_sources_repeats_no_design(
-    finished_run, lightly, quick_six, edit, call, tmp_path
+    finished_run, unseen, quick_six, edit, call, tmp_path
 ):
     choices = {"vibration.axial_source": '"anderson"', "vibration.torsional_source": '"regression"'}
     (tmp_path / "other.toml").write_text(edit(quick_six, choices), encoding="utf-8")
@@ -305,9 +305,7 @@ def test_another_choice_of_sources_repeats_no_design(
         assert modes[:3] == close(expected["first_frequencies"], rel=1e-6)
 
 
-def test_an_engine_with_torque_table_and_two_mass_check(
-    lightly, quick_four, call, tmp_path, strict
-):
+def test_an_engine_with_torque_table_and_two_mass_check(unseen, quick_four, call, tmp_path, strict):
     (tmp_path / "four.toml").write_text(quick_four, encoding="utf-8")
     answer = call("run", "four.toml", "--output", "a/b", "--workers", "1", "--json")
     assert answer.code == 0, answer.err
@@ -373,7 +371,7 @@ def one_cylinder(six_cylinders, edit, tmp_path):
 
 
 def test_what_cannot_be_drawn_costs_no_other_result(
-    lightly, one_cylinder, call, tmp_path, monkeypatch
+    unseen, one_cylinder, call, tmp_path, monkeypatch
 ):
     folder = tmp_path / "one-results"
     assert call("run", one_cylinder("Engine FIRST")).code == 0
@@ -406,7 +404,7 @@ def test_what_cannot_be_drawn_costs_no_other_result(
 
 
 def test_a_run_that_fails_leaves_the_last_one_whole(
-    lightly, one_cylinder, call, tmp_path, monkeypatch
+    unseen, one_cylinder, call, tmp_path, monkeypatch
 ):
     assert call("run", one_cylinder("Engine FIRST")).code == 0
     folder = tmp_path / "one-results"

@@ -11,9 +11,7 @@ from crankfem.engine_file import load_engine
 from crankfem.mechanism_file import load_mechanism
 from crankfem.throw_file import load_throw
 from crankfem.toml_file import read_toml
-from fem.material import Material
 from geometry.shaft_ends import ShaftEnds
-from geometry.throw import CrankThrow
 
 # The types whose compliance the paper of 2021 lists, in its order.
 TYPES_OF_THE_PAPER = (
@@ -60,13 +58,6 @@ def test_it_opens_with_what_engine_it_is(name):
     lines = engine_path(name).read_text(encoding="utf-8").splitlines()
     opening = lines[: next(place for place, line in enumerate(lines) if not line.startswith("#"))]
     assert 1 <= len(opening) <= 3 or name in OLDER
-
-
-@pytest.mark.parametrize("name", shipped_engines())
-def test_the_throw_loads(name):
-    throw, material = load_throw(name)
-    assert isinstance(throw, CrankThrow)
-    assert isinstance(material, Material)
 
 
 @pytest.mark.parametrize("name", shipped_engines())

@@ -25,6 +25,7 @@ from fem.unit_loads import unit_loads
 from geometry.errors import InputError, MissingLibraryError
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
+from stand_ins import COARSE_STRESSES
 
 pytestmark = pytest.mark.slow
 
@@ -49,11 +50,11 @@ class Made(dict):
 
 
 @pytest.fixture(scope="module")
-def found(dimensions, coarse_stresses):
+def found(dimensions):
     def stresses(part):
         throw = CrankThrow(**dimensions, **THROWS[part])
         with pytest.MonkeyPatch.context() as patch:
-            for name, value in coarse_stresses.items():
+            for name, value in COARSE_STRESSES.items():
                 patch.setattr(fillet_stress, name, value)
             return fillet_stresses(throw, accuracy=0.2, mesher=mesh_throw)
 

@@ -37,6 +37,7 @@ from geometry.mesh import mesh_throw
 from geometry.size_map import SizeMap
 from geometry.solid import FILLET, LEFT_END, RIGHT_END
 from geometry.throw import CrankThrow
+from stand_ins import COARSE_STRESSES
 
 pytestmark = pytest.mark.slow
 
@@ -405,9 +406,9 @@ def test_sizes_grow_from_where_they_are_small(mesh):
 
 
 @pytest.fixture
-def coarsely(monkeypatch, coarse_stresses):
+def coarsely(monkeypatch):
     """Meshes as coarse as can be, for what does not depend on accuracy."""
-    for name, value in coarse_stresses.items():
+    for name, value in COARSE_STRESSES.items():
         monkeypatch.setattr(fillet_stress, name, value)
 
 
