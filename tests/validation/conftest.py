@@ -1,7 +1,7 @@
 """Figures: what a validation test finds, beside what it should find and how far off it may be.
 
 ``figure`` stands in place of an assertion, so that the number that is shown is the number that is
-tested. ``pytest tests/validation --figures docs/validation-figures.json`` keeps them for
+tested. ``pytest tests/validation -m "" --figures docs/validation-figures.json`` keeps them for
 docs/build_validation.py, which makes docs/validation.md of them.
 """
 

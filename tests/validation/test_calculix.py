@@ -39,10 +39,13 @@ from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Counterweight, FurtherPin, Web
 
-pytestmark = pytest.mark.skipif(
-    shutil.which("ccx") is None,
-    reason="CalculiX is not installed: apt-get install calculix-ccx",
-)
+pytestmark = [
+    pytest.mark.further,
+    pytest.mark.skipif(
+        shutil.which("ccx") is None,
+        reason="CalculiX is not installed: apt-get install calculix-ccx",
+    ),
+]
 
 TOLERANCE = 1e-5
 SIZE_FACTOR = 5.0
@@ -128,12 +131,10 @@ def compared(request, dimensions, tmp_path_factory):
     return Compared(analyzed_on(mesh, throw), mesh, steps)
 
 
-@pytest.mark.slow
 def test_the_superelement_is_that_of_the_mesh(compared):
     assert compared.analysis.mesh.points is compared.mesh.points
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_axial_and_torsional_compliance(compared, support, figure):
     ours, steps = compared.analysis, compared.steps
@@ -144,7 +145,6 @@ def test_axial_and_torsional_compliance(compared, support, figure):
     figure(f"torsional compliance, {support}", torsional, twist, TOLERANCE, "rad/(N m)")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("axis", ["x", "y"])
 def test_bending_compliance(compared, axis, figure):
     tilts = [3, 9] if axis == "x" else [4, 10]
@@ -157,7 +157,6 @@ def test_bending_compliance(compared, axis, figure):
     figure(f"bending compliance about {axis}", load @ motions, theirs, TOLERANCE, "rad/(N m)")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_influence_coefficient(compared, support, figure):
     for pin in range(len(compared.mesh.pins)):
@@ -166,7 +165,6 @@ def test_influence_coefficient(compared, support, figure):
         figure(f"influence coefficient, {support}", ours, lengthening, TOLERANCE, "m/N")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_reactions(compared, support, figure):
     load = np.linalg.norm(PIN_FORCE)
@@ -181,7 +179,6 @@ def test_reactions(compared, support, figure):
             )
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_the_compression_is_c_z_over_e(compared, support, figure):
     """Our compression by a radial force Z beside c Z / e_n of two other steps of CalculiX."""
