@@ -4,6 +4,7 @@ import re
 import subprocess
 import sys
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,9 @@ import pytest
 
 from crankfem import cli
 from crankfem.data_files import engine_path
+from crankfem.engine_file import load_engine
+from crankfem.vibration.run import engine_vibration
+from fem.analysis import analyze_throw
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel, ResponseModel
 from regression.plans.designs import full_factorial
@@ -130,6 +134,30 @@ def lightly(monkeypatch):
 def unseen(lightly, monkeypatch):
     """The same with empty diagrams."""
     draw_nothing(monkeypatch)
+
+
+@pytest.fixture(scope="session")
+def coarse_throw():
+    """Read a shipped engine and analyze its throw as coarsely as may be: (engine file, analysis)."""
+
+    @cache
+    def analyzed(name):
+        engine = load_engine(name)
+        return engine, analyze_throw(engine.throw, engine.material, 0.1)
+
+    return analyzed
+
+
+@pytest.fixture(scope="session")
+def coupled_vibration(coarse_throw):
+    """Vibration of a shipped engine beside its whole crankshaft, with the coarse throw."""
+
+    @cache
+    def run(name):
+        engine, analysis = coarse_throw(name)
+        return engine_vibration(engine, analysis=analysis, coupled=True)
+
+    return run
 
 
 @pytest.fixture

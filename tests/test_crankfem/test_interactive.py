@@ -747,12 +747,10 @@ def test_throw_without_stresses_and_with_many_triangles(analysis, tmp_path, stri
 
 
 @pytest.mark.slow
-def test_vibration_of_an_engine(tmp_path, strict):
+def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
     import plotly.graph_objects
 
-    from crankfem.vibration.run import engine_vibration
-
-    run = engine_vibration("6chn18-22", coupled=True)
+    run = coupled_vibration("6chn25-34")
     made = interactive_vibration(tmp_path, run)
     assert [path.stem for path in made] == [
         "axial_modes",

@@ -15,7 +15,6 @@ from matplotlib import pyplot
 import crankfem as cf
 from comparing import close
 from crankfem.data_files import data_folder, engine_path
-from crankfem.engine_file import load_engine
 from crankfem.fitting import predicted
 from crankfem.formula_diagrams import (
     plot_formulas,
@@ -30,9 +29,7 @@ from crankfem.mechanism_run import run_mechanism
 from crankfem.pictures import vibration_pictures
 from crankfem.pictures.vibration_panels import short_name
 from crankfem.studies import fitted
-from crankfem.vibration.run import engine_vibration
 from crankfem.vibration.run_up import run_up
-from fem.analysis import analyze_throw
 from geometry.errors import InputError
 from geometry.mass import MassProperties
 from regression.formulas.axial_formulas import axial_formulas
@@ -316,10 +313,8 @@ def test_nodes_have_short_names():
 
 
 @pytest.fixture(scope="module")
-def vibration():
-    engine = load_engine("6chn25-34")
-    analysis = analyze_throw(engine.throw, engine.material, accuracy=0.1)
-    return engine_vibration(engine, analysis=analysis, coupled=True)
+def vibration(coupled_vibration):
+    return coupled_vibration("6chn25-34")
 
 
 @pytest.mark.slow

@@ -51,10 +51,9 @@ def written(tmp_path, text, name="6chn25-34"):
 
 
 @pytest.fixture(scope="module")
-def coarse():
+def coarse(coarse_throw):
     """Throw of the shipped six, as coarse as it may be."""
-    engine = load_engine("6chn25-34")
-    return analyze_throw(engine.throw, engine.material, 0.1)
+    return coarse_throw("6chn25-34")[1]
 
 
 @pytest.fixture(scope="module")

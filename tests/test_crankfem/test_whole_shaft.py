@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.engine_file import load_engine
 from crankfem.mechanism_file import load_mechanism
 from crankfem.pictures.shaft_mode_plots import (
     plot_axial_split,
@@ -37,23 +36,20 @@ from dynamics.crankshaft.shaft_system import crankshaft_system
 from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
 from dynamics.excitation.cylinders import forces_at_speeds
-from fem.analysis import analyze_throw
 from geometry.errors import InputError
 
 ORDERS = np.arange(1, 25) * 0.5
 
 
 @pytest.fixture(scope="module", params=["6chn25-34", "8chn13-14"])
-def engine(request):
-    engine_file = load_engine(request.param)
-    analysis = analyze_throw(engine_file.throw, engine_file.material, 0.1)
+def engine(request, coarse_throw):
+    engine_file, analysis = coarse_throw(request.param)
     return engine_file, analysis, whole_shaft(engine_file, analysis)
 
 
 @pytest.fixture(scope="module")
-def six():
-    engine_file = load_engine("6chn25-34")
-    return engine_file, analyze_throw(engine_file.throw, engine_file.material, 0.1)
+def six(coarse_throw):
+    return coarse_throw("6chn25-34")
 
 
 def chain_of(engine_file, analysis):
@@ -77,7 +73,7 @@ def lengthening(crankshaft, ends, loaded):
 
 
 @pytest.mark.slow
-def test_whole_shaft_of_an_engine(engine, tmp_path):
+def test_whole_shaft_of_an_engine(engine, coupled_vibration, tmp_path):
     engine_file, analysis, whole = engine
     modes = whole.modes
     assert modes.names[: modes.rigid] == ("rotation about the shaft axis",)
@@ -104,7 +100,7 @@ def test_whole_shaft_of_an_engine(engine, tmp_path):
     assert any("assumed" in remark for remark in whole.remarks) == (engine_file.bearings is None)
     assert np.all(whole.rotation_ratios[:3] > 0.01)
     # Everything at once: forces of the engine, whole shaft, chains, pictures.
-    found = engine_vibration(engine_file, analysis=analysis, coupled=True).comparison
+    found = coupled_vibration(engine_file.path.stem).comparison
     # Modes of the chain up to the highest exciting frequency are compared, not only the first.
     assert len(found.axial.modes) == {"6chn25-34": 2, "8chn13-14": 1}[engine_file.path.stem]
     split = found.coupled.split("section 0 uz")
@@ -148,7 +144,7 @@ def test_leaving_modes_out_changes_no_answer(engine):
 
 
 @pytest.mark.slow
-def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, tmp_path):
+def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, coupled_vibration, tmp_path):
     """All angles with the other sign: the mirror image, which turns against z.
 
     The throw is its own mirror image and its mesh is too, so that only round-off remains, larger by the
@@ -161,7 +157,10 @@ def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, tmp_path):
     mirrored = text[start:end].replace('"120 deg"', '"-120 deg"').replace('"240 deg"', '"-240 deg"')
     path = tmp_path / "mirrored.toml"
     path.write_text(text[:start] + mirrored + text[end:], encoding="utf-8")
-    runs = [engine_vibration(own, analysis=analysis, coupled=True) for own in (engine_file, path)]
+    runs = [
+        coupled_vibration("6chn25-34"),
+        engine_vibration(path, analysis=analysis, coupled=True),
+    ]
     senses = [run.engine_file.engine.turning_sense for run in runs]
     assert senses[0] == -senses[1]
     for peaks in zip(*(_peaks(run) for run in runs), strict=True):
