@@ -1,4 +1,3 @@
-import importlib
 import json
 import os
 import re
@@ -13,10 +12,9 @@ import pytest
 
 from crankfem import cli
 from crankfem.data_files import engine_path
-from crankfem.pictures.offscreen import OffscreenProcess
-from fem import fillet_stress
+from crankfem.engine_file import load_engine
+from crankfem.vibration.run import engine_vibration
 from fem.analysis import analyze_throw
-from geometry.errors import MissingLibraryError
 from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
@@ -26,6 +24,7 @@ from regression.plans.plan import MODEL_VERSION, StudyPlan, plan_designs
 from regression.records import Outcome
 from regression.runs.store import ResultStore
 from regression.runs.study import run_plan
+from stand_ins import draw_nothing, lighten
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRY = [sys.executable, "-c", "from crankfem.entry import main; main()"]
@@ -56,7 +55,7 @@ def environment(**extra):
     return os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))} | extra
 
 
-def spawn_in(folder, *arguments, command=ENTRY, timeout=180, env=None):
+def spawn_in(folder, *arguments, command=ENTRY, timeout=600, env=None):
     done = subprocess.run(
         [*command, *map(str, arguments)],
         cwd=folder,
@@ -141,40 +140,40 @@ def call(monkeypatch, capsys):
     return run
 
 
-analyzed = cache(analyze_throw)
-stressed = cache(fillet_stress.fillet_stresses)
-
-
-class NotRendered:
-    """The rendering of a machine without an OpenGL library."""
-
-    def __init__(self, *_):
-        self.files = {}
-
-    def wait(self):
-        raise MissingLibraryError("there is no OpenGL library")
-
-    def stop(self):
-        pass
-
-
-def put_everywhere(monkeypatch, original, other):
-    """Put another function or class in the place of one, in all modules of crankfem that use it."""
-    for name, module in list(sys.modules.items()):
-        if name.startswith("crankfem.") and vars(module).get(original.__name__) is original:
-            monkeypatch.setattr(module, original.__name__, other)
+@pytest.fixture
+def lightly(monkeypatch):
+    """Let runs in this process share analyses and coarse stresses of their throws, and render nothing."""
+    lighten(monkeypatch)
 
 
 @pytest.fixture
-def lightly(monkeypatch, coarse_stresses):
-    """Let runs in this process share analyses and coarse stresses of their throws, and render nothing."""
-    importlib.import_module("crankfem.pipeline")  # loads whatever runs use
-    put_everywhere(monkeypatch, analyze_throw, analyzed)
-    for kind in OffscreenProcess.__subclasses__():
-        put_everywhere(monkeypatch, kind, NotRendered)
-    for name, value in coarse_stresses.items():
-        monkeypatch.setattr(fillet_stress, name, value)
-    monkeypatch.setattr(fillet_stress, "fillet_stresses", stressed)
+def unseen(lightly, monkeypatch):
+    """The same with empty diagrams."""
+    draw_nothing(monkeypatch)
+
+
+@pytest.fixture(scope="session")
+def coarse_throw():
+    """Read a shipped engine and analyze its throw as coarsely as may be: (engine file, analysis)."""
+
+    @cache
+    def analyzed(name):
+        engine = load_engine(name)
+        return engine, analyze_throw(engine.throw, engine.material, 0.1)
+
+    return analyzed
+
+
+@pytest.fixture(scope="session")
+def coupled_vibration(coarse_throw):
+    """Vibration of a shipped engine beside its whole crankshaft, with the coarse throw."""
+
+    @cache
+    def run(name):
+        engine, analysis = coarse_throw(name)
+        return engine_vibration(engine, analysis=analysis, coupled=True)
+
+    return run
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from comparing import close
 from crankfem import console
 from crankfem.design_file import read_design
 from crankfem.design_tables import plan_record, print_plan
@@ -111,9 +112,7 @@ def test_what_is_not_said(read):
 def test_factors(read, line, factor):
     (_, found) = read(study(factors=f"{WIDTH}\n{line}"), HEAVY).factors
     assert found.levels == factor.levels
-    assert (found.lowest, found.highest) == pytest.approx(
-        (factor.lowest, factor.highest), rel=1e-15
-    )
+    assert (found.lowest, found.highest) == close((factor.lowest, factor.highest), rel=1e-15)
     assert (found.name, found.unit) == (factor.name, factor.unit)
 
 

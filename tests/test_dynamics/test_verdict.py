@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from comparing import close
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import crankshaft_limit
 from dynamics.assessment.limits import AmplitudeCurve, constant_curve, given_limit
@@ -24,7 +25,7 @@ def test_fine_tells_the_worst_of_all_with_its_numbers_and_source():
     verdict = judge([(CRANKSHAFT, peak(50.0, 30e6)), (TORQUE, peak(60.0, 1.9e3))], RUNNING, RULE)
     assert verdict.status == "fine"
     assert verdict.checks[0].limit is TORQUE
-    assert verdict.checks[0].margin == pytest.approx(0.05)
+    assert verdict.checks[0].margin == close(0.05)
     assert verdict.sentence == (
         "Fine from 286.5 to 954.9 1/min: torque of coupling, shaft 6 - 7: is at worst 1900 N m at "
         "573 1/min, 95 % of the permitted 2000 N m (maker's sheet 7)."
@@ -35,7 +36,7 @@ def test_barred_range_needed():
     verdict = judge([(CRANKSHAFT, peak(50.0, 60e6))], RUNNING, RULE)
     assert verdict.status == "barred range needed"
     (barred,) = verdict.barred
-    assert (barred.low, barred.high) == pytest.approx(RULE.bounds(50.0))
+    assert (barred.low, barred.high) == close(RULE.bounds(50.0))
     assert verdict.sentence.startswith(
         "Barred range needed, 436.5 to 522.2 1/min: torsional stress"
     )

@@ -3,6 +3,7 @@ import re
 import numpy as np
 import pytest
 
+from comparing import close
 from fem.material import STEEL
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
@@ -169,8 +170,8 @@ def test_a_throw_does_not_change(dimensions):
 
 def test_derived_dimensions(dimensions):
     throw = CrankThrow(**dimensions)
-    assert throw.length == pytest.approx(0.395, rel=1e-14)
-    assert throw.overlap == pytest.approx(0.030, rel=1e-12)
+    assert throw.length == close(0.395, rel=1e-14)
+    assert throw.overlap == close(0.030, rel=1e-12)
 
 
 def test_a_changed_throw_is_checked_like_a_new_one(dimensions):

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from comparing import close
 from geometry.errors import InputError
 from geometry.quantity import parse_quantity, show_quantity, unit_registry
 
@@ -27,7 +28,7 @@ from geometry.quantity import parse_quantity, show_quantity, unit_registry
     ],
 )
 def test_units(text, unit, expected):
-    assert parse_quantity(text, unit, "field") == pytest.approx(expected, rel=1e-14)
+    assert parse_quantity(text, unit, "field") == close(expected, rel=1e-14)
 
 
 def test_the_same_length_in_any_unit_is_the_same_number():
@@ -58,7 +59,7 @@ def test_millimetres_are_the_number_that_python_writes(number):
 )
 def test_speed_of_rotation_counts_revolutions_unless_it_names_an_angle(text, per_second):
     value = parse_quantity(text, "rad/s", "speed")
-    assert value == pytest.approx(2.0 * math.pi * per_second, rel=1e-14)
+    assert value == close(2.0 * math.pi * per_second, rel=1e-14)
 
 
 @pytest.mark.parametrize("text", ["52 rad/s", "52 radian/second"])
@@ -180,9 +181,7 @@ def test_show_quantity(value, unit, shown):
 
 @given(st.floats(1e-3, 10.0))
 def test_shown_lengths_read_back(length):
-    assert parse_quantity(show_quantity(length, "m", 17), "m", "f") == pytest.approx(
-        length, rel=1e-14
-    )
+    assert parse_quantity(show_quantity(length, "m", 17), "m", "f") == close(length, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -223,7 +222,7 @@ def test_no_text_takes_long_or_ends_unexpectedly(text, unit):
     ],
 )
 def test_ways_to_write_powers(text, unit, expected):
-    assert parse_quantity(text, unit, "field") == pytest.approx(expected, rel=1e-14)
+    assert parse_quantity(text, unit, "field") == close(expected, rel=1e-14)
 
 
 def test_a_failure_of_the_library_is_not_told_as_the_users(monkeypatch):

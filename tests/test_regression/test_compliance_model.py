@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from comparing import close
 from geometry.errors import InputError
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
@@ -73,12 +74,12 @@ MODEL = make_model()
 def test_numbers_for_numbers_and_arrays_for_arrays():
     value = MODEL.axial_compliance(**MIDDLE)
     assert isinstance(value, float)
-    assert value == pytest.approx(1.4e-9 * (68 / 70) ** -1.2 * (139 / 140) ** 0.4, rel=1e-9)
+    assert value == close(1.4e-9 * (68 / 70) ** -1.2 * (139 / 140) ** 0.4, rel=1e-9)
     assert isinstance(MODEL.torsional_compliance(**MIDDLE), float)
     widths, lengths = np.array([0.28, 0.30, 0.32]), np.array([[0.13], [0.15]])
     table = MODEL.axial_compliance(web_width=widths, web_thickness=0.068, pin_length=lengths)
     assert table.shape == (2, 3)
-    assert table[1, 2] == pytest.approx(
+    assert table[1, 2] == close(
         MODEL.axial_compliance(web_width=0.32, web_thickness=0.068, pin_length=0.15), rel=1e-14
     )
     assert MODEL.axial_compliance(**(MIDDLE | {"web_width": [0.3]})).shape == (1,)
@@ -152,7 +153,7 @@ def test_lookup_outside_remarks_each_dimension_and_does_not_warn():
 def test_outside_the_range_warns_and_never_clips():
     with pytest.warns(OutsideRangeWarning, match="web_thickness: given 20 mm; .* 38 mm to 98 mm"):
         value = MODEL.axial_compliance(**(MIDDLE | {"web_thickness": 0.020}))
-    assert value == pytest.approx(1.4e-9 * (20 / 70) ** -1.2 * (139 / 140) ** 0.4, rel=1e-6)
+    assert value == close(1.4e-9 * (20 / 70) ** -1.2 * (139 / 140) ** 0.4, rel=1e-6)
     with pytest.warns(OutsideRangeWarning) as caught:
         MODEL.axial_compliance(
             web_width=[0.25, 0.30, 0.34, 0.35], web_thickness=0.068, pin_length=0.139
@@ -230,7 +231,7 @@ def test_a_factor_may_start_at_zero():
     model = ComplianceModel(
         responses={"axial_compliance": ResponseModel.from_fit(fit, symbol="e_n", unit="m/N")}
     )
-    assert model.axial_compliance(fillet_radius=0.0, web_thickness=0.07) == pytest.approx(1e-9)
+    assert model.axial_compliance(fillet_radius=0.0, web_thickness=0.07) == close(1e-9)
     with pytest.raises(InputError, match=r"fillet_radius: given -1 mm; .* \(or 0\)"):
         model.axial_compliance(fillet_radius=-0.001, web_thickness=0.07)
 

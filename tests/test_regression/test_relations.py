@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from comparing import close
 from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans.factors import throw_fields
@@ -63,7 +64,7 @@ def value_of(text, unit="m"):
 def test_expressions(text, unit, expected):
     # Ten degrees stand above with ten digits.
     rel = 1e-9 if "deg" in str(text) else 1e-12
-    assert np.broadcast_to(value_of(text, unit), (2,)) == pytest.approx(
+    assert np.broadcast_to(value_of(text, unit), (2,)) == close(
         np.broadcast_to(expected, (2,)), rel=rel
     )
 
@@ -260,4 +261,4 @@ def test_no_expression_takes_long_or_ends_unexpectedly(text):
 
 
 def test_whole_numbers_are_calculated_as_others():
-    assert value_of("(9**3)**3 * (1/9)**9 * pin_diameter") == pytest.approx(D, rel=1e-12)
+    assert value_of("(9**3)**3 * (1/9)**9 * pin_diameter") == close(D, rel=1e-12)
