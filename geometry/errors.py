@@ -22,7 +22,7 @@ def shortened(text: str, most: int = LONGEST_QUOTE) -> str:
     Examples
     --------
     >>> shortened("given " * 100, 30)
-    'given given given  ... n given '
+    'given given given ... n given '
     """
     if len(text) <= most:
         return text

@@ -368,7 +368,7 @@ def test_refusals(change, message):
 
 
 @pytest.mark.parametrize(
-    ("speed", "duration"), [(100.0, 1e308), (0.0, 1e308), (1e300, 1.0), (1e4, 86_400.0)]
+    ("speed", "duration"), [(100.0, 1e308), (0.0, 1e308), (1e9, 1.0), (1e4, 86_400.0)]
 )
 def test_times_that_cannot_be_followed_are_refused(speed, duration):
     with pytest.raises(InputError, match=r"^duration: given .* allowed "):
