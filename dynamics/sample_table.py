@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray
 from dynamics.cycle import first_not_increasing
-from geometry.errors import InputError
 
 # Text of a file that a message quotes.
 LONGEST_QUOTE = 80

@@ -22,6 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from crankbase.drawing.diagram_style import GRAY, new_axes
+from crankbase.errors import InputError
+from crankbase.stopwatch import Stopwatch
+from crankbase.tables.frames import table
 from fem.assembly import symmetric_product
 from fem.class_modes import (
     PartMatrices,
@@ -36,11 +40,7 @@ from fem.modes import is_number
 from fem.plots.frequency_stems import draw_frequencies
 from fem.superelement import section_rotation
 from fem.symmetry import SymmetryClass, symmetry_classes
-from geometry.diagram_style import GRAY, new_axes
-from geometry.errors import InputError
-from geometry.frames import table
 from geometry.mesh import ThrowMesh
-from geometry.stopwatch import Stopwatch
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,9 +8,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotation
 from fem.throw_frames import load_table
-from geometry.errors import InputError
 
 Array = NDArray[np.float64]
 LONGEST_CHAIN = 64

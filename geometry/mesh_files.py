@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError, MissingLibraryError
+from crankbase.errors import InputError, MissingLibraryError
 from geometry.facets import flat_triangles, six_node_triangles
 from geometry.gmsh_session import gmsh_session
 from geometry.mesh import GMSH_TO_SKFEM, ThrowMesh

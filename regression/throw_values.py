@@ -2,8 +2,8 @@
 
 from pydantic.fields import FieldInfo
 
-from geometry.model import InputModel, field_extra, part_kind
-from geometry.quantity import show_quantity
+from crankbase.model import InputModel, field_extra, part_kind
+from crankbase.units.quantity import show_quantity
 from geometry.throw import CrankThrow
 
 # What a dimension is where it is not given: a share of another one.

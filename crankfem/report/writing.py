@@ -9,13 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from crankfem.load_tables import bearing_table
-from crankfem.report.compliances import compliance_tables
-from crankfem.report.figures import load_figures
-from crankfem.report.numbers import FILTERS
-from crankfem.report.summary import summary
-from crankfem.run_files import write_whole
-from crankfem.vibration.tables import (
+from crankfem.analyses.mechanism.load_tables import bearing_table
+from crankfem.analyses.throw.compliances import compliance_tables
+from crankfem.analyses.vibration.tables import (
     critical_table,
     element_table,
     limit_table,
@@ -23,6 +19,10 @@ from crankfem.vibration.tables import (
     resonance_table,
     whole_table,
 )
+from crankfem.jobs.run_files import write_whole
+from crankfem.report.figures import load_figures
+from crankfem.report.numbers import FILTERS
+from crankfem.report.summary import summary
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -115,7 +115,7 @@ def _environment() -> "Environment":
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
-        loader=PackageLoader("crankfem"),
+        loader=PackageLoader("crankfem.report"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -142,4 +142,4 @@ def script(text: str) -> str:
 
 
 def _template(name: str) -> str:
-    return (files("crankfem") / "templates" / name).read_text(encoding="utf-8")
+    return (files("crankfem.report") / "templates" / name).read_text(encoding="utf-8")

@@ -37,12 +37,12 @@ TOPICS = (
         "Engines and whole runs",
         "Engine files, the main job, and the vibration of an engine in one call.",
         (
-            "crankfem.engine_file",
-            "crankfem.pipeline",
-            "crankfem.vibration.assessment",
-            "crankfem.vibration.forced",
-            "crankfem.vibration.modes",
-            "crankfem.vibration.run",
+            "crankfem.files.engine.engine_file",
+            "crankfem.jobs.pipeline",
+            "crankfem.analyses.vibration.assessment",
+            "crankfem.analyses.vibration.forced",
+            "crankfem.analyses.vibration.modes",
+            "crankfem.analyses.vibration.run",
         ),
     ),
     Topic(
@@ -50,7 +50,7 @@ TOPICS = (
         "Throws, masses, meshes",
         "Dimensions of throws and crankshafts, what they weigh, their solids and meshes.",
         (
-            "crankfem.throw_file",
+            "crankfem.files.engine.throw_file",
             "geometry.balance",
             "geometry.crankshaft",
             "geometry.imported",
@@ -89,15 +89,20 @@ TOPICS = (
         "equations",
         "Studies, equations, formulas",
         "Designs of experiments, regression models that answer lookups, and the published formulas.",
-        ("crankfem.fitting", "crankfem.formula_diagrams", "crankfem.studies", "regression"),
+        (
+            "crankfem.analyses.study.fitting",
+            "crankfem.analyses.throw.formula_diagrams",
+            "crankfem.analyses.study.studies",
+            "regression",
+        ),
     ),
     Topic(
         "mechanism",
         "Crank mechanism and gas",
         "Motion, forces and bearing loads of rods and pistons; the pressure that drives them.",
         (
-            "crankfem.mechanism_file",
-            "crankfem.mechanism_run",
+            "crankfem.files.engine.mechanism_file",
+            "crankfem.analyses.mechanism.mechanism_run",
             "dynamics.engine",
             "dynamics.gas",
             "dynamics.mechanism",
@@ -108,7 +113,7 @@ TOPICS = (
         "Torque, harmonics, free turning",
         "Torque over the cycle, its harmonics and stars, and a crank that is left to turn.",
         (
-            "crankfem.torque_file",
+            "crankfem.files.reading.torque_file",
             "dynamics.harmonics",
             "dynamics.torque",
             "dynamics.torque_table",
@@ -125,7 +130,12 @@ TOPICS = (
         "chains",
         "Chains",
         "Chains of lumped masses: torsional and axial, with gears, dampers, shaft lines and absorbers.",
-        ("crankfem.chain_file", "crankfem.chain_text", "dynamics.chains", "dynamics.critical"),
+        (
+            "crankfem.files.chain.chain_file",
+            "crankfem.files.chain.chain_text",
+            "dynamics.chains",
+            "dynamics.critical",
+        ),
     ),
     Topic(
         "excitation",
@@ -143,13 +153,13 @@ TOPICS = (
         "crankshaft",
         "The whole crankshaft",
         "Superelements joined to a crankshaft: coupled modes and vibration.",
-        ("crankfem.vibration.whole_shaft", "dynamics.crankshaft"),
+        ("crankfem.analyses.shaft.whole_shaft", "dynamics.crankshaft"),
     ),
     Topic(
         "transient",
         "Vibration over time",
         "Run-ups, load steps, failing cylinders, inertia that changes with the crank angle.",
-        ("crankfem.vibration.run_up", "dynamics.transient"),
+        ("crankfem.analyses.vibration.run_up", "dynamics.transient"),
     ),
     Topic(
         "limits",
@@ -161,19 +171,19 @@ TOPICS = (
         "hinge",
         "Elastic hinge",
         "The pneumatic hinge that evens a crank's speed.",
-        ("crankfem.hinge_file", "crankfem.hinge_run", "dynamics.hinge"),
+        ("crankfem.files.hinge.hinge_file", "crankfem.analyses.hinge.hinge_run", "dynamics.hinge"),
     ),
     Topic(
         "pictures",
         "Pictures and tables",
         "Drawings and diagrams written to files, and tables of results.",
-        ("crankfem.pictures", "geometry.frames"),
+        ("crankfem.pictures", "crankbase.tables.frames"),
     ),
     Topic(
         "errors",
         "Errors",
         "What is raised, always with one sentence.",
-        ("fem.solver", "geometry.errors"),
+        ("fem.solver", "crankbase.errors"),
     ),
 )
 

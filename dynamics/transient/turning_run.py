@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
 from dynamics.checks import FloatArray, finite_array, positive_number, whole_number
 from dynamics.plots.coordinates import name_axis, time_axis
 from dynamics.plots.over_time import RunCurve, plot_run
@@ -19,8 +21,6 @@ from dynamics.transient.steady import spring_torques
 from dynamics.transient.turning_chain import TurningChain
 from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
 from dynamics.transient.viscous import ViscousSystem
-from geometry.errors import InputError
-from geometry.frames import grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

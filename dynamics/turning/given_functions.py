@@ -2,7 +2,7 @@
 
 import math
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 
 
 def checked_moment(field: str, given: float, speed: float, angle: float) -> float:

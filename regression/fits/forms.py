@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.terms import Term, code, expand, natural_shift, polynomial_terms
 
 Basis = Literal["factors", "groups"]

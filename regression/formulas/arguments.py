@@ -3,7 +3,7 @@
 import math
 from numbers import Real
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 
 
 def is_number(value: object) -> bool:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.formulas.arguments import is_number
 
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.terms import polynomial_terms
 
 FILE_FORMAT = "crankfem compliance model"

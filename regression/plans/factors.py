@@ -9,9 +9,9 @@ from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 
-from geometry.errors import InputError
-from geometry.model import InputModel, field_extra, part_kind
-from geometry.quantity import show_quantity
+from crankbase.errors import InputError
+from crankbase.model import InputModel, field_extra, part_kind
+from crankbase.units.quantity import show_quantity
 from geometry.throw import CrankThrow
 
 SPACINGS = ("even", "log", "chebyshev", "log chebyshev")

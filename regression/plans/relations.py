@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError
-from geometry.quantity import show_quantity, unit_registry
+from crankbase.errors import InputError
+from crankbase.units.quantity import show_quantity, unit_registry
 
 TOKEN = re.compile(
     r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"

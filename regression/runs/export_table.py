@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from crankbase.errors import InputError, MissingLibraryError
 from fem.responses import RESPONSES
-from geometry.errors import InputError, MissingLibraryError
 from geometry.throw import CrankThrow
 from regression.plans.plan import MODEL_VERSION
 from regression.runs.study_table import StudyRow, StudyTable

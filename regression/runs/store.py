@@ -13,7 +13,7 @@ from typing import Any
 
 import psutil
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.records import MEASURED, ExtraRow, Outcome, StudyStoppedError, content_key
 from regression.runs.store_schema import APPLICATION_ID, SCHEMA_VERSION, prepare, schema_version
 

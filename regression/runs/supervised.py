@@ -12,8 +12,8 @@ from typing import Any
 
 import psutil
 
-from geometry.errors import InputError
-from geometry.processes import end_child, signal_name, start_child
+from crankbase.errors import InputError
+from crankbase.processes import end_child, signal_name, start_child
 from regression.formulas.arguments import is_number
 
 # Seconds that a design may take at 1 % accuracy before its worker counts as hanging.

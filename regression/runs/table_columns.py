@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from crankbase.errors import InputError
+from crankbase.units.quantity import parse_quantity
 from fem.responses import RESPONSES
-from geometry.errors import InputError
-from geometry.quantity import parse_quantity
 from regression.plans.plan import StudyPlan
 
 # Columns that say something of a row as a whole.

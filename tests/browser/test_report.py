@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from plotly.offline import get_plotlyjs
 
-from crankfem.pictures.interactive.angles import formulas_over_angle
-from crankfem.pictures.interactive.mechanism import polar_load
+from crankfem.report.interactive.angles import formulas_over_angle
+from crankfem.report.interactive.mechanism import polar_load
 from dynamics.engine.loads import LoadDiagram
 
 pytestmark = pytest.mark.slow

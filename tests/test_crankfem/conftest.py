@@ -11,19 +11,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crankfem import cli
-from crankfem.data_files import engine_path
-from crankfem.pictures.offscreen import OffscreenProcess
+from crankbase.errors import MissingLibraryError
+from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
+from crankfem.cli import app as cli
+from crankfem.files.reading.data_files import engine_path
 from fem import fillet_stress
 from fem.analysis import analyze_throw
-from geometry.errors import MissingLibraryError
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 from regression.plans.designs import full_factorial
 
 ROOT = Path(__file__).resolve().parents[2]
-ENTRY = [sys.executable, "-c", "from crankfem.entry import main; main()"]
+ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ def put_everywhere(monkeypatch, original, other):
 @pytest.fixture
 def lightly(monkeypatch, coarse_stresses):
     """Let runs in this process share analyses and coarse stresses of their throws, and render nothing."""
-    importlib.import_module("crankfem.pipeline")  # loads whatever runs use
+    importlib.import_module("crankfem.jobs.pipeline")  # loads whatever runs use
     put_everywhere(monkeypatch, analyze_throw, analyzed)
     for kind in OffscreenProcess.__subclasses__():
         put_everywhere(monkeypatch, kind, NotRendered)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import crankfem as cf
-from crankfem.table_units import table_unit
+from crankbase.tables.table_units import table_unit
 
 TABLE = "yamz5340_torque_one_throw.csv"
 

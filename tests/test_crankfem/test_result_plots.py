@@ -13,26 +13,26 @@ import pytest
 from matplotlib import pyplot
 
 import crankfem as cf
-from crankfem.data_files import data_folder, engine_path
-from crankfem.engine_file import load_engine
-from crankfem.fitting import predicted
-from crankfem.formula_diagrams import (
+from crankbase.errors import InputError
+from crankfem.analyses.hinge.hinge_run import run_hinge
+from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+from crankfem.analyses.study.fitting import predicted
+from crankfem.analyses.study.studies import fitted
+from crankfem.analyses.throw.formula_diagrams import (
     plot_formulas,
     plot_formulas_over_angle,
     plot_run_formulas,
 )
-from crankfem.formula_spread import EngineSpread, Ratio
-from crankfem.hinge_file import load_hinge
-from crankfem.hinge_run import run_hinge
-from crankfem.mechanism_file import load_mechanism
-from crankfem.mechanism_run import run_mechanism
-from crankfem.pictures import vibration_pictures
-from crankfem.pictures.vibration_panels import short_name
-from crankfem.studies import fitted
-from crankfem.vibration.run import engine_vibration
-from crankfem.vibration.run_up import run_up
+from crankfem.analyses.throw.formula_spread import EngineSpread, Ratio
+from crankfem.analyses.vibration.plots import vibration_pictures
+from crankfem.analyses.vibration.plots.vibration_panels import short_name
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.analyses.vibration.run_up import run_up
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.mechanism_file import load_mechanism
+from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.reading.data_files import data_folder, engine_path
 from fem.analysis import analyze_throw
-from geometry.errors import InputError
 from geometry.mass import MassProperties
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.formula_value import FormulaValue

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from crankfem.run_files import (
+from crankbase.errors import InputError
+from crankfem.jobs.run_files import (
     MODEL,
     REPORT,
     RESULTS,
@@ -18,8 +19,7 @@ from crankfem.run_files import (
     write_results,
     write_whole,
 )
-from crankfem.run_inputs import read_inputs
-from geometry.errors import InputError
+from crankfem.jobs.run_inputs import read_inputs
 
 STORED = Path(__file__).with_name("report_results.json")
 

@@ -13,13 +13,13 @@ import pytest
 from matplotlib.figure import Figure
 
 import crankfem as cf
-from crankfem import cli
-from crankfem.pictures import stress_picture
-from crankfem.pictures.offscreen import OffscreenProcess
-from crankfem.pipeline import RunResult, run_engine
+from crankbase.errors import MissingLibraryError
+from crankfem.analyses.throw.pictures import stress_picture
+from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
+from crankfem.cli import app as cli
+from crankfem.jobs.pipeline import RunResult, run_engine
 from fem import fillet_stress
 from fem.analysis import analyze_throw
-from geometry.errors import MissingLibraryError
 from regression.runs import supervised
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -243,7 +243,7 @@ class Runner:
         with self.monkeypatch.context() as patch:
             patch.setattr(sys, "argv", ["crankfem", *words])
             patch.setattr(supervised, "spawn_worker", stand_in_worker)
-            patch.setattr("crankfem.pipeline.run_engine", run_once)
+            patch.setattr("crankfem.jobs.pipeline.run_engine", run_once)
             patch.setattr(Figure, "savefig", save_nothing)
             with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
                 try:

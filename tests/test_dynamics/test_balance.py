@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from dynamics.balance.balance import balance
 from dynamics.balance.hinged_rods import hinged_rod_effects, hodograph_change
 from dynamics.balance.hodograph import Hodograph
@@ -26,7 +27,6 @@ from dynamics.engine.orders import (
 )
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.mechanism.slider_crank import SliderCrank
-from geometry.errors import InputError
 
 ROUND_OFF = 1e-13
 SPEED = 150.0

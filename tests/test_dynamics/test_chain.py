@@ -4,8 +4,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.linalg import eigh
 
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from geometry.errors import InputError
 
 
 @st.composite

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import (
     add_node,
@@ -14,7 +15,6 @@ from dynamics.chains.editing import (
     with_names,
 )
 from dynamics.chains.links import Dashpot, Gear
-from geometry.errors import InputError
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
@@ -31,7 +32,6 @@ from dynamics.crankshaft.surroundings import (
 )
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
-from geometry.errors import InputError
 
 RADIUS, LENGTH = 0.15, 0.4
 AXIAL, TWIST, MASS, INERTIA = 1e9, 2e7, 100.0, 3.0

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from crankbase.errors import InputError
 from dynamics.critical import (
     critical_speeds,
     engine_orders,
@@ -12,7 +13,6 @@ from dynamics.critical import (
     major_orders,
     vector_sums,
 )
-from geometry.errors import InputError
 
 
 def test_engine_orders():

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from crankbase.errors import InputError
 from dynamics.gas.pressure import gas_pressure
-from geometry.errors import InputError
 
 
 def curve(angle, cycle):

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import (
     crankshaft_limit,
@@ -8,7 +9,6 @@ from dynamics.assessment.limit_rules import (
     propulsion_shaft_limit,
 )
 from dynamics.assessment.limits import AmplitudeCurve, axial_force_limit, given_limit, usage
-from geometry.errors import InputError
 
 
 def test_given_limit_is_the_same_at_all_speeds():

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from crankbase.errors import InputError
 from dynamics.chains.attachments import Propeller
 from dynamics.chains.shaft_bodies import Coupling, RigidBody
 from dynamics.chains.shaft_elements import (
@@ -17,7 +18,6 @@ from dynamics.chains.shaft_elements import (
     shaft_flange,
 )
 from dynamics.chains.shaft_line import ShaftLine
-from geometry.errors import InputError
 
 G, E, RHO = 8e10, 2e11, 7800.0
 MATERIAL = ShaftMaterial(E, G, RHO)

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from dynamics.torque_table import read_torque_table
-from geometry.errors import InputError
 
 
 @pytest.fixture

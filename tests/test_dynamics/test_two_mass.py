@@ -3,10 +3,10 @@ import math
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.two_mass import solid_shaft_stiffness, two_mass_check, two_mass_frequency
 from dynamics.harmonics import harmonics
-from geometry.errors import InputError
 
 SHAFT = {
     "diameter": 0.05,

@@ -7,6 +7,7 @@ some of these, so on one mesh rigid sections are stiffer in every direction, to 
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.condensation import condense, nodes_on
 from fem.fields import displacement_field
@@ -15,7 +16,6 @@ from fem.material import STEEL
 from fem.superelement import combine_classes
 from fem.supports import Neighbors, support_throw
 from fem.symmetry import SymmetryClass, axial_class, symmetry_classes
-from geometry.errors import InputError
 from geometry.solid import LEFT_END, RIGHT_END
 
 # Finite elements throughout: not for the inner loop.

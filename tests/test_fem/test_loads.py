@@ -12,6 +12,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from crankbase.errors import InputError
 from fem.loads import (
     LoadedSurface,
     NodalLoads,
@@ -22,7 +23,6 @@ from fem.loads import (
     unit_pin_loads,
 )
 from fem.symmetry import MIRROR_X, MIRROR_Z, symmetry_classes
-from geometry.errors import InputError
 from geometry.solid import LEFT_END, RIGHT_END
 
 ROUND_OFF = 1e-12

@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import dijkstra
 
 import fem.accuracy
 import fem.refinement
+from crankbase.stopwatch import Stopwatch
 from fem.accuracy import (
     AIM_FILLETED,
     FIRST_FILLETED,
@@ -38,7 +39,6 @@ from geometry.mesh import mesh_throw
 from geometry.mesh_checks import check_quality
 from geometry.mesher import expected_unknowns
 from geometry.shapes import element_volumes
-from geometry.stopwatch import Stopwatch
 
 # Finite elements throughout: not for the inner loop.
 pytestmark = pytest.mark.slow

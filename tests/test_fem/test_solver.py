@@ -3,10 +3,10 @@ import pytest
 from scipy import sparse
 
 import fem.solver
+from crankbase.errors import InputError
 from fem.condensation import condense
 from fem.solver import SharedSolver, SolveError, solve_symmetric
 from fem.symmetry import axial_class, symmetry_classes
-from geometry.errors import InputError
 
 SOLVERS = ["superlu"] if fem.solver._pardiso() is None else ["pardiso", "superlu"]
 needs_both = pytest.mark.skipif(len(SOLVERS) < 2, reason="Pardiso is not installed")

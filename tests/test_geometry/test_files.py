@@ -2,9 +2,9 @@ import meshio
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from geometry.cad_faces import opened_part
 from geometry.crankshaft import Crankshaft
-from geometry.errors import InputError
 from geometry.gmsh_session import gmsh_session
 from geometry.imported import import_throw
 from geometry.mesh import mesh_throw

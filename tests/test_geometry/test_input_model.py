@@ -3,7 +3,7 @@ import re
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 
 

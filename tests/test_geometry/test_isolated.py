@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from geometry.errors import InputError, MeshError
+from crankbase.errors import InputError, MeshError
 from geometry.isolated import IsolatedProcess, ProcessLostError, shared_process
 from geometry.mesh import LADDER, mesh_throw
 from geometry.mesher import mesh_isolated

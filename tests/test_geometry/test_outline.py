@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.outline import Arc, obround, rectangle
 
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.errors import InputError
-from geometry.quantity import parse_quantity, show_quantity
+from crankbase.errors import InputError
+from crankbase.units.quantity import parse_quantity, show_quantity
 
 
 @pytest.mark.parametrize(

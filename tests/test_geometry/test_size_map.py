@@ -7,7 +7,7 @@ import gmsh
 import numpy as np
 import pytest
 
-from geometry.errors import InputError, MeshError
+from crankbase.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_session
 from geometry.isolated import IsolatedProcess
 from geometry.mesh import LADDER, mesh_throw

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from crankbase.errors import InputError
 from fem.material import STEEL
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
 from regression.fits.groups import group_named

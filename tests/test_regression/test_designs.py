@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.plans.design_choice import OPTIONS, SPACE_FILLING, DesignChoice
 from regression.plans.designs import (
     check_ranges,

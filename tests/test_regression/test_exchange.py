@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError, MissingLibraryError
 from fem.responses import RESPONSES
-from geometry.errors import InputError, MissingLibraryError
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Counterweight
 from regression.plans.factors import Factor

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import qmc
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.fits.forms import FORMS
 

@@ -4,7 +4,7 @@ import math
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.forms import FORMS, FittedForm, form_named, form_terms
 from regression.fits.terms import (
     divisors,

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from fem.material import STEEL
-from geometry.errors import InputError
 from regression.fits.columns import Encoding, constant_groups, factor_encoding, group_encoding
 from regression.fits.groups import (
     GROUPS,

@@ -10,7 +10,7 @@ import re
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
 from regression.models.optimum import find_optimum

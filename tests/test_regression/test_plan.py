@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
+from crankbase.errors import InputError
 from fem.material import STEEL
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans.design_choice import SPACE_FILLING, DesignChoice
 from regression.plans.factors import Factor, rounded

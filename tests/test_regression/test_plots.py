@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib import pyplot
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.factor_labels import factor_text, term_text
 from regression.fits.fits import fit_form

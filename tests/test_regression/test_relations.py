@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans.factors import throw_fields
 from regression.plans.relations import (

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.forms import FittedForm
 from regression.fits.sensitivity import elasticities, nominal_values, sobol_indices
 from regression.plans.factors import Factor

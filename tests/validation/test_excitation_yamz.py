@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from dynamics.excitation.cylinders import forces_at_speeds
 from dynamics.excitation.given_torque import torque_harmonics
 from dynamics.torque_table import read_torque_table
-from geometry.errors import InputError
 
 TABLE = read_torque_table(
     Path(__file__).parents[2] / "data" / "tables" / "yamz5340_torque_one_throw.csv"

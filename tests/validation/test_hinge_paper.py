@@ -23,7 +23,7 @@ tests hold to three digits are ours, a record for whoever changes the cycle mode
 import numpy as np
 import pytest
 
-from crankfem.hinge_file import load_hinge
+from crankfem.files.hinge.hinge_file import load_hinge
 from dynamics.hinge.evening import best_pressure, flywheel_for
 from dynamics.hinge.moment import hinge_moment
 from dynamics.hinge.running import simulate_hinge, steady_hinge_turn

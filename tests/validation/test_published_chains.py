@@ -17,7 +17,7 @@ Sources and tolerances:
 import numpy as np
 import pytest
 
-from crankfem.chain_file import load_chain
+from crankfem.files.chain.chain_file import load_chain
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import Gear
 from dynamics.chains.shaft_bodies import RigidBody
