@@ -177,7 +177,14 @@ TOPICS = (
         "pictures",
         "Pictures and tables",
         "Drawings and diagrams written to files, and tables of results.",
-        ("crankfem.pictures", "crankbase.tables.frames"),
+        (
+            "crankfem.analyses.hinge.plots",
+            "crankfem.analyses.mechanism.plots",
+            "crankfem.analyses.shaft.plots",
+            "crankfem.analyses.throw.pictures",
+            "crankfem.analyses.vibration.plots",
+            "crankbase.tables.frames",
+        ),
     ),
     Topic(
         "errors",

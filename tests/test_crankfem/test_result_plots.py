@@ -71,7 +71,7 @@ DEPICTED_ELSEWHERE = {
 }
 # What a plot may take by its place: which of several things is drawn.
 PLACES = {"place", "node", "element", "cylinder", "throw", "point"}
-PACKAGES = ("geometry", "fem", "regression", "crankfem")
+PACKAGES = ("crankbase", "geometry", "fem", "regression", "crankfem")
 
 
 @pytest.fixture(autouse=True)
