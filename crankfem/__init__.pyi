@@ -51,13 +51,13 @@ from crankfem.analyses.vibration.plots.transient_plots import plot_transient as 
 from crankfem.analyses.vibration.plots.transient_plots import (
     plot_transient_over_speed as plot_transient_over_speed,
 )
-from crankfem.analyses.vibration.plots.vibration_pictures import (
-    picture_vibration as picture_vibration,
-)
 from crankfem.analyses.vibration.run import EngineVibration as EngineVibration
 from crankfem.analyses.vibration.run import engine_vibration as engine_vibration
 from crankfem.analyses.vibration.run_up import RunUp as RunUp
 from crankfem.analyses.vibration.run_up import run_up as run_up
+from crankfem.analyses.vibration.vibration_pictures import (
+    picture_vibration as picture_vibration,
+)
 from crankfem.files.chain.chain_file import ChainFile as ChainFile
 from crankfem.files.chain.chain_file import load_chain as load_chain
 from crankfem.files.chain.chain_text import ChainText as ChainText

@@ -35,11 +35,12 @@ MAIN = {
         ("throw",),
     ),
     "crankbase": (
+        ("tables",),
+        ("drawing",),
         ("model",),
-        ("quantity",),
-        ("isolated",),
-        ("diagram_style",),
+        ("units",),
         ("choices",),
+        ("processes",),
         ("errors",),
     ),
 }

@@ -8,8 +8,7 @@ import numpy as np
 
 from crankbase.model import field_extra
 from crankbase.units.units import RPM
-from crankfem.analyses.record import Record
-from crankfem.analyses.results import input_records
+from crankfem.analyses.record import Record, input_records
 from crankfem.files.chain.chain_file import ChainFile, is_chain_file, load_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, load_any, load_mechanism

@@ -10,7 +10,7 @@ from crankfem.analyses.study.studies import StudyResult
 from crankfem.analyses.throw.export import write_vtu
 from crankfem.analyses.throw.pictures.drawing import write_drawing
 from crankfem.analyses.to_draw import ToDraw
-from crankfem.analyses.vibration.plots.vibration_pictures import vibration_pictures
+from crankfem.analyses.vibration.vibration_pictures import vibration_pictures
 from crankfem.jobs.run_computation import RunComputation
 from crankfem.jobs.run_files import MESH_FILE, PICTURES
 from crankfem.jobs.run_pictures import Pictures, Renderings

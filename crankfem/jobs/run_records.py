@@ -7,18 +7,20 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.units.units import RPM
-from crankfem.analyses import results as records
 from crankfem.analyses.about import about_record
 from crankfem.analyses.checks import run_checks
 from crankfem.analyses.mechanism.balance_records import balance_record
+from crankfem.analyses.mechanism.harmonics_record import harmonics_record, two_mass_record
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
-from crankfem.analyses.record import Record
+from crankfem.analyses.record import Record, input_records
+from crankfem.analyses.shaft.shaft_record import shaft_balance_record, shaft_record
 from crankfem.analyses.study.fit_records import study_record
 from crankfem.analyses.study.studies import StudyResult
 from crankfem.analyses.throw.compliances import RESPONSES, regression_record
 from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
 from crankfem.analyses.throw.stress import stress_record
+from crankfem.analyses.throw.throw_record import reciprocity_record, throw_record
 from crankfem.analyses.vibration.records import run_record
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.jobs.run_computation import RunComputation
@@ -54,17 +56,17 @@ def run_results(computed: RunComputation) -> dict[str, Any]:
     """
     engine_file, analysis = computed.engine_file, computed.analysis
     fe = fe_record(analysis, 180.0)
-    throw = records.throw_record(analysis, _radial_force(computed.inputs))
+    throw = throw_record(analysis, _radial_force(computed.inputs))
     formulas = formula_records(engine_file.throw, engine_file.material) | {"fe": fe}
     found: dict[str, Any] = {
         "about": about_record(),
         "engine": _engine_record(engine_file),
-        "inputs": records.input_records(engine_file.records),
+        "inputs": input_records(engine_file.records),
         "sources": engine_file.sources,
-        "throw": throw | {"reciprocity": records.reciprocity_record(analysis)},
+        "throw": throw | {"reciprocity": reciprocity_record(analysis)},
         "formulas": formulas,
         "angle_law": _angle_record(engine_file, analysis) | {"law": fe["angle_law"]},
-        "balance": records.balance_record(engine_file),
+        "balance": shaft_balance_record(engine_file),
         "fillets": None if computed.stresses is None else stress_record(computed.stresses),
         "fillet_note": computed.fillet_note,
         "mechanism": _mechanism_record(computed.mechanism),
@@ -74,7 +76,7 @@ def run_results(computed: RunComputation) -> dict[str, Any]:
         "pictures": {},
         "interactive": {},
         "picture_note": NOT_DRAWN_YET,
-        "shaft": records.shaft_record(computed.vibration.shaft, analysis),
+        "shaft": shaft_record(computed.vibration.shaft, analysis),
         "vibration": run_record(computed.vibration),
     }
     if computed.study is not None:
@@ -164,7 +166,7 @@ def _angle_record(engine_file: EngineFile, analysis: ThrowAnalysis) -> Record:
 def _harmonics_record(computed: RunComputation) -> Record | None:
     if computed.torque is None or computed.harmonics is None:
         return None
-    return records.harmonics_record(computed.harmonics) | {"source": computed.torque.source}
+    return harmonics_record(computed.harmonics) | {"source": computed.torque.source}
 
 
 def _two_mass_record(engine_file: EngineFile, harmonics: Harmonics | None) -> Record | None:
@@ -180,4 +182,4 @@ def _two_mass_record(engine_file: EngineFile, harmonics: Harmonics | None) -> Re
         order=given.order,
         harmonics=harmonics,
     )
-    return records.two_mass_record(check)
+    return two_mass_record(check)

@@ -183,6 +183,7 @@ TOPICS = (
             "crankfem.analyses.shaft.plots",
             "crankfem.analyses.throw.pictures",
             "crankfem.analyses.vibration.plots",
+            "crankfem.analyses.vibration.vibration_pictures",
             "crankbase.tables.frames",
         ),
     ),

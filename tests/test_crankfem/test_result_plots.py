@@ -24,7 +24,7 @@ from crankfem.analyses.throw.formula_diagrams import (
     plot_run_formulas,
 )
 from crankfem.analyses.throw.formula_spread import EngineSpread, Ratio
-from crankfem.analyses.vibration.plots import vibration_pictures
+from crankfem.analyses.vibration import vibration_pictures
 from crankfem.analyses.vibration.plots.vibration_panels import short_name
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.run_up import run_up

@@ -13,7 +13,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from crankfem.analyses.vibration.plots import vibration_pictures
+from crankfem.analyses.vibration import vibration_pictures
 from crankfem.jobs import pipeline, run_drawing
 from fem.solver import SolveError
 from regression.models.compliance_model import ComplianceModel

@@ -13,11 +13,11 @@ from crankfem.analyses.vibration.assessment import assess
 from crankfem.analyses.vibration.excitation import engine_harmonics
 from crankfem.analyses.vibration.forced import forced_vibrations, nominal_section_modulus
 from crankfem.analyses.vibration.forced_records import forced_columns, forced_record
-from crankfem.analyses.vibration.plots.vibration_pictures import picture_vibration
 from crankfem.analyses.vibration.records import run_record
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.run_up import parse_duration, run_up
 from crankfem.analyses.vibration.run_up_records import run_up_record
+from crankfem.analyses.vibration.vibration_pictures import picture_vibration
 from crankfem.cli.column_file import write_columns
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from crankfem.analyses.checks import asymmetry
-from crankfem.analyses.results import reciprocity_record
+from crankfem.analyses.throw.throw_record import reciprocity_record
 from fem.analysis import analyze_throw
 from fem.reciprocity import superelement_of_end_forces
 from fem.solver import Factorization

@@ -3,9 +3,8 @@
 import numpy as np
 
 from crankbase.units.units import RPM
-from crankfem.analyses.record import Record
+from crankfem.analyses.record import Record, finite_or_none
 from crankfem.analyses.shaft.whole_shaft import ShaftComparison, WholeShaft
-from crankfem.analyses.vibration.forced_records import finite_or_none
 from dynamics.crankshaft.chain_comparison import ChainVerdict
 from dynamics.crankshaft.coupled_response import CoupledResponse
 

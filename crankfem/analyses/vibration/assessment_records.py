@@ -1,9 +1,8 @@
 """Verdict and uncertainty as plain numbers."""
 
 from crankbase.units.units import RPM
-from crankfem.analyses.record import Record
+from crankfem.analyses.record import Record, finite_or_none
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
-from crankfem.analyses.vibration.forced_records import finite_or_none
 from dynamics.assessment.barred_ranges import BarredRange, judged_to
 from dynamics.assessment.verdict import LimitCheck
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from crankbase.units.units import RPM
-from crankfem.analyses.record import ASSUMED, Record
+from crankfem.analyses.record import ASSUMED, Record, finite_or_none
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.vibration.forced import ForcedVibration
 from dynamics.checks import FloatArray
@@ -166,8 +166,3 @@ def _gas_remarks(forced: ForcedVibration) -> list[str]:
 
 def _finite(values: FloatArray) -> list[float | None]:
     return [finite_or_none(value) for value in values.tolist()]
-
-
-def finite_or_none(value: float) -> float | None:
-    """Return a number that JSON can hold; None stands for an unbounded one."""
-    return value if np.isfinite(value) else None

@@ -1,10 +1,10 @@
 """All of an engine's vibration as plain numbers."""
 
 from crankfem.analyses.record import Record
-from crankfem.analyses.results import vibration_record
 from crankfem.analyses.shaft.whole_records import whole_record
 from crankfem.analyses.vibration.assessment_records import assessment_record
 from crankfem.analyses.vibration.forced_records import forced_record
+from crankfem.analyses.vibration.modes_record import vibration_record
 from crankfem.analyses.vibration.run import EngineVibration
 
 

@@ -97,8 +97,8 @@ def _names_engine(source: str) -> bool:
 
 
 def _of_table(source: str, asked: _Asked) -> dict[str, Any]:
+    from crankfem.analyses.mechanism.harmonics_record import harmonics_record
     from crankfem.analyses.mechanism.plots.plots import plot_torque
-    from crankfem.analyses.results import harmonics_record
     from crankfem.files.reading.data_files import torque_path
     from dynamics.torque_table import read_torque_table
 

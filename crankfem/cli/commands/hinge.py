@@ -63,7 +63,7 @@ def hinge(
         write_columns(csv, hinge_columns(run))
     made: list[Path] = []
     if folder is not None:
-        from crankfem.analyses.hinge.plots.hinge_plots import plot_hinge
+        from crankfem.analyses.hinge.hinge_pictures import plot_hinge
 
         made = plot_hinge(folder, run)
     if json:

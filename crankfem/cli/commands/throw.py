@@ -43,7 +43,7 @@ def throw(
     "pin", or none named at all.
     """
     from crankbase.tables.output_units import parse_output_units
-    from crankfem.analyses.results import mode_records, throw_record
+    from crankfem.analyses.throw.throw_record import mode_records, throw_record
     from crankfem.cli.tables import tables
     from crankfem.files.engine.throw_file import load_throw
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE

@@ -62,15 +62,15 @@ def vibration(
         return
     from crankbase.drawing.diagram_style import make_folder
     from crankfem.analyses.vibration.forced_records import forced_columns
-    from crankfem.analyses.vibration.plots.vibration_pictures import (
-        picture_run_up,
-        picture_vibration,
-    )
     from crankfem.analyses.vibration.records import run_record
     from crankfem.analyses.vibration.run import engine_vibration
     from crankfem.analyses.vibration.run_up import parse_duration
     from crankfem.analyses.vibration.run_up import run_up as turned_up
     from crankfem.analyses.vibration.run_up_records import run_up_record
+    from crankfem.analyses.vibration.vibration_pictures import (
+        picture_run_up,
+        picture_vibration,
+    )
     from crankfem.cli.column_file import write_columns
     from crankfem.cli.tables.vibration_tables import print_run, print_run_up
     from crankfem.files.engine.engine_file import load_engine

@@ -10,8 +10,8 @@ from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.tables.table_units import table_unit
 from crankbase.units.units import RPM
+from crankfem.analyses.mechanism.harmonics_record import harmonics_record
 from crankfem.analyses.record import Record
-from crankfem.analyses.results import harmonics_record
 from crankfem.cli.console import number, print_line, print_notes, print_table
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.torque.pin_harmonics import PinForceHarmonics
