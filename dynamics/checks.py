@@ -7,10 +7,22 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+
+# Squares and quotients of numbers beyond these are none that a computer has.
+LARGEST, SMALLEST = 1e60, 1e-60
+# [rad/s] A speed above this is a slip: the rim of a shaft of half a meter would outrun light.
+HIGHEST_SPEED = 1e9
+_SPEED_UNIT = "rad/s"
+# Speeds this near the end of a range, as a share, lie in it: 1.15 times a speed is rounded.
+AT_END = 8.0 * float(np.finfo(np.float64).eps)
+# No samples, steps, cycles or places are as many.
+MOST_COUNTED = 10_000_000
+# Longest time that is followed, a day [s], and the most turns of a shaft: each takes milliseconds.
+LONGEST_RUN, MOST_TURNS = 86_400.0, 20_000
 
 
 def finite_array(field: str, values: ArrayLike) -> FloatArray:
@@ -19,18 +31,63 @@ def finite_array(field: str, values: ArrayLike) -> FloatArray:
     Raises
     ------
     InputError
-        If a value is not a real number, not finite, or the rows are of unequal length.
+        If a value is not a real number, not finite, larger than 1e60, or the rows are of unequal length.
     """
     raw = _regular_array(field, values, "iuf", "real numbers only")
     array = np.array(raw, dtype=np.float64)
-    if not np.all(np.isfinite(array)):
-        place = np.argwhere(~np.isfinite(array))[0]
-        index = "".join(f"[{number}]" for number in place)
-        raise InputError(
-            f"{field}{index}: given {array[tuple(place)]}; allowed are finite numbers, "
-            "because a missing or infinite value would spread to every result."
-        )
+    check_sizes(field, array)
     return array
+
+
+def check_sizes(field: str, array: FloatArray | ComplexArray, largest: float = LARGEST) -> None:
+    """Refuse numbers that are not finite, or larger than can be calculated with.
+
+    Parameters
+    ----------
+    field : str
+    array : ndarray of any shape
+    largest : float, optional
+
+    Raises
+    ------
+    InputError
+    """
+    with np.errstate(over="ignore"):  # of complex numbers
+        wrong = ~(np.abs(array) <= largest)
+    if not np.any(wrong):
+        return
+    place = np.argwhere(wrong)[0]
+    index = "".join(f"[{number}]" for number in place)
+    value = array[tuple(place)]
+    why = (
+        f"numbers of up to {largest:g}, because larger ones leave what a computer can calculate"
+        if np.isfinite(value)
+        else "finite numbers, because a missing or infinite value would spread to every result"
+    )
+    raise InputError(f"{field}{index}: given {value}; allowed are {why}.")
+
+
+def turning_speeds(field: str, speeds: ArrayLike) -> FloatArray:
+    """Return speeds of a shaft that may turn either way [rad/s], as an array of any shape.
+
+    Raises
+    ------
+    InputError
+        As `finite_array`, and if a speed is higher than 1e9 rad/s.
+    """
+    array = finite_array(field, speeds)
+    check_sizes(field, array, HIGHEST_SPEED)
+    return array
+
+
+def within(speeds: float | FloatArray, low: float, high: float) -> NDArray[np.bool_]:
+    """Tell which speeds lie in a range; both ends do, a few units in the last place either way."""
+    return np.asarray(at_most(low, speeds) & at_most(speeds, high))
+
+
+def at_most(one: float | FloatArray, other: float | FloatArray) -> NDArray[np.bool_]:
+    """Tell whether a speed is another or less, a few units in the last place aside."""
+    return np.asarray(one <= other * (1.0 + AT_END))
 
 
 def finite_vector(field: str, values: ArrayLike) -> FloatArray:
@@ -94,6 +151,48 @@ def nonnegative_number(field: str, value: float, unit: str, reason: str) -> floa
     return _bounded_number(field, value, unit, reason, zero_allowed=True)
 
 
+def run_time(field: str, value: float) -> float:
+    """Return a time that a motion is followed for [s].
+
+    Raises
+    ------
+    InputError
+        If it is no finite number above zero, or more than a day.
+    """
+    time = positive_number(field, value, "s", "time runs forward")
+    if time > LONGEST_RUN:
+        raise InputError(
+            f"{field}: given {time:g} s; allowed is up to {LONGEST_RUN:g} s, a day, because a motion is "
+            "followed turn by turn."
+        )
+    return time
+
+
+def turns_followed(field: str, turns: float) -> float:
+    """Return a number of turns that a motion is followed for.
+
+    Raises
+    ------
+    InputError
+        If it is no finite number above zero, or more than can be followed.
+    """
+    number = positive_number(field, turns, "", "the shaft turns forward")
+    if number > MOST_TURNS:
+        raise InputError(
+            f"{field}: given {number:g}; allowed are up to {MOST_TURNS} turns, because each is followed by "
+            "itself."
+        )
+    return number
+
+
+def too_many_turns(field: str, time: float, turns: float) -> InputError:
+    """Return the error for a time in which a shaft turns more often than can be followed."""
+    return InputError(
+        f"{field}: given {time:g} s, in which the shaft turns {turns:g} times or more; allowed are "
+        f"{MOST_TURNS} turns, because each is followed by itself."
+    )
+
+
 def is_whole(value: object) -> bool:
     """Tell whether a value is a whole number by its type: neither True nor 2.0 names a cylinder."""
     return isinstance(value, int | np.integer) and not isinstance(value, bool)
@@ -105,7 +204,7 @@ def whole_number(field: str, given: int, least: int, reason: str) -> int:
     Raises
     ------
     InputError
-        If it is no whole number, or below `least`.
+        If it is no whole number, below `least`, or more than anything is counted to.
     """
     try:
         number = None if isinstance(given, bool) else operator.index(given)
@@ -113,7 +212,12 @@ def whole_number(field: str, given: int, least: int, reason: str) -> int:
         number = None
     if number is None or number < least:
         raise InputError(
-            f"{field}: given {given!r}; allowed are whole numbers of {least} or more, because {reason}."
+            f"{field}: given {quoted(given)}; allowed are whole numbers of {least} or more, because {reason}."
+        )
+    if number > MOST_COUNTED:
+        raise InputError(
+            f"{field}: given {quoted(given)}; allowed is up to {MOST_COUNTED}, because more can be neither "
+            "calculated nor kept."
         )
     return number
 
@@ -212,7 +316,7 @@ def checked_limits(
         return {}
     if not isinstance(limits, Mapping):
         raise InputError(
-            f"limits: given {limits!r}; allowed is a mapping of names to limits, because each is drawn "
+            f"limits: given {quoted(limits)}; allowed is a mapping of names to limits, because each is drawn "
             "with its name."
         )
     found = {}
@@ -244,7 +348,8 @@ def checked_barred(barred: Sequence[tuple[float, float]]) -> list[tuple[float, f
     """
     if isinstance(barred, str) or not isinstance(barred, Sequence | np.ndarray):
         raise InputError(
-            f"barred: given {barred!r}; allowed are pairs of speeds in rad/s, because each range is shaded."
+            f"barred: given {quoted(barred)}; allowed are pairs of speeds in rad/s, because each "
+            "range is shaded."
         )
     reason = "a range from one to the other is shaded"
     return [
@@ -268,7 +373,7 @@ def checked_range(field: str, ends: object, unit: str, reason: str) -> tuple[flo
     if raw.shape == (2,) and raw.dtype.kind in "iuf" and 0.0 <= raw[0] < raw[1] < math.inf:
         return float(raw[0]), float(raw[1])
     raise InputError(
-        f"{field}: given {ends!r}; allowed are two finite numbers in {unit}, the lower first, because "
+        f"{field}: given {quoted(ends)}; allowed are two finite numbers in {unit}, the lower first, because "
         f"{reason}."
     )
 
@@ -300,6 +405,7 @@ def _bounded_vector(
             f"{field}[{first}]: given {_with_unit(array[first], unit)}; "
             f"{_allowed(unit, reason, zero_allowed=zero_allowed)}."
         )
+    _check_magnitudes(field, array, unit, zero_allowed=zero_allowed)
     return array
 
 
@@ -309,8 +415,25 @@ def _bounded_number(
     allowed = _allowed(unit, reason, zero_allowed=zero_allowed)
     raw = np.asarray(value)
     if raw.ndim != 0 or raw.dtype.kind not in "iuf":
-        raise InputError(f"{field}: given {value!r}; {allowed}.")
+        given = f"an array of shape {raw.shape}" if raw.ndim else quoted(value)
+        raise InputError(f"{field}: given {given}; {allowed}.")
     number = float(raw)
     if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero_allowed):
         raise InputError(f"{field}: given {_with_unit(number, unit)}; {allowed}.")
+    _check_magnitudes(field, np.array(number), unit, zero_allowed=zero_allowed)
     return number
+
+
+def _check_magnitudes(field: str, array: FloatArray, unit: str, *, zero_allowed: bool) -> None:
+    """Refuse numbers so large or small that their squares and quotients are none that a computer has."""
+    largest = HIGHEST_SPEED if unit == _SPEED_UNIT else LARGEST
+    least = 0.0 if zero_allowed else SMALLEST
+    refused = (array > largest) | (array < least)
+    if not np.any(refused):
+        return
+    place = tuple(np.argwhere(refused)[0])
+    index = "".join(f"[{number}]" for number in place)
+    raise InputError(
+        f"{field}{index}: given {_with_unit(array[place], unit)}; allowed are numbers of "
+        f"{least:g} to {_with_unit(largest, unit)}, because others leave what a computer can calculate."
+    )

@@ -7,7 +7,7 @@ from typing import SupportsIndex
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from dynamics.checks import FloatArray, is_whole, nonnegative_number, nonnegative_vector
 
 
@@ -23,9 +23,9 @@ def node_index(field: str, node: SupportsIndex, count: int) -> int:
     try:
         index = operator.index(node)
     except TypeError:
-        raise InputError(f"{field}: given {node!r}; {allowed}.") from None
+        raise InputError(f"{field}: given {quoted(node)}; {allowed}.") from None
     if not 0 <= index < count:
-        raise InputError(f"{field}: given {index}; {allowed}.")
+        raise InputError(f"{field}: given {quoted(index)}; {allowed}.")
     return index
 
 
@@ -57,7 +57,7 @@ def values_at_nodes(
     if isinstance(values, Mapping):
         array = np.zeros(count)
         for node, value in values.items():
-            name = f"{field}[{node!r}]"
+            name = f"{field}[{quoted(node)}]"
             array[node_index(name, node, count)] = nonnegative_number(name, value, unit, reason)
         return array
     array = nonnegative_vector(field, values, unit, reason)
@@ -91,8 +91,8 @@ def place_of(field: str, given: object, names: Sequence[str], what: str, reason:
     if isinstance(given, int | np.integer) and is_whole(given) and 0 <= given < len(names):
         return int(given)
     raise InputError(
-        f"{field}: given {given!r}; allowed are the whole numbers 0 to {len(names) - 1} and the names of "
-        f"{what}, because {reason}."
+        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {len(names) - 1} and the "
+        f"names of {what}, because {reason}."
     )
 
 
@@ -107,5 +107,5 @@ def place_number(field: str, given: object, count: int, reason: str) -> int:
     if isinstance(given, int | np.integer) and is_whole(given) and 0 <= given < count:
         return int(given)
     raise InputError(
-        f"{field}: given {given!r}; allowed are the whole numbers 0 to {count - 1}, because {reason}."
+        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {count - 1}, because {reason}."
     )

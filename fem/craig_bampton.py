@@ -22,8 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from crankbase.choices import is_number
 from crankbase.drawing.diagram_style import GRAY, new_axes
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from crankbase.stopwatch import Stopwatch
 from crankbase.tables.frames import table
 from fem.assembly import symmetric_product
@@ -36,7 +37,6 @@ from fem.class_modes import (
 from fem.condensation import CondensedClass
 from fem.held_shapes import shapes_of_class, shapes_of_throw
 from fem.material import Material
-from fem.modes import is_number
 from fem.plots.frequency_stems import draw_frequencies
 from fem.superelement import section_rotation
 from fem.symmetry import SymmetryClass, symmetry_classes
@@ -120,7 +120,7 @@ class DynamicSuperelement:
         """
         if isinstance(count, bool) or not isinstance(count, int) or not 0 <= count <= self.natural:
             raise InputError(
-                f"count: given {count!r}; allowed is 0 to {self.natural}, because the superelement has "
+                f"count: given {quoted(count)}; allowed is 0 to {self.natural}, because the superelement has "
                 "no more natural modes."
             )
         kept = slice(0, 12 + count)
@@ -230,12 +230,12 @@ def dynamic_superelement(
     """
     if not (is_number(highest_frequency) and 0.0 <= highest_frequency < np.inf):
         raise InputError(
-            f"highest_frequency: given {highest_frequency!r}; allowed is a finite frequency from 0 Hz, "
+            f"highest_frequency: given {quoted(highest_frequency)}; allowed is a finite frequency from 0 Hz, "
             "because modes are kept in proportion to it."
         )
     if not (is_number(cutoff_factor) and 1.0 <= cutoff_factor < np.inf):
         raise InputError(
-            f"cutoff_factor: given {cutoff_factor!r}; allowed is a finite number from 1, because modes "
+            f"cutoff_factor: given {quoted(cutoff_factor)}; allowed is a finite number from 1, because modes "
             "below the highest frequency must not be missing."
         )
     _check_classes(mesh, classes)

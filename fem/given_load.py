@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from fem.condensation import CondensedClass
 from fem.loads import Distribution, NodalLoads, pin_load, pin_surfaces
 from fem.pin_response import equivalent_load
@@ -26,11 +26,11 @@ def checked_vector(name: str, given: ArrayLike, unit: str) -> NDArray[np.float64
     """
     try:
         vector = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         vector = np.empty(0)
     if vector.shape != (3,) or not np.all(np.abs(vector) <= LARGEST_LOAD):
         raise InputError(
-            f"{name}: given {given!r}; allowed are three finite numbers [{unit}], none beyond "
+            f"{name}: given {quoted(given)}; allowed are three finite numbers [{unit}], none beyond "
             f"{LARGEST_LOAD:g}."
         )
     return vector
@@ -46,7 +46,7 @@ def checked_pin(pin: int, count: int) -> int:
     """
     if isinstance(pin, bool) or not isinstance(pin, int | np.integer) or not 0 <= pin < count:
         allowed = "0, for the throw has one pin" if count == 1 else f"0 to {count - 1}"
-        raise InputError(f"pin: given {pin!r}; allowed is {allowed}.")
+        raise InputError(f"pin: given {quoted(pin)}; allowed is {allowed}.")
     return int(pin)
 
 

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.choices import is_number
 from crankbase.drawing.diagram_style import new_axes
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from crankbase.stopwatch import Stopwatch
 from crankbase.tables.frames import table
 from fem.class_modes import (
@@ -194,18 +195,11 @@ def rigid_count(symmetry: SymmetryClass) -> int:
     return int(np.count_nonzero(symmetry.central_motions))
 
 
-def is_number(given: object) -> bool:
-    """Whether something is a real number."""
-    return isinstance(given, int | float | np.number) and not isinstance(
-        given, bool | np.complexfloating
-    )
-
-
 def _check_wish(count: int | None, highest_frequency: float | None) -> None:
     if (count is None) == (highest_frequency is None):
         raise InputError(
-            f"count, highest_frequency: given {count!r} and {highest_frequency!r}; allowed is one of "
-            "them, because each alone says how many modes there are."
+            f"count, highest_frequency: given {quoted(count)} and {quoted(highest_frequency)}; allowed is "
+            "one of them, because each alone says how many modes there are."
         )
     if count is not None and (
         isinstance(count, bool)
@@ -213,15 +207,15 @@ def _check_wish(count: int | None, highest_frequency: float | None) -> None:
         or not 1 <= count <= MOST_MODES
     ):
         raise InputError(
-            f"count: given {count!r}; allowed is a whole number from 1 to {MOST_MODES}, because higher "
+            f"count: given {quoted(count)}; allowed is a whole number from 1 to {MOST_MODES}, because higher "
             "modes have waves shorter than a throw's details."
         )
     if highest_frequency is not None and not (
         is_number(highest_frequency) and 0.0 < highest_frequency < np.inf
     ):
         raise InputError(
-            f"highest_frequency: given {highest_frequency!r}; allowed is a finite frequency above 0 Hz, "
-            "because a free throw has modes of any height."
+            f"highest_frequency: given {quoted(highest_frequency)}; allowed is a finite frequency above 0 "
+            "Hz, because a free throw has modes of any height."
         )
 
 

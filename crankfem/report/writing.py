@@ -19,7 +19,7 @@ from crankfem.analyses.vibration.tables import (
     resonance_table,
     whole_table,
 )
-from crankfem.jobs.run_files import write_whole
+from crankfem.jobs.run_files import write_report_text
 from crankfem.report.figures import load_figures
 from crankfem.report.numbers import FILTERS
 from crankfem.report.summary import summary
@@ -62,10 +62,12 @@ def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path
 
     Raises
     ------
+    InputError
+        If the file is there and no run has written it.
     OSError
-        If the file cannot be written.
+        If it cannot be written.
     """
-    return write_whole(path, render_report(results, pictures)[0])
+    return write_report_text(path, render_report(results, pictures)[0])
 
 
 def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str | None]:

@@ -11,7 +11,14 @@ from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
-from dynamics.checks import ComplexArray, FloatArray, finite_array, finite_vector, is_whole
+from dynamics.checks import (
+    ComplexArray,
+    FloatArray,
+    finite_array,
+    finite_vector,
+    is_whole,
+    turning_speeds,
+)
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import CylinderMotion, cylinder_motion
@@ -222,7 +229,7 @@ def mechanism_forces(
             "shaft_angles: given none; allowed are one or more, because forces are those at an angle."
         )
     shape = (len(engine.cylinders), angles.size)
-    turning = over_angles("speed", speed, angles)
+    turning = over_angles("speed", turning_speeds("speed", speed), angles)
     gaining = over_angles("crank_acceleration", crank_acceleration, angles)
     pressing, rubbing = _forces("gas", gas, shape), _forces("friction", friction, shape)
     side = np.zeros(shape)

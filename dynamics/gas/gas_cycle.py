@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from crankbase.choices import check_choice
+from crankbase.choices import check_choice, is_number
 from crankbase.drawing.diagram_style import BLUE, new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
@@ -25,7 +25,6 @@ from dynamics.gas.heat_targets import (
     heat_for_peak,
     idle_heat,
     in_mega,
-    is_number,
 )
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.gas.sampled_cycle import cycle_samples

@@ -11,7 +11,15 @@ from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
-from dynamics.checks import FloatArray, finite_array, positive_number, whole_number
+from dynamics.checks import (
+    MOST_TURNS,
+    FloatArray,
+    finite_array,
+    positive_number,
+    run_time,
+    too_many_turns,
+    whole_number,
+)
 from dynamics.plots.coordinates import name_axis, time_axis
 from dynamics.plots.over_time import RunCurve, plot_run
 from dynamics.transient.envelope import Envelope, envelope_over
@@ -205,7 +213,7 @@ def turn_under_gas(
     start_speed : float
         [rad/s]
     duration : float
-        [s]
+        At most a day [s], and 20,000 turns.
     load : float or callable, optional
         Moment that brakes at the load's node [N m], or a callable (shaft speed [rad/s], time [s]) ->
         moment: a governor is load = mean + gain (speed - wanted speed).
@@ -231,7 +239,9 @@ def turn_under_gas(
         the load gives no finite moment.
     """
     speed = positive_number("start_speed", start_speed, "rad/s", "the shaft turns forward")
-    end = positive_number("duration", duration, "s", "time runs forward")
+    end = run_time("duration", duration)
+    if speed * end > 2.0 * np.pi * MOST_TURNS:
+        raise too_many_turns("duration", end, speed * end / (2.0 * np.pi))
     told = whole_number("samples_per_turn", samples_per_turn, 4, "they show the motion")
     check_method(method)
     braking = _checked_load(load)
@@ -248,6 +258,8 @@ def turn_under_gas(
             last = in_turn[place + 1][0] if place + 1 < len(in_turn) else end
             time = begins
             while time < last and not stopped:
+                if len(done) > MOST_TURNS:
+                    raise too_many_turns("duration", end, MOST_TURNS)
                 until, passed, rows, stopped = _turn(state, time, last, now, method, told)
                 done.append((passed, rows))
                 time, now = until, rows[-1]

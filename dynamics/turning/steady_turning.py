@@ -8,7 +8,7 @@ import numpy as np
 
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, finite_array, positive_number, whole_number
+from dynamics.checks import FloatArray, finite_array, positive_number, turns_followed, whole_number
 from dynamics.cycle import even_angles
 from dynamics.turning.given_functions import checked_inertia, checked_moment
 from dynamics.turning.speed_over_angle import (
@@ -127,7 +127,7 @@ def steady_turning(
     from scipy.optimize import fsolve
 
     wanted = positive_number("mean_speed", mean_speed, "rad/s", "the shaft turns")
-    period = 2.0 * math.pi * positive_number("turns", turns, "", "the shaft turns forward")
+    period = 2.0 * math.pi * turns_followed("turns", turns)
     first = float(finite_array("start_angle", start_angle))
     told = whole_number("samples", samples, 1, "results are told so often per turn")
     guess, start_energy, comes_round = _beginning(inertia, moment, wanted, first, period)

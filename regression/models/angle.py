@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from regression.formulas.arguments import fold_angle_deg
 
 
@@ -34,11 +34,11 @@ def fold_angle(gamma_deg: ArrayLike) -> Any:
         angles = np.asarray(gamma_deg)
         if angles.dtype.kind not in "iuf" or angles.size == 0:
             raise TypeError
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         angles = np.array(math.nan)
     if not np.all(np.isfinite(angles)):
         raise InputError(
-            f"gamma_deg: given {gamma_deg!r}; allowed are finite angles in degrees, because they "
+            f"gamma_deg: given {quoted(gamma_deg)}; allowed are finite angles in degrees, because they "
             "stand between neighboring cranks."
         )
     if angles.ndim == 0:

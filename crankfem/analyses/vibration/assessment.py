@@ -23,7 +23,7 @@ from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import Samples, chain_samples, frequency_bounds
 from dynamics.assessment.verdict import LimitCheck, Verdict, judge
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray
+from dynamics.checks import FloatArray, within
 from dynamics.critical import engine_orders
 from dynamics.response.forced import forced_response
 from dynamics.response.synthesis import synthesis
@@ -289,7 +289,7 @@ def _peak(engine_file: EngineFile, forced: ForcedVibration, chain: Chain) -> flo
     changed = damped_engine_chain(engine_file, replace(forced.engine_chain, chain=chain))
     response = forced_response(changed, with_resonances(forced.response.excitation, chain))
     low, high = engine_file.engine.lowest_speed, engine_file.engine.highest_speed
-    judged = (response.speeds >= low) & (response.speeds <= high)
+    judged = within(response.speeds, low, high)
     free_end = response.elastic
     summed = synthesis(
         free_end.orders,

@@ -17,6 +17,7 @@ from crankfem.files.sections.excitation_input import (
     motored_for_misfire,
 )
 from dynamics.chains.engine_chains import EngineChain, Kind
+from dynamics.checks import within
 from dynamics.critical import engine_orders
 from dynamics.excitation.axial_comparison import AxialForceComparison, compare_axial_forces
 from dynamics.excitation.combined import combined_excitation
@@ -110,7 +111,7 @@ def calculated_speeds(
         (low, high),
         points=POINTS,
     )
-    ends = [end for end in judged_ends(engine_file) if low <= end <= high]
+    ends = [min(end, high) for end in judged_ends(engine_file) if within(end, low, high)]
     return joined_speeds(speeds, ends)
 
 
