@@ -171,12 +171,6 @@ def write_results(folder: Path, results: Mapping[str, Any]) -> Path:
         return write_text(folder / RESULTS, results_text(results), "results")
 
 
-def write_report_text(path: Path, text: str) -> Path:
-    """Write the report of a run in one step; errors as of `crankbase.outputs.write_text`."""
-    with files_of_a_run():
-        return write_text(path, text, "report")
-
-
 def replace_last_run(folder: Path, results: Mapping[str, Any]) -> None:
     """Take away what the last run has left in a folder, and put the results of a new one there.
 

@@ -21,10 +21,10 @@ from crankfem.jobs.run_files import (
     make_folder,
     replace_last_run,
     results_text,
-    write_report_text,
     write_results,
 )
 from crankfem.jobs.run_inputs import read_inputs
+from crankfem.report.writing import write_report_text
 
 STORED = Path(__file__).with_name("report_results.json")
 LEFT = {

@@ -91,14 +91,8 @@ def report(
     from jinja2 import TemplateError
 
     from crankbase.outputs import check_output, files_of_a_run, is_plain, protect
-    from crankfem.jobs.run_files import (
-        PICTURES,
-        REPORT,
-        RESULTS,
-        list_older_run,
-        write_report_text,
-    )
-    from crankfem.report.writing import render_report
+    from crankfem.jobs.run_files import PICTURES, REPORT, RESULTS, list_older_run
+    from crankfem.report.writing import render_report, write_report_text
 
     path = folder / RESULTS
     if not is_plain(path):
