@@ -10,8 +10,8 @@ import csv
 import tempfile
 from pathlib import Path
 
-from crankfem.fitting import fit_study
-from crankfem.throw_file import load_throw
+from crankfem.analyses.study.fitting import fit_study
+from crankfem.files.engine.throw_file import load_throw
 from fem.material import STEEL
 from fem.responses import evaluate_throw
 from geometry.throw import CrankThrow

@@ -12,9 +12,9 @@ import math
 import tempfile
 from pathlib import Path
 
-from crankfem.fitting import fit_study
-from crankfem.pictures.fit_plots import plot_parity, plot_response
-from geometry.outputs import replacing_files
+from crankbase.outputs import replacing_files
+from crankfem.analyses.study.fitting import fit_study
+from crankfem.analyses.study.plots.fit_plots import plot_parity, plot_response
 from geometry.throw import CrankThrow
 from regression.fits.fits import Fit, fit_form
 from regression.fits.forms import FORMS

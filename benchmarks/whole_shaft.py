@@ -16,7 +16,7 @@ from types import SimpleNamespace
 import numpy as np
 
 import crankfem as cf
-from crankfem.vibration.whole_shaft import shaft_throws
+from crankfem.analyses.shaft.whole_shaft import shaft_throws
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.coupled_response import coupled_response
 from dynamics.crankshaft.shaft_modes import crankshaft_modes

@@ -6,18 +6,45 @@ them all, once.
 """
 
 from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
-from crankfem._packages import check_packages
+PACKAGES = ("crankbase", "geometry", "fem", "regression", "dynamics")
 
-check_packages()
+
+def _check_packages() -> None:
+    """Refuse to work beside a foreign package that has the name of one of ours.
+
+    Raises
+    ------
+    ImportError
+        Naming the foreign package and where it lies.
+    """
+    home = Path(__file__).resolve().parent.parent
+    for name in PACKAGES:
+        spec = find_spec(name)
+        if spec is None:
+            raise ImportError(
+                f"crankfem is not completely installed: its package {name!r} is missing from {home}; "
+                "install it again."
+            )
+        where = {Path(place).resolve() for place in spec.submodule_search_locations or ()}
+        if home / name not in where:
+            found = spec.origin or ", ".join(str(place) for place in where)
+            raise ImportError(
+                f"crankfem needs its own package {name!r} from {home}, but Python finds another one "
+                f"first: {found}; rename that one, or start Python elsewhere."
+            )
+
+
+_check_packages()
 
 
 @cache
 def _homes() -> dict[str, tuple[str, str]]:
     """Return each public name with its home and its name there, as the stub says."""
     import ast
-    from pathlib import Path
 
     stub = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
     return {

@@ -1,65 +1,82 @@
 """Every public name and its home; loaded from there when first used."""
 
-from crankfem.chain_file import ChainFile as ChainFile
-from crankfem.chain_file import load_chain as load_chain
-from crankfem.chain_text import ChainText as ChainText
-from crankfem.chain_text import read_chain_text as read_chain_text
-from crankfem.chain_text import write_chain_text as write_chain_text
-from crankfem.engine_file import EngineFile as EngineFile
-from crankfem.engine_file import load_engine as load_engine
-from crankfem.fitting import ResponseFits as ResponseFits
-from crankfem.formula_diagrams import plot_formulas as plot_formulas
-from crankfem.formula_diagrams import plot_formulas_over_angle as plot_formulas_over_angle
-from crankfem.formula_diagrams import plot_run_formulas as plot_run_formulas
-from crankfem.hinge_file import HingeFile as HingeFile
-from crankfem.hinge_file import load_hinge as load_hinge
-from crankfem.hinge_run import HingeRun as HingeRun
-from crankfem.hinge_run import run_hinge as run_hinge
-from crankfem.mechanism_file import MechanismFile as MechanismFile
-from crankfem.mechanism_file import load_mechanism as load_mechanism
-from crankfem.mechanism_file import mechanism_of as mechanism_of
-from crankfem.mechanism_file import with_throws as with_throws
-from crankfem.mechanism_run import MechanismRun as MechanismRun
-from crankfem.mechanism_run import run_mechanism as run_mechanism
-from crankfem.pictures.balance_plots import plot_accelerations as plot_accelerations
-from crankfem.pictures.balance_plots import plot_balance as plot_balance
-from crankfem.pictures.balance_plots import plot_hinged_rods as plot_hinged_rods
-from crankfem.pictures.drawing import draw_throw as draw_throw
-from crankfem.pictures.load_plots import plot_developed_loads as plot_developed_loads
-from crankfem.pictures.load_plots import plot_polar_loads as plot_polar_loads
-from crankfem.pictures.response_plots import plot_over_speed as plot_over_speed
-from crankfem.pictures.response_plots import plot_response_campbell as plot_response_campbell
-from crankfem.pictures.shaft_mode_plots import plot_axial_split as plot_axial_split
-from crankfem.pictures.shaft_mode_plots import plot_mode_shares as plot_mode_shares
-from crankfem.pictures.shaft_mode_plots import plot_shaft_modes as plot_shaft_modes
-from crankfem.pictures.solid_picture import picture_shaft as picture_shaft
-from crankfem.pictures.solid_picture import picture_throw as picture_throw
-from crankfem.pictures.stress_picture import picture_stresses as picture_stresses
-from crankfem.pictures.transient_plots import plot_transient as plot_transient
-from crankfem.pictures.transient_plots import plot_transient_over_speed as plot_transient_over_speed
-from crankfem.pictures.vibration_pictures import picture_vibration as picture_vibration
-from crankfem.pipeline import RunResult as RunResult
-from crankfem.pipeline import run_engine as run_engine
-from crankfem.studies import StudyResult as StudyResult
-from crankfem.studies import run_study as run_study
-from crankfem.throw_file import load_crankshaft as load_crankshaft
-from crankfem.throw_file import load_throw as load_throw
-from crankfem.torque_file import load_torque_table as load_torque_table
-from crankfem.vibration.assessment import Assessment as Assessment
-from crankfem.vibration.assessment import Uncertainty as Uncertainty
-from crankfem.vibration.forced import ForcedVibration as ForcedVibration
-from crankfem.vibration.modes import Vibration as Vibration
-from crankfem.vibration.run import EngineVibration as EngineVibration
-from crankfem.vibration.run import engine_vibration as engine_vibration
-from crankfem.vibration.run_up import RunUp as RunUp
-from crankfem.vibration.run_up import run_up as run_up
-from crankfem.vibration.whole_shaft import ShaftComparison as ShaftComparison
-from crankfem.vibration.whole_shaft import WholeShaft as WholeShaft
-from crankfem.vibration.whole_shaft import compare_with_chains as compare_with_chains
-from crankfem.vibration.whole_shaft import highest_exciting_frequency as highest_exciting_frequency
-from crankfem.vibration.whole_shaft import shaft_response as shaft_response
-from crankfem.vibration.whole_shaft import shaft_throws as shaft_throws
-from crankfem.vibration.whole_shaft import whole_shaft as whole_shaft
+from crankbase.errors import InputError as InputError
+from crankbase.errors import MeshError as MeshError
+from crankbase.errors import MissingLibraryError as MissingLibraryError
+from crankbase.outputs import replacing_files as replacing_files
+from crankbase.tables.frames import table_of as table_of
+from crankfem.analyses.hinge.hinge_run import HingeRun as HingeRun
+from crankfem.analyses.hinge.hinge_run import run_hinge as run_hinge
+from crankfem.analyses.mechanism.mechanism_run import MechanismRun as MechanismRun
+from crankfem.analyses.mechanism.mechanism_run import run_mechanism as run_mechanism
+from crankfem.analyses.mechanism.plots.balance_plots import plot_accelerations as plot_accelerations
+from crankfem.analyses.mechanism.plots.balance_plots import plot_balance as plot_balance
+from crankfem.analyses.mechanism.plots.balance_plots import plot_hinged_rods as plot_hinged_rods
+from crankfem.analyses.mechanism.plots.load_plots import (
+    plot_developed_loads as plot_developed_loads,
+)
+from crankfem.analyses.mechanism.plots.load_plots import plot_polar_loads as plot_polar_loads
+from crankfem.analyses.shaft.plots.shaft_mode_plots import plot_axial_split as plot_axial_split
+from crankfem.analyses.shaft.plots.shaft_mode_plots import plot_mode_shares as plot_mode_shares
+from crankfem.analyses.shaft.plots.shaft_mode_plots import plot_shaft_modes as plot_shaft_modes
+from crankfem.analyses.shaft.whole_shaft import ShaftComparison as ShaftComparison
+from crankfem.analyses.shaft.whole_shaft import WholeShaft as WholeShaft
+from crankfem.analyses.shaft.whole_shaft import compare_with_chains as compare_with_chains
+from crankfem.analyses.shaft.whole_shaft import (
+    highest_exciting_frequency as highest_exciting_frequency,
+)
+from crankfem.analyses.shaft.whole_shaft import shaft_response as shaft_response
+from crankfem.analyses.shaft.whole_shaft import shaft_throws as shaft_throws
+from crankfem.analyses.shaft.whole_shaft import whole_shaft as whole_shaft
+from crankfem.analyses.study.fitting import ResponseFits as ResponseFits
+from crankfem.analyses.study.studies import StudyResult as StudyResult
+from crankfem.analyses.study.studies import run_study as run_study
+from crankfem.analyses.throw.formula_diagrams import plot_formulas as plot_formulas
+from crankfem.analyses.throw.formula_diagrams import (
+    plot_formulas_over_angle as plot_formulas_over_angle,
+)
+from crankfem.analyses.throw.formula_diagrams import plot_run_formulas as plot_run_formulas
+from crankfem.analyses.throw.pictures.drawing import draw_throw as draw_throw
+from crankfem.analyses.throw.pictures.solid_picture import picture_shaft as picture_shaft
+from crankfem.analyses.throw.pictures.solid_picture import picture_throw as picture_throw
+from crankfem.analyses.throw.pictures.stress_picture import picture_stresses as picture_stresses
+from crankfem.analyses.vibration.assessment import Assessment as Assessment
+from crankfem.analyses.vibration.assessment import Uncertainty as Uncertainty
+from crankfem.analyses.vibration.forced import ForcedVibration as ForcedVibration
+from crankfem.analyses.vibration.modes import Vibration as Vibration
+from crankfem.analyses.vibration.plots.response_plots import plot_over_speed as plot_over_speed
+from crankfem.analyses.vibration.plots.response_plots import (
+    plot_response_campbell as plot_response_campbell,
+)
+from crankfem.analyses.vibration.plots.transient_plots import plot_transient as plot_transient
+from crankfem.analyses.vibration.plots.transient_plots import (
+    plot_transient_over_speed as plot_transient_over_speed,
+)
+from crankfem.analyses.vibration.run import EngineVibration as EngineVibration
+from crankfem.analyses.vibration.run import engine_vibration as engine_vibration
+from crankfem.analyses.vibration.run_up import RunUp as RunUp
+from crankfem.analyses.vibration.run_up import run_up as run_up
+from crankfem.analyses.vibration.vibration_pictures import (
+    picture_vibration as picture_vibration,
+)
+from crankfem.files.chain.chain_file import ChainFile as ChainFile
+from crankfem.files.chain.chain_file import load_chain as load_chain
+from crankfem.files.chain.chain_text import ChainText as ChainText
+from crankfem.files.chain.chain_text import read_chain_text as read_chain_text
+from crankfem.files.chain.chain_text import write_chain_text as write_chain_text
+from crankfem.files.engine.engine_file import EngineFile as EngineFile
+from crankfem.files.engine.engine_file import load_engine as load_engine
+from crankfem.files.engine.mechanism_file import MechanismFile as MechanismFile
+from crankfem.files.engine.mechanism_file import load_mechanism as load_mechanism
+from crankfem.files.engine.mechanism_file import mechanism_of as mechanism_of
+from crankfem.files.engine.mechanism_file import with_throws as with_throws
+from crankfem.files.engine.throw_file import load_crankshaft as load_crankshaft
+from crankfem.files.engine.throw_file import load_throw as load_throw
+from crankfem.files.hinge.hinge_file import HingeFile as HingeFile
+from crankfem.files.hinge.hinge_file import load_hinge as load_hinge
+from crankfem.files.reading.torque_file import load_torque_table as load_torque_table
+from crankfem.jobs.pipeline import RunResult as RunResult
+from crankfem.jobs.pipeline import run_engine as run_engine
 from dynamics.assessment.barred_ranges import BarredRange as BarredRange
 from dynamics.assessment.barred_ranges import BarredRangeRule as BarredRangeRule
 from dynamics.assessment.barred_ranges import barred_ranges as barred_ranges
@@ -332,17 +349,12 @@ from geometry.balance import Unbalance as Unbalance
 from geometry.balance import unbalance as unbalance
 from geometry.crankshaft import Crankshaft as Crankshaft
 from geometry.crankshaft import throw_masses as throw_masses
-from geometry.errors import InputError as InputError
-from geometry.errors import MeshError as MeshError
-from geometry.errors import MissingLibraryError as MissingLibraryError
-from geometry.frames import table_of as table_of
 from geometry.imported import ImportedThrow as ImportedThrow
 from geometry.imported import import_throw as import_throw
 from geometry.mass import MassProperties as MassProperties
 from geometry.mesh import ThrowMesh as ThrowMesh
 from geometry.mesh_files import write_mesh as write_mesh
 from geometry.mesher import mesh_isolated as mesh_throw  # noqa: F401
-from geometry.outputs import replacing_files as replacing_files
 from geometry.shaft_ends import ShaftEnds as ShaftEnds
 from geometry.solid_files import write_step as write_step
 from geometry.throw import CrankThrow as CrankThrow

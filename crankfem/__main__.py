@@ -1,6 +1,6 @@
 """The command line as ``python -m crankfem``."""
 
-from crankfem.entry import main
+from crankfem.cli.entry import main
 
 if __name__ == "__main__":
     main()

@@ -16,16 +16,6 @@ ROOT = Path(__file__).parents[1]
 DRAWING = ROOT / "docs" / "developers" / "map.svg"
 # Of packages whose inside has no contract, the modules to begin with.
 MAIN = {
-    "crankfem": (
-        ("cli",),
-        ("commands",),
-        ("engine_file",),
-        ("pipeline",),
-        ("studies",),
-        ("vibration",),
-        ("pictures",),
-        ("report",),
-    ),
     "fem": (
         ("analysis",),
         ("responses",),
@@ -43,8 +33,14 @@ MAIN = {
         ("solid",),
         ("parts",),
         ("throw",),
+    ),
+    "crankbase": (
+        ("tables",),
+        ("drawing",),
         ("model",),
-        ("quantity",),
+        ("units",),
+        ("choices",),
+        ("processes",),
         ("errors",),
     ),
 }
@@ -57,6 +53,7 @@ COLORS = {
     "regression": "#5b3a8c",
     "fem": "#0b6b4f",
     "geometry": "#4a4a4a",
+    "crankbase": "#7a1f3d",
 }
 # Anywhere in a module, for some are imported where they are needed.
 IMPORT = re.compile(r"^[ \t]*(?:from[ ]+(?=[\w.]+[ ]+import\b)|import[ ]+)(\w+)", re.MULTILINE)
@@ -163,7 +160,7 @@ def _box(package: str, layers: Layers, x: int, y: int, columns: int = 1) -> tupl
 
 
 def drawing() -> str:
-    """Return the SVG: crankfem, below it dynamics beside regression and fem, at last geometry."""
+    """Return the SVG: crankfem, below it dynamics beside regression and fem, then geometry on crankbase."""
     layers = contracts()
     order = {name: MAIN.get(name) or layers[name] for row in layers[""] for name in row}
     left, right = MARGIN, MARGIN + COLUMN + 20
@@ -179,8 +176,10 @@ def drawing() -> str:
     drawn, end = _box("fem", order["fem"], right, top)
     body, places["fem"] = body + drawn, (top, end)
     top = max(end, places["dynamics"][1]) + GAP
-    drawn, height = _box("geometry", order["geometry"], left, top, 2)
-    body, places["geometry"] = body + drawn, (top, height)
+    for package in ("geometry", "crankbase"):
+        drawn, height = _box(package, order[package], left, top, 2)
+        body, places[package] = body + drawn, (top, height)
+        top = height + GAP
     middles = {"dynamics": left + COLUMN // 2}
     for one, other in sorted(arrows()):
         at = middles.get(one) or middles.get(other) or right + COLUMN // 2

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 import crankfem as cf
-from crankfem.mechanism_file import load_mechanism
-from crankfem.pictures.drawing import write_drawing
+from crankfem.analyses.throw.pictures.drawing import write_drawing
+from crankfem.files.engine.mechanism_file import load_mechanism
 from dynamics.mechanism.rods import RodModelName
 
 HERE = Path(__file__).parent

@@ -31,7 +31,7 @@ ROOT = HERE.parent
 SCREENS = HERE / "screens"
 KEPT = ROOT / "build" / "screens"  # the study's designs are computed once
 COLUMNS, LINES = 100, 50
-MODULE = "from crankfem.entry import main; main()"
+MODULE = "from crankfem.cli.entry import main; main()"
 ENGINE = "6chn25-34"
 # Names of pictures, commands, and where to end them: a line's beginning, so many last lines, or not at all.
 COMMANDS: tuple[tuple[str, str, str | int | None], ...] = (

@@ -13,9 +13,9 @@ from matplotlib.path import Path as Outline
 from numpy.typing import NDArray
 
 import crankfem as cf
+from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE, RED, figure
 from fem.fields import images
 from fem.supports import end_motions
-from geometry.diagram_style import BLUE, GRAY, GREEN, ORANGE, RED, figure
 from geometry.facets import six_node_triangles
 from geometry.solid import CRANK_PLANE
 

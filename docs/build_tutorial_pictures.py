@@ -17,7 +17,7 @@ from pathlib import Path
 import matplotlib as mpl
 from cycler import cycler
 
-from geometry.diagram_style import COLORS, STYLE
+from crankbase.drawing.diagram_style import COLORS, STYLE
 
 TUTORIALS = Path(__file__).resolve().parent / "tutorials"
 # Page to its pictures: what its code writes, and what it is called beside the page.
@@ -61,7 +61,7 @@ def main() -> None:
 
 def run_blocks(page: str) -> None:
     """Run the Python blocks and the crankfem lines of a page, and write its files."""
-    from crankfem import cli
+    from crankfem.cli import app as cli
 
     names: dict[str, object] = {"__name__": "__main__"}
     for block in BLOCK.finditer(page):

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geometry.errors import InputError, quoted
+from crankbase.errors import InputError, quoted
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
+from crankbase.tables.frames import Row
+from crankbase.units.units import RPM
 from dynamics.checks import (
     FloatArray,
     finite_vector,
@@ -16,9 +19,6 @@ from dynamics.checks import (
     within,
 )
 from dynamics.cycle import cycle_degrees, order_step
-from geometry.errors import InputError
-from geometry.frames import Row
-from geometry.units import RPM
 
 # A vector sum counts as full within this share of its largest possible value.
 FULL_SUM_TOLERANCE = 1e-6

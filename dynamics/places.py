@@ -7,8 +7,8 @@ from typing import SupportsIndex
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError, quoted
 from dynamics.checks import FloatArray, is_whole, nonnegative_number, nonnegative_vector
-from geometry.errors import InputError, quoted
 
 
 def node_index(field: str, node: SupportsIndex, count: int) -> int:

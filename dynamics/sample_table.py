@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from crankbase.errors import InputError, shortened
+from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
 from dynamics.checks import FloatArray
 from dynamics.cycle import first_not_increasing
-from geometry.errors import InputError, shortened
-from geometry.text_limits import LARGEST_TABLE_FILE, check_file_size
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
 from dynamics.checks import FloatArray, read_only
 from dynamics.cycle import (
     checked_strokes,
@@ -24,10 +28,6 @@ from dynamics.sample_table import (
     read_sample_rows,
     wrong_angle,
 )
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import table
-from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from crankbase.errors import InputError
+from crankbase.stopwatch import Stopwatch
 from fem.assembly import assemble_stiffness
 from fem.class_compliances import axial_answers, axial_motion
 from fem.condensation import CondensedClass, EndSections, condense
@@ -21,11 +23,9 @@ from fem.recovery import EnergyErrors, energy_errors
 from fem.refinement import refined_sizes
 from fem.solver import SharedSolver
 from fem.symmetry import SymmetryClass, axial_class
-from geometry.errors import InputError
 from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw, expected_unknowns, mesh_isolated
 from geometry.size_map import SizeMap
-from geometry.stopwatch import Stopwatch
 
 # Size factor of the first mesh.
 FIRST_FILLETED = 2.0

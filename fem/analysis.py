@@ -1,5 +1,6 @@
 """Analyze a throw: one call from dimensions to superelement, masses and an error estimate."""
 
+from crankbase.stopwatch import Stopwatch
 from fem.accuracy import Mesher, Problem, solve_to
 from fem.axial_analysis import AxialAnalysis
 from fem.condensation import EndSections
@@ -10,7 +11,6 @@ from fem.symmetry import symmetry_classes
 from fem.throw_analysis import ThrowAnalysis
 from geometry.mass import mass_properties
 from geometry.mesher import Throw, mesh_isolated
-from geometry.stopwatch import Stopwatch
 
 
 def analyze_throw(

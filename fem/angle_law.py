@@ -20,15 +20,15 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.choices import check_choice
+from crankbase.drawing.diagram_style import BLUE, new_axes
+from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.errors import InputError, quoted
+from crankbase.tables.frames import grid, table
 from fem.plots.over_angle import ANGLES_DEG, LABELS, SHOWN, Compliance, angle_axis
 from fem.superelement import Superelement
 from fem.supports import Neighbors, Support, support_throw
 from fem.symmetry import MIRROR_X, MIRROR_Z
-from geometry.choices import check_choice
-from geometry.diagram_style import BLUE, new_axes
-from geometry.errors import InputError, quoted
-from geometry.frames import grid, table
-from geometry.plots.legends import legend_inside, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

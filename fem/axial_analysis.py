@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
 from fem.class_compliances import axial_answers
 from fem.condensation import CondensedClass
 from fem.material import Material
-from geometry.errors import InputError
-from geometry.frames import table
 from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw
 

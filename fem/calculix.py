@@ -16,15 +16,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
+from crankbase.outputs import write_text
 from fem.calculix_cases import LoadCase, standard_cases
 from fem.condensation import nodes_on
 from fem.loads import uniform_pin_loads
 from fem.material import Material
 from fem.superelement import RX, UX
-from geometry.errors import InputError
 from geometry.facets import six_node_triangles
 from geometry.mesh import ThrowMesh
-from geometry.outputs import write_text
 from geometry.solid import LEFT_END, RIGHT_END
 
 Array = NDArray[np.float64]

@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
+from crankbase.errors import InputError
 from fem.superelement import RX, RY, RZ, UX, UY, UZ
-from geometry.errors import InputError
 from geometry.mesh import ThrowMesh
 
 Support = Literal["pinned", "guided"]

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError, MissingLibraryError
 from fem.calculix import ENDS
-from geometry.errors import InputError, MissingLibraryError
 
 Array = NDArray[np.float64]
 

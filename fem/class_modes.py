@@ -16,16 +16,16 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
+from crankbase.errors import InputError
+from crankbase.stopwatch import Stopwatch
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.condensation import blocked_unknowns
 from fem.mass_matrix import assemble_mass
 from fem.material import Material
 from fem.solver import Factorization, SolveError, factorize
 from fem.symmetry import SymmetryClass
-from geometry.errors import InputError
 from geometry.mesh import ThrowMesh
 from geometry.shapes import element_volumes
-from geometry.stopwatch import Stopwatch
 
 Array = NDArray[np.float64]
 

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.linalg import null_space, qr
 
+from crankbase.errors import InputError
+from crankbase.stopwatch import Stopwatch
 from fem.assembly import symmetric_product
 from fem.loads import NodalLoads, end_sections, rigid_motions, unit_end_loads
 from fem.solver import SharedSolver
 from fem.symmetry import SymmetryClass
-from geometry.errors import InputError
 from geometry.mesh import ThrowMesh
 from geometry.solid import CRANK_PLANE, LEFT_END, MIDDLE_PLANE, RIGHT_END
-from geometry.stopwatch import Stopwatch
 
 Array = NDArray[np.float64]
 EndSections = Literal["rigid", "averaged"]

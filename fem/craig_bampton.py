@@ -22,6 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from crankbase.choices import is_number
+from crankbase.drawing.diagram_style import GRAY, new_axes
+from crankbase.errors import InputError, quoted
+from crankbase.stopwatch import Stopwatch
+from crankbase.tables.frames import table
 from fem.assembly import symmetric_product
 from fem.class_modes import (
     PartMatrices,
@@ -35,12 +40,7 @@ from fem.material import Material
 from fem.plots.frequency_stems import draw_frequencies
 from fem.superelement import section_rotation
 from fem.symmetry import SymmetryClass, symmetry_classes
-from geometry.choices import is_number
-from geometry.diagram_style import GRAY, new_axes
-from geometry.errors import InputError, quoted
-from geometry.frames import table
 from geometry.mesh import ThrowMesh
-from geometry.stopwatch import Stopwatch
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from crankbase.errors import InputError
 from fem.class_modes import frequencies_of
 from fem.craig_bampton import DynamicSuperelement
-from geometry.errors import InputError
 
 Array = NDArray[np.float64]
 

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.choices import check_choice
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.tables.frames import grid, table
 from fem.fillet_surface import FilletSurface
 from fem.fillets import Fillet
 from fem.plots.fillet_bars import LABELS, Criterion, draw_factors
 from fem.unit_loads import LoadedThrow, UnitLoad
-from geometry.choices import check_choice
-from geometry.diagram_style import new_axes
-from geometry.frames import grid, table
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
+from crankbase.units.quantity import show_quantity
 from fem.accuracy import Mesher
 from fem.condensation import EndSections
 from fem.fillet_mesh import fillet_element, finer_at, measured_sizes
@@ -22,9 +24,7 @@ from fem.material import STEEL, Material
 from fem.nominal_stress import nominal_stress
 from fem.principal import largest_principal, principal_stresses, von_mises
 from fem.unit_loads import LoadedThrow, UnitLoad, solve_unit_loads, unit_loads
-from geometry.errors import InputError
 from geometry.mesher import mesh_isolated
-from geometry.quantity import show_quantity
 from geometry.size_map import SizeMap
 from geometry.throw import CrankThrow
 

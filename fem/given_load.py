@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.errors import InputError, quoted
 from fem.condensation import CondensedClass
 from fem.loads import Distribution, NodalLoads, pin_load, pin_surfaces
 from fem.pin_response import equivalent_load
 from fem.superelement import Superelement
-from geometry.errors import InputError, quoted
 from geometry.mesh import ThrowMesh
 
 # Far beyond any real load, far below what overflows.

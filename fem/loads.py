@@ -14,8 +14,8 @@ from scipy import sparse
 from skfem import ElementTriP2, MeshTri1
 from skfem.quadrature import get_quadrature
 
+from crankbase.errors import InputError
 from fem.symmetry import MirrorImage, SymmetryClass, mirror_images
-from geometry.errors import InputError
 from geometry.facets import six_node_triangles
 from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw

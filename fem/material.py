@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from geometry.model import InputModel, quantity_field
+from crankbase.model import InputModel, quantity_field
 
 
 class Material(InputModel):

@@ -7,6 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.choices import is_number
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.errors import InputError, quoted
+from crankbase.stopwatch import Stopwatch
+from crankbase.tables.frames import table
 from fem.class_modes import (
     MOST_MODES,
     ClassModes,
@@ -20,12 +25,7 @@ from fem.mode_names import end_motions_of, name_of_motion
 from fem.plots.frequency_stems import draw_frequencies
 from fem.solver import SolveError
 from fem.symmetry import SymmetryClass, symmetry_classes
-from geometry.choices import is_number
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError, quoted
-from geometry.frames import table
 from geometry.mesh import ThrowMesh
-from geometry.stopwatch import Stopwatch
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

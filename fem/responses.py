@@ -14,6 +14,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.stopwatch import Stopwatch
 from fem.accuracy import SAFETY, Level, Mesher, Problem, solve_to
 from fem.angle_law import effective_angle_law
 from fem.class_compliances import unit_response
@@ -27,7 +28,6 @@ from fem.supports import STRETCH, TWIST
 from fem.symmetry import symmetry_classes, torsional_class
 from geometry.mass import mass_properties
 from geometry.mesher import mesh_isolated
-from geometry.stopwatch import Stopwatch
 from geometry.throw import CrankThrow
 
 Array = NDArray[np.float64]

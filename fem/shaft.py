@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.choices import check_choice
+from crankbase.drawing.bars import draw_groups, draw_matrix
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import shown_unit, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid, table
 from fem.superelement import RZ, UX, UY, UZ, Superelement
-from geometry.choices import check_choice
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import grid, table
-from geometry.plots.bars import draw_groups, draw_matrix
-from geometry.plots.legends import shown_unit, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from crankbase.errors import InputError
+from crankbase.stopwatch import Stopwatch
 from fem.assembly import symmetric_product
-from geometry.errors import InputError
-from geometry.stopwatch import Stopwatch
 
 # A backward stable solve leaves a residual near round-off; anything above this is a wrong solve.
 LARGEST_RESIDUAL = 1e-9

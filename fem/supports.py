@@ -7,10 +7,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.choices import is_number
+from crankbase.errors import InputError, quoted
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotation
 from fem.throw_frames import load_table
-from geometry.choices import is_number
-from geometry.errors import InputError, quoted
 
 Array = NDArray[np.float64]
 LONGEST_CHAIN = 64

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.choices import check_choice
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle
 from fem.condensation import CondensedClass
 from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
@@ -34,12 +37,9 @@ from fem.supports import (
     support_throw,
 )
 from fem.throw_frames import compliance_table, stiffness_table, throw_grid
-from geometry.choices import check_choice
-from geometry.diagram_style import new_axes
 from geometry.mass import MassProperties
 from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw
-from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.frames import grid, table
+from crankbase.tables.frames import grid, table
 
 Array = NDArray[np.float64]
 

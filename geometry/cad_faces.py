@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.gmsh_session import gmsh_session
 from geometry.step_file import PLANE, StepFace
 

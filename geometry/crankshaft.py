@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError, MeshError
+from crankbase.units.quantity import show_quantity
 from geometry.balance import Unbalance, unbalance
-from geometry.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.isolated import ProcessLostError, shared_process
 from geometry.mass import (
@@ -27,7 +28,6 @@ from geometry.mesh_checks import (
     solid_properties,
 )
 from geometry.mesher import TIME_LIMIT
-from geometry.quantity import show_quantity
 from geometry.shaft_ends import ShaftEnds
 from geometry.solid import Entity, make_solid, remove_loose
 from geometry.throw import CrankThrow

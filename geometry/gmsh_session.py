@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError, MeshError, MissingLibraryError
+from crankbase.errors import InputError, MeshError, MissingLibraryError
 
 # The Debian and Ubuntu packages of the system libraries that gmsh's wheel loads.
 DEBIAN_PACKAGES = {

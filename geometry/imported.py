@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.isolated import IsolatedProcess, ProcessLostError, shared_process
 from geometry.parts import Cylinder
 from geometry.sizes import (

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError, MeshError
 from geometry.cad_faces import opened_part
-from geometry.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_errors
 from geometry.imported import ImportedThrow, file_content
 from geometry.mending import mend

@@ -15,8 +15,8 @@ from functools import cache
 from importlib import import_module
 from typing import Any, BinaryIO
 
-from geometry.errors import InputError, MeshError, MissingLibraryError
-from geometry.processes import end_child, signal_name, start_child
+from crankbase.errors import InputError, MeshError, MissingLibraryError
+from crankbase.processes import end_child, signal_name, start_child
 
 ERRORS: dict[str, type[Exception]] = {
     kind.__name__: kind for kind in (InputError, MeshError, MissingLibraryError)

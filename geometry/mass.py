@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.mesh import ThrowMesh
 from geometry.mesh_checks import SolidProperties
 from geometry.shapes import element_quadrature

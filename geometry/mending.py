@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import MeshError
+from crankbase.errors import MeshError
 from geometry.shapes import jacobians, shapes_at_nodes
 
 # The two end nodes of each edge node 4..9, in scikit-fem's order.

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geometry.errors import InputError, MeshError
+from crankbase.errors import InputError, MeshError
+from crankbase.stopwatch import Stopwatch
 from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.mending import mend
 from geometry.mesh_checks import (
@@ -24,7 +25,6 @@ from geometry.size_field import set_sizes
 from geometry.size_map import SizeMap, set_size_map
 from geometry.sizes import SHARES, predict_unknowns, size_plan
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE, build_solid
-from geometry.stopwatch import Stopwatch
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:

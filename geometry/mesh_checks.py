@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError, MeshError
+from crankbase.errors import InputError, MeshError
 from geometry.mending import corner_quality
 from geometry.parts import ThrowParts
 from geometry.shapes import element_volumes

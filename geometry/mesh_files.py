@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError, MissingLibraryError
+from crankbase.errors import InputError, MissingLibraryError
+from crankbase.outputs import written
 from geometry.facets import flat_triangles, six_node_triangles
 from geometry.gmsh_session import gmsh_session
 from geometry.mesh import GMSH_TO_SKFEM, ThrowMesh
-from geometry.outputs import written
 
 # File endings that keep the curved elements, or only the surface as flat triangles, and their readers.
 # Those that meshio would write with half of the mesh left out are not among them.

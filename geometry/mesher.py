@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from geometry.errors import InputError, MeshError
+from crankbase.errors import InputError, MeshError
 from geometry.imported import ImportedThrow
 from geometry.imported_mesh import mesh_imported_throw, predict_imported_unknowns
 from geometry.isolated import IsolatedProcess, ProcessLostError, shared_process

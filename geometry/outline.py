@@ -11,8 +11,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError
-from geometry.quantity import show_quantity
+from crankbase.errors import InputError
+from crankbase.units.quantity import show_quantity
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]

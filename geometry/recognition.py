@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
+from crankbase.units.quantity import show_quantity
 from geometry.cad_faces import (
     Face,
     Round,
@@ -16,12 +18,10 @@ from geometry.cad_faces import (
     rounds_along,
     same_surface,
 )
-from geometry.errors import InputError
 from geometry.gmsh_session import middle_point
 from geometry.imported import ImportedPin, ImportedThrow, Wanted
 from geometry.imported_sizes import planned_sizes
 from geometry.parts import Cylinder
-from geometry.quantity import show_quantity
 from geometry.sizes import ROOT_PER_FILLET, SizePlan
 from geometry.solid import BORE, FILLET, LEFT_END, MAIN_JOURNAL, PIN, RIGHT_END, WEB, Zone
 from geometry.step_file import PLANE, StepFace

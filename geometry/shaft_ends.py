@@ -4,8 +4,8 @@ from typing import ClassVar, Self
 
 from pydantic import model_validator
 
-from geometry.errors import InputError
-from geometry.model import InputModel, quantity_field
+from crankbase.errors import InputError
+from crankbase.model import InputModel, quantity_field
 
 
 class ShaftEnds(InputModel):

@@ -4,16 +4,16 @@ import math
 import re
 from pathlib import Path
 
+from crankbase.errors import InputError, MeshError
+from crankbase.outputs import write_text
+from crankbase.processes import scratch_folder
 from geometry.crankshaft import Crankshaft, make_shaft
-from geometry.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.isolated import ProcessLostError, shared_process
 from geometry.mesh import checked_part
 from geometry.mesh_checks import check_solid, solid_properties
 from geometry.mesher import TIME_LIMIT
-from geometry.outputs import write_text
 from geometry.parts import ThrowParts
-from geometry.processes import scratch_folder
 from geometry.solid import LEFT_END, RIGHT_END, make_solid, remove_loose
 from geometry.step_file import CYLINDER, PLANE, StepFace, read_step
 from geometry.throw import CrankThrow

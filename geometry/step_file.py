@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 
 Point = tuple[float, float, float]
 PLANE = "PLANE"

@@ -2,10 +2,10 @@
 
 import math
 
+from crankbase.errors import InputError
+from crankbase.units.quantity import show_quantity
 from geometry.counterweight_checks import check_counterweight
-from geometry.errors import InputError
 from geometry.parts import Cylinder, ThrowParts, WebPlate
-from geometry.quantity import show_quantity
 from geometry.throw_dimensions import ThrowDimensions
 from geometry.throw_fields import cylinder_field, in_mm, label, refusal, web_field, which_web
 from geometry.throw_sections import Web

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from geometry.model import InputModel, part_field, quantity_field
+from crankbase.model import InputModel, part_field, quantity_field
 from geometry.throw_sections import Counterweight, FurtherPin, Outline, Web
 
 

@@ -1,8 +1,8 @@
 """Which field of a throw gave the dimension of a part, and the sentence that refuses it."""
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
+from crankbase.units.quantity import show_quantity
 from geometry.parts import Cylinder, ThrowParts, WebPlate
-from geometry.quantity import show_quantity
 from geometry.throw_dimensions import ThrowDimensions
 
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.outline import obround, rectangle
 from geometry.parts import (
     LEFT_JOURNAL,

@@ -3,10 +3,10 @@
 import re
 from dataclasses import dataclass
 
-from geometry.diagram_style import math_symbol
-from geometry.model import InputModel, field_extra, part_kind
+from crankbase.drawing.diagram_style import math_symbol
+from crankbase.model import InputModel, field_extra, part_kind
+from crankbase.units.units import DISPLAY_UNITS
 from geometry.throw import CrankThrow
-from geometry.units import DISPLAY_UNITS
 
 PAPER_SYMBOL = re.compile(r"[A-Za-z](_[a-z]+)?")
 

@@ -2,9 +2,9 @@
 
 from pydantic.fields import FieldInfo
 
-from geometry.errors import InputError
-from geometry.model import InputModel, field_extra, part_kind
-from geometry.quantity import show_quantity
+from crankbase.errors import InputError
+from crankbase.model import InputModel, field_extra, part_kind
+from crankbase.units.quantity import show_quantity
 from geometry.throw import CrankThrow
 
 # What a dimension is where it is not given: a share of another one.

@@ -8,9 +8,9 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 import crankfem as cf
+from crankbase.errors import MissingLibraryError
 from fem import fillet_stress
 from fem.analysis import analyze_throw
-from geometry.errors import MissingLibraryError
 
 # Constants of fem.fillet_stress with which meshes are as coarse as can be.
 COARSE_STRESSES = {"BULK": 2.5, "COARSE": 1.0, "COARSEST": 0.5, "FINE": 1.5, "MOST_MESHES": 2}
@@ -49,8 +49,8 @@ def put_everywhere(monkeypatch, original, other):
 
 def lighten(monkeypatch):
     """Let runs in this process share analyses and coarse stresses of their throws, and render nothing."""
-    importlib.import_module("crankfem.pipeline")  # loads whatever runs use
-    offscreen = importlib.import_module("crankfem.pictures.offscreen")
+    importlib.import_module("crankfem.jobs.pipeline")  # loads whatever runs use
+    offscreen = importlib.import_module("crankfem.analyses.throw.pictures.offscreen")
     put_everywhere(monkeypatch, analyze_throw, analyzed)
     put_everywhere(monkeypatch, fillet_stress.fillet_stresses, stressed)
     for kind in offscreen.OffscreenProcess.__subclasses__():

@@ -12,7 +12,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from geometry.outputs import is_plain
+from crankbase.outputs import is_plain
 
 MEDIA_TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
 POINT = 96.0 / 72.0  # [pixel]

@@ -6,7 +6,7 @@ import re
 
 from markupsafe import Markup, escape
 
-from crankfem.number_formats import (
+from crankbase.units.number_formats import (
     UNBOUNDED,
     fixed,
     nano,
@@ -16,10 +16,10 @@ from crankfem.number_formats import (
     tiny,
     used,
 )
-from crankfem.record import Record
-from crankfem.report.about import run_command
-from crankfem.vibration.motion import MOTION
-from geometry.quantity import show_quantity
+from crankbase.units.quantity import show_quantity
+from crankfem.analyses.about import run_command
+from crankfem.analyses.record import Record
+from crankfem.analyses.shaft.motion import MOTION
 
 # What the sources of compliances are called in results.json, and in words.
 SOURCE_WORDS = {"fe": "finite elements", "fe pinned": "finite elements, pinned"}

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.fitting import ResponseFits
-from crankfem.pictures import fit_plots, formula_plots
-from crankfem.pictures.to_draw import ToDraw
+from crankfem.analyses.study.fitting import ResponseFits
+from crankfem.analyses.study.plots import fit_plots
+from crankfem.analyses.throw.pictures import formula_plots
+from crankfem.analyses.to_draw import ToDraw
 from regression.formulas.angle_factors import ANGLE_FACTORS
 from regression.runs.study_table import StudyTable
 

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from crankfem.number_formats import fixed, percent, significant, used
-from crankfem.record import Record
+from crankbase.units.number_formats import fixed, percent, significant, used
+from crankfem.analyses.record import Record
+from crankfem.analyses.vibration.tables import TOGETHER
 from crankfem.report.numbers import motion, quantity
-from crankfem.vibration.tables import TOGETHER
 
 KINDS = ("axial", "torsional")
 # Speeds of each kind that the first screen names, and how severe beside the worst they are at least.

@@ -9,13 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from crankfem.load_tables import bearing_table
-from crankfem.report.compliances import compliance_tables
-from crankfem.report.figures import load_figures
-from crankfem.report.numbers import FILTERS
-from crankfem.report.summary import summary
-from crankfem.run_files import write_report_text
-from crankfem.vibration.tables import (
+from crankbase.outputs import files_of_a_run, write_text
+from crankfem.analyses.mechanism.load_tables import bearing_table
+from crankfem.analyses.throw.compliances import compliance_tables
+from crankfem.analyses.vibration.tables import (
     critical_table,
     element_table,
     limit_table,
@@ -23,6 +20,9 @@ from crankfem.vibration.tables import (
     resonance_table,
     whole_table,
 )
+from crankfem.report.figures import load_figures
+from crankfem.report.numbers import FILTERS
+from crankfem.report.summary import summary
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -68,6 +68,12 @@ def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path
         If it cannot be written.
     """
     return write_report_text(path, render_report(results, pictures)[0])
+
+
+def write_report_text(path: Path, text: str) -> Path:
+    """Write the report of a run in one step; errors as of `crankbase.outputs.write_text`."""
+    with files_of_a_run():
+        return write_text(path, text, "report")
 
 
 def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str | None]:
@@ -117,7 +123,7 @@ def _environment() -> "Environment":
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
-        loader=PackageLoader("crankfem"),
+        loader=PackageLoader("crankfem.report"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -144,4 +150,4 @@ def script(text: str) -> str:
 
 
 def _template(name: str) -> str:
-    return (files("crankfem") / "templates" / name).read_text(encoding="utf-8")
+    return (files("crankfem.report") / "templates" / name).read_text(encoding="utf-8")

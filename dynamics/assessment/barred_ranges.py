@@ -6,6 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
+from crankbase.tables.frames import Row
+from crankbase.units.quantity import show_quantity
 from dynamics.assessment.limits import (
     AmplitudeCurve,
     VibrationLimit,
@@ -14,9 +17,6 @@ from dynamics.assessment.limits import (
     usage,
 )
 from dynamics.checks import FloatArray, at_most, positive_number, within
-from geometry.errors import InputError
-from geometry.frames import Row
-from geometry.quantity import show_quantity
 
 BARRED_SOURCE = (
     "IACS unified requirement M68 (Rev.3, February 2021); Korean Register, Rules for Steel Ships "

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crankbase.errors import InputError
+from crankbase.units.quantity import show_quantity
 from dynamics.assessment.damper_search import (
     Ranges,
     Tried,
@@ -20,8 +22,6 @@ from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.chains.editing import find_node
 from dynamics.checks import FloatArray, positive_number, positive_vector
-from geometry.errors import InputError
-from geometry.quantity import show_quantity
 
 Result = Callable[[Chain], AmplitudeCurve]
 Range = float | tuple[float, float]

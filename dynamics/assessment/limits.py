@@ -7,6 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
+from crankbase.units.quantity import show_quantity
 from dynamics.checks import (
     FloatArray,
     nonnegative_number,
@@ -17,11 +22,6 @@ from dynamics.checks import (
 )
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import draw_named_curves
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import table
-from geometry.plots.legends import write_title
-from geometry.quantity import show_quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
@@ -13,7 +14,6 @@ from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.loads import element_loads
 from dynamics.response.series import OrderSeries
-from geometry.errors import InputError
 
 
 def curves_of(series: OrderSeries) -> tuple[AmplitudeCurve, ...]:

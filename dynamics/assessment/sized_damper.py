@@ -3,17 +3,17 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from crankbase.choices import check_choice
+from crankbase.drawing.diagram_style import BLUE, RED, new_axes, with_gaps
+from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.tables.frames import table
+from crankbase.units.units import RPM
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.checks import FloatArray
 from dynamics.plots.quantities import in_unit
 from dynamics.plots.speed_curves import draw_named_curves
-from geometry.choices import check_choice
-from geometry.diagram_style import BLUE, RED, new_axes, with_gaps
-from geometry.frames import table
-from geometry.plots.legends import legend_inside, write_title
-from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

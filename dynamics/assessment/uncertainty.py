@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.stats import qmc
 
+from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
+from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
 from dynamics.assessment.spreads import FIELDS, Spread, places_of, scaled_chain, scales_of
 from dynamics.chains.chain import Chain
 from dynamics.checks import FloatArray, whole_number
 from dynamics.places import place_number
 from dynamics.plots.coordinates import name_axis, number_axis
-from geometry.diagram_style import BLUE, GRAY, RED, new_axes
-from geometry.errors import InputError
-from geometry.frames import grid
-from geometry.plots.legends import legend_inside, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

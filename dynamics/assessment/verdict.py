@@ -6,6 +6,13 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from crankbase.drawing.curves import ORDER_COLORS
+from crankbase.drawing.diagram_style import BLUE, GRAY, ORANGE, RED, new_axes, with_gaps
+from crankbase.drawing.legends import legend_below, legend_inside, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import Row, table, table_of
+from crankbase.units.quantity import show_quantity
+from crankbase.units.units import RPM
 from dynamics.assessment.barred_ranges import (
     BarredRange,
     BarredRangeRule,
@@ -22,13 +29,6 @@ from dynamics.assessment.limits import (
 from dynamics.checks import at_most, within
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.plots.speed_curves import draw_barred, set_speed_axis
-from geometry.diagram_style import BLUE, GRAY, ORANGE, RED, new_axes, with_gaps
-from geometry.errors import InputError
-from geometry.frames import Row, table, table_of
-from geometry.plots.curves import ORDER_COLORS
-from geometry.plots.legends import legend_below, legend_inside, write_title
-from geometry.quantity import show_quantity
-from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

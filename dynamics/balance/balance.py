@@ -8,6 +8,11 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
+from crankbase.choices import check_choice
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
 from dynamics.balance.cylinder_forces import (
     PlacedForce,
     cylinder_forces,
@@ -20,11 +25,6 @@ from dynamics.engine.layout import EngineLayout, check_places
 from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.orders import checked_orders
 from dynamics.plots.hodographs import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
-from geometry.choices import check_choice
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import table
-from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,6 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
 from dynamics.balance.cylinder_forces import reciprocating_forces
 from dynamics.balance.hodograph import Hodograph, hodograph_sum
 from dynamics.balance.moving_masses import moving_masses
@@ -12,10 +16,6 @@ from dynamics.checks import positive_number
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.orders import checked_cylinder, checked_orders
 from dynamics.plots.hodographs import FORCE_LABELS, draw_hodographs
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import table
-from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.chains.chain_modes import Modes, collected, elastic_modes, scaled
 from dynamics.chains.links import (
     Dashpot,
@@ -20,7 +21,6 @@ from dynamics.chains.links import (
 from dynamics.chains.tails import with_accurate_tails
 from dynamics.checks import FloatArray, nonnegative_vector, one_for_each, positive_vector, read_only
 from dynamics.places import values_at_nodes
-from geometry.errors import InputError
 
 # Residual that the modes must keep, relative to the largest eigenvalue; round-off leaves 1e-14.
 RESIDUAL_LIMIT = 1e-10

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.tables.frames import grid, table
 from dynamics.checks import FloatArray, read_only, whole_number
 from dynamics.plots.coordinates import name_axis
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
-from geometry.diagram_style import new_axes
-from geometry.frames import grid, table
-from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,11 +11,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import Dashpot, Gear
 from dynamics.checks import nonnegative_number
 from dynamics.places import node_index
-from geometry.errors import InputError
 
 AT_NODES = ("inertia", "ground", "ground_damping")
 OF_ELEMENTS = ("stiffness", "damping", "loss_factor", "distributed_inertia")

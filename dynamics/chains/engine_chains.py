@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import (
@@ -25,7 +26,6 @@ from dynamics.checks import (
     whole_number,
 )
 from dynamics.places import node_index, values_at_nodes
-from geometry.errors import InputError
 
 PASSIVE = "damping takes energy away"
 

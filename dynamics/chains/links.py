@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray, finite_vector, positive_number
 from dynamics.places import node_index
-from geometry.errors import InputError
 
 Pairs = tuple[tuple[int, int], ...]
 # Ratios of two ways through gears count as equal within this.

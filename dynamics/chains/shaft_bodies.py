@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
+from crankbase.errors import InputError
 from dynamics.chains.shaft_elements import Motion
 from dynamics.checks import nonnegative_number, positive_number
-from geometry.errors import InputError
 
 
 @dataclass(frozen=True)

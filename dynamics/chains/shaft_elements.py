@@ -9,8 +9,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
+from crankbase.errors import InputError
 from dynamics.checks import SMALLEST, nonnegative_number, positive_number
-from geometry.errors import InputError
 
 Motion = Literal["torsional", "axial"]
 BoreShape = Literal["cylindrical", "proportional"]

@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+from crankbase.errors import InputError
 from dynamics.chains.attachments import Propeller
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_bodies import Coupling, RigidBody
 from dynamics.chains.shaft_elements import Motion, ShaftCone
 from dynamics.checks import nonnegative_number, whole_number
-from geometry.errors import InputError
 
 Piece = ShaftCone | Coupling | RigidBody | Propeller
 Spreading = Literal["consistent", "lumped"]

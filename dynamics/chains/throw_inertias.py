@@ -6,6 +6,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.checks import (
     FloatArray,
     finite_array,
@@ -19,7 +20,6 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
 from dynamics.mechanism.rods import ConnectingRod, RodModel
 from dynamics.torque.throws import checked_throws, throws_along_shaft
-from geometry.errors import InputError
 
 Reciprocating = Literal["half", "mean"]
 # The reduced inertia is smooth and periodic: its mean over even angles converges exponentially.

@@ -3,10 +3,10 @@
 import math
 from dataclasses import dataclass
 
+from crankbase.units.units import RPM
 from dynamics.checks import positive_number
 from dynamics.cycle import order_step
 from dynamics.harmonics import Harmonics
-from geometry.units import RPM
 
 
 @dataclass(frozen=True, eq=False)

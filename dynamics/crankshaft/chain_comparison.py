@@ -6,6 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import Row, table, table_of
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.checks import FloatArray, positive_number
 from dynamics.crankshaft.coupled_response import CoupledResponse
@@ -16,10 +20,6 @@ from dynamics.plots.quantities import in_unit
 from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.synthesis import synthesis
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import Row, table, table_of
-from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

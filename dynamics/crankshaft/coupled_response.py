@@ -7,6 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.choices import check_choice
+from crankbase.drawing.curves import Curves, Series, draw_curves
+from crankbase.drawing.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
+from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
+from crankbase.units.units import RPM
 from dynamics.checks import ComplexArray, FloatArray
 from dynamics.crankshaft.pin_excitation import PinForces, shaft_excitation
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
@@ -15,13 +22,6 @@ from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.synthesis import synthesis
-from geometry.choices import check_choice
-from geometry.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
-from geometry.errors import InputError
-from geometry.frames import grid
-from geometry.plots.curves import Curves, Series, draw_curves
-from geometry.plots.legends import legend_inside, write_title
-from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

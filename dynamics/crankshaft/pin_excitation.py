@@ -5,11 +5,11 @@ from typing import Protocol
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.checks import ComplexArray, FloatArray, is_whole
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.response.excitation import OrderExcitation
-from geometry.errors import InputError
 
 
 class PinForces(Protocol):

@@ -5,17 +5,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crankbase.choices import check_not_given
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid, table
 from dynamics.checks import FloatArray, is_whole, positive_number, positive_vector, whole_number
 from dynamics.crankshaft.assembly import AssembledShaft
 from dynamics.crankshaft.stations import CLASSES
 from dynamics.plots.coordinates import name_axis
 from dynamics.plots.mode_shapes import draw_mode_shares, draw_shaft_shape
 from dynamics.response.linear_system import natural_modes
-from geometry.choices import check_not_given
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import grid, table
-from geometry.plots.legends import legend_inside, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crankbase.choices import check_choice
 from dynamics.checks import FloatArray, positive_number
 from dynamics.crankshaft.assembly import AssembledShaft
 from dynamics.crankshaft.shaft_modes import ShaftModes, crankshaft_modes
 from dynamics.crankshaft.shaft_throw import RZ, UZ
 from dynamics.response.linear_system import LinearSystem, natural_modes
-from geometry.choices import check_choice
 
 # Corrections of which the others compose all but this share are left out.
 INDEPENDENT = 1e-10

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray, finite_array, positive_number, read_only
-from geometry.errors import InputError
 
 # Motions of a section: displacements, then rotations.
 UX, UY, UZ, RX, RY, RZ = range(6)

@@ -3,9 +3,9 @@
 import math
 from dataclasses import dataclass
 
+from crankbase.errors import InputError
 from dynamics.checks import finite_array, is_whole, nonnegative_number, positive_number
 from dynamics.mechanism.rods import ConnectingRod
-from geometry.errors import InputError
 
 
 @dataclass(frozen=True)

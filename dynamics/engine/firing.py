@@ -3,9 +3,9 @@
 import math
 from collections.abc import Sequence
 
+from crankbase.errors import InputError
 from dynamics.checks import finite_vector, is_whole
 from dynamics.cycle import cycle_degrees
-from geometry.errors import InputError
 
 # Crank and cylinder axis count as in line within this angle [rad]; files give degrees.
 IN_LINE = 1e-6

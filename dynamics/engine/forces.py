@@ -7,6 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE, new_axes
+from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
 from dynamics.checks import (
     ComplexArray,
     FloatArray,
@@ -20,10 +24,6 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import CylinderMotion, cylinder_motion
 from dynamics.mechanism.rods import RodModel, RodModelName
 from dynamics.plots.coordinates import angle_axis, number_axis
-from geometry.diagram_style import BLUE, GREEN, ORANGE, new_axes
-from geometry.errors import InputError
-from geometry.frames import grid
-from geometry.plots.legends import legend_inside, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

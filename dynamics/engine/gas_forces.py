@@ -6,12 +6,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray, finite_vector, nonnegative_number
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.orders import checked_cylinder
 from dynamics.gas.pressure import ATMOSPHERE
-from geometry.errors import InputError
 
 
 class Pressure(Protocol):

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from crankbase.errors import InputError
 from dynamics.checks import finite_array, nonnegative_number, positive_number
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass
@@ -16,7 +17,6 @@ from dynamics.engine.firing import (
 from dynamics.engine.rod_foot import hinged_foot
 from dynamics.mechanism.motion import rod_turn
 from dynamics.mechanism.slider_crank import check_reach
-from geometry.errors import InputError
 
 # Crank angles at which a hinged rod is tried over a turn.
 TRIED_ANGLES = 720

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
 from dynamics.checks import ComplexArray, FloatArray, finite_vector, positive_number
 from dynamics.cycle import cycle_degrees, cycle_fault
 from dynamics.engine.forces import MechanismForces, pin_groups, summed
 from dynamics.engine.layout import check_places
 from dynamics.plots.load_diagrams import Frame, check_polar, draw_developed_loads, draw_polar_loads
 from dynamics.plots.quantities import KILO
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import table
-from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

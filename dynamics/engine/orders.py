@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.errors import InputError
 from dynamics.checks import ComplexArray, FloatArray, finite_vector, is_whole, positive_number
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
 from dynamics.harmonics import Harmonics, harmonics
-from geometry.errors import InputError
 
 # Samples over a turn are doubled until the upper orders are round-off: below this share of the
 # largest value. A crank of 0.999 rod lengths still needs less than the most.

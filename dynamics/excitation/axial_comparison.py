@@ -6,6 +6,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.drawing.diagram_style import COLORS, new_axes
+from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
+from crankbase.units.units import RPM
 from dynamics.checks import ComplexArray, FloatArray, finite_array, is_whole, whole_number
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.on_chains import axial_throw_forces
@@ -13,11 +18,6 @@ from dynamics.plots.coordinates import number_axis, orders_and_speeds
 from dynamics.plots.quantities import KILO
 from dynamics.plots.speed_curves import main_orders_of, set_speed_axis
 from dynamics.response.excitation import checked_speed_index
-from geometry.diagram_style import COLORS, new_axes
-from geometry.errors import InputError
-from geometry.frames import grid
-from geometry.plots.legends import legend_inside, write_title
-from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.response.excitation import OrderExcitation
-from geometry.errors import InputError
 
 # Two orders are one within this share: that of a propeller comes from a gear ratio.
 SAME_ORDER = 1e-9

@@ -8,6 +8,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.checks import (
     ComplexArray,
     FloatArray,
@@ -27,7 +28,6 @@ from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rods import RodModelName
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
 from dynamics.torque.throws import checked_throws, throws_along_shaft
-from geometry.errors import InputError
 
 TURN = 2.0 * math.pi
 # The forces of moving masses are smooth: so many samples of a turn tell all harmonics that matter.

@@ -7,6 +7,11 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.choices import check_choice
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
 from dynamics.checks import (
     ComplexArray,
     FloatArray,
@@ -29,11 +34,6 @@ from dynamics.plots.quantities import KILO
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis
 from dynamics.response.excitation import at_angles, checked_speed_index, checked_speeds
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
-from geometry.choices import check_choice
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import grid
-from geometry.plots.legends import legend_inside, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,9 +6,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
+from crankbase.units.units import RPM
 from dynamics.checks import FloatArray, finite_array, nonnegative_number, positive_number
-from geometry.errors import InputError
-from geometry.units import RPM
 
 # A number, one for each speed, or a function of the speeds [rad/s].
 Load = float | ArrayLike | Callable[[FloatArray], ArrayLike]

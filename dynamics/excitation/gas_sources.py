@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray, nonnegative_number
 from dynamics.engine.gas_forces import Pressure
 from dynamics.engine.layout import EngineLayout
@@ -13,7 +14,6 @@ from dynamics.engine.orders import checked_cylinder
 from dynamics.excitation.engine_load import Load
 from dynamics.excitation.pressure_map import PressureMap
 from dynamics.gas.pressure import GasPressure
-from geometry.errors import InputError
 
 # Pressure of one kind for all cylinders, or one for each.
 AnyPressure = Pressure | PressureMap

@@ -4,9 +4,9 @@ from typing import Literal
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray
 from dynamics.excitation.engine_load import per_minute
-from geometry.errors import InputError
 
 Method = Literal["cubic", "linear"]
 # Speeds or loads of two points are one within this share.

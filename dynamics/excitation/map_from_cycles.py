@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray, finite_array, finite_vector
 from dynamics.excitation.engine_load import per_minute
 from dynamics.excitation.grid_weights import Method
@@ -12,7 +13,6 @@ from dynamics.excitation.pressure_map import PressureMap, pressure_map
 from dynamics.gas.cycle_values import GasCycle
 from dynamics.gas.cylinder_volume import Position
 from dynamics.gas.gas_cycle import Solved, gas_cycle
-from geometry.errors import InputError
 
 
 def pressure_map_from_cycles(

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.checks import finite_array
 from dynamics.gas.cylinder_volume import CylinderVolume
 from dynamics.gas.pressure import GasPressure, gas_pressure
-from geometry.errors import InputError
 
 # Where a diesel engine's compression is undisturbed: after valves close, before ignition [rad].
 FIT_FROM, FIT_TO = math.radians(-100.0), math.radians(-40.0)

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.errors import InputError
 from dynamics.checks import ComplexArray, FloatArray, finite_array, is_whole, positive_vector
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.engine_load import Load
 from dynamics.response.excitation import OrderExcitation
-from geometry.errors import InputError
 
 if TYPE_CHECKING:
     from dynamics.chains.engine_chains import EngineChain

@@ -8,6 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import legend_below, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
+from crankbase.units.units import RPM
 from dynamics.checks import (
     FloatArray,
     finite_vector,
@@ -25,11 +30,6 @@ from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import MEGA
 from dynamics.response.excitation import checked_speeds
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import grid
-from geometry.plots.legends import legend_below, write_title
-from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import speed_ratios
 from dynamics.checks import (
@@ -20,7 +21,6 @@ from dynamics.checks import (
 )
 from dynamics.places import node_index
 from dynamics.response.excitation import OrderExcitation, checked_speeds
-from geometry.errors import InputError
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,11 +5,11 @@ from typing import cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray
 from dynamics.critical import engine_orders
 from dynamics.cycle import order_step
 from dynamics.response.excitation import checked_orders
-from geometry.errors import InputError
 
 # An order that was calculated is a multiple of the step within this share of it.
 ON_STEP = 1e-9

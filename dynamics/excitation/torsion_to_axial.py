@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.checks import (
     ComplexArray,
@@ -16,7 +17,6 @@ from dynamics.excitation.on_chains import axial_section_forces
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import element_loads
-from geometry.errors import InputError
 
 
 def torsion_influence(tangential: ArrayLike, through: ArrayLike, crank_radius: float) -> FloatArray:

@@ -7,9 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.checks import nonnegative_number, positive_number
 from dynamics.cycle import checked_strokes
-from geometry.errors import InputError
 
 DEGREE = math.pi / 180.0
 # [Pa] What an exhaust into the open has at least: the atmosphere and some flow resistance.

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray, finite_array, positive_number
-from geometry.errors import InputError
 
 Position = Callable[[FloatArray], FloatArray]
 

@@ -6,6 +6,11 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from crankbase.choices import check_choice, is_number
+from crankbase.drawing.diagram_style import BLUE, new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
 from dynamics.checks import FloatArray
 from dynamics.cycle import even_angles
 from dynamics.gas.closed_cycle import motored_pressure
@@ -24,11 +29,6 @@ from dynamics.gas.heat_targets import (
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.gas.sampled_cycle import cycle_samples
 from dynamics.plots.quantities import MEGA
-from geometry.choices import check_choice, is_number
-from geometry.diagram_style import BLUE, new_axes
-from geometry.errors import InputError
-from geometry.frames import table
-from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 
+from crankbase.choices import is_number
+from crankbase.errors import InputError
 from dynamics.checks import nonnegative_number
 from dynamics.gas.pressure import HIGHEST_PEAK
 from dynamics.gas.sampled_cycle import CycleSamples
-from geometry.choices import is_number
-from geometry.errors import InputError
 
 
 def allowed_heat(state: CycleSamples, heat: float) -> float:

@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray, finite_vector, positive_number
 from dynamics.cycle import checked_strokes
-from geometry.errors import InputError
 
 
 def indicated_work(pressure: ArrayLike, volume_slope: ArrayLike, strokes: int = 4) -> float:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray
 from dynamics.cycle import PLACE_TOLERANCE, checked_strokes, cycle_degrees
 from dynamics.gas.pressure import (
@@ -22,7 +23,6 @@ from dynamics.sample_table import (
     read_sample_rows,
     wrong_angle,
 )
-from geometry.errors import InputError
 
 CRANK_ANGLE = "crank_angle_deg"
 UNITS = {"bar": 1e5, "MPa": 1e6, "kPa": 1e3, "Pa": 1.0}

@@ -3,12 +3,12 @@
 import math
 from dataclasses import dataclass
 
+from crankbase.errors import InputError
 from dynamics.checks import finite_array, nonnegative_number, positive_number
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.mechanism.slider_crank import check_reach
-from geometry.errors import InputError
 
 STANDARD_GRAVITY = 9.81
 

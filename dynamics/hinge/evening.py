@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.checks import positive_number
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
@@ -16,7 +17,6 @@ from dynamics.hinge.running import (
     steady_at,
     turn_energy,
 )
-from geometry.errors import InputError
 
 LARGEST_FLYWHEEL = 1e9
 # Of the logarithm of the pressure: values tried at first, and where the search ends.

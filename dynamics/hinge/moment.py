@@ -8,6 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
+from crankbase.units.quantity import show_quantity
 from dynamics.checks import FloatArray, finite_vector, positive_number, read_only, whole_number
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import CrossheadEngine
@@ -15,11 +20,6 @@ from dynamics.hinge.periodic import TURN, antiderivative, periodic_spline, turn_
 from dynamics.hinge.reduced import Kinematics, ReducedCrank, reduced_crank
 from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
 from dynamics.plots.quantities import KILO
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import table
-from geometry.plots.legends import write_title
-from geometry.quantity import show_quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

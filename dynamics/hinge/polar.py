@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.checks import ComplexArray, FloatArray
-from geometry.errors import InputError
 
 
 def polar_curvature(radius: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:

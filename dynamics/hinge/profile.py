@@ -6,6 +6,12 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from crankbase.choices import check_choice
+from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
+from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import Row, table
+from crankbase.units.quantity import show_quantity
 from dynamics.checks import ComplexArray, FloatArray, nonnegative_number, positive_number, read_only
 from dynamics.cycle import even_angles
 from dynamics.hinge.moment import HingeMoment
@@ -14,12 +20,6 @@ from dynamics.hinge.polar import check_roller, outer_parallel, polar_curvature, 
 from dynamics.hinge.spring import LEAST_COLUMN, GasSpring
 from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
 from dynamics.plots.quantities import KILO, MILLI
-from geometry.choices import check_choice
-from geometry.diagram_style import BLUE, GRAY, RED, new_axes
-from geometry.errors import InputError
-from geometry.frames import Row, table
-from geometry.plots.legends import legend_inside, write_title
-from geometry.quantity import show_quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

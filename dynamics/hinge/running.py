@@ -6,6 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
+from crankbase.units.quantity import show_quantity
+from crankbase.units.units import RPM
 from dynamics.checks import FloatArray, nonnegative_number, positive_number, read_only
 from dynamics.cycle import even_angles
 from dynamics.hinge.moment import HingeMoment
@@ -15,12 +21,6 @@ from dynamics.hinge.reduced import ReducedCrank
 from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
 from dynamics.turning.speed_over_angle import SpeedOverAngle, speed_over_angle
 from dynamics.turning.steady_energy import energy_for_mean_speed, mean_speed, slowest_mean_speed
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import table
-from geometry.plots.legends import write_title
-from geometry.quantity import show_quantity
-from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

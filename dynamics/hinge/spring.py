@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray, finite_array, nonnegative_number, positive_number
-from geometry.errors import InputError
 
 # The gas column counts as gone when this share of its height is left.
 LEAST_COLUMN = 0.01

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.checks import ComplexArray, FloatArray
-from geometry.errors import InputError
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.checks import finite_array, finite_vector, positive_number
 from dynamics.mechanism.motion import (
     PointMotion,
@@ -14,7 +15,6 @@ from dynamics.mechanism.motion import (
     crankpin_motion,
     rod_turn,
 )
-from geometry.errors import InputError
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crankbase.drawing.diagram_style import COLORS
+from crankbase.drawing.legends import legend_inside
 from dynamics.checks import FloatArray
-from geometry.diagram_style import COLORS
-from geometry.plots.legends import legend_inside
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
+from crankbase.drawing.diagram_style import COLORS, GRAY
+from crankbase.units.units import RPM
 from dynamics.checks import FloatArray
 from dynamics.plots.quantities import SPEED_LABEL
 from dynamics.plots.stars import KIND_COLORS
-from geometry.diagram_style import COLORS, GRAY
-from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

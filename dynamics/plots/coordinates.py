@@ -1,4 +1,4 @@
-"""Coordinates of grids: values, unit and name in words, as `geometry.frames.grid` takes them."""
+"""Coordinates of grids: values, unit and name in words, as `crankbase.tables.frames.grid` takes them."""
 
 from collections.abc import Sequence
 from typing import Any, TypeAlias

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from crankbase.drawing.diagram_style import COLORS, GRAY
+from crankbase.drawing.legends import legend_below
 from dynamics.checks import FloatArray
 from dynamics.plots.quantities import KILO
-from geometry.diagram_style import COLORS, GRAY
-from geometry.plots.legends import legend_below
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

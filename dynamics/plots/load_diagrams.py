@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.choices import check_choice
+from crankbase.drawing.diagram_style import COLORS, GRAY
+from crankbase.drawing.legends import legend_inside
+from crankbase.errors import InputError
 from dynamics.checks import ComplexArray, FloatArray, positive_number
 from dynamics.plots.quantities import KILO
-from geometry.choices import check_choice
-from geometry.diagram_style import COLORS, GRAY
-from geometry.errors import InputError
-from geometry.plots.legends import legend_inside
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

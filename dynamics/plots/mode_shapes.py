@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
+from crankbase.drawing.legends import legend_above, legend_below
 from dynamics.checks import FloatArray
 from dynamics.plots.quantities import MILLI
-from geometry.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
-from geometry.plots.legends import legend_above, legend_below
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,8 +2,8 @@
 
 from typing import Literal, NamedTuple, TypeAlias
 
-from geometry.errors import InputError
-from geometry.units import UNITS, VIBRATING, factor_of, written
+from crankbase.errors import InputError
+from crankbase.units.units import UNITS, VIBRATING, factor_of, written
 
 # What values in SI are multiplied by to be shown in thousands, thousandths and so on.
 KILO, MEGA, MILLI = factor_of("kN"), factor_of("MPa"), factor_of("mm")

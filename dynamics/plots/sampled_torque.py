@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE
+from crankbase.drawing.legends import legend_inside
 from dynamics.checks import FloatArray
-from geometry.diagram_style import BLUE, GREEN, ORANGE
-from geometry.plots.legends import legend_inside
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,10 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dynamics.checks import FloatArray
-from dynamics.plots.quantities import SPEED_LABEL, Shown
-from geometry.diagram_style import COLORS, with_gaps
-from geometry.plots.curves import (
+from crankbase.drawing.curves import (
     Band,
     Curves,
     Mark,
@@ -18,8 +15,11 @@ from geometry.plots.curves import (
     draw_curves,
     draw_lines,
 )
-from geometry.plots.legends import legend_below, legend_inside
-from geometry.units import RPM
+from crankbase.drawing.diagram_style import COLORS, with_gaps
+from crankbase.drawing.legends import legend_below, legend_inside
+from crankbase.units.units import RPM
+from dynamics.checks import FloatArray
+from dynamics.plots.quantities import SPEED_LABEL, Shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

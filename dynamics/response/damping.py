@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.checks import FloatArray, nonnegative_vector, one_for_each, positive_number
 from dynamics.places import node_index, values_at_nodes
@@ -15,7 +16,6 @@ from dynamics.response.linear_system import (
     LinearSystem,
     chain_system,
 )
-from geometry.errors import InputError
 
 ByPlace = ArrayLike | Mapping[int, float]
 UNIT = "N m s/rad (torsional) or N s/m (axial)"

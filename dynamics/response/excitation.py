@@ -6,6 +6,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
 from dynamics.checks import (
     ComplexArray,
     FloatArray,
@@ -23,10 +27,6 @@ from dynamics.plots.coordinates import orders_and_speeds
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis
 from dynamics.response.over_speed import OverSpeed
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import grid
-from geometry.plots.legends import legend_inside, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

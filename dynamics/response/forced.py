@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
 from dynamics.checks import ComplexArray, FloatArray
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
@@ -19,8 +21,6 @@ from dynamics.response.harmonic import Method, harmonic_answer
 from dynamics.response.linear_system import LinearSystem, chain_system
 from dynamics.response.series import OrderSeries, plot_series
 from dynamics.response.synthesis import Synthesis
-from geometry.errors import InputError
-from geometry.frames import grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,9 +7,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.errors import InputError
 from dynamics.checks import ComplexArray, FloatArray, positive_vector
 from dynamics.response.linear_system import LinearSystem
-from geometry.errors import InputError
 
 Method = Literal["modal", "direct"]
 METHODS = ("modal", "direct")

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.choices import check_choice
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
 from dynamics.checks import ComplexArray, FloatArray, finite_array, positive_vector
 from dynamics.places import place_of
@@ -15,9 +18,6 @@ from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import MAIN_ORDERS
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.series import OrderSeries, plot_series
-from geometry.choices import check_choice
-from geometry.errors import InputError
-from geometry.frames import grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.tables.frames import grid
 from dynamics.checks import ComplexArray, FloatArray
 from dynamics.plots.coordinates import name_axis, orders_and_speeds
 from dynamics.plots.quantities import KILO
@@ -13,9 +16,6 @@ from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import dashpot_names, dashpot_rows
 from dynamics.response.series import with_unbounded
-from geometry.diagram_style import new_axes
-from geometry.frames import grid
-from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

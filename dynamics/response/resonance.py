@@ -7,13 +7,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
+from crankbase.tables.frames import Row
 from dynamics.checks import ComplexArray, FloatArray
 from dynamics.critical import critical_speeds
 from dynamics.places import place_of
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import NO_WORK, UNDAMPED, harmonic_answer
-from geometry.errors import InputError
-from geometry.frames import Row
 
 # Forces act together if their sum reaches this share of the sum of their sizes.
 IN_PHASE = 0.99

@@ -8,6 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.drawing.curves import Curves
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
 from dynamics.checks import (
     ComplexArray,
     FloatArray,
@@ -22,11 +27,6 @@ from dynamics.plots.quantities import Quantity, Shown, shown
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_over_speed, over_speed
 from dynamics.response.excitation import at_angles, checked_speed_index
 from dynamics.response.synthesis import Synthesis, synthesis
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import grid
-from geometry.plots.curves import Curves
-from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

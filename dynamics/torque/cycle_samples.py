@@ -6,12 +6,12 @@ from typing import TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray, finite_array, whole_number
 from dynamics.cycle import even_angles
 from dynamics.engine.gas_forces import Pressure, gas_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.harmonics import Harmonics, harmonics
-from geometry.errors import InputError
 
 # Steps of 0.5 deg over 720 deg resolve orders up to 360, those over 360 deg of twice that.
 DEFAULT_SAMPLES = 1440

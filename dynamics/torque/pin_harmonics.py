@@ -6,6 +6,10 @@ from typing import TYPE_CHECKING, Literal
 
 from numpy.typing import ArrayLike
 
+from crankbase.choices import check_choice
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.tables.frames import table
 from dynamics.checks import FloatArray, nonnegative_number
 from dynamics.engine.forces import MechanismForces, mechanism_forces
 from dynamics.engine.gas_forces import Pressure
@@ -16,10 +20,6 @@ from dynamics.mechanism.rods import RodModelName
 from dynamics.plots.bars import draw_harmonics
 from dynamics.plots.quantities import KILO
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
-from geometry.choices import check_choice
-from geometry.diagram_style import new_axes
-from geometry.frames import table
-from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -3,10 +3,10 @@
 import math
 from collections.abc import Sequence
 
+from crankbase.errors import InputError
 from dynamics.checks import is_whole
 from dynamics.engine.firing import IN_LINE
 from dynamics.engine.layout import EngineLayout
-from geometry.errors import InputError
 
 # Rods on one throw stand closer than this share of the bore: cylinders of a bank cannot.
 CLOSE = 0.75

@@ -7,6 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE, new_axes
+from crankbase.drawing.legends import legend_above, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
 from dynamics.checks import FloatArray, is_whole, nonnegative_number, read_only
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import Pressure
@@ -21,10 +25,6 @@ from dynamics.plots.coordinates import angle_axis, number_axis
 from dynamics.plots.quantities import KILO
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
 from dynamics.torque.throws import checked_throws, throws_along_shaft
-from geometry.diagram_style import BLUE, COLORS, ORANGE, new_axes
-from geometry.errors import InputError
-from geometry.frames import grid
-from geometry.plots.legends import legend_above, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,12 +7,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray, finite_array, nonnegative_number
 from dynamics.places import node_index
 from dynamics.response.excitation import OrderExcitation
 from dynamics.transient.order_forces import OrderForces
 from dynamics.transient.speed_curve import SpeedCurve
-from geometry.errors import InputError
 
 # Times closer than this share of a step are one.
 SAME_TIME = 1e-6

@@ -6,6 +6,12 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from crankbase.choices import check_choice
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
+from crankbase.units.units import RPM
 from dynamics.checks import FloatArray, whole_number
 from dynamics.places import node_index
 from dynamics.plots.angle_curves import draw_over_time
@@ -13,12 +19,6 @@ from dynamics.plots.coordinates import time_axis
 from dynamics.plots.quantities import MOVING
 from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.transient.picking import OF_ELEMENTS, Moving, units_of
-from geometry.choices import check_choice
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import grid
-from geometry.plots.legends import write_title
-from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.over_speed import OverSpeed
 from dynamics.transient.propagator import PLACES, POINTS
-from geometry.errors import InputError
 
 # Shaft angles times the highest order that one step may cover [rad], by default and at most. A
 # polynomial through the points of a step misses a sine at its ends by 1.5e-6 of the sixth power.

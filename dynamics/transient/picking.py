@@ -2,12 +2,12 @@
 
 from typing import Literal, NamedTuple, TypeAlias
 
+from crankbase.choices import check_choice
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.checks import FloatArray
 from dynamics.places import place_of
 from dynamics.plots.quantities import MOVING, SI_UNITS
-from geometry.choices import check_choice
-from geometry.errors import InputError
 
 Moving: TypeAlias = Literal["torque", "force", "twist", "displacement"]
 OF_ELEMENTS = ("torque", "force")

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
 from dynamics.checks import (
     FloatArray,
@@ -31,8 +33,6 @@ from dynamics.transient.propagator import PLACES, Propagator, StateSpace
 from dynamics.transient.speed_curve import SpeedCurve
 from dynamics.transient.steady import spring_torques, steady_from
 from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
-from geometry.errors import InputError
-from geometry.frames import grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

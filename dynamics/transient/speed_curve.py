@@ -7,6 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
+from crankbase.units.units import RPM
 from dynamics.checks import (
     FloatArray,
     finite_array,
@@ -18,11 +23,6 @@ from dynamics.checks import (
 )
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import SPEED_LABEL
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import table
-from geometry.plots.legends import write_title
-from geometry.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

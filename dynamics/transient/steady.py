@@ -7,6 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
+from crankbase.units.quantity import show_quantity
 from dynamics.chains.chain import Chain
 from dynamics.checks import ComplexArray, FloatArray, finite_array, positive_number, whole_number
 from dynamics.cycle import even_angles
@@ -24,11 +29,6 @@ from dynamics.transient.order_forces import (
 from dynamics.transient.picking import Moving, axis_names, pick, units_of
 from dynamics.transient.propagator import PLACES, Propagator, StateSpace
 from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import grid
-from geometry.plots.legends import write_title
-from geometry.quantity import show_quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

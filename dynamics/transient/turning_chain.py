@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.checks import FloatArray
 from dynamics.engine.layout import EngineLayout
@@ -15,7 +16,6 @@ from dynamics.places import node_index
 from dynamics.response.excitation import checked_speed_index
 from dynamics.transient.throw_curves import ThrowCurves, throw_curves
 from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
-from geometry.errors import InputError
 
 # Ratios of speeds count as one within this; damping against even turning as none.
 EVEN = 1e-9

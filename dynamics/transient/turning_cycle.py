@@ -7,6 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
+from crankbase.units.quantity import show_quantity
 from dynamics.checks import ComplexArray, FloatArray, positive_number, whole_number
 from dynamics.cycle import even_angles
 from dynamics.plots.angle_curves import draw_over_angle
@@ -16,11 +21,6 @@ from dynamics.transient.picking import Moving, axis_names, pick, units_of
 from dynamics.transient.steady import half_over_cycle, phasors_over_cycle, spring_torques
 from dynamics.transient.turning_chain import TurningChain
 from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import grid
-from geometry.plots.legends import write_title
-from geometry.quantity import show_quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,9 +7,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray
 from dynamics.transient.turning_chain import TurningChain
-from geometry.errors import InputError
 
 IntegrationMethod = Literal["DOP853", "Radau"]
 METHODS = ("DOP853", "Radau")

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
 from dynamics.checks import (
     MOST_TURNS,
     FloatArray,
@@ -27,8 +29,6 @@ from dynamics.transient.steady import spring_torques
 from dynamics.transient.turning_chain import TurningChain
 from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
 from dynamics.transient.viscous import ViscousSystem
-from geometry.errors import InputError
-from geometry.frames import grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

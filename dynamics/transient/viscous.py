@@ -6,10 +6,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.checks import positive_number
 from dynamics.response.linear_system import LinearSystem, chain_system
-from geometry.errors import InputError
 
 LossAs = Literal["viscous", "modal"]
 LOSS_AS = ("viscous", "modal")

@@ -2,7 +2,7 @@
 
 import math
 
-from geometry.errors import InputError, quoted
+from crankbase.errors import InputError, quoted
 
 
 def checked_moment(field: str, given: float, speed: float, angle: float) -> float:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
 from dynamics.checks import FloatArray, finite_array, positive_number, turns_followed, whole_number
 from dynamics.cycle import even_angles
 from dynamics.turning.given_functions import checked_inertia, checked_moment
@@ -17,8 +19,6 @@ from dynamics.turning.speed_over_angle import (
     speed_over_angle,
 )
 from dynamics.turning.steady_energy import LEAST_ENERGY, energy_for_mean_speed
-from geometry.errors import InputError
-from geometry.plots.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

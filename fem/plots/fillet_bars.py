@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.plots.bars import draw_groups
-from geometry.plots.legends import write_title
+from crankbase.drawing.bars import draw_groups
+from crankbase.drawing.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

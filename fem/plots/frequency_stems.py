@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.diagram_style import COLORS
-from geometry.plots.legends import write_title
+from crankbase.drawing.diagram_style import COLORS
+from crankbase.drawing.legends import write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

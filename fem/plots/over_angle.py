@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.diagram_style import BLUE
-from geometry.errors import InputError
+from crankbase.drawing.diagram_style import BLUE
+from crankbase.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

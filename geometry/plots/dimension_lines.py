@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geometry.diagram_style import BLUE
+from crankbase.drawing.diagram_style import BLUE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.diagram_style import GRAY, new_axes
-from geometry.errors import InputError
-from geometry.plots.legends import write_title
+from crankbase.drawing.diagram_style import GRAY, new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
 from geometry.parts import Cylinder, Point, Sector, ThrowParts, WebPlate
 from geometry.plots.dimension_lines import CENTER, JOURNAL_COLOR, View
 from geometry.plots.end_view import draw_end
-from geometry.plots.legends import write_title
 from geometry.plots.side_view import draw_side
 
 if TYPE_CHECKING:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.forms import Form
 
 Array = NDArray[np.float64]

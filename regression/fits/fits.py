@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import table
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
 from regression.fits.checked_runs import checked_runs, checked_sizes
 from regression.fits.determined_terms import determined_terms, is_indicator
 from regression.fits.equation_text import term_effects

@@ -15,8 +15,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geometry.choices import is_number
-from geometry.errors import InputError
+from crankbase.choices import is_number
+from crankbase.errors import InputError
 from regression.fits.terms import Term, code, expand, natural_shift, polynomial_terms
 
 Basis = Literal["factors", "groups"]

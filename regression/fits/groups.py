@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
+from crankbase.model import field_extra
 from fem.material import Material
-from geometry.errors import InputError
-from geometry.model import field_extra
 from geometry.throw import CrankThrow
 
 Array = NDArray[np.float64]

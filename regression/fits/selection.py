@@ -19,7 +19,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.statistics import Array, press_without_each
 from regression.fits.terms import Term, removable
 

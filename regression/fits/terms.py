@@ -13,7 +13,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 
 Term = tuple[int, ...]
 

@@ -8,7 +8,7 @@ throws; ``1 - 0.125 (D_km + D_shm) / R`` is the share of the crank radius that b
 the web has 2/3 at gamma = 180 deg and 1/6 at 0, as a slender frame.
 """
 
-from geometry.quantity import show_quantity
+from crankbase.units.quantity import show_quantity
 from regression.formulas.angle_factors import anderson_k_phi
 from regression.formulas.case import ThrowCase
 from regression.formulas.reading import AxialFormula, Reading

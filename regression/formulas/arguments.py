@@ -2,8 +2,8 @@
 
 import math
 
-from geometry.choices import is_number
-from geometry.errors import InputError, quoted
+from crankbase.choices import is_number
+from crankbase.errors import InputError, quoted
 
 
 def fold_angle_deg(gamma_deg: float) -> float:

@@ -26,7 +26,7 @@ original authors given in each formula's source.
 
 from collections.abc import Mapping
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.formulas.arguments import checked_angle_deg, fold_angle_deg, shear_modulus
 from regression.formulas.case import ThrowCase, round_area, round_inertia

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from geometry.choices import is_number
-from geometry.errors import InputError
+from crankbase.choices import is_number
+from crankbase.errors import InputError
 
 
 @dataclass(frozen=True)

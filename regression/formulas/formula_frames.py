@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from geometry.frames import table
+from crankbase.tables.frames import table
 from regression.formulas.formula_value import FormulaValue
 
 

@@ -8,7 +8,7 @@ not the main journal. Whose diameter shortens the web cannot be told from the pr
 journal's is taken.
 """
 
-from geometry.quantity import show_quantity
+from crankbase.units.quantity import show_quantity
 from regression.formulas.case import ThrowCase, round_inertia
 from regression.formulas.reading import AxialFormula, Reading
 from regression.formulas.remarks import (

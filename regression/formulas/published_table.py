@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 
 FINITE_ELEMENTS = "finite elements"
 COLUMNS = (

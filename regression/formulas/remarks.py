@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from geometry.quantity import show_quantity
+from crankbase.units.quantity import show_quantity
 from geometry.throw import CrankThrow
 from regression.formulas.case import ThrowCase
 

@@ -7,7 +7,7 @@ as that of a slender frame, 8 R^3 / (E B h^3); the rest of the last term is the 
 the effective width. The factor k_n for the overlap is not published, the angle does not enter.
 """
 
-from geometry.quantity import show_quantity
+from crankbase.units.quantity import show_quantity
 from regression.formulas.case import ThrowCase
 from regression.formulas.reading import AxialFormula, Reading
 from regression.formulas.remarks import Remark, no_angle_remarks

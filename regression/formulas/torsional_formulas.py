@@ -17,7 +17,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from geometry.quantity import show_quantity
+from crankbase.units.quantity import show_quantity
 from geometry.throw import CrankThrow
 from regression.formulas.arguments import shear_modulus
 from regression.formulas.case import round_inertia

@@ -11,7 +11,7 @@ The plain thickness, h_e = h, with which the survey's own table may have been ca
 
 import math
 
-from geometry.quantity import show_quantity
+from crankbase.units.quantity import show_quantity
 from regression.formulas.case import ThrowCase
 from regression.formulas.reading import AxialFormula, Reading
 from regression.formulas.remarks import (

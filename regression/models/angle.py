@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geometry.errors import InputError, quoted
+from crankbase.errors import InputError, quoted
 from regression.formulas.arguments import fold_angle_deg
 
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
-from geometry.errors import InputError
-from geometry.model import InputModel
+from crankbase.errors import InputError
+from crankbase.model import InputModel
 from geometry.throw import CrankThrow
 from regression.models.angle import between_values, fold_angle
 from regression.models.family import Family

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError
-from geometry.model import field_extra
+from crankbase.errors import InputError
+from crankbase.model import field_extra
 from regression.throw_values import SAME, declaration, field_unit, show
 
 # A float or an array; of a category a label or an array of labels.

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, cast
 
-from geometry.errors import InputError
-from geometry.model import field_extra
+from crankbase.errors import InputError
+from crankbase.model import field_extra
 from geometry.throw import CrankThrow
 from regression.models.family import Family
 from regression.throw_values import DEFAULTS, declaration, field_unit, same, show, throw_values

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from geometry.errors import InputError
-from geometry.outputs import write_text
-from geometry.text_limits import LARGEST_TABLE_FILE, check_file_size
+from crankbase.errors import InputError
+from crankbase.outputs import write_text
+from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
 from regression.fits.terms import polynomial_terms
 
 FILE_FORMAT = "crankfem compliance model"

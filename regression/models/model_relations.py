@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.plans.relations import calculate, in_order, read_expression
 
 

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.choices import check_not_given
+from crankbase.drawing.diagram_style import BLUE, RED, new_axes
+from crankbase.drawing.legends import shown_unit, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid, table
 from fem.plots.over_angle import angle_axis
-from geometry.choices import check_not_given
-from geometry.diagram_style import BLUE, RED, new_axes
-from geometry.errors import InputError
-from geometry.frames import grid, table
-from geometry.plots.legends import shown_unit, write_title
 from regression.models.family import Family
 from regression.models.lookup import Lookup
 from regression.models.response_model import ResponseModel

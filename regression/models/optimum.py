@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize
 
-from geometry.diagram_style import RED, new_axes
-from geometry.errors import InputError
-from geometry.frames import table
-from geometry.plots.bars import draw_groups
-from geometry.plots.legends import write_title
-from geometry.quantity import show_quantity
+from crankbase.drawing.bars import draw_groups
+from crankbase.drawing.diagram_style import RED, new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
+from crankbase.units.quantity import show_quantity
 from geometry.throw import CrankThrow
 from regression.models.compliance_model import ComplianceModel
 from regression.models.lookup import Lookup

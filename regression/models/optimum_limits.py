@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.models.angle import between_values
 from regression.models.compliance_model import ANGLE_LAWS, ComplianceModel
 from regression.models.error_band import error_band

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.models.compliance_model import ComplianceModel
 from regression.models.optimum_limits import Points

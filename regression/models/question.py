@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
 from fem.material import Material
-from geometry.errors import InputError
 from regression.fits.groups import GROUPS, group_named, response_scale
 from regression.models.evaluator import PIECE, CompiledEquation, compile_equation, pieces
 from regression.models.family import Family, Given

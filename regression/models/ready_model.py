@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.models.error_band import error_band
 from regression.models.family import Family
 from regression.models.family_throw import angle_law_remarks

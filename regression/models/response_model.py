@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
-from geometry.errors import InputError
-from geometry.model import InputModel
+from crankbase.errors import InputError
+from crankbase.model import InputModel
 from regression.fits.forms import FittedForm
 from regression.fits.terms import code
 from regression.throw_values import show

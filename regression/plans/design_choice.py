@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, fields
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.plans.designs_factorial import ROMAN
 from regression.plans.designs_surface import FACES
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.plans.design_choice import LARGEST_DESIGN, DesignChoice
 from regression.plans.designs_factorial import (
     ROMAN,

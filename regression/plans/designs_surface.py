@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.plans.designs_factorial import corner_fraction
 
 FACES = ("faced", "inscribed", "circumscribed")

@@ -8,10 +8,10 @@ from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 
-from geometry.choices import is_number
-from geometry.errors import InputError, quoted
-from geometry.model import InputModel, field_extra, part_kind
-from geometry.quantity import show_quantity
+from crankbase.choices import is_number
+from crankbase.errors import InputError, quoted
+from crankbase.model import InputModel, field_extra, part_kind
+from crankbase.units.quantity import show_quantity
 from geometry.throw import CrankThrow
 
 SPACINGS = ("even", "log", "chebyshev", "log chebyshev")

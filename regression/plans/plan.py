@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
 from fem.material import STEEL, Material
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans.design_choice import SPACE_FILLING, DesignChoice
 from regression.plans.designs import (

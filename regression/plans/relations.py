@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.errors import InputError, quoted
-from geometry.quantity import show_quantity, unit_registry
-from geometry.text_limits import LARGEST_POWER, LONGEST_EXPRESSION
+from crankbase.errors import InputError, quoted
+from crankbase.text_limits import LARGEST_POWER, LONGEST_EXPRESSION
+from crankbase.units.quantity import show_quantity, unit_registry
 
 TOKEN = re.compile(
     r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"

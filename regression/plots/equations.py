@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.diagram_style import BLUE, GRAY, GREEN, ORANGE
-from geometry.plots.legends import legend_inside, write_title
+from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE
+from crankbase.drawing.legends import legend_inside, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.diagram_style import math_symbol
-from geometry.plots.legends import shown_unit
+from crankbase.drawing.diagram_style import math_symbol
+from crankbase.drawing.legends import shown_unit
 from regression.factor_labels import factor_text
 
 if TYPE_CHECKING:

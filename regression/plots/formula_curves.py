@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.drawing.bars import PALE, draw_rows
+from crankbase.drawing.diagram_style import BLUE, CURVES
 from fem.plots.over_angle import LABELS, SHOWN, angle_axis, draw_supports
-from geometry.diagram_style import BLUE, CURVES
-from geometry.plots.bars import PALE, draw_rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

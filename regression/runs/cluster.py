@@ -13,7 +13,7 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Protocol
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.plans.plan import MODEL_VERSION
 from regression.records import Outcome
 from regression.runs.interrupts import interrupts_deferred, interrupts_ignored

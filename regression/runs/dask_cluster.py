@@ -10,7 +10,7 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from importlib import import_module
 from typing import Any
 
-from geometry.errors import InputError, MissingLibraryError
+from crankbase.errors import InputError, MissingLibraryError
 from regression.records import StudyStoppedError
 from regression.runs.cluster import Task, TaskLostError, compute_design, end_run, identity
 from regression.runs.supervised import Limits

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from crankbase.errors import InputError
 from fem.responses import RESPONSES
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor, changed_record, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from crankbase.errors import InputError, MissingLibraryError
+from crankbase.outputs import written
 from fem.responses import RESPONSES
-from geometry.errors import InputError, MissingLibraryError
-from geometry.outputs import written
 from geometry.throw import CrankThrow
 from regression.plans.plan import MODEL_VERSION
 from regression.runs.study_table import StudyRow, StudyTable

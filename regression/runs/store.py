@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 import psutil
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.records import MEASURED, ExtraRow, Outcome, StudyStoppedError, content_key
 from regression.runs.store_rows import (
     CHECKSUM,

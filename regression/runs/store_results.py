@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.plans.factors import Factor, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.records import ExtraRow, Outcome

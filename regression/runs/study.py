@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.plans.plan import (
     MODEL_VERSION,
     PlannedStudy,

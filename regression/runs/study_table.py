@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import legend_inside, shown_unit, write_title
+from crankbase.errors import InputError
+from crankbase.model import field_extra
+from crankbase.tables.frames import table
 from fem.responses import RESPONSES
-from geometry.diagram_style import new_axes
-from geometry.errors import InputError
-from geometry.frames import table
-from geometry.model import field_extra
-from geometry.plots.legends import legend_inside, shown_unit, write_title
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedDesign, StudyPlan

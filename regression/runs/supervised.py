@@ -12,9 +12,9 @@ from typing import Any
 
 import psutil
 
-from geometry.choices import is_number
-from geometry.errors import InputError
-from geometry.processes import end_child, signal_name, start_child
+from crankbase.choices import is_number
+from crankbase.errors import InputError
+from crankbase.processes import end_child, signal_name, start_child
 
 # Seconds that a design may take at 1 % accuracy before its worker counts as hanging.
 TIME_LIMIT = 300.0

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from crankbase.errors import InputError
+from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
+from crankbase.units.quantity import parse_quantity
 from fem.responses import RESPONSES
-from geometry.errors import InputError
-from geometry.quantity import parse_quantity
-from geometry.text_limits import LARGEST_TABLE_FILE, check_file_size
 from regression.plans.plan import StudyPlan
 from regression.records import above_zero
 

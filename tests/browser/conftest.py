@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from crankfem.pipeline import run_engine
+from crankfem.jobs.pipeline import run_engine
 
 playwright = pytest.importorskip(
     "playwright.sync_api", reason="pages are looked at in a browser with crankfem[browser]"

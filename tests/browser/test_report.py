@@ -15,8 +15,8 @@ import pytest
 from plotly.offline import get_plotlyjs
 
 from comparing import close
-from crankfem.pictures.interactive.angles import formulas_over_angle
-from crankfem.pictures.interactive.mechanism import polar_load
+from crankfem.report.interactive.angles import formulas_over_angle
+from crankfem.report.interactive.mechanism import polar_load
 from dynamics.engine.loads import LoadDiagram
 
 pytestmark = pytest.mark.further

@@ -35,7 +35,7 @@ def run(file: Path, store: Path, workers: int, wanted: int, *, interrupt: bool) 
     # An interrupt is ignored by what is started in the background, unless it is asked for.
     code = (
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
-        "from crankfem.entry import main; main()"
+        "from crankfem.cli.entry import main; main()"
     )
     arguments = ["doe", file, "--store", store, "--workers", workers, "--json"]
     began = time.monotonic()

@@ -20,11 +20,11 @@ import numpy as np
 from random_throws import random_throw
 
 import crankfem as cf
+from crankbase.errors import InputError, MeshError
+from crankbase.stopwatch import Stopwatch
 from fem.accuracy import MOST_UNKNOWNS, Problem, solve_level
 from fem.refinement import refined_sizes
-from geometry.errors import InputError, MeshError
 from geometry.mesher import mesh_isolated
-from geometry.stopwatch import Stopwatch
 
 COUNT = 60
 FIRST_SEED = 1001

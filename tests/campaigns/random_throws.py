@@ -12,7 +12,7 @@ from collections import Counter
 
 import numpy as np
 
-from geometry.errors import InputError, MeshError
+from crankbase.errors import InputError, MeshError
 from geometry.mass import mass_properties, mesh_mass_properties
 from geometry.mending import corner_quality, smallest_jacobians
 from geometry.mesher import mesh_isolated

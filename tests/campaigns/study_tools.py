@@ -41,7 +41,7 @@ RANGES = {
 }
 COORDINATOR = """
 import json, sys
-from crankfem.console import clear_errors
+from crankfem.cli.console import clear_errors
 from regression.runs.study import StudyPlan, run_plan
 with clear_errors():
     plan = StudyPlan.from_record(json.loads(sys.argv[1]))

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crankfem import cli
-from crankfem.data_files import engine_path
-from crankfem.engine_file import load_engine
-from crankfem.vibration.run import engine_vibration
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.cli import app as cli
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.reading.data_files import engine_path
 from fem.analysis import analyze_throw
 from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
@@ -27,7 +27,7 @@ from regression.runs.study import run_plan
 from stand_ins import draw_nothing, lighten
 
 ROOT = Path(__file__).resolve().parents[2]
-ENTRY = [sys.executable, "-c", "from crankfem.entry import main; main()"]
+ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]
 
 
 @dataclass(frozen=True)

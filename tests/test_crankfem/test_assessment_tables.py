@@ -2,8 +2,8 @@
 
 import pytest
 
-from crankfem.output_units import parse_output_units
-from crankfem.vibration_tables import print_assessment
+from crankbase.tables.output_units import parse_output_units
+from crankfem.cli.tables.vibration_tables import print_assessment
 
 STRESS, TWIST = "torsional stress of crankshaft", "torsional amplitude of free end"
 

@@ -5,20 +5,22 @@ from dataclasses import replace
 import pytest
 
 from comparing import close
-from crankfem import balance_records, balance_tables, console
-from crankfem.pictures.balance_plots import (
+from crankbase.errors import InputError
+from crankfem.analyses.mechanism import balance_records
+from crankfem.analyses.mechanism.plots.balance_plots import (
     plot_accelerations,
     plot_balance,
     plot_hinged_rods,
     plot_hodographs,
 )
+from crankfem.cli import console
+from crankfem.cli.tables import balance_tables
 from dynamics.balance.balance import balance
 from dynamics.balance.hinged_rods import hinged_rod_effects
 from dynamics.balance.moving_masses import balancing_masses
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.layout import EngineLayout
 from dynamics.mechanism.rods import ConnectingRod
-from geometry.errors import InputError
 
 SPEED = 1000.0 * math.pi / 30.0
 

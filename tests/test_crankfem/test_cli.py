@@ -12,17 +12,17 @@ import pytest
 import typer.main
 
 from comparing import close
-from crankfem import cli
-from crankfem.angle_argument import parse_gamma
-from crankfem.commands import completion
-from crankfem.console import RunProgress
-from crankfem.data_files import engine_path, shipped_engines
-from crankfem.exit_codes import MEANINGS
-from crankfem.field_tables import SECTIONS
-from geometry.errors import InputError, MissingLibraryError
+from crankbase.errors import InputError, MissingLibraryError
+from crankfem.cli import app as cli
+from crankfem.cli.angle_argument import parse_gamma
+from crankfem.cli.commands import completion
+from crankfem.cli.console import RunProgress
+from crankfem.files.reading.data_files import engine_path, shipped_engines
+from crankfem.files.sections.field_tables import SECTIONS
+from crankfem.jobs.exit_codes import MEANINGS
 from regression.models.compliance_model import ComplianceModel
 
-ENTRY = [sys.executable, "-c", "from crankfem.entry import main; main()"]
+ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]
 COMMANDS = sorted(typer.main.get_command(cli.app).commands)
 
 
@@ -98,7 +98,7 @@ def test_every_error_is_a_sentence_and_a_code(call, monkeypatch, error, code, se
     def fail(_):
         raise error
 
-    monkeypatch.setattr("crankfem.field_tables.section_tables", fail)
+    monkeypatch.setattr("crankfem.files.sections.field_tables.section_tables", fail)
     answer = call("fields")
     assert (answer.code, answer.out) == (code, "")
     assert answer.err == ("" if sentence is None else f"Error: {sentence}\n")
@@ -132,7 +132,7 @@ VERDICTS = {
 def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     code, sentence = VERDICTS[status]
     judged = {"status": status, "sentence": "The verdict."}
-    monkeypatch.setattr("crankfem.vibration.run.engine_vibration", lambda *_, **__: None)
+    monkeypatch.setattr("crankfem.analyses.vibration.run.engine_vibration", lambda *_, **__: None)
     for name in ("vibration.records.run_record", "vibration_tables.print_run"):
         made = {"assessment": judged}
         monkeypatch.setattr(f"crankfem.{name}", lambda *_, made=made, **__: made)
@@ -152,8 +152,8 @@ def test_strict_refuses_at_once_what_cannot_be_judged(
     def computed(*_, **__):
         raise AssertionError("nothing is computed for it")
 
-    monkeypatch.setattr("crankfem.pipeline.run_engine", computed)
-    monkeypatch.setattr("crankfem.vibration.run.engine_vibration", computed)
+    monkeypatch.setattr("crankfem.jobs.pipeline.run_engine", computed)
+    monkeypatch.setattr("crankfem.analyses.vibration.run.engine_vibration", computed)
     (tmp_path / "mine.toml").write_text(edit(six_cylinders, {"[gas]": None}), encoding="utf-8")
     answer = call(command, "mine.toml", "--strict")
     assert (answer.code, answer.out) == (2, "")
@@ -213,7 +213,7 @@ def test_names_and_files_are_completed(tmp_path, model_file):
 
 def test_completion_and_help_load_nothing_slow(spawn):
     code = (
-        "import sys, crankfem.cli; from crankfem.commands import completion; "
+        "import sys, crankfem.cli.app; from crankfem.cli.commands import completion; "
         "completion.any_input(''); completion.shipped(''); "
         "print([name for name in ('numpy', 'scipy', 'pydantic', 'pint', 'gmsh', 'matplotlib') "
         "if name in sys.modules])"
@@ -674,13 +674,13 @@ def test_an_interrupted_run_says_what_is_kept(call, monkeypatch, finished, sente
             progress.design(finished, 9, None)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("crankfem.pipeline.run_engine", interrupted)
+    monkeypatch.setattr("crankfem.jobs.pipeline.run_engine", interrupted)
     answer = call("run", "6chn25-34", "--quiet")
     assert (answer.code, answer.out, answer.err) == (130, "", sentence)
 
 
 def test_results_without_numbers_never_become_json(capsys):
-    from crankfem.console import print_json
+    from crankfem.cli.console import print_json
 
     with pytest.raises(ValueError, match="not JSON compliant"):
         print_json({"value": float("nan")})

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from crankfem.console import pace
+from crankfem.cli.console import pace
 from fem.responses import RESPONSES
 from regression.records import StudyStoppedError
 from regression.runs import store as store_module
@@ -240,7 +240,7 @@ from regression.runs import supervised
 supervised.spawn_worker = lambda: subprocess.Popen(
     [sys.executable, "-S", "-c", os.environ["PUPPET"]], stdin=subprocess.PIPE, stdout=subprocess.PIPE
 )
-from crankfem.entry import main
+from crankfem.cli.entry import main
 main()
 """
 

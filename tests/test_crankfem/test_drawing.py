@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.data_files import data_folder
-from crankfem.pictures import solid_picture
-from crankfem.pictures.drawing import draw_throw, write_drawing
-from crankfem.throw_file import load_throw
-from geometry.errors import InputError
+from crankbase.errors import InputError
+from crankfem.analyses.throw.pictures import solid_picture
+from crankfem.analyses.throw.pictures.drawing import draw_throw, write_drawing
+from crankfem.files.engine.throw_file import load_throw
+from crankfem.files.reading.data_files import data_folder
 from geometry.throw import CrankThrow
 
 DIMENSIONS = {

@@ -5,12 +5,12 @@ from dataclasses import replace
 import pytest
 
 from comparing import close
-from crankfem.data_files import engine_path
-from crankfem.engine_file import load_engine
-from crankfem.mechanism_file import load_mechanism, mechanism_of
-from crankfem.vibration.chains import engine_throw_inertias
-from crankfem.vibration.run import engine_vibration
-from geometry.errors import InputError
+from crankbase.errors import InputError
+from crankfem.analyses.shaft.chains import engine_throw_inertias
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
+from crankfem.files.reading.data_files import engine_path
 
 
 @pytest.fixture(scope="module")

@@ -5,10 +5,10 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankfem.data_files import engine_path, shipped_engines
-from crankfem.engine_file import load_engine
-from crankfem.throw_file import load_crankshaft, load_study, load_throw
-from geometry.errors import InputError
+from crankbase.errors import InputError
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.throw_file import load_crankshaft, load_study, load_throw
+from crankfem.files.reading.data_files import engine_path, shipped_engines
 
 SIX_LEVELS = '["60 mm", "68 mm", "76 mm"]'
 

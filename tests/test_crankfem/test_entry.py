@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from crankfem.interrupts import interrupts_end_at_once, interrupts_raise
+from crankfem.cli.interrupts import interrupts_end_at_once, interrupts_raise
 
 pytestmark = pytest.mark.usefixtures("interruptible")
 
@@ -21,11 +21,11 @@ class Cleared:
 
 class Finder:
     def find_spec(self, name, path, target=None):
-        if name == "crankfem.cli":
+        if name == "crankfem.cli.app":
             Cleared()
 
 sys.meta_path.insert(0, Finder())
-from crankfem.entry import main
+from crankfem.cli.entry import main
 main()
 """
 

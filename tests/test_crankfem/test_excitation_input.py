@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.excitation_input import (
+from crankbase.errors import InputError
+from crankfem.files.sections.excitation_input import (
     GasMap,
     Misfire,
     PropellerForcesSection,
@@ -15,13 +16,12 @@ from crankfem.excitation_input import (
     misfire_shares,
     motored_for_misfire,
 )
-from crankfem.mechanism_sections import Gas
+from crankfem.files.sections.mechanism_sections import Gas
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinders import cylinder_forces
 from dynamics.gas.pressure_table import read_pressure_table
 from dynamics.mechanism.rods import ConnectingRod
-from geometry.errors import InputError
 
 RATED = 2000.0 * math.pi / 30.0
 

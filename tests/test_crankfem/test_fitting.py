@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.fit_records import comparisons, study_record, warnings_of
-from crankfem.fit_tables import print_comparisons, print_fits
-from crankfem.fitting import (
+from crankbase.errors import InputError
+from crankfem.analyses.study.fit_records import comparisons, study_record, warnings_of
+from crankfem.analyses.study.fitting import (
     compliance_model,
     dimensions_at,
     fit_study,
@@ -20,8 +20,8 @@ from crankfem.fitting import (
     sensitivities,
     surface,
 )
-from crankfem.pictures.fit_plots import plot_fits
-from geometry.errors import InputError
+from crankfem.analyses.study.plots.fit_plots import plot_fits
+from crankfem.cli.tables.fit_tables import print_comparisons, print_fits
 from geometry.throw import CrankThrow
 from regression.plans.design_choice import DesignChoice
 from regression.plans.factors import Factor
@@ -176,7 +176,7 @@ def test_the_record_of_a_study_fits_nothing_anew(table, fits, monkeypatch):
     def refuse(*_, **__):
         raise AssertionError
 
-    monkeypatch.setattr("crankfem.fitting.fit_form", refuse)
+    monkeypatch.setattr("crankfem.analyses.study.fitting.fit_form", refuse)
     reasons = study_record(table, fits)["unfitted"]
     assert reasons == fits["mass"].unfitted
 

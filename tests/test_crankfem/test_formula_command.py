@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem import data_files, formula_spread
-from crankfem.formula_records import fe_axial
-from crankfem.formula_spread import EngineSpread, Ratio, formula_spreads
-from crankfem.pictures.formula_plots import plot_angle_factors, plot_formulas
-from crankfem.throw_file import load_throw
+from crankfem.analyses.throw import formula_spread
+from crankfem.analyses.throw.formula_records import fe_axial
+from crankfem.analyses.throw.formula_spread import EngineSpread, Ratio, formula_spreads
+from crankfem.analyses.throw.pictures.formula_plots import plot_angle_factors, plot_formulas
+from crankfem.files.engine.throw_file import load_throw
+from crankfem.files.reading import data_files
 from fem.analysis import analyze_throw
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow

@@ -6,7 +6,7 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankfem.table_units import table_unit
+from crankbase.tables.table_units import table_unit
 
 TABLE = "yamz5340_torque_one_throw.csv"
 
@@ -164,7 +164,7 @@ def test_a_header_of_many_columns_is_not_told_in_full(call, tmp_path):
     answer = call("harmonics", "wide.csv")
     assert answer.code == 2
     assert 'given the header "column_0,column_1,' in answer.err
-    assert ' ... ' in answer.err
+    assert " ... " in answer.err
     assert len(answer.err) < 400
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.data_files import hinge_path
-from crankfem.hinge_file import load_hinge
-from crankfem.hinge_run import run_hinge
+from crankbase.errors import InputError
+from crankfem.analyses.hinge.hinge_run import run_hinge
+from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.reading.data_files import hinge_path
 from dynamics.hinge.spring import GasSpring
-from geometry.errors import InputError
 
 SHIPPED = "crosshead-30-100"
 

@@ -17,32 +17,34 @@ import pytest
 from matplotlib.figure import Figure
 
 from comparing import close
-from crankfem.fitting import fit_study, predicted
-from crankfem.pictures.interactive.angles import formulas_over_angle, interactive_angles
-from crankfem.pictures.interactive.campbell import campbell
-from crankfem.pictures.interactive.curves import UNSEEN, figure_of
-from crankfem.pictures.interactive.decimation import fewer_triangles
-from crankfem.pictures.interactive.mechanism import (
+from crankbase.drawing.curves import ON_PAPER, draw_curves
+from crankbase.errors import InputError
+from crankfem.analyses.study.fitting import fit_study, predicted
+from crankfem.report.interactive.angles import formulas_over_angle, interactive_angles
+from crankfem.report.interactive.campbell import campbell
+from crankfem.report.interactive.curves import UNSEEN, figure_of
+from crankfem.report.interactive.decimation import fewer_triangles
+from crankfem.report.interactive.mechanism import (
     developed_load,
     interactive_mechanism,
     polar_load,
 )
-from crankfem.pictures.interactive.over_speed import Curve, amplitudes_over_speed
-from crankfem.pictures.interactive.rounding import rounded
-from crankfem.pictures.interactive.shaft import axial_split, mode_shares, shaft_modes
-from crankfem.pictures.interactive.shapes import mode_shapes
-from crankfem.pictures.interactive.study import interactive_study, parity, response_over_factors
-from crankfem.pictures.interactive.thinning import seen_points
-from crankfem.pictures.interactive.throw_view import (
+from crankfem.report.interactive.over_speed import Curve, amplitudes_over_speed
+from crankfem.report.interactive.rounding import rounded
+from crankfem.report.interactive.shaft import axial_split, mode_shares, shaft_modes
+from crankfem.report.interactive.shapes import mode_shapes
+from crankfem.report.interactive.study import interactive_study, parity, response_over_factors
+from crankfem.report.interactive.thinning import seen_points
+from crankfem.report.interactive.throw_view import (
     DRAWN_DISPLACEMENT,
     MOST_STRESSED,
     throw_view,
 )
-from crankfem.pictures.interactive.torque import interactive_torque
-from crankfem.pictures.interactive.triangles import TriangleSurface, trails
-from crankfem.pictures.interactive.vibration import interactive_vibration
-from crankfem.pictures.interactive.words import designs_told
-from crankfem.pictures.interactive.writing import write_figure
+from crankfem.report.interactive.torque import interactive_torque
+from crankfem.report.interactive.triangles import TriangleSurface, trails
+from crankfem.report.interactive.vibration import interactive_vibration
+from crankfem.report.interactive.words import designs_told
+from crankfem.report.interactive.writing import write_figure
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
 from dynamics.engine.loads import LoadDiagram
 from dynamics.harmonics import harmonics
@@ -52,8 +54,6 @@ from dynamics.response.series import OrderSeries
 from fem import fillet_stress
 from fem.analysis import analyze_throw
 from fem.fillet_stress import fillet_stresses
-from geometry.errors import InputError
-from geometry.plots.curves import ON_PAPER, draw_curves
 from geometry.throw import CrankThrow
 from regression.plans.design_choice import DesignChoice
 from regression.plans.factors import Factor
@@ -740,7 +740,7 @@ def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch):
 
 @pytest.mark.slow
 def test_throw_without_stresses_and_with_many_triangles(analysis, tmp_path, strict, monkeypatch):
-    module = "crankfem.pictures.interactive.throw_view"
+    module = "crankfem.report.interactive.throw_view"
     monkeypatch.setattr(f"{module}.MOST_TRIANGLES", 2000)
     monkeypatch.setattr(f"{module}.MOST_EDGES", 100)
     figure = strict(throw_view(tmp_path, analysis).read_text(encoding="utf-8"))

@@ -2,6 +2,7 @@
 
 import pytest
 
+from crankbase.errors import InputError
 from dynamics.checks import finite_array, positive_number, whole_number
 from dynamics.places import values_at_nodes
 from dynamics.turning.given_functions import checked_inertia
@@ -9,7 +10,6 @@ from fem.dynamic_shaft import natural_modes
 from fem.material import STEEL
 from fem.modes import free_modes
 from fem.supports import Neighbors
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula
 from regression.plans.factors import Factor

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.limits_sections import LimitsInput, RangesInput
-from geometry.errors import InputError
+from crankbase.errors import InputError
+from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
 
 
 def test_limits_come_with_their_units_and_sources():

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.pictures.load_plots import plot_developed_loads, plot_polar_loads
+from crankbase.errors import InputError
+from crankfem.analyses.mechanism.plots.load_plots import plot_developed_loads, plot_polar_loads
 from dynamics.engine.loads import LoadDiagram
 from dynamics.plots.load_diagrams import on_paper, square_round
-from geometry.errors import InputError
 
 ANGLES = np.radians(np.arange(0.0, 720.0, 15.0))
 

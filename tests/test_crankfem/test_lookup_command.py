@@ -8,17 +8,17 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-import crankfem.frequency_limits
+import crankfem.analyses.study.frequency_limits
 from comparing import close
-from crankfem.commands import optimum as optimum_command
-from crankfem.commands.lookup import lookup
-from crankfem.commands.optimum import optimum
-from crankfem.data_files import engine_path
-from crankfem.engine_file import load_engine
-from crankfem.frequency_limits import EngineFrequencies, frequency_limit
-from crankfem.throw_file import load_throw
+from crankbase.errors import InputError
+from crankfem.analyses.study.frequency_limits import EngineFrequencies, frequency_limit
+from crankfem.cli.commands import optimum as optimum_command
+from crankfem.cli.commands.lookup import lookup
+from crankfem.cli.commands.optimum import optimum
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.throw_file import load_throw
+from crankfem.files.reading.data_files import engine_path
 from dynamics.chains.engine_chains import axial_chain
-from geometry.errors import InputError
 from regression.fits.fits import fit_form
 from regression.models import optimum as optimum_search
 from regression.models.compliance_model import ComplianceModel
@@ -329,7 +329,9 @@ def test_frequencies_fall_as_throws_soften(frequencies):
 
 
 def test_frequency_limits(run, path, frequencies, short_search, monkeypatch):
-    monkeypatch.setattr(crankfem.frequency_limits, "engine_frequencies", lambda _: frequencies)
+    monkeypatch.setattr(
+        crankfem.analyses.study.frequency_limits, "engine_frequencies", lambda _: frequencies
+    )
     model = ComplianceModel.load(path)
     needed = frequencies.torsional(3.9e-8)
     found = json.loads(

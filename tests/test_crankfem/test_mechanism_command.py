@@ -5,13 +5,13 @@ import csv
 import pytest
 
 from comparing import close
-from crankfem.engine_file import load_engine
-from crankfem.mechanism_file import load_mechanism
-from crankfem.mechanism_records import mechanism_record
-from crankfem.mechanism_run import run_mechanism
-from crankfem.pictures.mechanism_pictures import picture_mechanism
-from crankfem.rod_comparison import compare_rod_models
-from crankfem.table import merged_rows
+from crankbase.tables.table import merged_rows
+from crankfem.analyses.mechanism.mechanism_records import mechanism_record
+from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+from crankfem.analyses.mechanism.plots.mechanism_pictures import picture_mechanism
+from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.mechanism_file import load_mechanism
 
 
 @pytest.fixture(scope="module")

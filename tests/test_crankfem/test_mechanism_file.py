@@ -9,16 +9,21 @@ import pytest
 
 import crankfem as cf
 from comparing import close
-from crankfem.data_files import engine_path
-from crankfem.engine_file import EngineFile, load_engine
-from crankfem.engine_sections import Engine
-from crankfem.mechanism_file import MechanismFile, load_any, load_mechanism, with_throws
+from crankbase.errors import InputError
+from crankfem.files.engine.engine_file import EngineFile, load_engine
+from crankfem.files.engine.mechanism_file import (
+    MechanismFile,
+    load_any,
+    load_mechanism,
+    with_throws,
+)
+from crankfem.files.reading.data_files import engine_path
+from crankfem.files.sections.engine_sections import Engine
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import gas_forces
 from dynamics.gas.pressure import ATMOSPHERE
 from geometry.balance import unbalance
 from geometry.crankshaft import throw_masses
-from geometry.errors import InputError
 from geometry.mass import MassProperties
 
 

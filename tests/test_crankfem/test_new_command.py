@@ -5,15 +5,15 @@ import math
 import pytest
 
 from comparing import close
-from crankfem.data_files import engine_path, hinge_path
-from crankfem.engine_file import load_engine
-from crankfem.engine_template import (
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.engine_template import (
     FIRING_ORDERS,
     engine_template,
     optional_examples,
     with_example,
 )
-from crankfem.file_kinds import REQUIRED
+from crankfem.files.reading.data_files import engine_path, hinge_path
+from crankfem.files.reading.file_kinds import REQUIRED
 
 TEMPLATE = engine_template()
 EXAMPLES = {one.splitlines()[0].removeprefix("#: "): one for one in optional_examples(TEMPLATE)}

@@ -4,9 +4,9 @@ import shutil
 
 import pytest
 
-from crankfem.data_files import data_folder, engine_path, hinge_path
-from crankfem.outputs import check_outputs
-from geometry.errors import InputError
+from crankbase.errors import InputError
+from crankfem.files.reading.data_files import data_folder, engine_path, hinge_path
+from crankfem.jobs.outputs import check_outputs
 
 TABLE = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"
 COMMANDS = {

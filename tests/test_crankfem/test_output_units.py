@@ -10,9 +10,9 @@ import re
 import pytest
 
 from comparing import close
-from crankfem.output_units import SI, UNITS, parse_output_units
-from geometry.errors import InputError
-from geometry.quantity import parse_quantity, unit_registry
+from crankbase.errors import InputError
+from crankbase.tables.output_units import SI, UNITS, parse_output_units
+from crankbase.units.quantity import parse_quantity, unit_registry
 
 INCH, POUND = 0.0254, 0.45359237
 FORCE = POUND * 9.80665

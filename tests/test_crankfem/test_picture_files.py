@@ -2,8 +2,8 @@
 
 import pytest
 
-from geometry.diagram_style import figure
-from geometry.errors import InputError
+from crankbase.drawing.diagram_style import figure
+from crankbase.errors import InputError
 
 
 @pytest.mark.parametrize("name", ["picture", "picture.png", "nowhere/picture.svg"])

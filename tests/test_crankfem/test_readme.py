@@ -45,7 +45,7 @@ def test_examples_in_docstrings(name):
 def test_commands_and_names_in_the_readme_exist():
     import typer.main
 
-    from crankfem import cli
+    from crankfem.cli import app as cli
 
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     commands = set(typer.main.get_command(cli.app).commands)

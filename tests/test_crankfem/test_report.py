@@ -17,10 +17,10 @@ from pathlib import Path
 import pytest
 
 from comparing import close
-from crankfem.data_files import data_folder
+from crankfem.analyses.about import about_record, file_records, repeat_record, run_command
+from crankfem.analyses.throw.compliances import compliance_tables, regression_record
+from crankfem.files.reading.data_files import data_folder
 from crankfem.report import numbers
-from crankfem.report.about import about_record, file_records, repeat_record, run_command
-from crankfem.report.compliances import compliance_tables, regression_record
 from crankfem.report.figures import load_figures, script_text
 from crankfem.report.summary import summary
 from crankfem.report.writing import render_report, script, write_report

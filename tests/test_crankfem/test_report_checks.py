@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.report.checks import asymmetry, rigid_body_residual, run_checks, unbalanced_share
+from crankfem.analyses.checks import asymmetry, rigid_body_residual, run_checks, unbalanced_share
+from crankfem.analyses.vibration import forced_records
 from crankfem.report.numbers import check_figure
-from crankfem.vibration import forced_records
 from fem.angle_law import SYMMETRIC
 
 STORED = Path(__file__).with_name("report_results.json")

@@ -14,23 +14,23 @@ from matplotlib import pyplot
 
 import crankfem as cf
 from comparing import close
-from crankfem.data_files import data_folder, engine_path
-from crankfem.fitting import predicted
-from crankfem.formula_diagrams import (
+from crankbase.errors import InputError
+from crankfem.analyses.hinge.hinge_run import run_hinge
+from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+from crankfem.analyses.study.fitting import predicted
+from crankfem.analyses.study.studies import fitted
+from crankfem.analyses.throw.formula_diagrams import (
     plot_formulas,
     plot_formulas_over_angle,
     plot_run_formulas,
 )
-from crankfem.formula_spread import EngineSpread, Ratio
-from crankfem.hinge_file import load_hinge
-from crankfem.hinge_run import run_hinge
-from crankfem.mechanism_file import load_mechanism
-from crankfem.mechanism_run import run_mechanism
-from crankfem.pictures import vibration_pictures
-from crankfem.pictures.vibration_panels import short_name
-from crankfem.studies import fitted
-from crankfem.vibration.run_up import run_up
-from geometry.errors import InputError
+from crankfem.analyses.throw.formula_spread import EngineSpread, Ratio
+from crankfem.analyses.vibration import vibration_pictures
+from crankfem.analyses.vibration.plots.vibration_panels import short_name
+from crankfem.analyses.vibration.run_up import run_up
+from crankfem.files.engine.mechanism_file import load_mechanism
+from crankfem.files.hinge.hinge_file import load_hinge
+from crankfem.files.reading.data_files import data_folder, engine_path
 from geometry.mass import MassProperties
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.formula_value import FormulaValue
@@ -69,7 +69,7 @@ DEPICTED_ELSEWHERE = {
 }
 # What a plot may take by its place: which of several things is drawn.
 PLACES = {"place", "node", "element", "cylinder", "throw", "point"}
-PACKAGES = ("geometry", "fem", "regression", "crankfem")
+PACKAGES = ("crankbase", "geometry", "fem", "regression", "crankfem")
 
 
 @pytest.fixture(autouse=True)

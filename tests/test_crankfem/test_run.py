@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem import pipeline, run_drawing
-from crankfem.pictures import vibration_pictures
+from crankfem.analyses.vibration import vibration_pictures
+from crankfem.jobs import pipeline, run_drawing
 from fem.solver import SolveError
 from regression.models.compliance_model import ComplianceModel
 
@@ -456,7 +456,13 @@ def test_run_refuses_a_folder_that_cannot_be(call, quick_six, tmp_path):
 @pytest.mark.usefixtures("interruptible")
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signal")
 def test_an_interrupted_study_says_how_to_go_on(spawn_environment, tmp_path):
-    command = [sys.executable, "-c", "from crankfem.entry import main; main()", "doe", "6chn25-34"]
+    command = [
+        sys.executable,
+        "-c",
+        "from crankfem.cli.entry import main; main()",
+        "doe",
+        "6chn25-34",
+    ]
     process = subprocess.Popen(
         command,
         cwd=tmp_path,

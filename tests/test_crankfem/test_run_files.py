@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from crankfem.run_files import (
+from crankbase.errors import InputError
+from crankbase.outputs import LISTED, files_of_a_run, replacing_files, write_text
+from crankfem.jobs.run_files import (
     MODEL,
     PICTURED,
     REPORT,
@@ -19,12 +21,10 @@ from crankfem.run_files import (
     make_folder,
     replace_last_run,
     results_text,
-    write_report_text,
     write_results,
 )
-from crankfem.run_inputs import read_inputs
-from geometry.errors import InputError
-from geometry.outputs import LISTED, files_of_a_run, replacing_files, write_text
+from crankfem.jobs.run_inputs import read_inputs
+from crankfem.report.writing import write_report_text
 
 STORED = Path(__file__).with_name("report_results.json")
 LEFT = {

@@ -2,12 +2,12 @@
 
 import pytest
 
-from crankfem.pictures import offscreen
-from crankfem.pictures.offscreen import ADVICE, OffscreenProcess, render_failure
-from crankfem.pictures.to_draw import ToDraw
-from crankfem.run_pictures import Pictures, Renderings
-from geometry.errors import MissingLibraryError, RenderError
-from geometry.outputs import written
+from crankbase.errors import MissingLibraryError, RenderError
+from crankbase.outputs import written
+from crankfem.analyses.throw.pictures import offscreen
+from crankfem.analyses.throw.pictures.offscreen import ADVICE, OffscreenProcess, render_failure
+from crankfem.analyses.to_draw import ToDraw
+from crankfem.jobs.run_pictures import Pictures, Renderings
 
 
 @pytest.fixture
@@ -196,7 +196,7 @@ def test_a_rendering_ends_with_an_owner_that_is_killed(own, tmp_path, monkeypatc
     text = "import ctypes; open('begun', 'w').close(); ctypes.PyDLL(None).sleep(60)"
     own_module(tmp_path, monkeypatch, text)
     owner = own(
-        "from pathlib import Path; from crankfem.pictures.offscreen import OffscreenProcess\n"
+        "from pathlib import Path; from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess\n"
         "OffscreenProcess('renders', {}, Path('.')).wait()"
     )
     owner.wait_for((tmp_path / "begun").exists)

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.data_files import engine_path
-from crankfem.engine_file import load_engine
-from crankfem.vibration.engine_limits import even_firing_interval
-from crankfem.vibration.modes import axial_weights
-from crankfem.vibration.shaft_surroundings import shaft_surroundings
-from crankfem.vibration.whole_damping import modal_damping
-from crankfem.vibration.whole_shaft import left_out, shaft_response
+from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
+from crankfem.analyses.shaft.whole_damping import modal_damping
+from crankfem.analyses.shaft.whole_shaft import left_out, shaft_response
+from crankfem.analyses.vibration.engine_limits import even_firing_interval
+from crankfem.analyses.vibration.modes import axial_weights
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.reading.data_files import engine_path
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.coupled_response import coupled_response
 from dynamics.crankshaft.shaft_system import crankshaft_system

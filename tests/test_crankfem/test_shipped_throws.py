@@ -6,11 +6,11 @@ import re
 import pytest
 
 from comparing import close
-from crankfem.data_files import engine_path, shipped_engines
-from crankfem.engine_file import load_engine
-from crankfem.mechanism_file import load_mechanism
-from crankfem.throw_file import load_throw
-from crankfem.toml_file import read_toml
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.mechanism_file import load_mechanism
+from crankfem.files.engine.throw_file import load_throw
+from crankfem.files.reading.data_files import engine_path, shipped_engines
+from crankfem.files.reading.toml_file import read_toml
 from geometry.shaft_ends import ShaftEnds
 
 # The types whose compliance the paper of 2021 lists, in its order.

@@ -8,11 +8,21 @@ import pytest
 from matplotlib.image import imread
 
 from comparing import close
-from crankfem.pictures import solid_picture
-from crankfem.pictures.solid_picture import PICTURE, picture_shaft, picture_throw, render
-from crankfem.pictures.solid_surface import ENDS, SolidSurface, shaft_surface, throw_surface
+from crankbase.errors import InputError
+from crankfem.analyses.throw.pictures import solid_picture
+from crankfem.analyses.throw.pictures.solid_picture import (
+    PICTURE,
+    picture_shaft,
+    picture_throw,
+    render,
+)
+from crankfem.analyses.throw.pictures.solid_surface import (
+    ENDS,
+    SolidSurface,
+    shaft_surface,
+    throw_surface,
+)
 from geometry.crankshaft import Crankshaft
-from geometry.errors import InputError
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 

@@ -9,21 +9,21 @@ import pytest
 from matplotlib.image import imread
 
 from comparing import close
-from crankfem.commands import throw as commands
-from crankfem.pictures import stress_picture
-from crankfem.pictures.stress_picture import (
+from crankbase.errors import InputError, MissingLibraryError
+from crankfem.analyses.throw.pictures import stress_picture
+from crankfem.analyses.throw.pictures.stress_picture import (
     largest_peak,
     picture_arrays,
     picture_name,
     picture_stresses,
     render,
 )
-from crankfem.stress import stress_record
-from crankfem.stress_tables import print_stresses
+from crankfem.analyses.throw.stress import stress_record
+from crankfem.cli.commands import throw as commands
+from crankfem.cli.tables.stress_tables import print_stresses
 from fem import fillet_stress
 from fem.fillet_stress import fillet_stresses
 from fem.unit_loads import unit_loads
-from geometry.errors import InputError, MissingLibraryError
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from stand_ins import COARSE_STRESSES

@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 
 from comparing import close
-from crankfem import console
-from crankfem.design_file import read_design
-from crankfem.design_tables import plan_record, print_plan
-from crankfem.studies import run_study, study_key
-from crankfem.study_file import FIELDS, study_plan
-from crankfem.toml_file import read_toml
+from crankbase.errors import InputError
+from crankfem.analyses.study.studies import run_study, study_key
+from crankfem.cli import console
+from crankfem.cli.tables.design_tables import plan_record, print_plan
+from crankfem.files.reading.toml_file import read_toml
+from crankfem.files.study.design_file import read_design
+from crankfem.files.study.study_file import FIELDS, study_plan
 from fem.material import STEEL
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans.design_choice import OPTIONS, DesignChoice
 from regression.plans.factors import Factor
@@ -462,7 +462,7 @@ def test_notes_of_a_study_go_to_standard_error_or_where_they_are_wanted(monkeypa
         note("the cluster has no workers; waiting for one")
         raise StudyStoppedError("dask: gone.")
 
-    monkeypatch.setattr("crankfem.studies.run_plan", run_plan)
+    monkeypatch.setattr("crankfem.analyses.study.studies.run_plan", run_plan)
     told = []
     for options in ({}, {"note": told.append}):
         with pytest.raises(StudyStoppedError):

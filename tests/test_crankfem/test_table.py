@@ -2,8 +2,8 @@
 
 import pytest
 
-from crankfem.output_units import SI, parse_output_units
-from crankfem.table import Column, Table
+from crankbase.tables.output_units import SI, parse_output_units
+from crankbase.tables.table import Column, Table
 
 INCHES = parse_output_units("in, lbf")
 

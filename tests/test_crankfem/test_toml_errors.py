@@ -2,8 +2,8 @@
 
 import pytest
 
-from crankfem.toml_file import read_toml
-from geometry.errors import InputError
+from crankbase.errors import InputError
+from crankfem.files.reading.toml_file import read_toml
 
 
 @pytest.mark.parametrize(

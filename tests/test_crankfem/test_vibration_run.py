@@ -8,25 +8,25 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.column_file import write_columns
-from crankfem.data_files import engine_path
-from crankfem.engine_file import load_engine
-from crankfem.mechanism_file import load_mechanism, mechanism_of
-from crankfem.pictures.vibration_pictures import picture_vibration
-from crankfem.vibration.assessment import assess
-from crankfem.vibration.chains import damped_engine_chain, engine_torsional_chain
-from crankfem.vibration.excitation import engine_harmonics
-from crankfem.vibration.forced import forced_vibrations, nominal_section_modulus
-from crankfem.vibration.forced_records import forced_columns, forced_record
-from crankfem.vibration.records import run_record
-from crankfem.vibration.run import engine_vibration
-from crankfem.vibration.run_up import parse_duration, run_up
-from crankfem.vibration.run_up_records import run_up_record
+from crankbase.errors import InputError
+from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
+from crankfem.analyses.vibration.assessment import assess
+from crankfem.analyses.vibration.excitation import engine_harmonics
+from crankfem.analyses.vibration.forced import forced_vibrations, nominal_section_modulus
+from crankfem.analyses.vibration.forced_records import forced_columns, forced_record
+from crankfem.analyses.vibration.records import run_record
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.analyses.vibration.run_up import parse_duration, run_up
+from crankfem.analyses.vibration.run_up_records import run_up_record
+from crankfem.analyses.vibration.vibration_pictures import picture_vibration
+from crankfem.cli.column_file import write_columns
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
+from crankfem.files.reading.data_files import engine_path
 from dynamics.excitation.on_chains import axial_excitation
 from dynamics.response.forced import forced_response
 from dynamics.torque.torque import engine_torque
 from fem.analysis import analyze_throw
-from geometry.errors import InputError
 
 ADDED = """
 [driven]
@@ -334,7 +334,7 @@ def test_a_failing_cylinder_wakes_the_half_orders(coarse, run, tmp_path):
 @pytest.mark.slow
 def test_vibration_command(call, monkeypatch, tmp_path):
     monkeypatch.setattr(
-        "crankfem.vibration.run.analyze_throw",
+        "crankfem.analyses.vibration.run.analyze_throw",
         lambda throw, material: analyze_throw(throw, material, 0.1),
     )
     answer = call("vibration", "8chn13-14", "--csv", tmp_path / "csv", "--pictures", tmp_path / "p")

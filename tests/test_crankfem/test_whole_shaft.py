@@ -10,33 +10,33 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.mechanism_file import load_mechanism
-from crankfem.pictures.shaft_mode_plots import (
+from crankbase.errors import InputError
+from crankfem.analyses.shaft.chains import (
+    engine_throw_inertias,
+    engine_torsional_chain,
+)
+from crankfem.analyses.shaft.plots.shaft_mode_plots import (
     plot_axial_split,
     plot_mode_shares,
     plot_shaft_modes,
 )
-from crankfem.vibration.chains import (
-    engine_throw_inertias,
-    engine_torsional_chain,
-)
-from crankfem.vibration.run import engine_vibration
-from crankfem.vibration.sources import compliances_in_shaft
-from crankfem.vibration.whole_records import whole_record
-from crankfem.vibration.whole_shaft import (
+from crankfem.analyses.shaft.sources import compliances_in_shaft
+from crankfem.analyses.shaft.whole_records import whole_record
+from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     highest_exciting_frequency,
     shaft_response,
     whole_beside,
     whole_shaft,
 )
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.files.engine.mechanism_file import load_mechanism
 from dynamics.chains.chain import Chain
 from dynamics.crankshaft.chain_comparison import ModeMatch, ResponseMatch, chain_verdict
 from dynamics.crankshaft.shaft_system import crankshaft_system
 from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
 from dynamics.excitation.cylinders import forces_at_speeds
-from geometry.errors import InputError
 
 ORDERS = np.arange(1, 25) * 0.5
 
@@ -186,7 +186,7 @@ def test_chains_with_more_behind_the_flywheel_are_not_compared(six, monkeypatch)
     longer = replace(engine_file, shaft_lines={"axial": line})
     whole = whole_shaft(longer, analysis)
     assert any("[shaft_line] are left out" in remark for remark in whole.remarks)
-    monkeypatch.setattr("crankfem.vibration.run.whole_shaft", lambda *_: whole)
+    monkeypatch.setattr("crankfem.analyses.vibration.run.whole_shaft", lambda *_: whole)
     run = engine_vibration(longer, analysis=analysis, coupled=True)
     assert (run.comparison.axial, run.comparison.torsional) == (None, None)
     record = whole_record(run.whole, run.comparison)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import pytest
 
 import crankfem as cf
-from crankfem.data_files import data_folder, engine_path, hinge_path
-from crankfem.pictures import stress_picture
-from geometry.diagram_style import figure
-from geometry.outputs import LISTED
+from crankbase.drawing.diagram_style import figure
+from crankbase.outputs import LISTED
+from crankfem.analyses.throw.pictures import stress_picture
+from crankfem.files.reading.data_files import data_folder, engine_path, hinge_path
 from regression.models.compliance_model import ComplianceModel
 
 TORQUE = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"
@@ -229,7 +229,7 @@ def test_a_run_refuses_what_is_in_its_way_before_it_computes(
     def computed(*_, **__):
         raise AssertionError("nothing is computed for it")
 
-    monkeypatch.setattr("crankfem.pipeline.analyze_throw", computed)
+    monkeypatch.setattr("crankfem.jobs.pipeline.analyze_throw", computed)
     (tmp_path / "mine.toml").write_text(quick_six, encoding="utf-8")
     file = tmp_path / folder / name
     file.parent.mkdir(parents=True, exist_ok=True)

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from crankfem import cli
-from crankfem.pictures import stress_picture
-from crankfem.pipeline import RunResult, run_engine
+from crankfem.analyses.throw.pictures import stress_picture
+from crankfem.cli import app as cli
+from crankfem.jobs.pipeline import RunResult, run_engine
 from regression.runs import supervised
 from stand_ins import draw_nothing, lighten, put_everywhere
 
@@ -217,7 +217,7 @@ class Runner:
         with self.monkeypatch.context() as patch:
             patch.setattr(sys, "argv", ["crankfem", *words])
             patch.setattr(supervised, "spawn_worker", stand_in_worker)
-            patch.setattr("crankfem.pipeline.run_engine", run_once)
+            patch.setattr("crankfem.jobs.pipeline.run_engine", run_once)
             draw_nothing(patch)
             with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
                 try:

@@ -41,7 +41,7 @@ def throws():
 
 @pytest.mark.parametrize("page", list(throws()))
 def test_throws_of_the_page_can_be_built(page, page_tools, tmp_path):
-    from crankfem.throw_file import load_throw
+    from crankfem.files.engine.throw_file import load_throw
 
     blocks_of, _, _ = page_tools
     for block in blocks_of(page.read_text(encoding="utf-8")):

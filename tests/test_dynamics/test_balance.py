@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.balance.balance import balance
 from dynamics.balance.hinged_rods import hinged_rod_effects, hodograph_change
 from dynamics.balance.hodograph import Hodograph
@@ -27,7 +28,6 @@ from dynamics.engine.orders import (
 )
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.mechanism.slider_crank import SliderCrank
-from geometry.errors import InputError
 
 ROUND_OFF = 1e-13
 SPEED = 150.0

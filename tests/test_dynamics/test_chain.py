@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from scipy.linalg import eigh
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from geometry.errors import InputError
 
 
 @st.composite

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import (
     add_node,
@@ -15,7 +16,6 @@ from dynamics.chains.editing import (
     with_names,
 )
 from dynamics.chains.links import Dashpot, Gear
-from geometry.errors import InputError
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.assessment.limit_rules import crankshaft_limit, propulsion_shaft_limit
 from dynamics.assessment.limits import LimitCurve, axial_force_limit, given_limit
 from dynamics.balance.balance import balance
@@ -40,7 +41,6 @@ from dynamics.response.excitation import OrderExcitation
 from dynamics.torque.pin_harmonics import pin_force_harmonics
 from dynamics.torque.star import star_diagram
 from dynamics.torque.torque import engine_torque
-from geometry.errors import InputError
 
 ROD = ConnectingRod(length=0.2, mass=1.0, center_distance=0.07, inertia=0.006)
 ENGINE = EngineLayout(

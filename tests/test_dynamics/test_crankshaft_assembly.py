@@ -12,6 +12,7 @@ import pytest
 from scipy.linalg import eigh
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.shaft_modes import crankshaft_modes, rotation_ratio
 from dynamics.crankshaft.shaft_system import crankshaft_system
@@ -24,7 +25,6 @@ from dynamics.crankshaft.surroundings import (
     TorsionalRing,
     pin_mass,
 )
-from geometry.errors import InputError
 
 E, NU, RHO = 210e9, 0.3, 7850.0
 RADIUS, LENGTH, THICK = 0.17, 0.4, 0.15

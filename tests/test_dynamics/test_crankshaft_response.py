@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
@@ -32,7 +33,6 @@ from dynamics.crankshaft.surroundings import (
 )
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
-from geometry.errors import InputError
 
 RADIUS, LENGTH = 0.15, 0.4
 AXIAL, TWIST, MASS, INERTIA = 1e9, 2e7, 100.0, 3.0

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.critical import (
     critical_speeds,
     engine_orders,
@@ -13,7 +14,6 @@ from dynamics.critical import (
     major_orders,
     vector_sums,
 )
-from geometry.errors import InputError
 
 
 def test_engine_orders():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.assessment.damper_search import Tried, thinned
 from dynamics.assessment.damper_sizing import (
     size_axial_damper,
@@ -20,7 +21,6 @@ from dynamics.assessment.response_curves import (
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import ViscousDamper
 from dynamics.response.excitation import OrderExcitation
-from geometry.errors import InputError
 
 MAIN = Chain([1.0], [], {0: 1.0}, connections=[], names=["main"])
 SPEEDS = np.linspace(0.4, 1.6, 121)

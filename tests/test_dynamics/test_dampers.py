@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.absorber_optima import (
     main_inertia,
     rubber_damper_for,
@@ -17,7 +18,6 @@ from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.chains.editing import with_damper
 from dynamics.response.harmonic import harmonic_answer
 from dynamics.response.linear_system import chain_system
-from geometry.errors import InputError
 
 # Main inertia 1, spring 1: frequency 1, static deflection 1 per unit torque.
 MAIN = Chain([1.0], [], [1.0], names=["main"])

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
@@ -14,7 +15,6 @@ from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import reduced_inertia
 from dynamics.mechanism.rods import ConnectingRod
-from geometry.errors import InputError
 
 
 def test_axial_chain_shares_each_throw_between_its_sections():

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
 from dynamics.engine.firing import (
     IN_LINE,
@@ -20,7 +21,6 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion, piston_ends
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.mechanism.slider_crank import SliderCrank
-from geometry.errors import InputError
 
 ROD = ConnectingRod(0.265, 5.0, 0.097, 0.069)
 SHORT = ConnectingRod(0.065, 5.0, 0.03, 0.005)

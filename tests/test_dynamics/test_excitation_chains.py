@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
@@ -25,7 +26,6 @@ from dynamics.excitation.torsion_to_axial import (
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
-from geometry.errors import InputError
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
 RADIUS = 0.07

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.forces import mechanism_forces, rod_models
 from dynamics.engine.gas_forces import gas_forces
@@ -22,7 +23,6 @@ from dynamics.gas.pressure import gas_pressure
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.torque.pin_harmonics import pin_force_harmonics
 from dynamics.torque.torque import engine_torque
-from geometry.errors import InputError
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
 SLAVE_ROD = ConnectingRod(0.18, 1.2, 0.07, 0.008)

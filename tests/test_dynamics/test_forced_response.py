@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.harmonics import harmonics
 from dynamics.response.damping import damped
@@ -12,7 +13,6 @@ from dynamics.response.forced import forced_response
 from dynamics.response.loads import alternating_stress, element_loads, section_modulus
 from dynamics.response.power import power_balance
 from dynamics.response.resonance import resonances
-from geometry.errors import InputError
 
 TWO = Chain([1.0, 1.0], [2e4], names=["pulley", "flywheel"])  # 200 rad/s
 SPEEDS = np.array([50.0, 100.0, 150.0])

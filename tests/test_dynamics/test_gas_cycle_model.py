@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.gas.closed_cycle import (
     closed_pressure,
     motored_pressure,
@@ -17,7 +18,6 @@ from dynamics.gas.cycle_values import USUAL_VALUES, assumption_remarks, usual_ga
 from dynamics.gas.cylinder_volume import cylinder_volume
 from dynamics.gas.gas_cycle import gas_cycle
 from dynamics.gas.indicated import indicated_work
-from geometry.errors import InputError
 
 R, L, AREA = 0.07, 0.25, 0.0133
 DEGREE = np.pi / 180.0

@@ -4,12 +4,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.gas.indicated import (
     indicated_mean_effective_pressure,
     indicated_work,
     periodic_slope,
 )
-from geometry.errors import InputError
 
 R, L, AREA = 0.07, 0.25, 0.0133
 

@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.gas.pressure import gas_pressure
-from geometry.errors import InputError
 
 
 def curve(angle, cycle):

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.gas.pressure_table import read_pressure_table
-from geometry.errors import InputError
 
 BAR = "crank_angle_deg,absolute_pressure_bar"
 

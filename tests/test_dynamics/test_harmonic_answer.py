@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import Dashpot, Gear
 from dynamics.response.excitation import OrderExcitation
@@ -17,7 +18,6 @@ from dynamics.response.harmonic import harmonic_answer
 from dynamics.response.linear_system import chain_system
 from dynamics.response.loads import element_loads
 from dynamics.response.power import power_balance
-from geometry.errors import InputError
 
 
 def any_chain(seed):

@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.harmonics import harmonics, harmonics_by_sums
-from geometry.errors import InputError
 
 VALUES = st.lists(
     st.floats(-1e4, 1e4, allow_nan=False, allow_subnormal=False), min_size=3, max_size=80

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.cycle import even_angles
 from dynamics.engine.forces import mechanism_forces
 from dynamics.hinge.crosshead import CrossheadEngine
@@ -19,7 +20,6 @@ from dynamics.hinge.gas_force import piston_gas_force, two_stroke_cycle
 from dynamics.hinge.moment import hinge_moment
 from dynamics.hinge.reduced import KINEMATICS, reduced_crank
 from dynamics.mechanism.rods import ConnectingRod
-from geometry.errors import InputError
 
 ROD = ConnectingRod(1.55, 150.0, 0.8, 50.0)
 ENGINE = CrossheadEngine(0.3, 0.5, 80.0, 0.2, 30.0, ROD, 150.0, 200.0, 110.0)

@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import quad
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.moment import hinge_moment
 from dynamics.hinge.polar import check_roller, outer_parallel, polar_curvature, smallest_hollow
@@ -17,7 +18,6 @@ from dynamics.hinge.profile import hinge_profile
 from dynamics.hinge.reduced import reduced_crank
 from dynamics.hinge.spring import GasSpring
 from dynamics.mechanism.rods import ConnectingRod
-from geometry.errors import InputError
 
 ENGINE = CrossheadEngine(
     0.3, 0.5, 80.0, 0.2, 30.0, ConnectingRod(1.55, 150.0, 0.8, 50.0), 150.0, 200.0, 110.0

@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.balance.hodograph import Hodograph, hodograph_sum, order_vectors
-from geometry.errors import InputError
 
 parts = st.builds(cmath.rect, st.floats(0.1, 10.0), st.floats(-math.pi, math.pi, exclude_min=True))
 hodographs = st.builds(Hodograph, st.integers(1, 6), parts, parts)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import (
     crankshaft_limit,
@@ -17,7 +18,6 @@ from dynamics.assessment.limits import (
     given_limit,
     usage,
 )
-from geometry.errors import InputError
 
 
 def test_given_limit_is_the_same_at_all_speeds():

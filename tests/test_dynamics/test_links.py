@@ -6,11 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import Dashpot, Gear
 from dynamics.response.harmonic import harmonic_answer
 from dynamics.response.linear_system import chain_system
-from geometry.errors import InputError
 
 value = st.floats(0.5, 2.0)
 ratio = st.floats(0.3, 4.0).flatmap(lambda r: st.sampled_from([r, -r]))

@@ -17,12 +17,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.forces import mechanism_forces, rod_models, summed
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion, reduced_inertia
 from dynamics.mechanism.rods import ROD_MODELS, ConnectingRod
-from geometry.errors import InputError
 
 SPEED, GAIN = 220.0, 9000.0
 ANGLES = np.linspace(0.0, 4.0 * math.pi, 24, endpoint=False)

@@ -16,6 +16,8 @@ from matplotlib.figure import Figure
 
 import crankfem as cf
 from comparing import close
+from crankbase.errors import InputError, MissingLibraryError
+from crankbase.tables.frames import pandas, table_of
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
 from dynamics.assessment.separation import CriticalRange
@@ -68,8 +70,6 @@ from dynamics.transient.turning_run import TurningRun
 from dynamics.turning.free_turning import FreeTurning, WorkShare
 from dynamics.turning.speed_over_angle import SpeedOverAngle
 from dynamics.turning.steady_turning import SteadyTurning
-from geometry.errors import InputError, MissingLibraryError
-from geometry.frames import pandas, table_of
 
 RPM = 30.0 / math.pi
 CHAIN = Chain([0.3, 0.2, 2.0], [4e4, 5e4], damping=3.0, names=["pulley", "crank", "flywheel"])

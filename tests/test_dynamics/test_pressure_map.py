@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinders import cylinder_forces
@@ -16,7 +17,6 @@ from dynamics.gas.cycle_values import usual_gas_cycle
 from dynamics.gas.gas_cycle import gas_cycle
 from dynamics.gas.pressure import gas_pressure
 from dynamics.mechanism.rods import ConnectingRod
-from geometry.errors import InputError
 
 PER_MINUTE = math.pi / 30.0
 ANGLES = np.radians(np.arange(0.0, 720.0, 2.0))

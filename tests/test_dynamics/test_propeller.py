@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import Gear
 from dynamics.excitation.propeller import PropellerForces, propeller_excitation
-from geometry.errors import InputError
 
 SPEEDS = np.array([40.0, 80.0])
 FORCES = PropellerForces(4, 20.0, 3e5, 2e5, [0.08, 0.02], [0.1, 0.03], [0.3, 1.0], [-0.5, 2.0])

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.response.damping import damped
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
 from dynamics.response.resonance import resonances
 from dynamics.response.speed_grid import refined_speeds
-from geometry.errors import InputError
 
 # Six cylinders and a flywheel, firing 1-5-3-6-2-4.
 ENGINE = Chain([0.05] * 6 + [2.0], [1.2e6] * 6)

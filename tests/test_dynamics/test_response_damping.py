@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.response.damping import EngineMagnifier, damped
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
-from geometry.errors import InputError
 
 ONE = Chain([1.0], [], ground=[1e4])  # 100 rad/s
 TWO = Chain([1.0, 1.0], [2e4])  # 200 rad/s

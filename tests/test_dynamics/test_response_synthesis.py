@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.response.excitation import at_angles
 from dynamics.response.synthesis import PEAK_ERROR_BOUND, common_order, synthesis
-from geometry.errors import InputError
 
 ONE = np.array([100.0])
 

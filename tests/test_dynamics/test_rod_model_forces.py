@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.forces import mechanism_forces, pin_groups, summed
 from dynamics.engine.gas_forces import gas_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
 from dynamics.mechanism.rods import ROD_MODELS, ConnectingRod
-from geometry.errors import InputError
 
 SPEED, GAIN = 220.0, 9000.0
 ANGLES = np.linspace(0.0, 4.0 * math.pi, 24, endpoint=False)

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.mechanism.rods import REACH, ROD_MODELS, ConnectingRod
-from geometry.errors import InputError
 
 unit = st.floats(0.05, 0.95)
 

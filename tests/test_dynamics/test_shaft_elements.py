@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.attachments import Propeller
 from dynamics.chains.shaft_bodies import Coupling, RigidBody
 from dynamics.chains.shaft_elements import (
@@ -18,7 +19,6 @@ from dynamics.chains.shaft_elements import (
     shaft_flange,
 )
 from dynamics.chains.shaft_line import ShaftLine
-from geometry.errors import InputError
 
 G, E, RHO = 8e10, 2e11, 7800.0
 MATERIAL = ShaftMaterial(E, G, RHO)

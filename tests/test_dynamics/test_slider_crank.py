@@ -13,9 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.mechanism.motion import crankpin_motion
 from dynamics.mechanism.slider_crank import SliderCrank
-from geometry.errors import InputError
 
 STEP = 1e-3
 ANGLES = np.linspace(0.0, 2.0 * math.pi, 13)

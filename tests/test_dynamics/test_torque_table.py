@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.torque_table import read_torque_table
-from geometry.errors import InputError
 
 
 @pytest.fixture

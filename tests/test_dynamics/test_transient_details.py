@@ -7,6 +7,7 @@ what each test says.
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.chains.links import Gear
@@ -25,7 +26,6 @@ from dynamics.transient.steady import steady_motion
 from dynamics.transient.turning_chain import turning_chain
 from dynamics.transient.turning_cycle import steady_cycle
 from dynamics.transient.turning_run import turn_under_gas
-from geometry.errors import InputError
 
 FREE = {"inertia": [1.0, 2.0, 3.0], "stiffness": [1e4, 2e4]}
 SPEED = 30.0

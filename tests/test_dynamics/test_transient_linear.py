@@ -8,6 +8,7 @@ their integral better still; what is left is round-off, some 1e-12. So 1e-9 is a
 import numpy as np
 import pytest
 
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import Dashpot, Gear
 from dynamics.response.excitation import OrderExcitation
@@ -18,7 +19,6 @@ from dynamics.transient.run import transient_motion
 from dynamics.transient.speed_curve import SpeedCurve
 from dynamics.transient.steady import steady_motion
 from dynamics.transient.viscous import viscous_system
-from geometry.errors import InputError
 
 EXACT = 1e-9
 ORDERS = np.array([0.5, 1.0, 2.5, 4.0])

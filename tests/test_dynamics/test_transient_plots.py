@@ -3,13 +3,16 @@
 import numpy as np
 import pytest
 
-from crankfem.pictures.transient_plots import plot_transient, plot_transient_over_speed
+from crankbase.errors import InputError
+from crankfem.analyses.vibration.plots.transient_plots import (
+    plot_transient,
+    plot_transient_over_speed,
+)
 from dynamics.chains.chain import Chain
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.linear_system import chain_system
 from dynamics.transient.run import transient_motion
 from dynamics.transient.speed_curve import SpeedCurve
-from geometry.errors import InputError
 
 
 def run(system):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.engine.cylinder import EngineCylinder
@@ -26,7 +27,6 @@ from dynamics.transient.turning_chain import turning_chain
 from dynamics.transient.turning_cycle import steady_cycle
 from dynamics.transient.turning_run import turn_under_gas
 from dynamics.turning.free_turning import turn_freely
-from geometry.errors import InputError
 
 SPEED, HIGHEST = 30.0, 4
 

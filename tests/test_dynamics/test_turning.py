@@ -6,6 +6,7 @@ import pytest
 from scipy.special import ellipk
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import gas_forces
@@ -18,7 +19,6 @@ from dynamics.turning.free_turning import turn_freely
 from dynamics.turning.speed_over_angle import speed_over_angle
 from dynamics.turning.steady_engine import turn_steadily
 from dynamics.turning.steady_turning import steady_turning
-from geometry.errors import InputError
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
 SLAVE_ROD = ConnectingRod(0.18, 1.2, 0.07, 0.008)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.two_mass import solid_shaft_stiffness, two_mass_check, two_mass_frequency
 from dynamics.harmonics import harmonics
-from geometry.errors import InputError
 
 SHAFT = {
     "diameter": 0.05,

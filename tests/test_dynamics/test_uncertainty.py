@@ -4,6 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.assessment.separation import critical_ranges, separation_margin
 from dynamics.assessment.spreads import Spread, scaled_chain
 from dynamics.assessment.uncertainty import (
@@ -16,7 +17,6 @@ from dynamics.assessment.uncertainty import (
 )
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import Dashpot, Gear
-from geometry.errors import InputError
 
 # A geared and branched shaft with all that a chain can have.
 CHAIN = Chain(

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import crankshaft_limit
 from dynamics.assessment.limits import AmplitudeCurve, constant_curve, given_limit
 from dynamics.assessment.verdict import judge
-from geometry.errors import InputError
 
 SPEEDS = np.linspace(10.0, 115.0, 2101)
 RUNNING = (30.0, 100.0)

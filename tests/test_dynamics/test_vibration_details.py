@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.chains.absorber_optima import main_inertia
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import RubberDamper
@@ -33,7 +34,6 @@ from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import chain_system
 from dynamics.response.loads import element_loads
 from dynamics.response.power import power_balance
-from geometry.errors import InputError
 
 ROW = Chain([1.0, 2.0, 3.0], [1e4, 2e4])
 FOUR_STROKE = np.radians(np.arange(0.0, 720.0, 2.0))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.assessment.limit_rules import crankshaft_limit
 from dynamics.assessment.limits import usage
 from dynamics.assessment.response_curves import curves_of
@@ -18,7 +19,6 @@ from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
 from dynamics.response.loads import alternating_stress, element_loads
 from dynamics.response.speed_grid import refined_speeds
-from geometry.errors import InputError
 
 CHAIN = damped(Chain([0.4, 1.2, 1.2, 25.0], [4e5, 4e5, 5e5]), magnifier=40.0)
 ORDERS = np.array([6.0, 7.0, 7.5, 8.0])

@@ -5,14 +5,14 @@ import pytest
 
 import fem.accuracy
 from comparing import close
+from crankbase.errors import InputError
+from crankbase.stopwatch import Stopwatch
 from fem.accuracy import Problem, solve_level, solve_to
 from fem.analysis import analyze_axial, analyze_throw
 from fem.material import STEEL, Material
 from fem.refinement import refined_sizes
 from fem.supports import Neighbors
-from geometry.errors import InputError
 from geometry.mesh import mesh_throw
-from geometry.stopwatch import Stopwatch
 from geometry.throw import CrankThrow
 
 

@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.angle_law import AngleLaw, angle_law, is_symmetric
 from fem.shaft import shaft_compliances
 from fem.supports import Neighbors
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Web
 

@@ -5,10 +5,10 @@ from skfem import Basis, ElementTetP2, ElementVector, MeshTet1, MeshTet2
 from skfem.models.elasticity import linear_elasticity
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.elements import QUADRATURE_ORDER, element_stiffnesses, physical_gradients
 from fem.material import STEEL, Material
-from geometry.errors import InputError
 from geometry.mending import EDGES
 from geometry.shapes import shapes_for_quadrature
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.condensation import condense, nodes_on
 from fem.fields import displacement_field
@@ -16,7 +17,6 @@ from fem.material import STEEL
 from fem.superelement import combine_classes
 from fem.supports import Neighbors, support_throw
 from fem.symmetry import SymmetryClass, axial_class, symmetry_classes
-from geometry.errors import InputError
 from geometry.solid import LEFT_END, RIGHT_END
 
 # Finite elements throughout: not for the inner loop.

@@ -11,6 +11,8 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from comparing import close
+from crankbase.errors import InputError
+from crankbase.stopwatch import Stopwatch
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.class_modes import frequencies_of
 from fem.condensation import condense, nodes_on
@@ -24,12 +26,10 @@ from fem.shaft import assemble_shaft
 from fem.solver import factorize
 from fem.superelement import combine_classes
 from fem.symmetry import symmetry_classes
-from geometry.errors import InputError
 from geometry.mass import mass_properties
 from geometry.mesh import mesh_throw
 from geometry.shapes import element_quadrature
 from geometry.solid import LEFT_END, RIGHT_END
-from geometry.stopwatch import Stopwatch
 
 HIGHEST = 2500.0
 

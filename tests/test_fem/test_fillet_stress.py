@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from fem import fillet_stress
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.condensation import nodes_on
@@ -31,7 +32,6 @@ from fem.principal import (
 )
 from fem.surface_stress import smallest_turns, surface_stress, tangent_frames
 from fem.unit_loads import solve_unit_loads, unit_loads, whole_facets, whole_nodes
-from geometry.errors import InputError
 from geometry.facets import six_node_triangles
 from geometry.mesh import mesh_throw
 from geometry.size_map import SizeMap

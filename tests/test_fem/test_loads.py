@@ -13,6 +13,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.loads import (
     LoadedSurface,
     NodalLoads,
@@ -23,7 +24,6 @@ from fem.loads import (
     unit_pin_loads,
 )
 from fem.symmetry import MIRROR_X, MIRROR_Z, symmetry_classes
-from geometry.errors import InputError
 from geometry.solid import LEFT_END, RIGHT_END
 
 ROUND_OFF = 1e-12

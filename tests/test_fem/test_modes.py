@@ -8,6 +8,8 @@ from scipy import sparse
 from scipy.linalg import eigh
 
 from comparing import close
+from crankbase.errors import InputError
+from crankbase.stopwatch import Stopwatch
 from fem.assembly import symmetric_product
 from fem.class_modes import ClassModes, PartMatrices, class_problem, frequencies_of
 from fem.condensation import blocked_unknowns
@@ -16,9 +18,7 @@ from fem.mode_names import end_motions_of, name_of_motion
 from fem.modes import _lowest_of_all, free_modes, rigid_count
 from fem.solver import SolveError
 from fem.symmetry import SymmetryClass, symmetry_classes
-from geometry.errors import InputError
 from geometry.mesh import mesh_throw
-from geometry.stopwatch import Stopwatch
 
 # Finite elements throughout: not for the inner loop.
 pytestmark = pytest.mark.slow

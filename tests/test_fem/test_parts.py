@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.class_compliances import axial_answers, torsional_answer
 from fem.loads import radial_directions, uniform_pin_loads
@@ -15,7 +16,6 @@ from fem.shaft import shaft_compliances, solve_shaft
 from fem.superelement import UZ
 from fem.supports import Neighbors, end_motions, reactions, support_throw
 from fem.symmetry import axial_class, torsional_class
-from geometry.errors import InputError
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 from geometry.throw_sections import FurtherPin, Web

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from scipy import sparse
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.assembly import assemble_stiffness
 from fem.condensation import nodes_on
@@ -22,7 +23,6 @@ from fem.material import STEEL
 from fem.pin_response import equivalent_load, local_motion, pin_compliance, pin_response
 from fem.solver import Factorization, factorize
 from fem.supports import Neighbors, end_motions
-from geometry.errors import InputError
 from geometry.solid import LEFT_END, MAIN_JOURNAL, RIGHT_END
 
 # Finite elements throughout: not for the inner loop.

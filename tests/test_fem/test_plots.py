@@ -10,6 +10,7 @@ import pytest
 from matplotlib import pyplot
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.axial_analysis import AxialAnalysis
 from fem.craig_bampton import DynamicSuperelement
 from fem.fillet_peaks import FilletPeak, FilletStresses
@@ -23,7 +24,6 @@ from fem.supports import Neighbors
 from fem.symmetry import SymmetryClass, axial_class
 from fem.throw_analysis import ThrowAnalysis
 from fem.unit_loads import unit_loads
-from geometry.errors import InputError
 from geometry.mass import mass_properties
 
 

@@ -7,8 +7,8 @@ Solutions leave a residual near 1e-14 of their right side; what is made of a few
 import numpy as np
 import pytest
 
-from crankfem.report.checks import asymmetry
-from crankfem.results import reciprocity_record
+from crankfem.analyses.checks import asymmetry
+from crankfem.analyses.throw.throw_record import reciprocity_record
 from fem.analysis import analyze_throw
 from fem.reciprocity import superelement_of_end_forces
 from fem.solver import Factorization

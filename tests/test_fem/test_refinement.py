@@ -16,6 +16,7 @@ from scipy.sparse.csgraph import dijkstra
 import fem.accuracy
 import fem.refinement
 from comparing import close
+from crankbase.stopwatch import Stopwatch
 from fem.accuracy import (
     AIM_FILLETED,
     FIRST_FILLETED,
@@ -39,7 +40,6 @@ from geometry.mesh import mesh_throw
 from geometry.mesh_checks import check_quality
 from geometry.mesher import expected_unknowns
 from geometry.shapes import element_volumes
-from geometry.stopwatch import Stopwatch
 
 # Finite elements throughout: not for the inner loop.
 pytestmark = pytest.mark.slow

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from fem import responses
 from fem.analysis import analyze_throw
 from fem.fillet_stress import fillet_stresses
 from fem.material import STEEL
 from fem.responses import RESPONSES, evaluate_throw
 from fem.supports import Neighbors
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Web
 

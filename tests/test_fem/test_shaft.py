@@ -4,10 +4,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.shaft import assemble_shaft, free_unknowns, shaft_compliances, solve_shaft
 from fem.superelement import RZ, UZ
 from fem.supports import support_throw
-from geometry.errors import InputError
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 

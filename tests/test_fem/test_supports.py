@@ -6,11 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.class_compliances import axial_answers, torsional_answer
 from fem.shaft import assemble_shaft, free_unknowns
 from fem.superelement import RX, RY, RZ, UZ
 from fem.supports import Neighbors, reactions, support_throw
-from geometry.errors import InputError
 
 SUPPORTS = ["pinned", "guided", Neighbors(120, 120), Neighbors(90, 180), Neighbors(0, 240)]
 DIRECTIONS = [(1e5, 0.0, 0.0), (0.0, -1e5, 0.0), (0.0, 0.0, 1e5), (3e4, -7e4, 2e4)]

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from geometry.balance import unbalance
 from geometry.crankshaft import Crankshaft, make_shaft, throw_masses
-from geometry.errors import InputError
 from geometry.gmsh_session import gmsh_session
 from geometry.mesh_checks import solid_properties
 from geometry.shaft_ends import ShaftEnds

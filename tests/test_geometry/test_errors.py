@@ -2,7 +2,7 @@
 
 import pytest
 
-from geometry.errors import LONGEST_MESSAGE, InputError, quoted
+from crankbase.errors import LONGEST_MESSAGE, InputError, quoted
 
 LONG = 10**6
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.mass import mass_properties, mesh_mass_properties
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow

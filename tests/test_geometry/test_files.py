@@ -3,9 +3,9 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from geometry.cad_faces import opened_part
 from geometry.crankshaft import Crankshaft
-from geometry.errors import InputError
 from geometry.gmsh_session import gmsh_session
 from geometry.imported import import_throw
 from geometry.mesh import mesh_throw

@@ -5,7 +5,7 @@ import gmsh
 import numpy as np
 import pytest
 
-from geometry.errors import MeshError, MissingLibraryError
+from crankbase.errors import MeshError, MissingLibraryError
 from geometry.gmsh_session import DEBIAN_PACKAGES, gmsh_session, load_gmsh, missing_library_advice
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError, MeshError
 from fem.assembly import assemble_stiffness
 from fem.class_compliances import axial_answers
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
 from fem.symmetry import axial_class
-from geometry.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_session
 from geometry.imported import import_throw
 from geometry.imported_mesh import (

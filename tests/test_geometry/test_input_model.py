@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.material import STEEL
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from geometry.errors import InputError, MeshError
+from crankbase.errors import InputError, MeshError
 from geometry.isolated import IsolatedProcess, ProcessLostError, shared_process
 from geometry.mesh import LADDER, mesh_throw
 from geometry.mesher import mesh_isolated

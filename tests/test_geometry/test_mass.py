@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from geometry import crankshaft
 from geometry.crankshaft import Crankshaft, throw_masses
-from geometry.errors import InputError
 from geometry.mass import cylinder_mass_properties, mass_properties, mesh_mass_properties
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow

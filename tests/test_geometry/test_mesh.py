@@ -11,7 +11,7 @@ from skfem.quadrature import get_quadrature
 import geometry.mesh
 import geometry.mesh_checks
 from comparing import close
-from geometry.errors import InputError, MeshError
+from crankbase.errors import InputError, MeshError
 from geometry.mending import EDGES, corner_quality, mend, smallest_jacobians
 from geometry.mesh import LADDER, mesh_throw, mesh_throw_from
 from geometry.mesh_checks import check_quality, check_volume

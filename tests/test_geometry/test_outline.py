@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from comparing import close
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.outline import Arc, obround, rectangle
 
 

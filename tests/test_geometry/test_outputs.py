@@ -8,9 +8,9 @@ import threading
 
 import pytest
 
-from geometry import outputs
-from geometry.errors import InputError
-from geometry.outputs import (
+from crankbase import outputs
+from crankbase.errors import InputError
+from crankbase.outputs import (
     LISTED,
     check_output,
     copy_file,

@@ -8,11 +8,11 @@ from matplotlib import pyplot
 from matplotlib.collections import PolyCollection
 
 from comparing import close
+from crankbase.drawing.legends import shown_unit
+from crankbase.errors import InputError
 from geometry.crankshaft import Crankshaft
-from geometry.errors import InputError
 from geometry.mesh import ThrowMesh
 from geometry.mesh_checks import SolidProperties
-from geometry.plots.legends import shown_unit
 from geometry.plots.mesh_plot import view_frame
 from geometry.plots.throw_plot import placed_parts
 from geometry.shaft_ends import ShaftEnds

@@ -3,11 +3,11 @@ import subprocess
 
 import pytest
 
-from geometry.processes import end_child, scratch_folder, signal_name, start_child
+from crankbase.processes import end_child, scratch_folder, signal_name, start_child
 
 FOLDER = """
 import time
-from geometry.processes import scratch_folder
+from crankbase.processes import scratch_folder
 with scratch_folder() as folder:
     (folder / "inner").mkdir()
     (folder / "inner" / "file").touch()

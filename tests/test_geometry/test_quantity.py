@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from comparing import close
-from geometry.errors import InputError
-from geometry.quantity import parse_quantity, show_quantity, unit_registry
+from crankbase.errors import InputError
+from crankbase.units.quantity import parse_quantity, show_quantity, unit_registry
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from geometry.errors import InputError, MeshError
+from crankbase.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_session
 from geometry.isolated import IsolatedProcess
 from geometry.mesh import LADDER, mesh_throw

@@ -2,8 +2,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import geometry.stopwatch
-from geometry.stopwatch import Stopwatch
+import crankbase.stopwatch
+from crankbase.stopwatch import Stopwatch
 
 
 class Clock:
@@ -22,7 +22,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch):
     made = Clock()
-    monkeypatch.setattr(geometry.stopwatch, "time", made)
+    monkeypatch.setattr(crankbase.stopwatch, "time", made)
     return made
 
 
@@ -103,7 +103,7 @@ def test_every_second_counts_once(work):
     """However laps are nested, also inside others of their name, each gets its own seconds."""
     with pytest.MonkeyPatch.context() as patch:
         clock = Clock()
-        patch.setattr(geometry.stopwatch, "time", clock)
+        patch.setattr(crankbase.stopwatch, "time", clock)
         watch = Stopwatch()
         own = {}
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from comparing import close
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.formulas.arguments import fold_angle_deg
 from regression.formulas.axial_formulas import axial_formula, axial_formula_faults, axial_formulas

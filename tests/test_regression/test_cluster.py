@@ -16,7 +16,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from geometry.errors import InputError, MissingLibraryError
+from crankbase.errors import InputError, MissingLibraryError
 from geometry.throw import CrankThrow
 from regression.plans.plan import StudyPlan
 from regression.records import StudyStoppedError

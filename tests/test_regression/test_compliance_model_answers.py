@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.fits.forms import FittedForm
 from regression.fits.terms import polynomial_terms

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.material import STEEL
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
 from regression.fits.groups import group_named

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import pdist
 
 from comparing import close
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.plans.design_choice import OPTIONS, SPACE_FILLING, DesignChoice
 from regression.plans.designs import (
     check_ranges,

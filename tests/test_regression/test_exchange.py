@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError, MissingLibraryError
 from fem.responses import RESPONSES
-from geometry.errors import InputError, MissingLibraryError
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Counterweight
 from regression.plans.factors import Factor

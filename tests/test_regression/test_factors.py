@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans.factors import (
     Factor,

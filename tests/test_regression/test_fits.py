@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.stats import qmc
 
 from comparing import close
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.fits.forms import FORMS
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.forms import FORMS, FittedForm, form_named, form_terms
 from regression.fits.terms import (
     divisors,

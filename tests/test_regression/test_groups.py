@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.material import STEEL
-from geometry.errors import InputError
 from regression.fits.columns import Encoding, constant_groups, factor_encoding, group_encoding
 from regression.fits.groups import (
     GROUPS,

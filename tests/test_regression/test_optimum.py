@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
 from regression.models.optimum import find_optimum

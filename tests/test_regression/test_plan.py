@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.material import STEEL
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans.design_choice import SPACE_FILLING, DesignChoice
 from regression.plans.factors import Factor, rounded

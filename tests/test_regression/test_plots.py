@@ -7,7 +7,7 @@ import pytest
 from matplotlib import pyplot
 
 from comparing import close
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.factor_labels import factor_text, term_text
 from regression.fits.fits import fit_form

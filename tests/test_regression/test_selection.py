@@ -4,7 +4,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.fits.selection import backward, choose
 from regression.fits.statistics import least_squares

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.forms import FittedForm
 from regression.fits.sensitivity import elasticities, nominal_values, sobol_indices
 from regression.plans.factors import Factor

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from regression.fits.statistics import adjusted, explained, least_squares, press_without_each
 
 

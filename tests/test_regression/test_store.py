@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from crankbase.errors import InputError
 from fem import responses
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.records import ExtraRow, Outcome, StudyStoppedError, content_key
 from regression.runs import store as store_module

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import ExtraRow, Outcome

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from fem.material import STEEL
 from fem.responses import evaluate_throw
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans import plan as plan_module
 from regression.plans.design_choice import DesignChoice

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from comparing import close
-from geometry.errors import InputError
+from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES, torsional_formulas
 

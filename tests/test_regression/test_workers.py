@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from crankbase.errors import InputError
 from fem.material import STEEL
 from fem.responses import ThrowResponses, evaluate_throw
-from geometry.errors import InputError
 from geometry.throw import CrankThrow
 from regression.runs import supervised, worker
 from regression.runs.interrupts import interrupts_deferred

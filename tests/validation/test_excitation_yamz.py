@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.errors import InputError
 from dynamics.excitation.cylinders import forces_at_speeds
 from dynamics.excitation.given_torque import torque_harmonics
 from dynamics.torque_table import read_torque_table
-from geometry.errors import InputError
 
 TABLE = read_torque_table(
     Path(__file__).parents[2] / "data" / "tables" / "yamz5340_torque_one_throw.csv"

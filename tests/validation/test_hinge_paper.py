@@ -24,7 +24,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.hinge_file import load_hinge
+from crankfem.files.hinge.hinge_file import load_hinge
 from dynamics.hinge.evening import best_pressure, flywheel_for
 from dynamics.hinge.moment import hinge_moment
 from dynamics.hinge.running import simulate_hinge, steady_hinge_turn

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.chain_file import load_chain
+from crankfem.files.chain.chain_file import load_chain
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import Gear
 from dynamics.chains.shaft_bodies import RigidBody

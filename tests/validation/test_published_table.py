@@ -14,8 +14,8 @@ import math
 import pytest
 
 from comparing import close
-from crankfem.data_files import data_folder
-from geometry.errors import InputError
+from crankbase.errors import InputError
+from crankfem.files.reading.data_files import data_folder
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formula
 from regression.formulas.catalogue import AXIAL_FORMULA_NAMES

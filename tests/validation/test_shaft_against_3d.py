@@ -40,7 +40,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from crankfem.vibration.whole_shaft import shaft_throws
+from crankfem.analyses.shaft.whole_shaft import shaft_throws
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.shaft_modes import crankshaft_modes
 from dynamics.crankshaft.surroundings import AxialSupport, MainBearings, ShaftSurroundings

@@ -1,0 +1,1 @@
+"""What every package stands on: errors, checks, quantities, tables, drawing style, child processes."""

@@ -1,0 +1,1 @@
+"""What all diagrams share: style, legends, curves over an axis, bars."""

@@ -1,0 +1,188 @@
+"""Curves over one axis, described once: drawn on paper here, and on a screen from the same description."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE, RED
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+Role: TypeAlias = Literal["total", "plain sum", "limit", "order", "curve"]
+Dash: TypeAlias = Literal["solid", "dash", "dot", "dashdot"]
+
+ALL_ORDERS = "#1c2733"
+# Red is that of limits.
+ORDER_COLORS = (BLUE, ORANGE, GREEN, "#7a5ba6", "#2a9d9d", "#8c6d1f")
+# A second round of colors has other dashes, so that each curve has a look of its own.
+DASHES: tuple[Dash, ...] = ("solid", "dash", "dot", "dashdot")
+LIMIT_DASHES: tuple[Dash, ...] = ("dash", "dashdot")
+ON_PAPER = {"solid": "-", "dash": "--", "dot": ":", "dashdot": "-."}
+
+
+class Look(NamedTuple):
+    """Color, dashes, and width of a line [points]."""
+
+    color: str
+    dash: Dash
+    width: float
+
+
+def order_look(number: int) -> Look:
+    """Return the look of one of many curves, from 0."""
+    rounds, place = divmod(number, len(ORDER_COLORS))
+    return Look(ORDER_COLORS[place], DASHES[rounds % len(DASHES)], 1.1)
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """One curve.
+
+    Attributes
+    ----------
+    name : str
+        In the legend.
+    values : (m,) array
+        In the unit of the axis; nan leaves a gap.
+    role : {"total", "plain sum", "limit", "order", "curve"}
+        What it is, which gives it its look.
+    number : int
+        From 0 among those of its role.
+    main : bool
+        Others are left out on paper, and wait in the legend on a screen.
+    color : str
+        Of a curve that has a role nowhere else.
+    """
+
+    name: str
+    values: Array
+    role: Role = "curve"
+    number: int = 0
+    main: bool = True
+    color: str = ""
+
+    @property
+    def look(self) -> Look:
+        """Color, dashes and width."""
+        if self.role == "total":
+            return Look(ALL_ORDERS, "solid", 2.0)
+        if self.role == "plain sum":
+            return Look(GRAY, "dot", 1.1)
+        if self.role == "limit":
+            return Look(RED, LIMIT_DASHES[self.number % len(LIMIT_DASHES)], 1.4)
+        if self.role == "order":
+            return order_look(self.number)
+        return Look(self.color or order_look(self.number).color, "solid", 1.5)
+
+
+class Band(NamedTuple):
+    """A range of the lying axis that is shaded."""
+
+    low: float
+    high: float
+    color: str
+    name: str
+
+
+class Mark(NamedTuple):
+    """An upright line at a place of the lying axis."""
+
+    place: float
+    name: str
+    color: str = RED
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """A diagram of curves over one axis.
+
+    Attributes
+    ----------
+    x : (m,) array
+        In the unit of the axis, ascending.
+    series : tuple of Series
+        What is drawn later covers what is drawn before.
+    x_label, y_label : str
+        With their units in brackets.
+    top : float or None
+        Where the upright axis ends, which begins at zero; by the curves if None.
+    bands : tuple of Band
+    marks : tuple of Mark
+        Of bands and marks the first of a name stands in the legend.
+    """
+
+    x: Array
+    series: tuple[Series, ...]
+    x_label: str
+    y_label: str
+    top: float | None = None
+    bands: tuple[Band, ...] = ()
+    marks: tuple[Mark, ...] = ()
+
+    @property
+    def x_range(self) -> tuple[float, float] | None:
+        """Ends of the lying axis; None for a single place."""
+        return (float(self.x[0]), float(self.x[-1])) if len(self.x) > 1 else None
+
+    @property
+    def units(self) -> tuple[str, str]:
+        """Units of both axes."""
+        return bracketed(self.x_label), bracketed(self.y_label)
+
+
+def bracketed(label: str) -> str:
+    """Return the unit that stands in brackets at the end of a label.
+
+    Examples
+    --------
+    >>> bracketed("alternating stress [MPa]")
+    'MPa'
+    """
+    return label.rpartition("[")[2].removesuffix("]")
+
+
+def draw_curves(axes: "Axes", curves: Curves) -> None:
+    """Draw a diagram on axes; the legend is left to the caller."""
+    draw_bands(axes, curves.bands)
+    draw_lines(axes, curves.x, curves.series)
+    named: set[str] = set()
+    for place, name, color in curves.marks:
+        label = None if name in named else name
+        axes.axvline(place, color=color, linewidth=0.8, linestyle=":", label=label)
+        named.add(name)
+    axes.set_xlabel(curves.x_label)
+    if curves.x_range is not None:
+        axes.set_xlim(*curves.x_range)
+    if curves.top is None:
+        axes.set_ylim(bottom=0.0)
+    else:
+        axes.set_ylim(0.0, curves.top)
+    axes.set_ylabel(curves.y_label)
+
+
+def draw_lines(axes: "Axes", x: Array, series: Iterable[Series]) -> None:
+    """Draw the main ones of some series."""
+    for own in series:
+        if own.main:
+            color, dash, width = own.look
+            axes.plot(
+                x,
+                own.values,
+                color=color,
+                linewidth=width,
+                linestyle=ON_PAPER[dash],
+                label=own.name,
+            )
+
+
+def draw_bands(axes: "Axes", bands: Iterable[Band]) -> None:
+    """Shade ranges of the lying axis."""
+    named: set[str] = set()
+    for low, high, color, name in bands:
+        axes.axvspan(low, high, color=color, zorder=0, label=None if name in named else name)
+        named.add(name)

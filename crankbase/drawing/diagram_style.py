@@ -1,0 +1,131 @@
+"""One look for all diagrams, without touching anybody's plot settings."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.errors import InputError
+from crankbase.outputs import check_output, written
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Files that are the same bit for bit for the same picture, with no need of the reader's fonts.
+REPRODUCIBLE: dict[Any, Any] = {"svg.fonttype": "path", "svg.hashsalt": "crankfem"}
+STYLE: dict[Any, Any] = {
+    **REPRODUCIBLE,
+    "font.size": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e3e7ec",
+    "grid.linewidth": 0.8,
+    "axes.axisbelow": True,
+    "legend.frameon": False,
+    "axes.titlesize": 11,
+    "axes.titlelocation": "left",
+}
+BLUE, ORANGE, GREEN, RED, GRAY = "#1f5f99", "#d9822b", "#3a8f5c", "#b63b3b", "#7b8794"
+COLORS = (BLUE, ORANGE, GREEN, RED, "#7a5ba6", GRAY)
+# Looks of many curves: colors that stay apart for every kind of color vision (M. Okabe, K. Ito, Color
+# Universal Design, 2008), and dashes that keep them apart in print without color.
+CURVES = (
+    ("#0072B2", "solid"),
+    ("#E69F00", "dash"),
+    ("#009E73", "dashdot"),
+    ("#CC79A7", "dot"),
+    ("#D55E00", "longdashdot"),
+    ("#56B4E9", "solid"),
+    ("#8C6D1F", "dash"),
+    ("#5E3C99", "dashdot"),
+    ("#767676", "dot"),
+)
+
+
+@contextmanager
+def figure(path: Path, columns: int = 1, width: float = 7.2, height: float = 4.2) -> Iterator[Any]:
+    """Yield the axes of a figure and write it as SVG to `path`.
+
+    Raises
+    ------
+    InputError
+        If the file is not called .svg, has no folder, or is somebody else's.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".svg" or not path.parent.is_dir():
+        raise InputError(
+            f"path: given {path}; allowed is a file name that ends in .svg in a folder that is there, "
+            "because diagrams are written as SVG."
+        )
+    check_output(path, "picture")
+    import matplotlib as mpl
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(STYLE):
+        made = Figure(figsize=(width, height), layout="constrained")
+        FigureCanvasSVG(made)
+        axes = made.subplots(1, columns)
+        yield axes
+        with written(path, "picture") as part:
+            made.savefig(part, metadata={"Date": None})
+
+
+def new_axes(axes: "Axes | None" = None, *, width: float = 7.2, height: float = 4.2) -> "Axes":
+    """Return the axes to draw on: those given, or those of a new figure in the style of all diagrams.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes, optional
+    width, height : float
+        Of a new figure [inch].
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        A new figure is one of pyplot's, which ``plt.show()`` shows.
+    """
+    if axes is not None:
+        return axes
+    import matplotlib as mpl
+    from matplotlib import pyplot
+
+    with mpl.rc_context(STYLE):
+        made: Axes = pyplot.subplots(figsize=(width, height), layout="constrained")[1]
+    return made
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder for diagrams, if it is not there.
+
+    Raises
+    ------
+    InputError
+        If it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"folder: given {folder}, which cannot be made ({error.strerror}); allowed is one that can be "
+            "written, because the diagrams go there."
+        ) from None
+
+
+def math_symbol(symbol: str) -> str:
+    """Write a symbol such as L_shm for matplotlib's mathematics."""
+    return (
+        re.sub(r"^([A-Za-z]+)_(\w+)$", r"$\1_{\\mathrm{\2}}$", symbol)
+        if "_" in symbol
+        else f"${symbol}$"
+    )
+
+
+def with_gaps(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return values that leave a gap in their line where they are unbounded."""
+    return np.where(np.isfinite(values), values, np.nan)

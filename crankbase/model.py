@@ -1,0 +1,266 @@
+"""The base of all validated input: pydantic models whose errors are one clear sentence each."""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import Any, ClassVar, Self, get_args, get_origin
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic.fields import FieldInfo
+
+from crankbase.errors import InputError, quoted
+from crankbase.units.quantity import parse_quantity, show_quantity
+from crankbase.units.units import DISPLAY_UNITS
+
+
+def quantity_field(
+    meaning: str,
+    unit: str,
+    *,
+    symbol: str = "",
+    minimum: float | None = None,
+    maximum: float | None = None,
+    default: Any = ...,
+    feature: bool = False,
+) -> Any:
+    """Declare a field of a physical quantity: SI unit, allowed range, meaning, the papers' symbol.
+
+    File format, error texts, help and docs all read this one declaration. A `feature` is something
+    that is not there unless it is given: its default is no assumption.
+    """
+    return Field(
+        default,
+        ge=minimum,
+        le=maximum,
+        description=meaning,
+        json_schema_extra={
+            "unit": unit,
+            "symbol": symbol,
+            "minimum_si": minimum,
+            "maximum_si": maximum,
+            "feature": feature or default is None,
+        },
+    )
+
+
+def part_field(meaning: str, kind: type["InputModel"], *, many: bool = False) -> Any:
+    """Declare an optional part of a record that is a record itself, or a list of such (`many`)."""
+    return Field(
+        () if many else None,
+        description=meaning,
+        json_schema_extra={"part": kind.section, "many": many},
+    )
+
+
+def part_kind(info: FieldInfo) -> type["InputModel"] | None:
+    """Return the record that a field of parts holds, or None for any other field."""
+    if field_extra(info, "part") is None:
+        return None
+    return next(
+        kind
+        for kind in get_args(info.annotation)
+        if isinstance(kind, type) and issubclass(kind, InputModel)
+    )
+
+
+class InputModel(BaseModel):
+    """A frozen record of input in SI units that refuses unknown, missing and impossible values.
+
+    Raises
+    ------
+    InputError
+        On construction, with one sentence that names the field, the value and what is allowed.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    section: ClassVar[str] = ""
+
+    def __init__(self, **values: Any) -> None:
+        for name, value in values.items():
+            info = type(self).model_fields.get(name)
+            unit = None if info is None else field_extra(info, "unit")
+            if unit is not None and isinstance(value, str | bool):
+                prefix = f"{self.section}." if self.section else ""
+                raise InputError(
+                    f"{prefix}{name}: given {quoted(value)}; allowed is a number in {unit or 'no unit'}, "
+                    "for in Python quantities are SI numbers."
+                )
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise InputError(_sentence(type(self), error)) from None
+
+    def changed(self, **values: Any) -> Self:
+        """Return a record with some values changed, checked like a new one.
+
+        Parameters
+        ----------
+        **values
+            New values by field [SI]; None takes an optional one away.
+
+        Returns
+        -------
+        Self
+            Fields that were left to their defaults follow the defaults again.
+
+        Raises
+        ------
+        InputError
+            If a field is unknown, or the values are impossible together.
+        """
+        given = {name: getattr(self, name) for name in self.model_fields_set}
+        return type(self)(**given | values)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return a copy; with new values it is the record that `changed` returns."""
+        return self.changed(**update) if update else super().model_copy(deep=deep)
+
+    @classmethod
+    def from_text(cls, values: Mapping[str, object], section: str | None = None) -> Self:
+        """Build the record from text with units, as it stands in a file.
+
+        Parameters
+        ----------
+        values : mapping
+            Field name to text, such as ``{"crank_radius": "170 mm"}``.
+        section : str, optional
+            What to call the record in messages; the class's own section otherwise.
+
+        Raises
+        ------
+        InputError
+            If a field is unknown, missing, without unit or outside its range.
+        """
+        name = cls.section if section is None else section
+        prefix = f"{name}." if name else ""
+        converted: dict[str, Any] = {}
+        for key, text in values.items():
+            if key not in cls.model_fields:
+                raise InputError(f"{prefix}{key}: unknown field; {_allowed_names(cls, key)}.")
+            info = cls.model_fields[key]
+            unit, part = field_extra(info, "unit"), part_kind(info)
+            if part is not None:
+                converted[key] = _parts_from_text(part, info, text, f"{prefix}{key}")
+            elif unit is None:
+                converted[key] = text
+            elif isinstance(text, list) and _holds_several(info):
+                converted[key] = tuple(
+                    parse_quantity(item, unit, f"{prefix}{key}[{number}]", _range(info))
+                    for number, item in enumerate(text)
+                )
+            else:
+                converted[key] = parse_quantity(text, unit, f"{prefix}{key}", _range(info))
+        try:
+            return cls(**converted)
+        except InputError as error:
+            message = str(error)
+            own = f"{cls.section}." if cls.section else ""
+            raise InputError(prefix + message.removeprefix(own)) from None
+
+
+def _holds_several(info: FieldInfo) -> bool:
+    """Tell whether a field holds a tuple, perhaps an optional one."""
+    return tuple in (get_origin(kind) for kind in (info.annotation, *get_args(info.annotation)))
+
+
+def _parts_from_text(kind: type[InputModel], info: FieldInfo, value: object, name: str) -> Any:
+    """Build the record, or the tuple of records, that stands in a table of its own."""
+    if field_extra(info, "many"):
+        if not isinstance(value, list) or not all(isinstance(item, Mapping) for item in value):
+            raise InputError(
+                f"{name}: given {quoted(value)}; allowed is a list of tables, each under [[{name}]]."
+            )
+        return tuple(kind.from_text(item, f"{name}[{place}]") for place, item in enumerate(value))
+    if not isinstance(value, Mapping):
+        raise InputError(f"{name}: given {quoted(value)}; allowed is a table [{name}].")
+    return kind.from_text(value, name)
+
+
+def field_extra(info: FieldInfo, key: str) -> Any:
+    """Return one entry of a field's declaration (unit, symbol, range), or None."""
+    extra = info.json_schema_extra
+    return extra.get(key) if isinstance(extra, dict) else None
+
+
+def _allowed_names(model: type[BaseModel], given: str) -> str:
+    import difflib
+
+    names = list(model.model_fields)
+    close = difflib.get_close_matches(given, names, n=1)
+    hint = f"did you mean {close[0]}? " if close else ""
+    return f"{hint}allowed are {', '.join(names)}"
+
+
+def _sentence(model: type[InputModel], error: ValidationError) -> str:
+    """Turn pydantic's first finding into one sentence for people."""
+    first = error.errors()[0]
+    location = [str(part) for part in first["loc"]]
+    prefix = f"{model.section}." if model.section else ""
+    given = first.get("input")
+    if first["type"] == "value_error":
+        text = str(first["ctx"]["error"])
+        if not location:
+            return text if text.startswith(prefix) else prefix + text
+        return prefix + ".".join(location) + ": " + text
+    name = location[0] if location else ""
+    field = prefix + ".".join(location)
+    if first["type"] == "missing":
+        info = model.model_fields[name]
+        return f"{field}: missing; {_describe(info)} must be given{_allowed_range(info)}."
+    if first["type"] == "extra_forbidden":
+        return f"{field}: unknown field; {_allowed_names(model, name)}."
+    known = model.model_fields.get(name)
+    if known is None:
+        return f"{field}: given {quoted(given)}; {first['msg']}."
+    unit = field_extra(known, "unit")
+    shown = quoted(given)
+    if unit is not None and isinstance(given, int | float) and not isinstance(given, bool):
+        with suppress(OverflowError):  # an integer of hundreds of digits
+            shown = show_quantity(float(given), unit)
+    if first["type"] == "literal_error":
+        expected = str(first["ctx"]["expected"]).replace("'", "")
+        return f"{field}: given {quoted(given)}; allowed is {expected}."
+    allowed = _range(known) if unit is not None else ""
+    bound = _BOUNDS.get(first["type"])
+    if unit is None and bound is not None:
+        allowed = bound.format(**first.get("ctx", {}))
+    if first["type"] in _KINDS:
+        allowed = f"{_KINDS[first['type']]}, {allowed}".removesuffix(", ")
+    return f"{field}: given {shown}; allowed is {allowed} for {_describe(known)}."
+
+
+# What pydantic's findings about fields without a unit mean to people.
+_KINDS = {
+    "int_from_float": "a whole number",
+    "int_parsing": "a whole number",
+    "int_type": "a whole number",
+    "string_type": "text",
+    "tuple_type": "a list",
+}
+# And about the numbers in them; a field with a unit tells its range.
+_BOUNDS = {
+    "finite_number": "a finite number",
+    "greater_than_equal": "a number of {ge:g} or more",
+    "less_than_equal": "a number of {le:g} or less",
+}
+
+
+def _describe(info: FieldInfo) -> str:
+    symbol = field_extra(info, "symbol")
+    meaning = info.description or "this value"
+    return f"{meaning} ({symbol})" if symbol else meaning
+
+
+def _allowed_range(info: FieldInfo) -> str:
+    return f", allowed is {_range(info)}" if field_extra(info, "unit") is not None else ""
+
+
+def _range(info: FieldInfo) -> str:
+    unit = field_extra(info, "unit")
+    low, high = field_extra(info, "minimum_si"), field_extra(info, "maximum_si")
+    if low is not None and high is not None:
+        return f"{show_quantity(low, unit)} to {show_quantity(high, unit)}"
+    if low is not None:
+        return f"{show_quantity(low, unit)} or more"
+    if high is not None:
+        return f"{show_quantity(high, unit)} or less"
+    return f"any number in {DISPLAY_UNITS.get(unit, (unit,))[0]}" if unit else "any number"

@@ -1,0 +1,262 @@
+"""The units in which numbers are printed: SI as engineers read it, or units that the user names.
+
+Records and JSON are in SI units always. What is printed goes through one small object that is handed
+down to the tables: a column asks it for its unit, a sentence for itself in the units wished for.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from crankbase.errors import InputError
+from crankbase.units.number_formats import UNBOUNDED
+from crankbase.units.quantity import NoUnitError, one_of_unit, show_quantity
+from crankbase.units.units import DISPLAY_UNITS, POWER_OF_TEN, UNITS
+
+SYSTEMS = {"si": "", "imperial": "in, lbf, ksi, lb, hp"}
+# A user who reads angles in degrees does not mean speeds in degrees per second.
+NEVER_APART = ("rad/s",)
+# From here on four digits would get an exponent; below, a person reads them without one.
+WRITTEN_OUT = 1e7
+
+_NUMBER = r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
+# One unit behind a range or a list is that of all its numbers.
+_BETWEEN = r"(?:, | to | x |,? and |,? or )"
+_UNITS = "|".join(re.escape(unit) for unit in sorted(UNITS, key=len, reverse=True))
+_NUMBERS = re.compile(_NUMBER)
+_QUANTITY = re.compile(
+    rf"(?<![\w./^-])(?P<numbers>(?:{_NUMBER}{_BETWEEN})*{_NUMBER}) (?P<unit>{_UNITS})"
+    r"(?![\w^/]|\s(?:m|s|rad)\b)"
+)
+
+# Dimension of a unit, and the power of the angle in it: a speed of rotation is no frequency.
+Kind = tuple[frozenset[tuple[str, float]], float]
+
+
+@dataclass(frozen=True)
+class OutputUnit:
+    """A unit in which a column is printed.
+
+    Attributes
+    ----------
+    name : str
+        As it stands in the head.
+    size : float
+        Of the unit, in SI.
+    wished : bool
+        Whether the user asked for it.
+    replaced : float
+        Size of the unit that it stands in place of; its own where there is none.
+    """
+
+    name: str
+    size: float
+    wished: bool = False
+    replaced: float = 1.0
+
+    def number(self, value: float | None, digits: int = 4) -> str:
+        """Write an SI number in this unit, without it; "unbounded" for None."""
+        if value is None:
+            return UNBOUNDED
+        text = f"{value / self.size:.{digits}g}"
+        if self.name == "%" and "e+" in text:
+            return f"{value / self.size:.0f}"
+        if self.wished and "e" in text and 1.0 <= abs(float(text)) < WRITTEN_OUT:
+            return f"{float(text):.0f}"
+        return text
+
+    def fixed(self, value: float, decimals: int) -> str:
+        """Write an SI number with so many decimals of the unit of SI; in another as finely at least."""
+        if self.wished:
+            finest = self.replaced * 10.0**-decimals / self.size
+            decimals = max(0, math.ceil(-math.log10(finest)))
+        # Adding zero turns a negative zero into zero.
+        return f"{round(value / self.size, decimals) + 0.0:.{decimals}f}"
+
+    def with_name(self, value: float | None, digits: int = 4) -> str:
+        """Write an SI number with the unit."""
+        text = self.number(value, digits)
+        if value is None:
+            return text
+        if self.name.startswith(POWER_OF_TEN):
+            return f"{text}e-9 {self.name.removeprefix(POWER_OF_TEN)}"
+        return f"{text} {self.name}"
+
+
+@dataclass(frozen=True)
+class OutputUnits:
+    """The units that a user wishes to read; those of SI where none fits.
+
+    Parameters
+    ----------
+    wished : tuple of (kind, name, size)
+        As `parse_output_units` finds them.
+
+    Examples
+    --------
+    >>> SI.of("kN m").number(30730.0)
+    '30.73'
+    >>> units = parse_output_units("in, lbf")
+    >>> units.of("1e-9 m/N").name, units.of("1e-9 m/N").number(1.27e-9)
+    ('1e-9 in/lbf', '222.4')
+    >>> units.text("The range is 270 to 330 mm.")
+    'The range is 10.6 to 13 in.'
+    """
+
+    wished: tuple[tuple[Kind, str, float], ...] = ()
+
+    def of(self, printed: str) -> OutputUnit:
+        """Return the unit that stands in place of one of `UNITS`, or of a power of ten of it."""
+        power = POWER_OF_TEN if printed.startswith(POWER_OF_TEN) else ""
+        unit, size = UNITS[printed.removeprefix(POWER_OF_TEN)]
+        found = self._converted(unit)
+        if found is None:
+            return OutputUnit(printed, size * (1e-9 if power else 1.0))
+        scale = 1e-9 if power else 1.0
+        return OutputUnit(power + found[0], found[1] * scale, True, size * scale)
+
+    def quantity(self, value: float, unit: str, digits: int = 6) -> str:
+        """Write a number in the SI unit `unit` with its unit, as people read it."""
+        if not self.wished or not unit or self._converted(unit) is None:
+            return show_quantity(value, unit, digits)
+        shown = DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
+        return self.of(shown).with_name(value, digits)
+
+    def text(self, sentence: str) -> str:
+        """Return a sentence with the quantities in it converted, to at least as many digits."""
+        return _QUANTITY.sub(self._replaced, sentence) if self.wished else sentence
+
+    def _replaced(self, found: re.Match[str]) -> str:
+        unit, size = UNITS[found["unit"]]
+        converted = self._converted(unit)
+        if converted is None:
+            return found[0]
+        own = OutputUnit(converted[0], converted[1], wished=True)
+
+        def write(number: re.Match[str]) -> str:
+            return own.number(float(number[0]) * size, max(_digits(number[0]), 3))
+
+        return f"{_NUMBERS.sub(write, found['numbers'])} {own.name}"
+
+    def _converted(self, unit: str) -> tuple[str, float] | None:
+        """Return name and size of the unit in place of an SI one: as a whole, else by its factors."""
+        if not self.wished:
+            return None
+        whole = self._wished(unit)
+        if whole is not None or unit in NEVER_APART:
+            return whole
+        size, names, changed = 1.0, [], False
+        for factor, power in _factors(unit):
+            own = self._wished(factor)
+            changed = changed or own is not None
+            name, one = (factor, 1.0) if own is None else own
+            names.append((f"({name})" if re.search(r"[ /]", name) else name, power))
+            size *= one**power
+        return (_joined(names), size) if changed else None
+
+    def _wished(self, unit: str) -> tuple[str, float] | None:
+        kind = _kind_of_si(unit)
+        for own, name, size in self.wished:
+            # One word for the unit of energy, such as J, is no unit of torque.
+            if own == kind and not (unit == "N m" and re.fullmatch(r"\w+", name)):
+                return name, size
+        return None
+
+
+SI = OutputUnits()
+
+
+def parse_output_units(text: str | None) -> OutputUnits:
+    """Read the list of --units: units with commas between them, "imperial", or "SI".
+
+    Raises
+    ------
+    InputError
+        If one is no unit, is of a kind that is never printed, or two are of one kind.
+    """
+    if text is None:
+        return SI
+    listed = SYSTEMS.get(text.strip().casefold(), text)
+    found: list[tuple[Kind, str, float]] = []
+    for name in (part.strip() for part in listed.split(",")):
+        if not name and listed == SYSTEMS["si"]:
+            continue
+        kind, size = _parsed(name)
+        for other_kind, other, _ in found:
+            if other_kind == kind:
+                raise InputError(
+                    f"--units: given {other!r} and {name!r}, which are units of one kind; allowed is one "
+                    "of them, because a number is printed once."
+                )
+        found.append((kind, name, size))
+    return OutputUnits(tuple(found))
+
+
+def _parsed(name: str) -> tuple[Kind, float]:
+    """Return kind of a unit and its size in SI."""
+    try:
+        if not name or re.match(r"\d", name.removeprefix("1/")):
+            raise NoUnitError("a number or nothing")
+        one = one_of_unit(name)
+    except NoUnitError:
+        raise InputError(
+            f"--units: given {name!r}, which is no unit; allowed are units with commas between them, like "
+            '"in, lbf, ksi", or one of imperial and SI.'
+        ) from None
+    kind, shifted = _kind(one.to_root_units()), not one._is_multiplicative
+    if shifted or kind not in _printed_kinds():
+        raise InputError(
+            f"--units: given {name!r}, of a kind that is never printed; allowed are units of length, "
+            "force, torque, stress, mass, inertia, compliance, angle, speed, frequency, power, energy and "
+            "time."
+        )
+    return kind, float(one.to_base_units().magnitude)
+
+
+def _kind(root: Any) -> Kind:
+    angle = float(dict(root.units._units).get("radian", 0.0))
+    return frozenset((name, float(power)) for name, power in root.dimensionality.items()), angle
+
+
+@cache
+def _kind_of_si(unit: str) -> Kind:
+    return _kind(one_of_unit(unit).to_root_units())
+
+
+@cache
+def _printed_kinds() -> frozenset[Kind]:
+    units = {unit for unit, _ in UNITS.values()}
+    factors = {factor for unit in units for factor, _ in _factors(unit)}
+    return frozenset(_kind_of_si(unit) for unit in units | factors)
+
+
+def _factors(unit: str) -> list[tuple[str, int]]:
+    """Take a unit apart: "rad/(N m)" into rad, N and m with their powers."""
+    above, _, below = unit.partition("/")
+    found = []
+    for part, sign in ((above, 1), (below.strip("()"), -1)):
+        for factor in part.split():
+            name, _, power = factor.partition("^")
+            found.append((name, sign * int(power or 1)))
+    return found
+
+
+def _joined(factors: list[tuple[str, int]]) -> str:
+    above = [_power(name, power) for name, power in factors if power > 0]
+    below = [_power(name, -power) for name, power in factors if power < 0]
+    if not below:
+        return " ".join(above)
+    under = below[0] if len(below) == 1 else f"({' '.join(below)})"
+    return f"{' '.join(above) or '1'}/{under}"
+
+
+def _power(name: str, power: int) -> str:
+    return name if power == 1 else f"{name}^{power}"
+
+
+def _digits(text: str) -> int:
+    """Count the significant digits of a number."""
+    mantissa = text.partition("e")[0].lstrip("+-").lstrip("0.")
+    return len(mantissa.replace(".", ""))

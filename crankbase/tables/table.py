@@ -1,0 +1,157 @@
+"""Tables: columns with names, units and digits over rows of plain SI values.
+
+What an analysis has to show it says once, as a table; the console, the report and files write it, each in
+its own way and in the units wished for.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TypeAlias
+
+from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
+
+# A value in SI, words as they are, values beside each other, or None where there is no value.
+Cell: TypeAlias = float | int | str | Sequence[float] | None
+
+PERCENT = OutputUnit("%", 0.01)
+NO_UNIT = OutputUnit("", 1.0)
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a table.
+
+    Parameters
+    ----------
+    name : str
+        Without the unit; empty if the unit says what it is.
+    unit : str or OutputUnit
+        In which values are printed, such as "kN", unless the user wishes another; "%" for shares; an
+        `OutputUnit` stays as it is.
+    digits : int or None
+        Significant digits of a value; whole numbers have all of theirs. None for numbers that were given,
+        such as orders, which get no zeros at their end.
+    decimals : int or None
+        Decimals in place of digits.
+    words : bool
+        Whether the column is set left.
+    joint : str
+        Between values in one cell.
+    missing : str
+        In place of None.
+    bare : bool
+        Whether the head leaves the unit out, because that of a neighbor says it.
+
+    Examples
+    --------
+    >>> column = Column("force", "kN")
+    >>> column.head(), column.text(12345.6), column.text(None)
+    ('force [kN]', '12.35', 'none')
+    """
+
+    name: str
+    unit: str | OutputUnit = ""
+    digits: int | None = 4
+    decimals: int | None = None
+    words: bool = field(default=False, kw_only=True)
+    joint: str = field(default=", ", kw_only=True)
+    missing: str = field(default="none", kw_only=True)
+    bare: bool = field(default=False, kw_only=True)
+
+    def shown_unit(self, units: OutputUnits = SI) -> OutputUnit:
+        """Return the unit in which values are printed."""
+        if isinstance(self.unit, OutputUnit):
+            return self.unit
+        return {"": NO_UNIT, "%": PERCENT}.get(self.unit) or units.of(self.unit)
+
+    def head(self, units: OutputUnits = SI) -> str:
+        """Return name and unit."""
+        unit = "" if self.bare else self.shown_unit(units).name
+        return f"{self.name} [{unit}]" if self.name and unit else self.name or unit
+
+    def text(
+        self, cell: Cell, units: OutputUnits = SI, write: Callable[[float, int], str] | None = None
+    ) -> str:
+        """Write a cell without the unit; `write` makes text of a number and its digits."""
+        if isinstance(cell, str):
+            return cell
+        if cell is None:
+            return self.missing
+        if isinstance(cell, Sequence):
+            return self.joint.join(self.text(value, units, write) for value in cell)
+        unit = self.shown_unit(units)
+        if self.decimals is not None:
+            return unit.fixed(cell, self.decimals)
+        if isinstance(cell, int) and unit is NO_UNIT:
+            return str(cell)
+        if self.digits is None:
+            return unit.number(cell, 6)
+        return (
+            unit.number(cell, self.digits)
+            if write is None
+            else write(cell / unit.size, self.digits)
+        )
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of values below columns.
+
+    Parameters
+    ----------
+    title : str
+    columns : sequence of Column
+    rows : sequence of sequences of cells
+        A cell for each column.
+    note : str
+        What there is to say below.
+    marks : sequence of str
+        Of each row what it is, such as "over" a limit; empty if no row stands out.
+    merged : bool
+        Whether rows that read alike but for the first column are written as one.
+    """
+
+    title: str
+    columns: Sequence[Column]
+    rows: Sequence[Sequence[Cell]]
+    note: str = ""
+    marks: Sequence[str] = ()
+    merged: bool = False
+
+    def texts(
+        self, units: OutputUnits = SI, write: Callable[[float, int], str] | None = None
+    ) -> list[list[str]]:
+        """Return the rows as they are written."""
+        rows = [
+            [
+                column.text(cell, units, write)
+                for column, cell in zip(self.columns, row, strict=True)
+            ]
+            for row in self.rows
+        ]
+        return merged_rows(rows) if self.merged else rows
+
+    def only(self, *names: str) -> "Table":
+        """Return the table of the columns of these names, in this order."""
+        places = [[column.name for column in self.columns].index(name) for name in names]
+        return replace(
+            self,
+            columns=[self.columns[place] for place in places],
+            rows=[[row[place] for place in places] for row in self.rows],
+        )
+
+
+def merged_rows(rows: list[list[str]]) -> list[list[str]]:
+    """Put rows that differ in the first column only into one, such as "1, 3" or "1 to 6"."""
+    found: dict[tuple[str, ...], list[str]] = {}
+    for first, *rest in rows:
+        found.setdefault(tuple(rest), []).append(first)
+    return [[listed(names), *rest] for rest, names in found.items()]
+
+
+def listed(names: list[str]) -> str:
+    """Write a list of names, numbers that follow each other as "1 to 6"."""
+    numbers = [int(name) for name in names if name.isdigit()]
+    if len(numbers) == len(names) > 2 and numbers == [*range(numbers[0], numbers[0] + len(names))]:
+        return f"{names[0]} to {names[-1]}"
+    return ", ".join(names)

@@ -1,0 +1,137 @@
+"""What a run was made with: versions, machine, times, and how to repeat it."""
+
+import datetime
+import hashlib
+import os
+import platform
+import shlex
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from crankfem.analyses.record import Record
+from crankfem.files.reading.data_files import data_folder
+
+# Packages whose versions a result may depend on.
+PACKAGES = (
+    "scikit-fem",
+    "gmsh",
+    "meshio",
+    "numpy",
+    "scipy",
+    "pypardiso",
+    "pyvista",
+    "matplotlib",
+    "plotly",
+    "pint",
+    "pydantic",
+)
+# Longer tables are named with their digest, but not quoted.
+LONGEST_QUOTED = 200_000
+
+
+def about_record() -> Record:
+    """Which program made the numbers, with what, and when."""
+    return {
+        "program": "crankfem",
+        "version": program_version(),
+        "created": datetime.datetime.now().astimezone().isoformat(timespec="seconds"),
+        "units": "SI: m, N, Pa, kg, s, rad; Hz for frequencies, 1/min where a name ends in _rpm",
+        "python": f"{platform.python_implementation()} {platform.python_version()}",
+        "platform": platform.platform(),
+        "processors": os.cpu_count() or 1,
+        "packages": {name: _installed(name) for name in PACKAGES},
+    }
+
+
+def program_version() -> str:
+    """Version of crankfem; of a checkout that is not installed, what its project file says."""
+    try:
+        return version("crankfem")
+    except PackageNotFoundError:
+        project = Path(__file__).resolve().parents[2] / "pyproject.toml"
+        try:
+            found = tomllib.loads(project.read_text(encoding="utf-8"))["project"]["version"]
+        except (OSError, KeyError, tomllib.TOMLDecodeError):
+            return "development checkout"
+        return f"{found}, development checkout"
+
+
+def repeat_record(files: Sequence[Record], seconds: Mapping[str, float]) -> Record:
+    """What is needed to repeat a run.
+
+    Parameters
+    ----------
+    files : sequence of dict
+        The files that were read, the engine file first; see `file_records`.
+    seconds : mapping
+        Step of the run to the time it took [s].
+
+    Returns
+    -------
+    dict
+        "command", "files", "seconds".
+    """
+    return {
+        "command": run_command(files[0]["name"]),
+        "files": list(files),
+        "seconds": dict(seconds),
+    }
+
+
+def file_records(engine_file: Path, tables: Iterable[Path]) -> list[Record]:
+    """Read the files of a run as they are now.
+
+    Parameters
+    ----------
+    engine_file : Path
+    tables : iterable of Path
+        Further files that were read.
+
+    Returns
+    -------
+    list of dict
+        "name", where the engine file looks for it; "sha256"; "text", None if it is very long.
+    """
+    return [
+        _file_record(path, _name_beside(engine_file, path))
+        for path in dict.fromkeys((engine_file, *tables))
+    ]
+
+
+def run_command(name: str) -> str:
+    """Return the command that runs an engine file, as a shell reads it.
+
+    Examples
+    --------
+    >>> run_command("my engine.toml")
+    "crankfem run 'my engine.toml'"
+    """
+    # What begins with a dash would be taken for an option.
+    return f"crankfem run {shlex.quote(f'./{name}' if name.startswith('-') else name)}"
+
+
+def _name_beside(engine_file: Path, path: Path) -> str:
+    """Name of a file as the engine file may call it: with its folders, a shipped table without."""
+    for folder in (engine_file.parent, data_folder() / "tables"):
+        if path.is_relative_to(folder):
+            return path.relative_to(folder).as_posix()
+    return path.as_posix()
+
+
+def _file_record(path: Path, name: str) -> Record:
+    content = path.read_bytes()
+    text = content.decode("utf-8", errors="replace")
+    return {
+        "name": name,
+        "sha256": hashlib.sha256(content).hexdigest(),
+        "text": text if len(text) <= LONGEST_QUOTED else None,
+    }
+
+
+def _installed(name: str) -> str | None:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None

@@ -1,0 +1,313 @@
+"""The self-checks of a run: what was checked, how well it holds, and what it has to hold to.
+
+Every check is a record: its name, the figure found, the unit of the figure ("1" for a share that is
+round-off where all is well, "%" for a share shown in per cent, else a word), what is allowed or None,
+whether the check holds or None, and a sentence that says what the figure means.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from crankfem.analyses.record import Record
+from fem.angle_law import SYMMETRIC
+
+Array = NDArray[np.float64]
+
+# Every solution leaves at most 1e-9 of its right side, or the run stops; what finite elements say of a
+# throw is made of a few solutions.
+LARGEST_ROUND_OFF = 1e-8
+# Torque and work of the gas are sums over the same some thousand angles of a cycle, each of them true to
+# 1e-16 of its terms; those of the masses, whose sum is zero, are up to a hundred times those of the gas.
+LARGEST_ENERGY_ERROR = 1e-10
+# Sums over a working cycle of some hundred angles and orders.
+LARGEST_POWER_ERROR = 1e-6
+
+
+def rigid_body_motions() -> Array:
+    """Return the rigid-body motions (12, 6) of two end sections, rotations measured as length x angle."""
+    motions = np.zeros((12, 6))
+    motions[:6], motions[6:] = np.eye(6), np.eye(6)
+    # Turned about x or y through the left end section, the right one is carried along.
+    motions[6, 4], motions[7, 3] = 1.0, -1.0
+    return motions
+
+
+def scaled_stiffness(stiffness: ArrayLike, length: float) -> Array:
+    """Return a stiffness (12, 12) in N/m alone, with rotations measured as length x angle."""
+    size = np.tile([1.0, 1.0, 1.0, 1.0 / length, 1.0 / length, 1.0 / length], 2)
+    return np.asarray(stiffness, dtype=float) * np.outer(size, size)
+
+
+def rigid_body_residual(stiffness: ArrayLike, length: float) -> float:
+    """Return the largest force that a rigid-body motion meets, beside the largest stiffness.
+
+    Parameters
+    ----------
+    stiffness : (12, 12) array
+        ux uy uz rx ry rz of the left, then the right end section [SI].
+    length : float
+        Between the end sections [m].
+    """
+    scaled = scaled_stiffness(stiffness, length)
+    return float(np.max(np.abs(scaled @ rigid_body_motions())) / np.max(np.abs(scaled)))
+
+
+def asymmetry(stiffness: ArrayLike, length: float) -> float:
+    """Return the largest difference between K and its transpose, beside the largest stiffness."""
+    scaled = scaled_stiffness(stiffness, length)
+    return float(np.max(np.abs(scaled - scaled.T)) / np.max(np.abs(scaled)))
+
+
+def unbalanced_share(
+    ends: Sequence[Mapping[str, Sequence[float]]],
+    places: ArrayLike,
+    force: ArrayLike,
+    at: ArrayLike,
+) -> float:
+    """Return what the reactions of the ends leave unbalanced of a force, beside its size.
+
+    Parameters
+    ----------
+    ends : sequence of mappings
+        "force" [N] and "moment" [N m], each (3,), of the supports on the shaft.
+    places : (ends, 3) array
+        Where they act [m].
+    force : (3,) array
+        What acts on the pin [N].
+    at : (3,) array
+        Where its resultant acts [m].
+
+    Returns
+    -------
+    float
+        The larger of unbalanced force / force and unbalanced moment / (force x distance of the ends).
+    """
+    places, force, at = (np.asarray(own, dtype=float) for own in (places, force, at))
+    forces = np.array([end["force"] for end in ends])
+    moments = np.array([end["moment"] for end in ends])
+    size = float(np.linalg.norm(force))
+    arm = float(np.linalg.norm(places[-1] - places[0]))
+    left_over = forces.sum(axis=0) + force
+    turning = moments.sum(axis=0) + np.cross(places, forces).sum(axis=0) + np.cross(at, force)
+    return max(
+        float(np.linalg.norm(left_over)) / size, float(np.linalg.norm(turning)) / (size * arm)
+    )
+
+
+def run_checks(
+    found: Mapping[str, Any], length: float, pin_center: Sequence[float]
+) -> list[Record]:
+    """Return all self-checks that the results of a run allow.
+
+    Parameters
+    ----------
+    found : mapping
+        Content of results.json.
+    length : float
+        Of the throw [m].
+    pin_center : (3,) sequence
+        Middle of the first pin as it is meshed, in the throw frame [m].
+
+    Returns
+    -------
+    list of dict
+        In the order in which a report shows them.
+    """
+    return [
+        *_throw_checks(found["throw"], length, pin_center),
+        *_angle_checks(found),
+        *_fillet_checks(found.get("fillets")),
+        *_study_checks(found["study"]),
+        *_mechanism_checks(found["mechanism"]),
+        *_power_checks(found["vibration"]["forced"]),
+        *_chain_checks(found["vibration"]["whole"]),
+    ]
+
+
+def _check(
+    name: str,
+    figure: float | None,
+    sentence: str,
+    *,
+    unit: str = "1",
+    allowed: float | None = None,
+    met: bool | None = None,
+) -> Record:
+    """Make a record; without `met`, the figure is held against what is allowed."""
+    if met is None and allowed is not None and figure is not None:
+        met = abs(figure) <= allowed
+    return {
+        "name": name,
+        "figure": figure,
+        "unit": unit,
+        "allowed": allowed,
+        "met": met,
+        "sentence": sentence,
+    }
+
+
+def _throw_checks(
+    throw: Mapping[str, Any], length: float, pin_center: Sequence[float]
+) -> list[Record]:
+    stiffness = throw["stiffness"]
+    radial = (0.0, -float(throw["radial_force"]), 0.0)
+    worst = max(
+        unbalanced_share(
+            [own["reactions"][side] for side in ("left", "right")],
+            ((0.0, 0.0, 0.0), (0.0, 0.0, length)),
+            radial,
+            pin_center,
+        )
+        for own in throw["supports"].values()
+    )
+    reciprocity = throw["reciprocity"]
+    return [
+        _check(
+            "Error of the axial compliance",
+            throw["error_estimate"],
+            "Estimated from the stresses of the finite elements; the true compliance is larger by about "
+            "that much.",
+            unit="%",
+            allowed=throw["accuracy"],
+            met=throw["accuracy_met"],
+        ),
+        _check(
+            "Rigid-body motions of the stiffness",
+            rigid_body_residual(stiffness, length),
+            "A throw that moves as one body meets no force: what it does meet, beside the largest "
+            "stiffness.",
+            allowed=LARGEST_ROUND_OFF,
+        ),
+        _check(
+            "Symmetry of the stiffness",
+            reciprocity["asymmetry"],
+            "Work and its reverse are equal (reciprocity): largest difference from its transpose of the "
+            "stiffness that the forces on the end sections make, beside the largest stiffness. The "
+            "stiffness that is used is made of strain energies and always symmetric.",
+            allowed=LARGEST_ROUND_OFF,
+        ),
+        _check(
+            "Equilibrium of the reactions",
+            worst,
+            "Forces and moments of both ends against the radial force on the pin, which acts at the middle "
+            "of the meshed pin, pinned and guided: what is left over.",
+            allowed=LARGEST_ROUND_OFF,
+        ),
+        _check(
+            "Axial reaction by reciprocity",
+            reciprocity["axial_reaction"],
+            "The axial reaction to a radial force Z, from what holds the ends when the pin is loaded, "
+            "against c Z / e_n, in which c is the motion of the pin when the ends are moved; beside Z.",
+            allowed=LARGEST_ROUND_OFF,
+        ),
+        _check(
+            "Elements mended",
+            throw["mended_elements"],
+            "Elements that the curved surface had turned inside out and that were straightened; none is "
+            "left.",
+            unit="elements",
+        ),
+    ]
+
+
+def _angle_checks(found: Mapping[str, Any]) -> list[Record]:
+    fe = found["formulas"].get("fe")
+    if fe is None or fe["angle_law"] is None:
+        return []
+    pinned = found["throw"]["supports"]["pinned"]["axial_compliance"]
+    return [
+        _check(
+            "Opposite neighbors beside pinned ends",
+            fe["axial"] / pinned - 1.0,
+            "With equal webs a throw between opposite cranks tilts as freely as one with pinned ends: both "
+            "compliances must agree, as far as the webs are equal.",
+            # What the angle law takes for equal webs.
+            allowed=SYMMETRIC,
+        )
+    ]
+
+
+def _fillet_checks(fillets: Mapping[str, Any] | None) -> list[Record]:
+    if fillets is None:
+        return []
+    return [
+        _check(
+            "Error of the fillet stresses",
+            fillets["error_estimate"],
+            "Largest of the estimates from one mesh to the next.",
+            unit="%",
+            allowed=fillets["accuracy"],
+            met=fillets["accuracy_met"],
+        )
+    ]
+
+
+def _study_checks(study: Mapping[str, Any] | None) -> list[Record]:
+    found = []
+    for response, name in (("axial_compliance", "axial"), ("torsional_compliance", "torsional")):
+        fits = (study or {"fits": {}})["fits"].get(response)
+        if fits is None:
+            continue
+        chosen = next(form for form in fits["forms"] if form["form"] == fits["chosen"])
+        found.append(
+            _check(
+                f"Error of the {name} regression",
+                chosen["largest_error_held_out"],
+                f"Largest error of the chosen form ({fits['chosen']}) at designs that it was not fitted "
+                "to.",
+                unit="%",
+            )
+        )
+    return found
+
+
+def _mechanism_checks(mechanism: Mapping[str, Any] | None) -> list[Record]:
+    if mechanism is None:
+        return []
+    return [
+        _check(
+            "Energy of the crank mechanism",
+            abs(mechanism["energy_error"]),
+            "Work of the torque over a cycle against the work of the gas, beside the work exchanged.",
+            allowed=LARGEST_ENERGY_ERROR,
+        )
+    ]
+
+
+def _power_checks(forced: Mapping[str, Any] | None) -> list[Record]:
+    return [
+        _check(
+            f"Power of the {kind} vibration",
+            own["power"]["error"],
+            "What the forces put in against the heat in all damping, over the speeds at which the "
+            "vibration is bounded.",
+            allowed=LARGEST_POWER_ERROR,
+        )
+        for kind, own in (forced or {}).items()
+    ]
+
+
+def _chain_checks(whole: Mapping[str, Any] | None) -> list[Record]:
+    found = []
+    for kind, chain in (whole or {"chains": {}})["chains"].items():
+        modes = chain["modes"]
+        figure = modes[0]["chain_frequency"] / modes[0]["shaft_frequency"] - 1.0 if modes else None
+        found.append(
+            _check(
+                f"The {kind} chain beside the whole crankshaft",
+                figure,
+                f"First {kind} frequency of the chain against that of the whole crankshaft. "
+                + (
+                    "The chain suffices."
+                    if chain["suffices"]
+                    else f"The chain does not suffice: {' '.join(chain['reasons'])}"
+                ),
+                unit="%",
+                # Frequencies, shares of the energy and amplitudes decide together.
+                met=chain["suffices"],
+            )
+        )
+    return found

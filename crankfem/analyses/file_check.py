@@ -1,0 +1,267 @@
+"""What a file of quantities was understood as: for the command check, before anything is computed."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from crankbase.model import field_extra
+from crankbase.units.units import RPM
+from crankfem.analyses.record import Record, input_records
+from crankfem.files.chain.chain_file import ChainFile, is_chain_file, load_chain
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.mechanism_file import MechanismFile, load_any, load_mechanism
+from crankfem.files.engine.throw_file import ThrowFile
+from crankfem.files.hinge.hinge_file import SECTIONS as HINGE_SECTIONS
+from crankfem.files.hinge.hinge_file import HingeFile, load_hinge
+from crankfem.files.reading.data_files import shipped_hinges
+from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
+from crankfem.files.sections.engine_sections import Engine
+from geometry.throw import CrankThrow
+
+THROW_COMMANDS = ("throw", "stress", "formulas", "draw", "export")
+MECHANISM_COMMANDS = ("mechanism", "harmonics", *THROW_COMMANDS)
+
+
+@dataclass(frozen=True)
+class CheckedFile:
+    """A valid file, and what it was understood as.
+
+    Attributes
+    ----------
+    path : Path
+    kind : {"engine", "mechanism", "throw", "hinge", "chain"}
+    name : str or None
+        What the file calls it.
+    sections : tuple of str
+    commands : tuple of str
+        That the file serves.
+    inputs : tuple of InputRecord
+        Every value with its source.
+    throw : CrankThrow or None
+    engine : dict or None
+        Cylinders, firing order and angles, crank angles, running range.
+    remarks : tuple of str
+    """
+
+    path: Path
+    kind: str
+    name: str | None
+    sections: tuple[str, ...]
+    commands: tuple[str, ...]
+    inputs: tuple[InputRecord, ...]
+    throw: CrankThrow | None
+    engine: Record | None
+    remarks: tuple[str, ...]
+
+
+def check_file(given: str) -> CheckedFile:
+    """Read a file as what it describes, and check it.
+
+    Parameters
+    ----------
+    given : str
+        Path, or the name of a shipped engine, hinge or chain.
+
+    Raises
+    ------
+    InputError
+        With one sentence that names the field, what was given and what is allowed.
+    """
+    if _is_hinge(given):
+        return _hinge(load_hinge(given))
+    if is_chain_file(given):
+        return _chain(load_chain(given))
+    read = load_any(given)
+    content = read_toml(read.path)
+    if isinstance(read, ThrowFile):
+        return _throw(read, content)
+    if isinstance(read, MechanismFile):
+        return _mechanism(read, content)
+    return _engine(read, content)
+
+
+def check_record(checked: CheckedFile) -> Record:
+    """Return a checked file as plain JSON content in SI units, angles in degrees."""
+    return {
+        "engine": checked.name,
+        "kind": checked.kind,
+        "valid": True,
+        "file": str(checked.path),
+        "sections": list(checked.sections),
+        "commands": list(checked.commands),
+        "arrangement": checked.engine,
+        "shape": None if checked.throw is None else shape_record(checked.throw),
+        "dimensions": None if checked.throw is None else _dimensions(checked.throw),
+        "remarks": list(checked.remarks),
+        "inputs": input_records(checked.inputs),
+    }
+
+
+def shape_record(throw: CrankThrow) -> Record:
+    """What the dimensions make: sizes that follow, and how much of the throw must be solved."""
+    return {
+        "length": throw.length,
+        "overlap": throw.overlap,
+        "volume": throw.volume,
+        "pins": len(throw.parts.pins),
+        "solved_part": throw.symmetry,
+        "remarks": list(throw.remarks),
+    }
+
+
+def _dimensions(throw: CrankThrow) -> list[Record]:
+    """The dimensions as understood [m], those that are there."""
+    return [
+        {
+            "name": name,
+            "symbol": field_extra(info, "symbol") or "",
+            "meaning": info.description or "",
+            "value": getattr(throw, name),
+        }
+        for name, info in type(throw).model_fields.items()
+        if field_extra(info, "unit") == "m"
+        and isinstance(getattr(throw, name), float)
+        and not (field_extra(info, "feature") and getattr(throw, name) == 0.0)
+    ]
+
+
+def _is_hinge(given: str) -> bool:
+    """Tell whether a path or name is that of a hinge: by sections that only such files have."""
+    path = Path(given)
+    if not path.is_file():
+        return path.parent == Path() and path.name.removesuffix(".toml") in shipped_hinges()
+    if path.suffix.lower() != ".toml":
+        return False
+    return bool({"sliding", "hinge", "operation"} & set(read_toml(path).sections))
+
+
+def _hinge(read: HingeFile) -> CheckedFile:
+    content = read_toml(read.path)
+    return CheckedFile(
+        read.path,
+        "hinge",
+        read.name,
+        tuple(name for name in HINGE_SECTIONS if name in content.sections),
+        ("hinge",),
+        read.records,
+        None,
+        None,
+        (),
+    )
+
+
+def _chain(read: ChainFile) -> CheckedFile:
+    chain = read.chain
+    return CheckedFile(
+        read.path,
+        "chain",
+        read.name,
+        ("chain",),
+        ("vibration",),
+        read.records,
+        None,
+        None,
+        (
+            f"a {read.kind} chain of {len(chain.names)} nodes and {len(chain.elements)} elements, from "
+            f"{chain.names[0]} to {chain.names[-1]}",
+        ),
+    )
+
+
+def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
+    study = ("doe",) if "study" in content.sections else ()
+    return CheckedFile(
+        read.path,
+        "throw",
+        None,
+        tuple(content.sections),
+        (*THROW_COMMANDS, *study),
+        read.records,
+        read.throw,
+        None,
+        (),
+    )
+
+
+def _mechanism(read: MechanismFile, content: TomlFile) -> CheckedFile:
+    study = ("doe",) if "study" in content.sections else ()
+    gas = () if read.gas is not None else (_without_gas(),)
+    return CheckedFile(
+        read.path,
+        "mechanism",
+        read.name,
+        tuple(content.sections),
+        (*MECHANISM_COMMANDS, *study),
+        read.records,
+        read.throw,
+        _arrangement(Engine.from_text(content.sections["engine"])),
+        (*read.remarks, *gas),
+    )
+
+
+def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
+    study = ("doe",) if read.study is not None else ()
+    remarks = [_thrust_bearing(read), *_checked_mechanism(read)]
+    if read.gas is None:
+        remarks.append(_without_gas())
+    if read.limits is None and read.gas is not None:
+        remarks.append(
+            "without the section [limits] the rule of a classification society for crankshafts is taken"
+        )
+    if read.study is None:
+        remarks.append("without the section [study] no regression is fitted")
+    return CheckedFile(
+        read.path,
+        "engine",
+        read.engine.name,
+        tuple(content.sections),
+        ("run", "vibration", *MECHANISM_COMMANDS, *study),
+        read.records,
+        read.throw,
+        _arrangement(read.engine),
+        tuple(remarks),
+    )
+
+
+def _thrust_bearing(read: EngineFile) -> str:
+    """Say which bearing is meant: the file counts from 0, tables of loads from 1."""
+    place, count = read.thrust_bearing.bearing, len(read.throw_angles) + 1
+    return (
+        f"thrust bearing at main bearing {place + 1} of {count}, counted from 1 at the free end "
+        f"(bearing = {place} in the file, which counts from 0)"
+    )
+
+
+def _checked_mechanism(read: EngineFile) -> Iterable[str]:
+    """Find out whether the pressure can be, too, and return what is said of the mechanism."""
+    from crankfem.files.sections.excitation_input import gas_map_pressure
+
+    if read.gas_map is not None:
+        gas_map_pressure(read.gas_map, read.engine.strokes, read.path)
+    return load_mechanism(read.path).remarks
+
+
+def _without_gas() -> str:
+    return "without the section [gas] there is no gas force: no amplitudes and no verdict"
+
+
+def _arrangement(engine: Engine) -> Record:
+    def degrees(angles: Iterable[float]) -> list[float]:
+        return [round(float(angle), 6) for angle in np.degrees(list(angles))]
+
+    firing = degrees(engine.firing_angles)
+    return {
+        "cylinders": engine.cylinders,
+        "strokes": engine.strokes,
+        "bore": engine.bore,
+        "stroke": engine.stroke,
+        "firing_order": list(engine.firing_order),
+        "firing_angles_deg": [firing[number - 1] for number in engine.firing_order],
+        "crank_angles_deg": degrees(engine.crank_angles),
+        "bank_angles_deg": None if engine.bank_angles is None else degrees(engine.bank_angles),
+        "rated_speed_rpm": engine.rated_speed * RPM,
+        "lowest_speed_rpm": engine.lowest_speed * RPM,
+        "highest_speed_rpm": engine.highest_speed * RPM,
+    }

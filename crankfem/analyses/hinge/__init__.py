@@ -1,0 +1,1 @@
+"""The elastic hinge of a two-stroke engine."""

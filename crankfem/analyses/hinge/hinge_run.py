@@ -1,0 +1,293 @@
+"""What is calculated of an elastic hinge: guides, evenness of the speed, other running points."""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from crankbase.choices import check_choice
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
+from crankfem.files.hinge.hinge_file import HingeFile
+from dynamics.hinge.evening import BestPressure, best_pressure, flywheel_for
+from dynamics.hinge.moment import HingeMoment
+from dynamics.hinge.profile import HingeProfile
+from dynamics.hinge.reduced import KINEMATICS, Kinematics
+from dynamics.hinge.running import SteadyHingeTurn, simulate_hinge, steady_hinge_turn
+from dynamics.hinge.spring import GasSpring
+from dynamics.turning.speed_over_angle import SpeedOverAngle
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from crankfem.analyses.hinge.plots.hinge_panels import RunningPoint
+
+Shown = Literal["moment", "gas force", "speed", "fluctuation", "guides"]
+SHOWN: tuple[Shown, ...] = ("moment", "gas force", "speed", "fluctuation", "guides")
+
+
+@dataclass(frozen=True, eq=False)
+class OtherSpeed:
+    """Another running point with the guides as they are.
+
+    Parameters
+    ----------
+    point : HingeMoment
+        Of that running point.
+    best : BestPressure
+    flywheel, flywheel_with_hinge : float
+        Inertia that reaches the compared fluctuation without the hinge, and with it at its best
+        pressure [kg m^2].
+    """
+
+    point: HingeMoment
+    best: BestPressure
+    flywheel: float
+    flywheel_with_hinge: float
+
+
+@dataclass(frozen=True, eq=False)
+class HingeRun:
+    """All results for a hinge file.
+
+    Parameters
+    ----------
+    file : HingeFile
+    moment : HingeMoment
+        For which the guides are made, by the kinematics asked for.
+    point : HingeMoment
+        The same running point by exact kinematics, in which the crank is let turn.
+    profile : HingeProfile
+    with_hinge, without : SpeedOverAngle
+        A turn integrated from the top dead center: with the hinge at the mean speed, without it
+        from the same speed at the top.
+    refused : str or None
+        Why the crank does not turn at the mean speed without the hinge, if it does not.
+    flywheel : float
+        Inertia that reaches the compared fluctuation without the hinge [kg m^2].
+    flywheel_turn : SteadyHingeTurn
+    others : tuple of OtherSpeed
+    compared : list of (GasSpring, float, HingeProfile or str)
+        Other springs: start radius, and guides or why there are none.
+    deviations : dict
+        Largest difference of M_h to that of exact kinematics, by the largest M_h, of each other
+        kinematics.
+    """
+
+    file: HingeFile
+    moment: HingeMoment
+    point: HingeMoment
+    profile: HingeProfile
+    with_hinge: SpeedOverAngle
+    without: SpeedOverAngle
+    refused: str | None
+    flywheel: float
+    flywheel_turn: SteadyHingeTurn
+    others: tuple[OtherSpeed, ...]
+    compared: list[tuple[GasSpring, float, HingeProfile | str]]
+    deviations: dict[Kinematics, float]
+
+    def plot(self, axes: "Axes | None" = None, *, show: Shown = "moment") -> "Axes":
+        """Draw one diagram of the hinge.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : str
+            "moment" for constant speed, or "gas force", at all running points; "speed" over a turn, or
+            its "fluctuation", with hinge and flywheel; "guides": the rollers' path, of the largest
+            spring where several are compared.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If `show` is none of these.
+        """
+        from crankfem.analyses.hinge.plots.hinge_panels import (
+            Turn,
+            draw_fluctuations,
+            draw_gas_force,
+            draw_moments,
+            draw_speeds,
+        )
+
+        check_choice("show", show, SHOWN, "these are diagrams of a hinge")
+        if show == "guides":
+            return self.plot_guides(axes) if self.compared else self.profile.plot(axes)
+        axes = new_axes(axes)
+        if show == "moment":
+            draw_moments(axes, self._running_points())
+            return axes
+        if show == "gas force":
+            draw_gas_force(axes, self._running_points())
+            return axes
+        without, wheel, hinge = self.without, self.flywheel_turn, self.with_hinge
+        turns = (
+            Turn(without.angle, without.speed, without.mean_speed),
+            Turn(wheel.angles, wheel.speed, wheel.mean_speed),
+            Turn(hinge.angle, hinge.speed, hinge.mean_speed),
+        )
+        if show == "speed":
+            draw_speeds(axes, *turns, flywheel=self.flywheel, from_speed=self.point.speed)
+        else:
+            draw_fluctuations(axes, *turns[1:])
+        return axes
+
+    @property
+    def spring_sizes(self) -> list[tuple[float, float]]:
+        """Height of the spring and start radius of the compared guides, the largest first [m]."""
+        return sorted(
+            {(spring.height, radius) for spring, radius, _ in self.compared}, reverse=True
+        )
+
+    def plot_guides(self, axes: "Axes | None" = None, size: int = 0) -> "Axes":
+        """Draw the rollers' path for all compared springs of one of the `spring_sizes`.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        size : int, optional
+            Number of the size, the largest by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        from crankfem.analyses.hinge.plots.hinge_panels import RollerPath, draw_guides
+
+        height, start = self.spring_sizes[size]
+        paths = [
+            RollerPath(spring.pressure)
+            if isinstance(guides, str)
+            else RollerPath(spring.pressure, guides.angles, guides.radius)
+            for spring, radius, guides in self.compared
+            if (spring.height, radius) == (height, start)
+        ]
+        axes = new_axes(axes)
+        draw_guides(axes, height, start, paths)
+        return axes
+
+    def _running_points(self) -> "list[RunningPoint]":
+        from crankfem.analyses.hinge.plots.hinge_panels import RunningPoint
+
+        made = self.moment
+        return [
+            RunningPoint(made.speed, made.angles, made.gas, made.moment),
+            *(
+                RunningPoint(
+                    other.point.speed,
+                    other.point.angles,
+                    other.point.gas,
+                    other.point.moment,
+                    self.profile.moment_at(other.point.angles, other.best.pressure),
+                    other.best.pressure,
+                )
+                for other in self.others
+            ),
+        ]
+
+    def to_pandas(self) -> Any:
+        """Return a table of the other running points with the guides as they are.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        others = self.others
+        return table(
+            {
+                "speed": ([one.point.speed for one in others], "rad/s"),
+                "best_pressure": ([one.best.pressure for one in others], "Pa"),
+                "fluctuation": ([one.best.fluctuation for one in others], "1"),
+                "flywheel": ([one.flywheel for one in others], "kg m^2"),
+                "flywheel_with_hinge": ([one.flywheel_with_hinge for one in others], "kg m^2"),
+            }
+        )
+
+
+def run_hinge(
+    file: HingeFile, kinematics: Kinematics = "exact", speed: float | None = None
+) -> HingeRun:
+    """Calculate a hinge file.
+
+    Parameters
+    ----------
+    file : HingeFile
+    kinematics : str, optional
+        By which the guides are made.
+    speed : float, optional
+        The one other running point to look at [rad/s]; all of the file unless given.
+
+    Raises
+    ------
+    InputError
+        If the guides cannot be made, or there is no running point of that speed.
+    """
+    moment = file.moment(kinematics=kinematics)
+    point = moment if kinematics == "exact" else file.moment()
+    if speed is not None:
+        file.point_at("--speed", speed)
+    profile = file.profile(moment)
+    without = simulate_hinge(point, start_speed=point.speed)
+    flywheel = flywheel_for(point, file.operation.flywheel_fluctuation)
+    others = [
+        other
+        for other in (file.speeds if speed is None else (speed,))
+        if not math.isclose(other, file.design_speed, rel_tol=1e-6) or speed is not None
+    ]
+    return HingeRun(
+        file=file,
+        moment=moment,
+        point=point,
+        profile=profile,
+        with_hinge=simulate_hinge(point, profile),
+        without=without,
+        refused=_refusal(point),
+        flywheel=flywheel,
+        flywheel_turn=steady_hinge_turn(point, flywheel=flywheel),
+        others=tuple(_other(file, profile, other) for other in others),
+        compared=file.compared(moment),
+        deviations=_deviations(file, point),
+    )
+
+
+def _refusal(point: HingeMoment) -> str | None:
+    try:
+        steady_hinge_turn(point)
+    except InputError as error:
+        return str(error)
+    return None
+
+
+def _other(file: HingeFile, profile: HingeProfile, speed: float) -> OtherSpeed:
+    point, wanted = file.moment(speed), file.operation.flywheel_fluctuation
+    best = best_pressure(point, profile)
+    return OtherSpeed(
+        point=point,
+        best=best,
+        flywheel=flywheel_for(point, wanted),
+        flywheel_with_hinge=flywheel_for(point, wanted, profile.with_pressure(best.pressure)),
+    )
+
+
+def _deviations(file: HingeFile, point: HingeMoment) -> dict[Kinematics, float]:
+    largest = float(np.max(np.abs(point.moment)))
+    return {
+        name: float(np.max(np.abs(file.moment(kinematics=name).moment - point.moment))) / largest
+        for name in KINEMATICS
+        if name != "exact"
+    }

@@ -1,0 +1,1 @@
+"""The crank mechanism at one speed: forces, loads, torque, balance."""

@@ -1,0 +1,153 @@
+"""A crank mechanism's forces as plain numbers."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from crankbase.tables.table import listed
+from crankbase.units.units import RPM
+from crankfem.analyses.mechanism.mechanism_run import MechanismRun
+from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
+from crankfem.analyses.record import Record, assumed_values
+from crankfem.files.engine.mechanism_file import MechanismFile
+from dynamics.checks import FloatArray
+from dynamics.engine.forces import pin_groups
+from dynamics.engine.loads import LoadDiagram
+
+MECHANISM_SECTIONS = ("engine", "rod", "piston", "hinged_rods", "gas")
+
+
+def mechanism_record(run: MechanismRun) -> Record:
+    """Return the results of a mechanism as plain numbers in SI units, angles in degrees."""
+    mechanism, forces, torque = run.mechanism, run.forces, run.torque.total
+    pin, journal = bearing_sizes(mechanism)
+    return {
+        "engine": mechanism.name,
+        "speed_rpm": run.speed * RPM,
+        "rod_model": forces.model,
+        "firing_angles_deg": np.degrees(run.layout.firing).tolist(),
+        "angle_step_deg": float(np.degrees(forces.shaft_angles[1] - forces.shaft_angles[0])),
+        "power": run.torque.power,
+        "torque": {"mean": run.torque.mean, **_extremes(torque, forces.shaft_angles)},
+        "energy_error": run.torque.energy_error,
+        "cylinders": [
+            {
+                "cylinder": place + 1,
+                "peak_pressure": work.peak_pressure,
+                "peak_angle_deg": float(np.degrees(work.peak_angle)),
+                "indicated_work": work.work,
+                "mean_effective_pressure": work.mean_effective_pressure,
+                "largest_side_force": float(np.max(np.abs(forces.side[place]))),
+                "largest_piston_pin_force": float(np.max(np.abs(forces.piston_pin[place]))),
+                "largest_tangential_force": float(np.max(np.abs(forces.tangential[place]))),
+            }
+            for place, work in enumerate(run.works)
+        ],
+        "crankpins": [
+            _load_record(load, pin)
+            | {
+                "cylinders": list(group),
+                "largest_angle_from_firing_deg": _from_firing(run, load, group),
+            }
+            for load, group in zip(run.crankpins, pin_groups(run.layout), strict=True)
+        ],
+        "main_bearings": [_load_record(load, journal) for load in run.bearings],
+        "rod_models": [
+            {
+                "model": compared.model,
+                "crankpin_beside_mean": compared.crankpin,
+                "side_force_beside_largest": compared.side,
+            }
+            for compared in compare_rod_models(run)
+        ],
+        "assumed": assumed_values(
+            record
+            for record in mechanism.records
+            if record.field.partition(".")[0] in MECHANISM_SECTIONS
+        ),
+        "remarks": [*mechanism.remarks, *_gas_remarks(run)],
+    }
+
+
+def bearing_sizes(mechanism: MechanismFile) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return diameter and length that one rod has on its pin, and of a main bearing [m]."""
+    throw = mechanism.throw
+    pins = throw.parts.pins
+    main = set(range(1, len(mechanism.throws) + 1)) - {
+        number
+        for number, cylinder in enumerate(mechanism.layout.cylinders, start=1)
+        if cylinder.slave_pin is not None
+    }
+    on_first = sum(mechanism.throws[number - 1] == 0 for number in main)
+    rods_a_pin = max(1, math.ceil(on_first / len(pins)))
+    return (
+        (throw.pin_diameter, throw.pin_length / rods_a_pin),
+        (throw.main_journal_diameter, throw.main_journal_length),
+    )
+
+
+def _gas_remarks(run: MechanismRun) -> list[str]:
+    """Return what is said of the pressures; what holds for some cylinders only, with their numbers."""
+    whose: dict[str, list[str]] = {}
+    for place, pressure in enumerate(run.pressure, start=1):
+        for remark in pressure.remarks:
+            whose.setdefault(remark, []).append(str(place))
+    return [
+        remark
+        if len(places) == len(run.pressure)
+        else f"Cylinders {listed(places)}: {remark[0].lower()}{remark[1:]}"
+        for remark, places in whose.items()
+    ]
+
+
+def _extremes(values: FloatArray, angles: FloatArray) -> dict[str, float]:
+    least, most = int(np.argmin(values)), int(np.argmax(values))
+    return {
+        "smallest": float(values[least]),
+        "smallest_angle_deg": float(np.degrees(angles[least])),
+        "largest": float(values[most]),
+        "largest_angle_deg": float(np.degrees(angles[most])),
+    }
+
+
+def _from_firing(run: MechanismRun, load: LoadDiagram, group: Sequence[int]) -> float:
+    """Return the angle of the largest load from the firing top of the rod's own cylinder [deg]."""
+    after = (load.maximum_angle - run.layout.firing[group[0] - 1]) % run.layout.cycle
+    return float(np.degrees(after))
+
+
+def _load_record(load: LoadDiagram, size: tuple[float, float]) -> Record:
+    pressure = load.specific_pressure(*size)
+    return {
+        "name": load.name,
+        "mean": load.mean,
+        "largest": load.maximum,
+        "largest_angle_deg": float(np.degrees(load.maximum_angle)),
+        "diameter": size[0],
+        "length": size[1],
+        "mean_specific_pressure": float(pressure.mean()),
+        "largest_specific_pressure": float(pressure.max()),
+    }
+
+
+def force_columns(run: MechanismRun) -> tuple[dict[str, FloatArray], str]:
+    """Return the forces over the shaft angle by name with unit, and what they are of."""
+    columns = {
+        "shaft_angle_deg": np.degrees(run.forces.shaft_angles),
+        "torque_Nm": run.torque.total,
+    }
+    for place in range(len(run.layout.cylinders)):
+        for name, values in (
+            ("gas_force_N", run.forces.gas),
+            ("side_force_N", run.forces.side),
+            ("tangential_N", run.forces.tangential),
+            ("radial_N", run.forces.radial),
+            ("torque_Nm", run.forces.torque),
+        ):
+            columns[f"cylinder_{place + 1}_{name}"] = values[place]
+    for load in (*run.crankpins, *run.bearings):
+        name = load.name.replace(", ", "_").replace(" ", "_")
+        columns |= {f"{name}_{key}": load.columns()[key] for key in ("force_x_N", "force_y_N")}
+    heading = f"{run.mechanism.name}, {run.speed * RPM:.10g} 1/min, rods as {run.forces.model}"
+    return columns, heading

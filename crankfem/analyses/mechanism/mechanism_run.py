@@ -1,0 +1,271 @@
+"""Everything about an engine's crank mechanism at one speed: forces, loads, torque, work, balance."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from crankbase.choices import check_choice, check_not_given
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of, with_throws
+from crankfem.files.sections.pressure_input import motored_pressures
+from dynamics.balance.balance import Balance, balance
+from dynamics.balance.hinged_rods import HingedRodEffects, hinged_rod_effects
+from dynamics.checks import is_whole
+from dynamics.engine.forces import MechanismForces, mechanism_forces, pin_groups
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_loads
+from dynamics.engine.motions import piston_ends
+from dynamics.gas.indicated import indicated_mean_effective_pressure
+from dynamics.gas.pressure import ATMOSPHERE, GasPressure
+from dynamics.mechanism.rods import RodModelName
+from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, samples_and_gas
+from dynamics.torque.torque import EngineTorque, engine_torque
+from geometry.mass import MassProperties
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Shown = Literal[
+    "torque", "forces", "pressure", "crankpin", "bearing", "force balance", "moment balance"
+]
+SHOWN: tuple[Shown, ...] = (
+    "torque",
+    "forces",
+    "pressure",
+    "crankpin",
+    "bearing",
+    "force balance",
+    "moment balance",
+)
+
+BALANCE_ORDERS = (1, 2, 4)
+
+
+@dataclass(frozen=True, eq=False)
+class CylinderWork:
+    """What the gas does in one cylinder.
+
+    Parameters
+    ----------
+    peak_pressure, peak_angle : float
+        Absolute [Pa], and its angle from the firing top [rad].
+    work : float
+        Indicated work of one cycle [J].
+    mean_effective_pressure : float
+        [Pa]
+    """
+
+    peak_pressure: float
+    peak_angle: float
+    work: float
+    mean_effective_pressure: float
+
+
+@dataclass(frozen=True, eq=False)
+class MechanismRun:
+    """Forces in an engine's mechanism over one cycle at constant speed.
+
+    Parameters
+    ----------
+    mechanism : MechanismFile
+    layout : EngineLayout
+        With the unbalance of the throws.
+    speed : float
+        [rad/s]
+    pressure : tuple of GasPressure
+    forces : MechanismForces
+    torque : EngineTorque
+    crankpins, bearings : tuple of LoadDiagram
+    works : tuple of CylinderWork
+    balance : Balance
+    hinged_rods : tuple of HingedRodEffects
+        Of the first crankpin with such rods; empty if there is none.
+    """
+
+    mechanism: MechanismFile
+    layout: EngineLayout
+    speed: float
+    pressure: tuple[GasPressure, ...]
+    forces: MechanismForces
+    torque: EngineTorque
+    crankpins: tuple[LoadDiagram, ...]
+    bearings: tuple[LoadDiagram, ...]
+    works: tuple[CylinderWork, ...]
+    balance: Balance
+    hinged_rods: tuple[HingedRodEffects, ...]
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        show: Shown = "torque",
+        number: int | None = None,
+        frame: Literal["crank", "engine"] | None = None,
+    ) -> "Axes":
+        """Draw one diagram of the mechanism.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : str
+            "torque" of the engine; "forces" and "pressure" of a cylinder; the load of a "crankpin" or
+            main "bearing"; "force balance" or "moment balance": what inertia leaves over.
+        number : int, optional
+            Of the cylinder, crankpin or bearing, from 1 at the free end, the first by default; torque
+            and balance are those of the whole engine.
+        frame : {"crank", "engine"}, optional
+            Draw the load of a crankpin or bearing as a polar diagram in this frame.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If an option is none of these or of no use to what is shown, or there is no such number.
+        """
+        check_choice("show", show, SHOWN, "these are diagrams of a mechanism")
+        if show not in ("crankpin", "bearing"):
+            check_not_given("frame", frame, show, "only loads of bearings have a frame")
+        if show in ("torque", "force balance", "moment balance"):
+            check_not_given("number", number, show, "it is that of the whole engine")
+            if show == "torque":
+                return self.torque.plot(axes)
+            return self.balance.plot(axes, show="force" if show == "force balance" else "moment")
+        if show in ("forces", "pressure"):
+            place = _place(number, len(self.pressure), "the cylinders")
+            if show == "forces":
+                return self.forces.plot(axes, place + 1)
+            return self.pressure[place].plot(axes)
+        loads = self.crankpins if show == "crankpin" else self.bearings
+        return loads[_place(number, len(loads), f"the {show}s")].plot(axes, frame=frame)
+
+    def to_pandas(self) -> Any:
+        """Return a table of what the gas does, a row for each cylinder.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        works = self.works
+        return table(
+            {
+                "cylinder": (list(range(1, len(works) + 1)), "1"),
+                "peak_pressure": ([one.peak_pressure for one in works], "Pa"),
+                "peak_angle": ([one.peak_angle for one in works], "rad"),
+                "work": ([one.work for one in works], "J"),
+                "mean_effective_pressure": ([one.mean_effective_pressure for one in works], "Pa"),
+            }
+        )
+
+    def to_xarray(self) -> Any:
+        """Return the forces of all cylinders over the cycle; see `MechanismForces.to_xarray`."""
+        return self.forces.to_xarray()
+
+
+def run_mechanism(
+    mechanism: MechanismFile | EngineFile,
+    speed: float | None = None,
+    model: RodModelName = "rigid",
+    *,
+    motored: bool = False,
+    masses: MassProperties | None = None,
+) -> MechanismRun:
+    """Calculate an engine's mechanism at constant speed.
+
+    Parameters
+    ----------
+    mechanism : MechanismFile or EngineFile
+        From `load_mechanism`, or a whole engine from `load_engine`.
+    speed : float, optional
+        [rad/s]; the rated speed by default.
+    model : str, optional
+        Of the rods' masses.
+    motored : bool, optional
+        Turn the engine without combustion.
+    masses : MassProperties, optional
+        Of one throw; from its solid if not given.
+
+    Raises
+    ------
+    InputError
+        If the file has no gas pressure, or the speed is not above zero.
+    MeshError
+        If the throw's solid, whose unbalance counts, cannot be built.
+    """
+    if isinstance(mechanism, EngineFile):
+        mechanism = mechanism_of(mechanism)
+    if mechanism.gas is None:
+        raise InputError(
+            f"{mechanism.path.name}: given no section [gas]; allowed is one with peak_pressure, "
+            "mean_effective_pressure or pressure_table, because gas loads the mechanism."
+        )
+    turning = mechanism.rated_speed if speed is None else speed
+    layout = with_throws(mechanism, masses)
+    pressure = motored_pressures(mechanism.gas, layout) if motored else mechanism.pressure
+    angles, gas = samples_and_gas(layout, pressure, DEFAULT_SAMPLES, ATMOSPHERE)
+    torque = engine_torque(layout, turning, gas, model=model, throws=mechanism.throws)
+    forces = mechanism_forces(layout, angles, turning, gas, model=model)
+    return MechanismRun(
+        mechanism=mechanism,
+        layout=layout,
+        speed=turning,
+        pressure=pressure,
+        forces=forces,
+        torque=torque,
+        crankpins=crankpin_loads(forces),
+        bearings=main_bearing_loads(forces, mechanism.bearing_positions),
+        works=tuple(_works(torque, pressure)),
+        balance=balance(
+            layout,
+            turning,
+            BALANCE_ORDERS,
+            about=0.5 * mechanism.bearing_positions[-1],
+            model="two-mass" if model == "two-mass" else "rigid",
+        ),
+        hinged_rods=_hinged_rods(layout, turning),
+    )
+
+
+def _place(number: int | None, count: int, what: str) -> int:
+    """Return a place from 0 of a number from 1; the first if none is given."""
+    if number is None:
+        return 0
+    if not is_whole(number) or not 1 <= number <= count:
+        raise InputError(
+            f"number: given {number!r}; allowed is 1 to {count} for {what}, because there are that many."
+        )
+    return number - 1
+
+
+def _hinged_rods(layout: EngineLayout, speed: float) -> tuple[HingedRodEffects, ...]:
+    group = hinged_group(layout)
+    return hinged_rod_effects(layout, speed, cylinders=group) if group else ()
+
+
+def hinged_group(layout: EngineLayout) -> tuple[int, ...]:
+    """Return the cylinders of the first crankpin with hinged rods, none if there is none."""
+    return next((group for group in pin_groups(layout) if len(group) > 1), ())
+
+
+def _works(torque: EngineTorque, pressures: Sequence[GasPressure]) -> Iterator[CylinderWork]:
+    works = torque.indicated_work.tolist()
+    for place, (pressure, work) in enumerate(zip(pressures, works, strict=True)):
+        low, high = piston_ends(torque.engine, place + 1)
+        swept = torque.engine.cylinders[place].area * (high - low)
+        yield CylinderWork(
+            pressure.peak_pressure,
+            pressure.peak_angle,
+            work,
+            indicated_mean_effective_pressure(work, swept),
+        )

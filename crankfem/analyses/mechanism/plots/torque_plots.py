@@ -1,0 +1,66 @@
+"""Torque of an engine over its cycle, amplitudes of its harmonics, and star diagrams."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+from crankbase.drawing.diagram_style import figure
+from crankfem.analyses.titles import add_title
+from dynamics.harmonics import Harmonics
+from dynamics.plots.stars import KIND_COLORS, STAR_STEP, draw_star, finish_stars
+from dynamics.torque.star import Star, same_stars, star_diagram
+from dynamics.torque.torque import EngineTorque
+
+STARS_A_ROW = 4
+
+
+def picture_torque(
+    folder: Path, torque: EngineTorque, highest_order: float, *, title: str = ""
+) -> list[Path]:
+    """Write torque.svg, harmonics.svg and stars.svg into a folder and return their paths."""
+    stars = star_diagram(torque.engine, highest_order)
+    paths = [folder / name for name in ("torque.svg", "harmonics.svg", "stars.svg")]
+    plot_engine_torque(paths[0], torque, title=title)
+    plot_amplitudes(paths[1], torque.harmonics(), stars, title=title)
+    plot_stars(paths[2], stars, title=title)
+    return paths
+
+
+def plot_engine_torque(path: Path, torque: EngineTorque, *, title: str = "") -> None:
+    """Plot the torque of the whole engine and of one throw, apart by cause, over the cycle."""
+    with figure(path, 2, width=9.6, height=3.6) as (left, right):
+        torque.plot(left)
+        torque.plot(right, throw=1)
+        add_title((left, right), title)
+
+
+def plot_amplitudes(
+    path: Path, found: Harmonics, stars: Sequence[Star], *, title: str = ""
+) -> None:
+    """Plot the amplitudes of the engine's torque by order, colored by the star of the order."""
+    with figure(path, width=7.2, height=3.6) as axes:
+        for kind, color in KIND_COLORS.items():
+            orders = [star.order for star in stars if star.kind == kind]
+            heights = [found.amplitude[found.index_of(order)] / 1000.0 for order in orders]
+            if orders:
+                axes.bar(orders, heights, width=0.6 * found.orders[0], color=color, label=kind)
+        axes.set_xlabel("harmonic order [cycles per revolution]")
+        axes.set_ylabel(r"amplitude $M_k$ [kN m]")
+        axes.set_title("Harmonics of the engine's torque")
+        axes.legend(fontsize=8, title="star of the order", title_fontsize=8)
+        add_title(axes, title)
+
+
+def plot_stars(path: Path, stars: Sequence[Star], *, title: str = "") -> None:
+    """Draw the star of each group of orders that look alike, with its resultant."""
+    groups = same_stars(stars)
+    columns = min(STARS_A_ROW, len(groups))
+    rows = math.ceil(len(groups) / columns)
+    with figure(path, width=2.3 * columns, height=2.6 * rows + 0.2) as axes:
+        for place, group in enumerate(groups):
+            row, column = divmod(place, columns)
+            orders = ", ".join(f"{own.order:g}" for own in group)
+            words = f"{'orders' if len(group) > 1 else 'order'} {orders}"
+            draw_star(axes, group[0], words, (STAR_STEP * column, -1.15 * STAR_STEP * row))
+        finish_stars(axes, rows, columns)
+        add_title(axes, f"Stars of the orders, all cylinders alike\n{title}".strip())

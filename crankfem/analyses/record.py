@@ -1,0 +1,42 @@
+"""What all records for JSON and tables share."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from crankfem.files.reading.toml_file import InputRecord
+
+# Plain JSON content.
+Record = dict[str, Any]
+# How a remark begins that tells of a value nobody gave.
+ASSUMED = "Assumed: "
+
+
+def assumed_values(records: Iterable[InputRecord]) -> list[Record]:
+    """Return field, value and reason of the inputs that nobody gave."""
+    return [
+        {"field": record.field, "given": record.given, "reason": record.source}
+        for record in records
+        if record.assumed
+    ]
+
+
+def input_records(records: Iterable[InputRecord]) -> list[Record]:
+    """Every input with its source."""
+    return [
+        {
+            "field": record.field,
+            "given": record.given,
+            "meaning": record.meaning,
+            "symbol": record.symbol,
+            "source": record.source,
+            "assumed": record.assumed,
+        }
+        for record in records
+    ]
+
+
+def finite_or_none(value: float) -> float | None:
+    """Return a number that JSON can hold; None stands for an unbounded one."""
+    return value if np.isfinite(value) else None

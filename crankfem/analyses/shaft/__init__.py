@@ -1,0 +1,1 @@
+"""An engine's shaft as chains of masses and as a whole crankshaft of superelements."""

@@ -1,0 +1,147 @@
+"""The axial and the torsional chain of an engine file, with all that the file attaches to them."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.errors import InputError
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.mechanism_file import layout_of
+from dynamics.chains.attachments import DrivenMachine
+from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
+from dynamics.chains.engine_chains import EngineChain, Kind, axial_chain, torsional_chain
+from dynamics.chains.throw_inertias import throw_inertias
+from dynamics.response.damping import DampedChain, damped
+from dynamics.response.linear_system import DEFAULT_MAGNIFIER, MAGNIFIER_SOURCE
+
+Array = NDArray[np.float64]
+ASSUMED = f"assumed: {MAGNIFIER_SOURCE}"
+
+
+def engine_axial_chain(
+    engine_file: EngineFile, compliances: Array, throw_mass: float
+) -> EngineChain:
+    """Masses at the main-journal middles of an engine, its thrust bearing and axial damper.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    compliances : (n,) array
+        Axial compliance of each throw in the shaft [m/N].
+    throw_mass : float
+        Of one throw [kg].
+    """
+    thrust, damper = engine_file.thrust_bearing, engine_file.axial_damper
+    return axial_chain(
+        compliances,
+        np.full(len(compliances), throw_mass),
+        engine_file.flywheel.mass,
+        thrust.bearing,
+        thrust.stiffness,
+        damper=None if damper is None else AxialDamper(damper.damping, damper.stiffness),
+        shaft_line=engine_file.shaft_lines.get("axial"),
+    )
+
+
+def engine_throw_inertias(engine_file: EngineFile, solid_inertia: float) -> Array:
+    """Inertia of each throw with its rods and pistons [kg m^2], (n,).
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+        Its section [vibration] says which constant stands for the inertia of pistons.
+    solid_inertia : float
+        Of one throw's solid about the shaft, counterweights included [kg m^2].
+    """
+    return throw_inertias(
+        layout_of(engine_file),
+        solid_inertia,
+        reciprocating=engine_file.vibration.reciprocating,
+        throws=engine_file.throws,
+    )
+
+
+def engine_torsional_chain(
+    engine_file: EngineFile, compliances: Array, inertias: Array
+) -> EngineChain:
+    """Cranks of an engine between free end and flywheel, with damper and driven machine.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    compliances : (n,) array
+        Torsional compliance of each throw [rad/(N m)].
+    inertias : (n,) array
+        Of the throws with their shares of rods and pistons [kg m^2].
+    """
+    free_end, driven, damping = engine_file.free_end, engine_file.driven, engine_file.damping
+    on_each = np.bincount(engine_file.throws)
+    absolute = (
+        0.0 if damping is None or damping.cylinder_damping is None else damping.cylinder_damping
+    )
+    loss = 0.0 if damping is None or damping.loss_factor is None else damping.loss_factor
+    return torsional_chain(
+        compliances,
+        inertias,
+        engine_file.flywheel.inertia,
+        0.0 if free_end is None else free_end.inertia,
+        None
+        if driven is None
+        else DrivenMachine(
+            driven.inertia,
+            driven.coupling_stiffness,
+            coupling_loss_factor=driven.coupling_loss_factor,
+        ),
+        loss_factor=loss,
+        throw_damping=absolute * on_each,
+        cylinders=on_each.tolist(),
+        damper=torsional_damper(engine_file),
+        shaft_line=engine_file.shaft_lines.get("torsional"),
+    )
+
+
+def torsional_damper(engine_file: EngineFile) -> TorsionalDamper | None:
+    """Return the damper at the free end, if the file has one.
+
+    Raises
+    ------
+    InputError
+        If there is no free end to carry it.
+    """
+    given = engine_file.torsional_damper
+    if given is None:
+        return None
+    if engine_file.free_end is None:
+        raise InputError(
+            "torsional_damper: given without the section [free_end]; allowed are both, because the hub "
+            "of the damper is part of the free end's inertia."
+        )
+    if given.kind == "viscous":
+        assert given.damping is not None  # the section has been checked
+        return ViscousDamper(given.ring_inertia, given.damping)
+    assert given.stiffness is not None
+    assert given.loss_factor is not None
+    return RubberDamper(given.ring_inertia, given.stiffness, given.loss_factor)
+
+
+def magnifier_of(engine_file: EngineFile, kind: Kind) -> tuple[float | None, str]:
+    """Return the magnifier of the elastic modes and its source.
+
+    Without any damping in the file it is a measured one, said to be assumed; none where cylinders or
+    throws have damping of their own.
+    """
+    given = engine_file.damping
+    if given is not None:
+        magnifier = given.axial_magnifier if kind == "axial" else given.torsional_magnifier
+        if magnifier is not None:
+            return magnifier, "engine file"
+        if kind == "torsional" and given.damps_torsion:
+            return None, ""
+    return DEFAULT_MAGNIFIER, ASSUMED
+
+
+def damped_engine_chain(engine_file: EngineFile, chain: EngineChain) -> DampedChain:
+    """Return the chain with the damping of engine and shaft; dampers and couplings add theirs."""
+    magnifier, source = magnifier_of(engine_file, chain.kind)
+    if magnifier is None:
+        return damped(chain.chain)
+    return damped(chain.chain, magnifier=magnifier, source=source)

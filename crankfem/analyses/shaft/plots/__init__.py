@@ -1,0 +1,1 @@
+"""Diagrams of a whole crankshaft's modes and vibration."""

@@ -1,0 +1,105 @@
+"""Pictures of a whole crankshaft's modes and of its coupled vibration."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crankbase.drawing.diagram_style import figure
+from crankbase.errors import InputError
+from dynamics.crankshaft.coupled_response import CoupledResponse
+from dynamics.crankshaft.shaft_modes import ShaftModes
+from dynamics.plots.mode_shapes import draw_shaft_shape
+
+MODES_SHOWN = 5
+
+
+def plot_shaft_modes(
+    path: Path, modes: ShaftModes, radius: float, count: int = MODES_SHOWN
+) -> None:
+    """Plot axial, torsional and lateral motion along the shaft for the first elastic modes.
+
+    Parameters
+    ----------
+    path : Path
+        Ends in .svg.
+    modes : ShaftModes
+    radius : float
+        Crank radius: rotation about the shaft is shown as the displacement there [m].
+    count : int
+        How many modes.
+
+    Raises
+    ------
+    InputError
+        If the path does not end in .svg or has no folder, or there is no elastic mode.
+    """
+    shown = range(modes.rigid, min(modes.rigid + count, len(modes.names)))
+    if not shown:
+        raise InputError(
+            f"count: given {count}; allowed is 1 or more of {len(modes.names) - modes.rigid} elastic modes, "
+            "because a picture shows some."
+        )
+    # Sections and pins by place; end bodies stand where their section does, or beyond.
+    order = np.argsort(modes.positions, kind="stable")
+    places = modes.positions[order]
+    with figure(path, len(shown), width=2.6 * len(shown), height=3.6) as axes:
+        for one, mode in zip(np.atleast_1d(axes), shown, strict=True):
+            draw_shaft_shape(one, places, modes.motions[order, :, mode], radius)
+            one.set_title(
+                f"{modes.frequencies[mode]:.1f} Hz\n" + modes.label(mode).replace(", ", "\n"),
+                fontsize=9,
+            )
+            _pad_title(one, modes.label(mode))
+        first = np.atleast_1d(axes)[0]
+        first.set_ylabel("relative displacement")
+        handles, names = first.get_legend_handles_labels()
+        first.figure.legend(handles, names, fontsize=8, loc="outside lower center", ncols=4)
+
+
+def plot_axial_split(path: Path, response: CoupledResponse) -> None:
+    """Plot the free end's axial amplitude by tangential forces, by radial forces and by both.
+
+    Parameters
+    ----------
+    path : Path
+        Ends in .svg.
+    response : CoupledResponse
+
+    Raises
+    ------
+    InputError
+        If the path does not end in .svg or has no folder.
+    """
+    with figure(path, height=3.8) as axes:
+        response.plot(axes)
+        axes.set_ylabel("axial amplitude of the free end [µm]")
+        axes.set_title("half the range over the working cycle, all orders together", fontsize=9)
+
+
+def plot_mode_shares(path: Path, modes: ShaftModes, count: int = 12) -> None:
+    """Plot the axial, torsional and bending shares of the first elastic modes as bars.
+
+    Parameters
+    ----------
+    path : Path
+        Ends in .svg.
+    modes : ShaftModes
+    count : int
+        How many modes.
+
+    Raises
+    ------
+    InputError
+        If the path does not end in .svg or has no folder.
+    """
+    rows = min(count, len(modes.names) - modes.rigid)
+    with figure(path, height=1.4 + 0.28 * rows) as axes:
+        modes.plot(axes, count=count)
+
+
+def _pad_title(axes: Any, label: str) -> None:
+    """Give titles of fewer lines the height of those with three classes, so that axes align."""
+    axes.title.set_linespacing(1.15)
+    missing = 2 - label.count(",")
+    axes.set_title(axes.get_title(loc="left") + "\n" * missing, loc="left", fontsize=9)

@@ -1,0 +1,46 @@
+"""Compliances of throws at their places and the shaft's own balance, as plain JSON content."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankfem.analyses.record import Record
+from crankfem.files.engine.engine_file import EngineFile
+from fem.shaft import ShaftCompliances
+from fem.throw_analysis import ThrowAnalysis
+from geometry.balance import unbalance
+from geometry.crankshaft import Crankshaft
+
+
+def shaft_record(shaft: ShaftCompliances, analysis: ThrowAnalysis) -> Record:
+    """Compliances of each throw at its place in the shaft."""
+    return {
+        "axial": shaft.axial.tolist(),
+        "axial_beside_pinned": (shaft.axial / analysis.axial_compliance("pinned")).tolist(),
+        "torsional": shaft.torsional.tolist(),
+        "torsional_beside_pinned": (
+            shaft.torsional / analysis.torsional_compliance("pinned")
+        ).tolist(),
+        "influence": shaft.influence.tolist(),
+    }
+
+
+def shaft_balance_record(engine_file: EngineFile) -> Record:
+    """Masses and unbalance of the whole crankshaft, about the middle of its throws; no rods."""
+    throws = [engine_file.throw] * len(engine_file.throw_angles)
+    shaft = Crankshaft(throws, engine_file.throw_angles, engine_file.shaft_ends)
+    masses = shaft.masses(engine_file.material.density)
+    middle = 0.5 * float(shaft.starts[-1])
+    found = unbalance(masses, middle)
+    # What would be there if all throws pointed one way: beside it, round-off is nothing.
+    one = engine_file.throw.crank_radius * masses.mass
+    return {
+        "mass": masses.mass,
+        "length": shaft.length,
+        "inertia_about_shaft": masses.inertia_about_shaft,
+        "static": _without_round_off(found.static, one),
+        "dynamic": _without_round_off(found.dynamic, one * shaft.length),
+    }
+
+
+def _without_round_off(values: NDArray[np.float64], scale: float) -> list[float]:
+    return [0.0 if abs(value) < 1e-9 * scale else float(value) for value in values]

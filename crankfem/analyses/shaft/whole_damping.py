@@ -1,0 +1,62 @@
+"""Damping of a whole crankshaft: that of the engine's chains, by the kind of motion."""
+
+import numpy as np
+
+from crankfem.files.engine.engine_file import EngineFile
+from dynamics.checks import FloatArray
+from dynamics.crankshaft.shaft_system import CrankshaftSystem
+from dynamics.response.linear_system import DEFAULT_MAGNIFIER
+
+# Share of critical damping that belongs to the assumed magnifier.
+ASSUMED_RATIO = 0.5 / DEFAULT_MAGNIFIER
+
+
+def modal_damping(engine_file: EngineFile, crankshaft: CrankshaftSystem) -> FloatArray:
+    """Return the damping of engine and shaft by modes: that of the chains, by the kind of motion.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    crankshaft : CrankshaftSystem
+
+    Returns
+    -------
+    ndarray of shape (kept + corrections,)
+        Share of critical damping of each elastic mode that is kept, and of each correction.
+
+    Notes
+    -----
+    Axial, torsional and bending motion bring each its damping, by the share that they have in the mode's
+    energy: axial and torsional motion that of its chain, half of 1 / magnifier or of the loss factor;
+    bending, and corrections, the magnifier that is assumed where none is given.
+    """
+    rigid = crankshaft.modes.rigid
+    kept = crankshaft.modes.shares[:, rigid : rigid + crankshaft.kept]
+    by_share = np.array(_damping_ratios(engine_file)) @ kept
+    return np.concatenate((by_share, np.full(crankshaft.corrections, ASSUMED_RATIO)))
+
+
+def damping_remarks(engine_file: EngineFile) -> tuple[str, ...]:
+    """Return what damps the whole crankshaft beside bearings and dampers, in words."""
+    axial, torsional, bending = (100.0 * ratio for ratio in _damping_ratios(engine_file))
+    found = [
+        "modes are damped as the chains are, by the shares of their energy: "
+        f"{axial:.3g} % of critical damping for axial motion, {torsional:.3g} % for torsion, "
+        f"{bending:.3g} % for bending, which is assumed (a magnifier of {DEFAULT_MAGNIFIER:g})"
+    ]
+    if engine_file.damping is not None and engine_file.damping.cylinder_damping:
+        found.append("absolute damping of the cylinders in torsion is left out; magnifiers remain")
+    return tuple(found)
+
+
+def _damping_ratios(engine_file: EngineFile) -> tuple[float, float, float]:
+    """Shares of critical damping of axial, torsional and bending motion."""
+    given = engine_file.damping
+    if given is None:
+        return (ASSUMED_RATIO,) * 3
+    axial = 0.5 / (given.axial_magnifier or DEFAULT_MAGNIFIER)
+    if given.torsional_magnifier is not None:
+        torsional = 0.5 / given.torsional_magnifier
+    else:
+        torsional = 0.0 if given.loss_factor else ASSUMED_RATIO
+    return axial, torsional + 0.5 * (given.loss_factor or 0.0), ASSUMED_RATIO

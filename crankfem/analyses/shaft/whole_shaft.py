@@ -1,0 +1,379 @@
+"""The whole crankshaft of an engine file, from superelements of its throws.
+
+Throws stand at their crank angles, each with the same superelement; cylinders of a V engine act on the
+pins that the file names.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from crankbase.choices import check_choice, check_not_given
+from crankbase.errors import InputError
+from crankbase.tables.frames import table_of
+from crankbase.units.number_formats import UNBOUNDED
+from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
+from crankfem.analyses.shaft.whole_damping import damping_remarks, modal_damping
+from crankfem.files.engine.engine_file import EngineFile
+from dynamics.chains.engine_chains import EngineChain
+from dynamics.checks import FloatArray
+from dynamics.crankshaft.assembly import assemble_crankshaft
+from dynamics.crankshaft.chain_comparison import (
+    FREQUENCY_LIMIT,
+    RESPONSE_LIMIT,
+    ChainVerdict,
+    chain_verdict,
+    matching_modes,
+    matching_response,
+)
+from dynamics.crankshaft.coupled_response import CoupledResponse, coupled_response
+from dynamics.crankshaft.pin_excitation import PinForces
+from dynamics.crankshaft.shaft_modes import ShaftModes, rotation_ratio
+from dynamics.crankshaft.shaft_system import CrankshaftSystem, crankshaft_system
+from dynamics.crankshaft.shaft_throw import ShaftThrow
+from dynamics.crankshaft.surroundings import MainBearings
+from dynamics.response.forced import ForcedResponse
+from fem.craig_bampton import DynamicSuperelement
+from fem.throw_analysis import ThrowAnalysis
+from geometry.throw import CrankThrow
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Modes are kept up to this multiple of the highest exciting frequency, and so high superelements are
+# made for.
+KEPT_FACTOR = 2.0
+# Superelements are made for no less than this [Hz], so that the first modes of a slow engine are right.
+LEAST_FREQUENCY = 200.0
+# The point whose motion is drawn: the free end along the shaft.
+FREE_END = "section 0 uz"
+
+
+@dataclass(frozen=True, eq=False)
+class WholeShaft:
+    """The whole crankshaft of an engine, its modes, and what was assumed for it.
+
+    Attributes
+    ----------
+    crankshaft : CrankshaftSystem
+    highest_frequency : float
+        What the superelements were made for [Hz].
+    rotation_ratios : (q - r,) array
+        Highest speed of rotation over each elastic natural frequency: how far Coriolis' forces, which
+        are left out, can matter; see `rotation_ratio`.
+    remarks : tuple of str
+        What was assumed, a sentence each.
+    """
+
+    crankshaft: CrankshaftSystem
+    highest_frequency: float
+    rotation_ratios: FloatArray
+    remarks: tuple[str, ...]
+
+    @property
+    def modes(self) -> ShaftModes:
+        """Natural modes, told apart by their shares."""
+        return self.crankshaft.modes
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        mode: int | None = None,
+        radius: float | None = None,
+        count: int = 12,
+    ) -> "Axes":
+        """Draw the energy shares of the first elastic modes, or one mode; see `ShaftModes.plot`."""
+        return self.modes.plot(axes, mode=mode, radius=radius, count=count)
+
+    def to_pandas(self) -> Any:
+        """Return a table of the natural modes; see `ShaftModes.to_pandas`."""
+        return self.modes.to_pandas()
+
+
+@dataclass(frozen=True, eq=False)
+class ShaftComparison:
+    """Coupled vibration of the whole shaft beside the uncoupled chains of the same engine.
+
+    Attributes
+    ----------
+    coupled : CoupledResponse or None
+        None where nothing is forced.
+    axial, torsional : ChainVerdict or None
+        None where the chains hold what the whole shaft does not; see `left_out`.
+    """
+
+    coupled: CoupledResponse | None
+    axial: ChainVerdict | None = None
+    torsional: ChainVerdict | None = None
+
+    @property
+    def verdicts(self) -> tuple[ChainVerdict, ...]:
+        """Of the chains that were compared."""
+        return tuple(one for one in (self.axial, self.torsional) if one is not None)
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        show: Literal["causes", "axial", "torsional"] = "causes",
+        point: str | None = None,
+    ) -> "Axes":
+        """Draw the whole shaft's vibration over the speed, by its causes or beside a chain's.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : {"causes", "axial", "torsional"}
+            A point's motion by tangential and by radial forces; or the free end's motion by the whole
+            shaft and by the chain of that kind.
+        point : str, optional
+            Of the first alone, such as "section 0 uz", the free end along the shaft, the default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If `show` is none of these, or was not calculated, or there is no such point, or one is given
+            with a chain.
+        """
+        check_choice("show", show, ("causes", "axial", "torsional"), "these are compared")
+        if show == "causes" and self.coupled is not None:
+            return self.coupled.plot(axes, FREE_END if point is None else point)
+        if show != "causes":
+            check_not_given("point", point, show, "a chain is compared at the free end")
+        verdict = {"axial": self.axial, "torsional": self.torsional}.get(show)
+        if verdict is None or verdict.response is None:
+            raise InputError(
+                f"show: given {show!r}; allowed is what was calculated, because without gas pressure "
+                "nothing is forced, and chains with a shaft line are not compared."
+            )
+        return verdict.response.plot(axes)
+
+    def to_pandas(self) -> Any:
+        """Return a table of the chains' modes beside those of the whole shaft."""
+        return table_of(match for verdict in self.verdicts for match in verdict.modes)
+
+
+def whole_shaft(
+    engine_file: EngineFile,
+    analysis: ThrowAnalysis,
+    *,
+    superelement: DynamicSuperelement | None = None,
+    bearings: MainBearings | None = None,
+) -> WholeShaft:
+    """Build the whole crankshaft of an engine from the superelement of its throw.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+        In line or V. Flywheel, free end, dampers, thrust bearing, driven machine and main bearings are
+        taken from it.
+    analysis : ThrowAnalysis
+        Of the engine's throw.
+    superelement : DynamicSuperelement, optional
+        Of the same throw, where it is there already; by default one is built for the highest frequency
+        that the engine excites.
+    bearings : MainBearings, optional
+        In place of those of the file.
+
+    Returns
+    -------
+    WholeShaft
+
+    Raises
+    ------
+    InputError
+        If end sections of the analysis are not rigid, or values do not fit.
+    SolveError
+        If the superelement cannot be built.
+    """
+    highest = highest_exciting_frequency(engine_file)
+    if superelement is None:
+        superelement = analysis.dynamic_superelement(highest)
+    throws = shaft_throws(superelement, engine_file.throw, engine_file.throw_angles)
+    around, remarks = shaft_surroundings(engine_file, analysis, bearings)
+    shaft = assemble_crankshaft(throws, around, turning_sense=engine_file.engine.turning_sense)
+    crankshaft = crankshaft_system(shaft, KEPT_FACTOR * superelement.highest_frequency or None)
+    modes = crankshaft.modes
+    remarks += damping_remarks(engine_file)
+    if len(set(engine_file.pins)) < len(engine_file.pins):
+        remarks += (
+            "rods on one pin act at its middle; the moment of rods side by side is left out",
+        )
+    left = left_out(engine_file)
+    if left:
+        remarks += (
+            f"{' and '.join(left)} are left out of the whole crankshaft, though not of the chains, which "
+            "are not compared with it therefore",
+        )
+    return WholeShaft(
+        crankshaft=crankshaft,
+        highest_frequency=superelement.highest_frequency,
+        rotation_ratios=rotation_ratio(
+            engine_file.engine.highest_speed, modes.angular_frequencies[modes.rigid :]
+        ),
+        remarks=remarks,
+    )
+
+
+def left_out(engine_file: EngineFile) -> tuple[str, ...]:
+    """Return the sections of an engine file that the chains know and the whole crankshaft does not."""
+    given = {
+        "[shaft_line]": bool(engine_file.shaft_lines),
+        "[propeller_forces]": engine_file.propeller_forces is not None,
+    }
+    return tuple(name for name, there in given.items() if there)
+
+
+def highest_exciting_frequency(engine_file: EngineFile) -> float:
+    """Frequency of the highest order at the highest speed, 200 Hz at least [Hz]."""
+    engine = engine_file.engine
+    turns = engine.highest_speed / (2.0 * math.pi)
+    return max(LEAST_FREQUENCY, engine_file.vibration.highest_order * turns)
+
+
+def shaft_throws(
+    superelement: DynamicSuperelement, throw: CrankThrow, crank_angles: Sequence[float]
+) -> list[ShaftThrow]:
+    """Return equal throws at their crank angles [rad], ready to be assembled.
+
+    Parameters
+    ----------
+    superelement : DynamicSuperelement
+        In the throw's own frame, not turned.
+    throw : CrankThrow
+    crank_angles : sequence of n float
+        Angle of each throw's first pin about +z [rad].
+    """
+    pins = np.array([[*pin.axis, 0.5 * (pin.start + pin.end)] for pin in throw.parts.pins])
+    return [
+        ShaftThrow(
+            stiffness=superelement.stiffness,
+            mass=superelement.mass,
+            pin_loads=superelement.pin_loads,
+            pins=pins,
+            length=throw.length,
+            crank_angle=float(angle),
+        )
+        for angle in crank_angles
+    ]
+
+
+def shaft_response(
+    engine_file: EngineFile,
+    whole: WholeShaft,
+    forces: PinForces,
+    magnifier: float | None = None,
+) -> CoupledResponse:
+    """Find the coupled forced vibration of an engine's crankshaft.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    whole : WholeShaft
+    forces : CylinderForces
+        Of the engine's cylinders, by orders over speeds.
+    magnifier : float, optional
+        Of all elastic modes, in place of the damping of `modal_damping`. Dampers and bearings add theirs.
+
+    Returns
+    -------
+    CoupledResponse
+    """
+    return coupled_response(
+        whole.crankshaft,
+        forces,
+        pins=engine_file.pins,
+        magnifier=magnifier,
+        modal_damping=None
+        if magnifier is not None
+        else modal_damping(engine_file, whole.crankshaft),
+    )
+
+
+def compare_with_chains(
+    whole: WholeShaft,
+    axial: EngineChain,
+    torsional: EngineChain,
+    coupled: CoupledResponse | None = None,
+    axial_response: ForcedResponse | None = None,
+    torsional_response: ForcedResponse | None = None,
+) -> ShaftComparison:
+    """Compare the whole shaft with its chains, and say whether these suffice.
+
+    Parameters
+    ----------
+    whole : WholeShaft
+    axial, torsional : EngineChain
+        Of the same engine.
+    coupled, axial_response, torsional_response : optional
+        Forced vibration under the same forces at the same speeds; without them modes alone are compared.
+
+    Returns
+    -------
+    ShaftComparison
+        Modes of the chains up to the frequency that the superelements were made for, and each chain's
+        first in any case.
+    """
+    verdicts = []
+    for chain, answer in ((axial, axial_response), (torsional, torsional_response)):
+        modes = chain.chain.modes()
+        first = float(modes.frequencies[modes.rigid])
+        matches = matching_modes(whole.crankshaft, chain, max(first, whole.highest_frequency))
+        response = None
+        if coupled is not None and answer is not None:
+            response = matching_response(coupled, chain, answer)
+        verdicts.append(chain_verdict(matches, response))
+    return ShaftComparison(coupled, *verdicts)
+
+
+def whole_beside(comparison: ShaftComparison) -> tuple[str, ...]:
+    """Say beside a verdict, which judges the chains, how far the whole crankshaft differs from them.
+
+    Returns
+    -------
+    tuple of str
+        A sentence; none where the chains suffice.
+    """
+    differing = [_difference(one) for one in comparison.verdicts[::-1] if not one.suffices]
+    if not differing:
+        return ()
+    return (f"Judged with chains; the whole crankshaft differs: {'; '.join(differing)}.",)
+
+
+def _difference(verdict: ChainVerdict) -> str:
+    """Tell what weighs most: another amplitude, another frequency, else a mode of mixed motion."""
+    motion, found = MOTION[verdict.kind], verdict.response
+    if found is not None and abs(found.difference) > RESPONSE_LIMIT:
+        chain, shaft = (
+            _three_digits(peak / motion.size) if np.isfinite(peak) else UNBOUNDED
+            for peak in (float(np.max(found.chain)), float(np.max(found.shaft)))
+        )
+        return (
+            f"{verdict.kind} amplitude of the free end {shaft} instead of {chain} {motion.printed}"
+        )
+    for match in verdict.modes:
+        number = match.chain_mode - match.chain_rigid + 1
+        if match.shaft_frequency is None:
+            return f"it has no mode like {verdict.kind} mode {number}"
+        if abs(match.difference) > FREQUENCY_LIMIT:
+            return (
+                f"{verdict.kind} mode {number} at {match.shaft_frequency:.1f} instead of "
+                f"{match.chain_frequency:.1f} Hz"
+            )
+    mixed = min(verdict.modes, key=lambda match: match.share)
+    number = mixed.chain_mode - mixed.chain_rigid + 1
+    return f"{verdict.kind} mode {number} is {verdict.kind} by {100.0 * mixed.share:.0f} % only"
+
+
+def _three_digits(value: float) -> str:
+    return f"{value:.0f}" if value >= 1000.0 else f"{value:.3g}"

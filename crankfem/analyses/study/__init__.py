@@ -1,0 +1,1 @@
+"""Studies: fitted equations, their sensitivities, the compliance model."""

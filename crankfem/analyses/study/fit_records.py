@@ -1,0 +1,229 @@
+"""A study and its equations as plain JSON content: what the report shows and ``--json`` prints."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from crankbase.errors import InputError
+from crankfem.analyses.record import Record
+from crankfem.analyses.study.fitting import ResponseFits, Sensitivities, sensitivities
+from geometry.throw import CrankThrow
+from regression.fits.equation_text import term_symbols
+from regression.fits.fits import Fit
+from regression.models.compliance_model import ComplianceModel
+from regression.plans.factors import Factor, changed_record
+from regression.plans.plan import StudyPlan
+from regression.records import MEASURED, ExtraRow
+from regression.runs.study_table import StudyTable
+
+LACK_OF_FIT = (
+    "Finite elements repeat exactly and have no replication noise: R2, standard errors, t and F "
+    "measure how well the form follows them (lack of fit), not chance."
+)
+# Above these a coefficient is poorly told from the others, a run decides nearly alone.
+LARGEST_VIF = 10.0
+LARGEST_LEVERAGE = 0.95
+
+
+def study_record(
+    table: StudyTable, fits: Mapping[str, ResponseFits], model: ComplianceModel | None = None
+) -> Record:
+    """A study's designs, failures, and every fitted equation with its errors.
+
+    Parameters
+    ----------
+    table : StudyTable
+    fits : mapping
+    model : ComplianceModel, optional
+        With it, imported measured values are compared with the equations.
+    """
+    plan = table.plan
+    errors = [found.fe_error for found in fits.values() if found.fe_error is not None]
+    return {
+        "key": plan.key,
+        "design": plan.design.kind,
+        "factors": {factor.name: _factor_record(factor) for factor in plan.factors},
+        "relations": dict(plan.relations),
+        "constraints": list(plan.constraints),
+        "runs": int(np.sum(~table.held_out)),
+        "held_out": int(np.sum(table.held_out)),
+        "computed_now": table.computed,
+        "failures": [
+            {"role": role, "values": list(values), "reason": reason}
+            for role, values, reason in table.failures
+        ],
+        "excluded": [
+            {"role": design.role, "values": list(design.values), "reason": design.reason}
+            for design in table.excluded
+        ],
+        "largest_fe_error_estimate": max(errors, default=None),
+        "table": {
+            "values": table.values.tolist(),
+            "held_out": table.held_out.tolist(),
+            "responses": {name: column.tolist() for name, column in table.responses.items()},
+            "errors": {name: column.tolist() for name, column in table.errors.items()},
+        },
+        "statement": LACK_OF_FIT,
+        "fits": {name: fits_record(table, found) for name, found in fits.items()},
+        "unfitted": {
+            name: reason for found in fits.values() for name, reason in found.unfitted.items()
+        },
+        "compared": [] if model is None else comparisons(table, model),
+    }
+
+
+def _factor_record(factor: Factor) -> Record:
+    return {
+        "unit": factor.unit,
+        "lowest": factor.lowest,
+        "highest": factor.highest,
+        "levels": None if factor.levels is None else list(factor.levels),
+        "labels": list(factor.labels),
+    }
+
+
+def fits_record(table: StudyTable, found: ResponseFits) -> Record:
+    """All forms fitted to one response, and what its chosen equation says of the factors."""
+    return {
+        "column": found.column,
+        "symbol": found.symbol,
+        "unit": found.unit,
+        "support": found.support,
+        "chosen": found.chosen.form,
+        "reason": found.reason,
+        "fe_error": found.fe_error,
+        "fe_scatter": found.fe_scatter,
+        "skipped": list(found.skipped),
+        "twins": dict(found.twins),
+        "forms": [form_record(found, fit) for fit in found.fits],
+        "sensitivities": _sensitivity_record(sensitivities(table, found))
+        | {"units": {factor.name: factor.unit for factor in table.plan.factors}},
+    }
+
+
+def form_record(found: ResponseFits, fit: Fit) -> Record:
+    """One fitted form: its equation, its coefficients and its errors."""
+    statistics = fit.statistics
+    errors, t_values = statistics.standard_errors, statistics.t_values
+    inflation = fit.variance_inflation
+    natural = fit.coefficients
+    natural_errors = fit.natural_standard_errors
+    return {
+        "form": fit.form,
+        "basis": fit.basis,
+        "equation": found.equation(fit),
+        "coefficient_count": fit.coefficient_count,
+        "r_squared": fit.r_squared,
+        "adjusted_r_squared": fit.adjusted_r_squared,
+        "q_squared": fit.q_squared,
+        "largest_error_at_runs": fit.largest_error,
+        "mean_error_at_runs": fit.mean_error,
+        "largest_error_held_out": fit.largest_heldout_error,
+        "mean_error_held_out": fit.mean_heldout_error,
+        "f_value": statistics.f_value,
+        "aic": statistics.aic,
+        "bic": statistics.bic,
+        "condition_number": statistics.condition_number,
+        "largest_variance_inflation": max(inflation.values(), default=None),
+        "largest_leverage": float(np.max(statistics.leverage)),
+        "coefficients": natural,
+        "standard_errors": natural_errors,
+        "coded": [
+            {
+                "term": name,
+                "symbols": symbols,
+                "coefficient": value,
+                "standard_error": None if errors is None else float(errors[place]),
+                "t": None if t_values is None else float(t_values[place]),
+                "variance_inflation": inflation.get(name),
+            }
+            for place, ((name, value), symbols) in enumerate(
+                zip(fit.coded_coefficients.items(), term_symbols(fit.fitted), strict=True)
+            )
+        ],
+        "undetermined": list(fit.undetermined),
+        "dropped": list(fit.dropped),
+        "warnings": warnings_of(fit),
+    }
+
+
+def warnings_of(fit: Fit) -> list[str]:
+    """What should be known before the coefficients of a fit are read, one sentence each."""
+    told = []
+    inflated = [name for name, value in fit.variance_inflation.items() if value > LARGEST_VIF]
+    if inflated:
+        told.append(
+            f"Variance inflation above {LARGEST_VIF:g} of {_listed(inflated)}: "
+            "these coefficients depend on each other, and only their sum is meant."
+        )
+    high = np.flatnonzero(fit.statistics.leverage > LARGEST_LEVERAGE)
+    if high.size:
+        told.append(
+            f"Leverage above {LARGEST_LEVERAGE:g} of {high.size} of {fit.runs} runs: each of them "
+            "nearly decides a coefficient alone, and its error at the runs says nothing."
+        )
+    return told
+
+
+def _listed(names: list[str], shown: int = 6) -> str:
+    more = len(names) - shown
+    return ", ".join(names[:shown]) + (f" and {more} more" if more > 0 else "")
+
+
+def _sensitivity_record(found: Sensitivities) -> Record:
+    sobol = found.sobol
+    return {
+        "nominal": found.nominal,
+        "elasticity": found.elasticity,
+        "sobol": None
+        if sobol is None
+        else {
+            "first": dict(zip(sobol.names, sobol.first, strict=True)),
+            "total": dict(zip(sobol.names, sobol.total, strict=True)),
+            "points": sobol.points,
+        },
+    }
+
+
+def comparisons(table: StudyTable, model: ComplianceModel) -> list[Record]:
+    """Compare imported measured values with the model's equations.
+
+    Returns
+    -------
+    list of dict
+        Source, response, measured and calculated value, their ratio and the remarks of the lookup
+        (what lies outside the range), or the reason why the model has no value.
+    """
+    return [
+        _comparison(row, column, measured, model, table.plan)
+        for row in table.extra
+        if row.role == MEASURED
+        for column, measured in row.responses.items()
+    ]
+
+
+def _comparison(
+    row: ExtraRow, column: str, measured: float, model: ComplianceModel, plan: StudyPlan
+) -> Record:
+    record: Record = {"source": row.source, "response": column, "measured": measured}
+    name = column.removesuffix("_pinned")
+    if name not in model.responses:
+        return record | {"reason": "the model has no such response"}
+    try:
+        found = model.lookup(name, **model.dimensions_of(_measured_throw(row, plan)))
+    except InputError as error:
+        return record | {"reason": str(error)}
+    return record | {
+        "calculated": found.value,
+        "ratio": found.value / measured if measured else None,
+        "remarks": list(found.remarks),
+    }
+
+
+def _measured_throw(row: ExtraRow, plan: StudyPlan) -> CrankThrow:
+    """The study's throw with a row's dimensions; parts are as its factor values make them."""
+    base: Mapping[str, Any] = plan.throw.model_dump(mode="json")
+    if row.values is not None:
+        base = plan.variants().at(np.array([row.values]))[0].throw or base
+    return CrankThrow(**changed_record(base, {**row.dimensions, **row.outlines}))

@@ -1,0 +1,121 @@
+"""Natural frequencies of an engine as functions of its throws' compliance, to be limited in a search."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankfem.analyses.shaft.chains import (
+    engine_axial_chain,
+    engine_throw_inertias,
+    engine_torsional_chain,
+)
+from crankfem.files.engine.engine_file import EngineFile
+from dynamics.chains.engine_chains import EngineChain
+from regression.models.compliance_model import ComplianceModel
+from regression.models.optimum_limits import Limit
+
+Array = NDArray[np.float64]
+Kind = Literal["axial", "torsional"]
+
+
+@dataclass(frozen=True, eq=False)
+class EngineFrequencies:
+    """First natural frequencies of an engine over the compliance of its throws.
+
+    In the shaft each throw has another compliance than pinned alone; its ratio to the pinned one is
+    taken from finite elements of the engine's own throw, and kept as the throw changes.
+
+    Attributes
+    ----------
+    engine_file : EngineFile
+    axial_shares, torsional_shares : (n,) array
+        Compliance of each throw in the shaft, divided by that of the pinned throw.
+    throw_mass : float
+        Of the engine's throw [kg], for models that hold no mass.
+    throw_inertias : (n,) array
+        Of the throws with their shares of rods and pistons [kg m^2]; kept as the throw changes.
+    """
+
+    engine_file: EngineFile
+    axial_shares: Array
+    torsional_shares: Array
+    throw_mass: float
+    throw_inertias: Array
+
+    def axial(self, compliance: float, mass: float | None = None) -> float:
+        """First axial natural frequency [Hz] for throws of this pinned compliance [m/N] and mass [kg]."""
+        return _first(
+            engine_axial_chain(
+                self.engine_file,
+                compliance * self.axial_shares,
+                self.throw_mass if mass is None else mass,
+            )
+        )
+
+    def torsional(self, compliance: float) -> float:
+        """First torsional natural frequency [Hz] for throws of this pinned compliance [rad/(N m)]."""
+        return _first(
+            engine_torsional_chain(
+                self.engine_file, compliance * self.torsional_shares, self.throw_inertias
+            )
+        )
+
+
+def _first(named: EngineChain) -> float:
+    """First elastic frequency [Hz]; a search asks thousands of times, and needs no mode shapes."""
+    chain = named.chain
+    root = np.sqrt(chain.inertia)
+    squares = np.linalg.eigvalsh(chain.stiffness_matrix() / np.outer(root, root))
+    rigid = chain.rigid_motions()[0].shape[1]
+    return float(np.sqrt(squares[rigid]) / (2.0 * np.pi))
+
+
+def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
+    """Prepare the frequencies of an engine; its throw is analyzed by finite elements (seconds).
+
+    Raises
+    ------
+    MeshError, SolveError
+        If the throw cannot be meshed or solved.
+    """
+    from crankfem.analyses.shaft.sources import compliances_in_shaft
+    from fem.analysis import analyze_throw
+
+    analysis = analyze_throw(engine_file.throw, engine_file.material)
+    shaft = compliances_in_shaft(engine_file, analysis)
+    return EngineFrequencies(
+        engine_file=engine_file,
+        axial_shares=shaft.axial / analysis.axial_compliance("pinned"),
+        torsional_shares=shaft.torsional / analysis.torsional_compliance("pinned"),
+        throw_mass=analysis.mass,
+        throw_inertias=engine_throw_inertias(engine_file, analysis.masses.inertia_about_shaft),
+    )
+
+
+def frequency_limit(
+    kind: Kind, frequencies: EngineFrequencies, model: ComplianceModel, at_least: float
+) -> Limit:
+    """Limit the first frequency of an engine.
+
+    Parameters
+    ----------
+    kind : {"axial", "torsional"}
+    frequencies : EngineFrequencies
+    model : ComplianceModel
+        With mass among its responses the axial frequency follows the mass of the throw too.
+    at_least : float
+        [Hz].
+    """
+    name = f"first {kind} frequency"
+    if kind == "torsional":
+        return Limit(
+            ("torsional_compliance",),
+            at_least=at_least,
+            function=frequencies.torsional,
+            name=name,
+            unit="Hz",
+        )
+    quantities = ("axial_compliance", *(["mass"] if "mass" in model.responses else []))
+    return Limit(quantities, at_least=at_least, function=frequencies.axial, name=name, unit="Hz")

@@ -1,0 +1,215 @@
+"""Run a study from a file: designs, fits and the compliance model in one call."""
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from crankbase.choices import check_choice, check_not_given
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import legend_inside, write_title
+from crankfem.analyses.study.fit_diagrams import (
+    draw_fit_elasticities,
+    draw_fit_errors,
+    draw_fit_parity,
+    draw_fit_sobol,
+    draw_over_factor,
+    fe_text,
+)
+from crankfem.analyses.study.fitting import ResponseFits, compliance_model, fit_study, sensitivities
+from crankfem.files.engine.throw_file import load_study
+from regression.factor_labels import factor_text
+from regression.models.compliance_model import ComplianceModel
+from regression.plots.factor_axis import response_text
+from regression.runs.study import Progress, run_plan
+from regression.runs.study_table import StudyTable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Shown = Literal["parity", "errors", "response", "effects", "elasticities", "sobol"]
+SHOWN: tuple[Shown, ...] = ("parity", "errors", "response", "effects", "elasticities", "sobol")
+# Diagrams of one equation.
+OF_A_FORM: tuple[Shown, ...] = ("parity", "errors", "effects")
+
+
+@dataclass(frozen=True)
+class StudyResult:
+    """A study's table, its fits by response, and the model made of the chosen ones."""
+
+    table: StudyTable
+    fits: dict[str, ResponseFits]
+    model: ComplianceModel
+
+    def __repr__(self) -> str:
+        """Say in a line what it is; the table alone would fill screens."""
+        return (
+            f"StudyResult(study {self.table.plan.key[:6]}, {len(self.table.values)} designs, "
+            f"equations for {', '.join(self.fits)})"
+        )
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        response: str | None = None,
+        show: Shown = "parity",
+        factor: str | None = None,
+        form: str | None = None,
+    ) -> "Axes":
+        """Draw one diagram of one response.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        response : str, optional
+            A name in `fits`; the first by default.
+        show : str
+            "parity": equation over finite elements; "errors": its errors; "response": equations and
+            designs over one factor; "effects": sizes of the equation's terms; "elasticities": % of
+            the response per % of each factor; "sobol": the factors' shares of the variance.
+        factor : str, optional
+            Along which "response" is drawn, of no use to others; the first by default.
+        form : str, optional
+            Whose "parity", "errors" or "effects" are drawn, of no use to others; the chosen one by
+            default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If an option is none of these or of no use to what is shown, or the form was not fitted.
+        """
+        check_choice("show", show, SHOWN, "these are diagrams of a study")
+        name = next(iter(self.fits)) if response is None else response
+        check_choice("response", name, self.fits, "these have equations")
+        if show not in OF_A_FORM:
+            check_not_given("form", form, show, "it shows no single form")
+        if show != "response":
+            check_not_given("factor", factor, show, "only a response is drawn over one")
+        found, factors = self.fits[name], [one.name for one in self.table.plan.factors]
+        fit = found.chosen if form is None else found.fit_named(form)
+        if show == "effects":
+            return found.plot(axes, show="effects", form=form)
+        along = factors[0] if factor is None else factor
+        check_choice("factor", along, factors, "these vary in the study")
+        axes = new_axes(axes)
+        if show == "parity":
+            draw_fit_parity(axes, self.table, found, fit)
+            axes.set_xlabel(fe_text(found))
+            axes.set_ylabel(f"{response_text(found.symbol, found.unit)} by the equation")
+            legend_inside(axes)
+        elif show == "errors":
+            draw_fit_errors(axes, self.table, found, fit)
+            axes.set_ylabel("error of the equation [%]")
+            write_title(axes, fit.form)
+            legend_inside(axes)
+        elif show == "response":
+            draw_over_factor(axes, self.table, found, factors.index(along))
+            axes.set_ylabel(response_text(found.symbol, found.unit))
+            write_title(axes, f"{name.replace('_', ' ')}, {found.support}".rstrip(", "))
+            legend_inside(axes)
+        else:
+            known = sensitivities(self.table, found)
+            if show == "sobol":
+                draw_fit_sobol(axes, [factor_text(one) for one in factors], known)
+            else:
+                draw_fit_elasticities(axes, self.table, found, known)
+            write_title(axes, name.replace("_", " "))
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the designs and their responses; see `StudyTable.to_pandas`."""
+        return self.table.to_pandas()
+
+
+def run_study(
+    study: str | Path,
+    store: str | Path = "runs.sqlite",
+    workers: int = 2,
+    progress: Progress | None = None,
+    *,
+    dask: str | None = None,
+    time_limit: float | None = None,
+    memory_limit: float | None = None,
+    note: Callable[[str], None] | None = None,
+) -> StudyResult:
+    """Run, or continue, the study of a file and fit its equations.
+
+    Parameters
+    ----------
+    study : path
+        TOML file with the sections [throw] and [study]; an engine file serves as well.
+    store : path
+        SQLite file of results. Designs found finished there are not computed again.
+    workers : int
+        Worker processes on this machine.
+    progress : callable, optional
+        Called with (finished, total, newest outcome or None).
+    dask : str, optional
+        Address of a Dask scheduler, whose workers then compute instead.
+    time_limit : float, optional
+        Seconds that one design may take; 300 at 1 % accuracy by default.
+    memory_limit : float, optional
+        Bytes that one worker process may take; no limit by default.
+    note : callable, optional
+        Told in a sentence what should be known meanwhile, such as that a cluster has no workers and is
+        waited for; by default it is written to standard error. ``note=lambda _: None`` says nothing.
+
+    Returns
+    -------
+    StudyResult
+
+    Raises
+    ------
+    InputError
+        If the file, the store, a limit, the cluster or the number of workers cannot be used, or too few
+        designs succeed.
+    MissingLibraryError
+        If a cluster is asked for without the package for it.
+    StudyStoppedError
+        If the store cannot be written any more, or the cluster is gone; finished designs are kept.
+    """
+    table = run_plan(
+        load_study(study),
+        store,
+        workers,
+        progress,
+        dask=dask,
+        time_limit=time_limit,
+        memory_limit=memory_limit,
+        note=note or _to_stderr,
+    )
+    return fitted(table)
+
+
+def _to_stderr(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def study_key(path: str | Path) -> str:
+    """Return the key under which a store knows the study of a file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be used or has no study.
+    """
+    return load_study(path).key
+
+
+def fitted(table: StudyTable) -> StudyResult:
+    """Fit all forms to a study's table and make the model.
+
+    Raises
+    ------
+    InputError
+        If too few designs have results.
+    """
+    fits = fit_study(table)
+    return StudyResult(table, fits, compliance_model(table, fits))

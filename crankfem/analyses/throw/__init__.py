@@ -1,0 +1,1 @@
+"""One throw: stresses at fillets, formulas beside finite elements, export."""

@@ -1,0 +1,112 @@
+"""Compliances of a throw by finite elements, regression and formulas, in one table for each kind."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from crankbase.units.number_formats import percent
+from crankfem.analyses.record import Record
+
+UNITS = {"axial": "m/N", "torsional": "rad/(N m)"}
+RESPONSES = {"axial": "axial_compliance", "torsional": "torsional_compliance"}
+
+
+def compliance_tables(results: Mapping[str, Any]) -> Record:
+    """Return what the tables of compliances show.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json.
+
+    Returns
+    -------
+    dict
+        "tables": for each kind its unit and rows (name, value, beside finite elements, first natural
+        frequency with that source or None, whether it applies, numbers of its notes); "notes": the
+        notes in the order of their numbers, each said once; "range": for each kind the lowest and the
+        highest ratio of the formulas that apply, None where fewer than two do.
+    """
+    numbers: dict[str, int] = {}
+
+    def note(text: str) -> int:
+        return numbers.setdefault(text, len(numbers) + 1)
+
+    tables, ranges = {}, {}
+    for kind, unit in UNITS.items():
+        fe = results["throw"]["supports"]["pinned"][f"{kind}_compliance"]
+        sources = {own["source"]: own for own in results["vibration"][kind]["sources"]}
+
+        def row(
+            name: str,
+            value: float,
+            source: str,
+            remarks: list[str],
+            applies: bool = True,
+            fe: float = fe,
+            sources: Mapping[str, Any] = sources,
+        ) -> Record:
+            own = sources.get(source)
+            return {
+                "name": name,
+                "value": value,
+                "beside": value / fe,
+                "frequency": None if own is None else own["first_frequencies"][0],
+                "applies": applies,
+                "notes": sorted(note(text) for text in remarks),
+            }
+
+        in_shaft = results["shaft"][kind]
+        rows = [
+            row("finite elements, pinned", fe, "fe pinned", []),
+            row("finite elements, mean in the shaft", sum(in_shaft) / len(in_shaft), "fe", []),
+        ]
+        regression = results["formulas"].get("regression")
+        if regression is not None and regression.get(kind) is not None:
+            own = regression[kind]
+            rows.append(row("regression of the study", own["value"], "regression", own["remarks"]))
+        own_rows = [
+            row(f["name"], f["value"], f["name"], f["remarks"], f["valid"])
+            for f in results["formulas"][kind]
+        ]
+        applying = [own["beside"] for own in own_rows if own["applies"]]
+        ranges[kind] = (min(applying), max(applying)) if len(applying) > 1 else None
+        tables[kind] = {"unit": unit, "rows": [*rows, *own_rows]}
+    return {"tables": tables, "notes": list(numbers), "range": ranges}
+
+
+def regression_record(
+    study: Mapping[str, Any] | None, values: Mapping[str, float]
+) -> Record | None:
+    """Return what the study's equations say of the throw itself.
+
+    Parameters
+    ----------
+    study : mapping or None
+        The record of the study.
+    values : mapping
+        Response, "axial_compliance" and "torsional_compliance", to its value at the throw [SI].
+
+    Returns
+    -------
+    dict or None
+        For each kind "value", "form", "largest_error_held_out" and "remarks"; None without a study.
+    """
+    if study is None:
+        return None
+    found: Record = {}
+    for kind, response in RESPONSES.items():
+        fits = study["fits"].get(response)
+        if fits is None or response not in values:
+            continue
+        chosen = next(form for form in fits["forms"] if form["form"] == fits["chosen"])
+        error = chosen["largest_error_held_out"]
+        found[kind] = {
+            "value": values[response],
+            "form": fits["chosen"],
+            "largest_error_held_out": error,
+            "remarks": [
+                f"{fits['chosen'].capitalize()} equation fitted to {study['runs']} designs; its largest "
+                f"error at designs held out is {percent(error)} %."
+            ],
+        }
+    return found

@@ -1,0 +1,58 @@
+"""Stresses at the fillets in a run, pictured for the loads that matter."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
+from crankfem.analyses.throw.pictures.stress_picture import picture_arrays, picture_name
+from fem.fillet_peaks import FilletStresses
+
+# What loads a throw most in an engine: the rod's force and the torque.
+KINDS_SHOWN = ("radial", "torsion")
+
+
+def shown_loads(stresses: FilletStresses) -> FilletStresses:
+    """Return the stresses under the loads that are pictured: radial on the first pin, and a torque."""
+    loaded = stresses.loaded
+    kept = [
+        place
+        for kind in KINDS_SHOWN
+        for place, load in enumerate(loaded.loads)
+        if load.kind == kind and load.pin in (None, 0)
+    ]
+    loads = tuple(loaded.loads[place] for place in kept)
+    return replace(
+        stresses,
+        peaks=tuple(peak for peak in stresses.peaks if peak.load in loads),
+        loaded=replace(
+            loaded,
+            loads=loads,
+            shares=tuple((symmetry, field[:, :, kept]) for symmetry, field in loaded.shares),
+        ),
+        surface=replace(stresses.surface, stress=np.take(stresses.surface.stress, kept, axis=1)),
+    )
+
+
+def stress_files(stresses: FilletStresses) -> dict[str, str]:
+    """Return picture name to file name of the pictures of `StressRendering`."""
+    names = [picture_name(load) for load in stresses.loaded.loads]
+    return {Path(name).stem.replace("-", "_"): name for name in names}
+
+
+class StressRendering(OffscreenProcess):
+    """The pictures of stresses being rendered in the background, into a folder.
+
+    Parameters
+    ----------
+    stresses : FilletStresses
+        `shown_loads` of a throw.
+    folder : Path
+        Where the `stress_files` go.
+    """
+
+    def __init__(self, stresses: FilletStresses, folder: Path) -> None:
+        super().__init__(
+            "crankfem.analyses.throw.pictures.stress_picture", picture_arrays(stresses), folder
+        )

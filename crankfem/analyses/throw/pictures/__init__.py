@@ -1,0 +1,1 @@
+"""Drawings and rendered pictures of a throw or a crankshaft."""

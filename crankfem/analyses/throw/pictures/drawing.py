@@ -1,0 +1,181 @@
+"""A dimensioned drawing of a crank throw to scale: side view, and view from its left end.
+
+The views stand as in first-angle projection: the view from the left to the right of the side view,
+at the same heights. Seen from the left, +x points to the left.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from crankbase.drawing.diagram_style import REPRODUCIBLE
+from crankbase.errors import InputError
+from crankbase.outputs import written
+from crankfem.analyses.throw.pictures.title_block import (
+    BLOCK_HEIGHT,
+    POINT_ON_PAPER,
+    block_texts,
+    draw_block,
+)
+from geometry.parts import ThrowParts
+from geometry.plots.dimension_lines import View
+from geometry.plots.end_view import draw_end
+from geometry.plots.side_view import draw_side
+from geometry.plots.throw_shapes import silhouette
+from geometry.throw import CrankThrow
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# File endings, and the date that a file of each kind would else be stamped with.
+ENDINGS: dict[str, dict[str, None]] = {
+    ".svg": {"Date": None},
+    ".png": {},
+    ".pdf": {"CreationDate": None},
+}
+# One of these is chosen: one millimeter on paper for so many of the throw.
+SCALES = (0.5, 1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 75, 100)
+LARGEST_BODY = (560.0, 340.0)  # both views together, without dimensions [points]
+PIXELS_PER_INCH = 150
+MARGIN, GAP, SMALLEST_WIDTH = 16.0, 34.0, 560.0  # [points]
+
+
+def draw_throw(throw: CrankThrow, title: str = "") -> "Figure":
+    """Draw a throw to scale with all of its dimensions.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+    title : str
+        Name of the engine or the throw, for the title block.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Its first axes hold the side view over (z, y), its second the view from the left end over
+        (-x, y), both in meters. At its own size it is drawn to the scale that it names.
+
+    Examples
+    --------
+    >>> throw = CrankThrow(
+    ...     crank_radius=0.170, main_journal_diameter=0.220, pin_diameter=0.180,
+    ...     main_journal_length=0.120, pin_length=0.139, web_width=0.285, web_thickness=0.068,
+    ...     fillet_radius=0.012,
+    ... )
+    >>> draw_throw(throw, "6ChN 25/34").savefig("throw.svg")  # doctest: +SKIP
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    parts = throw.parts
+    scale = _scale(parts)
+    point = scale * POINT_ON_PAPER
+    figure = Figure(facecolor="white")
+    FigureCanvasAgg(figure)
+    side, end = (View(figure.add_axes((0.0, 0.0, 1.0, 1.0)), point) for _ in range(2))
+    draw_side(side, parts)
+    draw_end(end, parts)
+    top = max(side.high[1], end.high[1]) + 14.0 * point
+    for view, text in (
+        (side, "Side view (z to the right, y up)"),
+        (end, "View from the left end (x to the left, y up)"),
+    ):
+        middle = 0.5 * (view.low[0] + view.high[0])
+        view.write(text, (middle, top, "center"), fontsize=8.5, fontstyle="italic")
+    _lay_out(figure, (side, end), block_texts(throw, title, scale), scale)
+    return figure
+
+
+def write_drawing(throw: CrankThrow, path: str | Path, title: str = "") -> Path:
+    """Write the drawing of a throw.
+
+    Parameters
+    ----------
+    throw, title
+        As for `draw_throw`.
+    path : path
+        A file ending in ``.svg``, ``.png`` or ``.pdf``.
+
+    Returns
+    -------
+    Path
+        The file; the same bit for bit for the same throw.
+
+    Raises
+    ------
+    InputError
+        If the ending is another, or the file cannot be written.
+    """
+    import matplotlib as mpl
+
+    path = Path(path)
+    metadata = ENDINGS[check_drawing_ending(path)]
+    try:
+        with mpl.rc_context(REPRODUCIBLE), written(path, "picture") as part:
+            draw_throw(throw, title).savefig(part, dpi=PIXELS_PER_INCH, metadata=metadata)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
+    return path
+
+
+def check_drawing_ending(path: Path) -> str:
+    """Return the ending of a file name in small letters.
+
+    Raises
+    ------
+    InputError
+        If no drawing can be written with it.
+    """
+    ending = path.suffix.lower()
+    if ending not in ENDINGS:
+        raise InputError(
+            f"{path.name}: given the ending {path.suffix!r}; allowed for a drawing are "
+            f"{', '.join(ENDINGS)}."
+        )
+    return ending
+
+
+def _scale(parts: ThrowParts) -> float:
+    outlines = np.vstack([silhouette(web) for web in parts.webs if web.end > web.start])
+    width, height = np.ptp(outlines, axis=0)
+    on_paper = (
+        (parts.length + width) / (LARGEST_BODY[0] * POINT_ON_PAPER),
+        height / (LARGEST_BODY[1] * POINT_ON_PAPER),
+    )
+    return next((scale for scale in SCALES if scale >= max(on_paper)), max(on_paper))
+
+
+def _lay_out(
+    figure: "Figure", views: Sequence[View], texts: tuple[str, str, str], scale: float
+) -> None:
+    """Give the figure its size and the views their places, all at one scale and at the same heights."""
+    point = views[0].point
+    low = min(view.low[1] for view in views)
+    high = max(view.high[1] for view in views)
+    widths = [(view.high[0] - view.low[0]) / point for view in views]
+    height = (high - low) / point
+    needed = sum(widths) + GAP * (len(views) - 1) + 2.0 * MARGIN
+    sheet = (max(needed, SMALLEST_WIDTH), height + BLOCK_HEIGHT + 2.0 * MARGIN)
+    figure.set_size_inches(sheet[0] / 72.0, sheet[1] / 72.0)
+    left = MARGIN + 0.5 * (sheet[0] - needed)
+    for view, width in zip(views, widths, strict=True):
+        view.axes.set_position(
+            (
+                left / sheet[0],
+                (BLOCK_HEIGHT + MARGIN) / sheet[1],
+                width / sheet[0],
+                height / sheet[1],
+            )
+        )
+        view.axes.set_xlim(view.low[0], view.high[0])
+        view.axes.set_ylim(low, high)
+        view.axes.set_aspect("equal")
+        view.axes.set_axis_off()
+        left += width + GAP
+    block = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    block.set_xlim(0.0, sheet[0])
+    block.set_ylim(0.0, sheet[1])
+    block.set_axis_off()
+    draw_block(View(block, 1.0), sheet, texts, scale)

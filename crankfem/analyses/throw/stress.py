@@ -1,0 +1,111 @@
+"""Stresses at a throw's fillets as plain numbers, and the tables made from them."""
+
+from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
+from crankbase.tables.table import Column, Table
+from crankfem.analyses.record import Record
+from fem.fillet_peaks import FilletPeak, FilletStresses
+
+# Stresses are printed for loads of 1 kN and 1 kN m, or of so many of the user's own units.
+LOAD = 1000.0
+
+
+def stress_record(stresses: FilletStresses) -> Record:
+    """Plain content of the stresses at a throw's fillets, in SI units."""
+    mesh = stresses.loaded.mesh
+    return {
+        "dimensions": stresses.throw.model_dump(mode="json"),
+        "material": stresses.loaded.material.model_dump(),
+        "support": "pinned",
+        "end_sections": stresses.loaded.end_sections,
+        "loads": [
+            {
+                "load": load.name,
+                "kind": load.kind,
+                "unit": load.unit,
+                "stress_unit": f"Pa/({load.unit})" if " " in load.unit else f"Pa/{load.unit}",
+                "fillets": [_peak_record(peak) for peak in stresses.under(load)],
+            }
+            for load in stresses.loaded.loads
+        ],
+        "sharp_corners": list(stresses.sharp_corners),
+        "error_estimate": stresses.error_estimate,
+        "accuracy": stresses.accuracy,
+        "accuracy_met": stresses.accuracy_met,
+        "elements_across_fillets": stresses.fineness,
+        "unknowns": mesh.unknowns,
+        "solved_part": mesh.part,
+        "mended_elements": mesh.mended_elements,
+        "meshing_attempts": list(mesh.attempts),
+        "solver": stresses.loaded.solver,
+        "pictures": [],
+    }
+
+
+def _peak_record(peak: FilletPeak) -> Record:
+    return {
+        "fillet": peak.fillet.name,
+        "radius": peak.fillet.radius,
+        "principal": peak.principal,
+        "principal_place": peak.principal_place.tolist(),
+        "principals": peak.principals.tolist(),
+        "von_mises": peak.von_mises,
+        "von_mises_place": peak.von_mises_place.tolist(),
+        "nominal": peak.nominal,
+        "factor": peak.factor,
+        "von_mises_factor": peak.von_mises_factor,
+        "error_estimate": peak.error_estimate,
+    }
+
+
+def stress_tables(record: Record, units: OutputUnits = SI) -> list[Table]:
+    """Return a table of the largest stresses for each load; the left half says all where it mirrors."""
+    length = units.of("mm")
+    tables = []
+    for load in record["loads"]:
+        fillets = load["fillets"]
+        stress = _stress_per_load(load["unit"], units)
+        tables.append(
+            Table(
+                f"{load['load'].capitalize()}: largest stresses at fillets [{stress.name}]",
+                [
+                    Column("fillet", words=True),
+                    *(
+                        Column(name, stress, bare=True)
+                        for name in ("principal", "von Mises", "nominal")
+                    ),
+                    Column("factor", decimals=2),
+                    Column("at x y z", length),
+                ],
+                [
+                    [
+                        peak["fillet"].replace("main journal", "journal"),
+                        *(peak[name] for name in ("principal", "von_mises", "nominal", "factor")),
+                        _place(peak["principal_place"], length),
+                    ]
+                    for peak in (fillets[: len(fillets) // 2] if mirrored(record) else fillets)
+                ],
+            )
+        )
+    return tables
+
+
+def mirrored(record: Record) -> bool:
+    """Tell whether the left half of a throw, symmetric about its middle, says everything."""
+    return bool(record["solved_part"] == "quarter")
+
+
+def _stress_per_load(unit: str, units: OutputUnits) -> OutputUnit:
+    """Return the unit of a stress per load of "N" or "N m", in Pa per SI unit of the load."""
+    stress, load = units.of("MPa"), units.of(unit)
+    name = f"{LOAD:.0f} {load.name}" if load.wished else f"k{unit}"
+    return OutputUnit(
+        f"{stress.name} per {name}",
+        stress.size / (LOAD * load.size),
+        wished=stress.wished or load.wished,
+    )
+
+
+def _place(place: list[float], length: OutputUnit) -> str:
+    values = [value / length.size for value in place]
+    digits = 2 if length.wished else 1 if max(map(abs, values)) < 100.0 else 0
+    return " ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in values)

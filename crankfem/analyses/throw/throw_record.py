@@ -1,0 +1,116 @@
+"""A throw's compliances, reactions and masses as plain JSON content."""
+
+from crankfem.analyses.checks import asymmetry
+from crankfem.analyses.record import Record
+from fem.modes import ThrowModes
+from fem.reciprocity import superelement_of_end_forces
+from fem.supports import Support, reactions
+from fem.throw_analysis import ThrowAnalysis
+from geometry.balance import unbalance
+from geometry.mesher import Throw
+from geometry.throw import CrankThrow
+
+SUPPORTS: tuple[Support, ...] = ("pinned", "guided")
+
+
+def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
+    """Compliances, reactions and masses of a throw.
+
+    Parameters
+    ----------
+    analysis : ThrowAnalysis
+    radial_force : float
+        Z for which reactions are given [N].
+    """
+    supports = {}
+    for support in SUPPORTS:
+        answer = analysis.supported(support)
+        found = analysis.reactions((0.0, -radial_force, 0.0), support)
+        supports[str(support)] = {
+            "axial_compliance": answer.axial,
+            "torsional_compliance": answer.torsional,
+            "influence_coefficient": answer.influence,
+            "axial_force_per_radial": answer.influence / answer.axial,
+            "reactions": {
+                side: {"force": reaction.force.tolist(), "moment": reaction.moment.tolist()}
+                for side, reaction in (("left", found.left), ("right", found.right))
+            },
+        }
+    return {
+        "dimensions": _dimensions(analysis.throw),
+        "material": analysis.material.model_dump(),
+        "supports": supports,
+        "radial_force": radial_force,
+        "mass": analysis.mass,
+        "center_of_mass": analysis.center_of_mass.tolist(),
+        "inertia": analysis.inertia.tolist(),
+        "inertia_about_shaft": analysis.masses.inertia_about_shaft,
+        "unbalance": _unbalance(analysis),
+        "stiffness": analysis.stiffness.tolist(),
+        "error_estimate": analysis.error_estimate,
+        "accuracy": analysis.accuracy,
+        "accuracy_met": analysis.accuracy_met,
+        "unknowns": analysis.mesh.unknowns,
+        "model": f"{analysis.mesh.part}, second-order tetrahedra, end sections {analysis.end_sections}",
+        "remarks": list(analysis.throw.remarks),
+        "meshing_attempts": list(analysis.mesh.attempts),
+        "mended_elements": analysis.mesh.mended_elements,
+        "solver": analysis.solver,
+        "seconds": dict(analysis.seconds),
+    }
+
+
+def reciprocity_record(analysis: ThrowAnalysis) -> Record:
+    """How well reciprocity holds between separate solutions of a throw, as shares.
+
+    Returns
+    -------
+    dict
+        "asymmetry": largest difference between the stiffness made of end forces and its transpose,
+        beside the largest stiffness, with rotations measured as length x angle; "axial_reaction": the
+        largest difference, of the supports, between c Z / e_n and the axial reaction by the end forces
+        under a radial force Z on the first pin, beside Z.
+    """
+    elements = analysis.superelement
+    by_forces = superelement_of_end_forces(analysis.classes, elements.radials)
+    radial = elements.radials[0]
+    differences = []
+    for support in SUPPORTS:
+        answer = analysis.supported(support)
+        ends = reactions(elements, support, by_forces.end_load(radial))
+        differences.append(abs(ends.left.force[2] - answer.influence / answer.axial))
+    return {
+        "asymmetry": asymmetry(by_forces.stiffness, analysis.mesh.length),
+        "axial_reaction": float(max(differences)),
+    }
+
+
+def mode_records(modes: ThrowModes) -> list[Record]:
+    """Natural modes of the free throw [Hz], with what moves."""
+    return [
+        {"frequency": float(frequency), "name": name}
+        for frequency, name in zip(modes.frequencies, modes.names, strict=True)
+    ]
+
+
+def _dimensions(throw: Throw) -> Record:
+    """What was given: fields in SI units, or the file of a CAD part with what was found in it."""
+    if isinstance(throw, CrankThrow):
+        return throw.model_dump(mode="json")
+    return {
+        "file": throw.path,
+        "sha256": throw.digest,
+        "length": throw.length,
+        "pins": [
+            {"name": pin.name, "axis": list(pin.axis), "diameter": 2.0 * pin.radius}
+            for pin in throw.pins
+        ],
+        "main_journal_diameters": [2.0 * radius for radius in throw.journal_radii],
+        "remarks": list(throw.remarks),
+    }
+
+
+def _unbalance(analysis: ThrowAnalysis) -> Record:
+    """Static unbalance [kg m] and, about the throw's middle, the dynamic one [kg m^2]."""
+    found = unbalance(analysis.masses, analysis.throw.length / 2.0)
+    return {"static": found.static.tolist(), "dynamic": found.dynamic.tolist()}

@@ -1,0 +1,300 @@
+"""What an engine's forced vibration means: limits, verdict, and how sure it is."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from crankbase.choices import check_choice
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
+from crankfem.analyses.shaft.chains import damped_engine_chain
+from crankfem.analyses.shaft.sources import FE, FE_PINNED
+from crankfem.analyses.vibration.engine_limits import engine_limits, limit_findings
+from crankfem.analyses.vibration.forced import ForcedVibration
+from crankfem.files.engine.engine_file import EngineFile
+from dynamics.assessment.barred_ranges import BarredRangeRule
+from dynamics.assessment.limits import VibrationLimit
+from dynamics.assessment.response_curves import with_resonances
+from dynamics.assessment.separation import USUAL_MARGIN, CriticalRange, critical_ranges
+from dynamics.assessment.spreads import Spread
+from dynamics.assessment.uncertainty import Samples, chain_samples, frequency_bounds
+from dynamics.assessment.verdict import LimitCheck, Verdict, judge
+from dynamics.chains.chain import Chain
+from dynamics.checks import FloatArray, within
+from dynamics.critical import engine_orders
+from dynamics.response.forced import forced_response
+from dynamics.response.synthesis import synthesis
+from fem.throw_analysis import ThrowAnalysis
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# Resonances that are named are this severe at least beside the worst of their kind, and this wide: without
+# damping the worst speed is the resonance's own.
+LEAST_SEVERITY, LEAST_WIDTH = 0.02, 1e-4
+# The estimate of the discretization error may be off by this factor.
+ERROR_FACTOR = 2.0
+FE_ERROR = {
+    "axial": "error of the finite elements",
+    "torsional": "error of the finite elements (that of the axial compliance)",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Uncertainty:
+    """How far natural frequencies and amplitudes of one kind may be off.
+
+    Attributes
+    ----------
+    kind : str
+    spreads : tuple of Spread
+        What is not known well.
+    lowest, nominal, highest : (m,) arrays
+        Elastic natural frequencies [Hz]; exact bounds.
+    critical : tuple of CriticalRange
+        Critical speeds in or near the running range, with margins.
+    amplitudes : Samples or None
+        Largest amplitude of the free end over the running range [rad or m] for many possible chains;
+        None unless the engine file has the section [ranges].
+    """
+
+    kind: str
+    spreads: tuple[Spread, ...]
+    lowest: FloatArray
+    nominal: FloatArray
+    highest: FloatArray
+    critical: tuple[CriticalRange, ...]
+    amplitudes: Samples | None
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        show: Literal["frequencies", "amplitudes"] = "frequencies",
+    ) -> "Axes":
+        """Draw the bounds of the natural frequencies, or how often the free end moves how far.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : {"frequencies", "amplitudes"}
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If `show` is neither, or there are no samples of amplitudes.
+        """
+        check_choice("show", show, ("frequencies", "amplitudes"), "these are uncertain")
+        if show == "amplitudes":
+            if self.amplitudes is None:
+                raise InputError(
+                    "show: given 'amplitudes'; allowed is frequencies, because amplitudes are sampled only "
+                    "where the engine file has the section [ranges]."
+                )
+            unit = "m" if self.kind == "axial" else "rad"
+            return self.amplitudes.plot(axes, label=f"largest amplitude of the free end [{unit}]")
+        from crankfem.analyses.vibration.plots.vibration_panels import draw_bounds
+
+        axes = new_axes(axes)
+        draw_bounds(axes, self.lowest, self.nominal, self.highest)
+        write_title(axes, f"Bounds of the {self.kind} natural frequencies")
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the elastic natural frequencies with their bounds.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "mode": (np.arange(1, len(self.nominal) + 1), "1"),
+                "lowest": (self.lowest, "Hz"),
+                "nominal": (self.nominal, "Hz"),
+                "highest": (self.highest, "Hz"),
+            }
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """Verdict and uncertainty of an engine's vibration.
+
+    Attributes
+    ----------
+    verdict : Verdict
+    limits : dict
+        Name to limit; those given, or the rule that was picked.
+    remarks : tuple of str
+        What was not judged, or assumed.
+    axial, torsional : Uncertainty
+    beside : tuple of str
+        How far a calculation of the whole crankshaft differs from the chains that were judged, a sentence
+        each; none where the chains suffice, or it was not made.
+    """
+
+    verdict: Verdict
+    limits: dict[str, VibrationLimit]
+    remarks: tuple[str, ...]
+    axial: Uncertainty
+    torsional: Uncertainty
+    beside: tuple[str, ...] = ()
+
+    def limit_curve(self, name: str, speeds: FloatArray) -> dict[str, FloatArray]:
+        """Return a limit over speeds [rad/s] by what a legend calls it; nothing if there is no such."""
+        limit = self.limits.get(name)
+        return {} if limit is None else {"limit": limit.continuous.at(speeds)}
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw how far each limit is used over the speed; see `Verdict.plot`."""
+        return self.verdict.plot(axes)
+
+    def to_pandas(self) -> Any:
+        """Return a table with a row for each limit that was checked; see `Verdict.to_pandas`."""
+        return self.verdict.to_pandas()
+
+
+def assess(
+    engine_file: EngineFile,
+    axial: ForcedVibration,
+    torsional: ForcedVibration,
+    analysis: ThrowAnalysis,
+) -> Assessment:
+    """Hold the forced vibration of an engine against limits, and carry what is uncertain through it.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+        Its sections [limits] and [ranges] are used where given.
+    axial, torsional : ForcedVibration
+    analysis : ThrowAnalysis
+        Of the throw, for the error of its compliances.
+
+    Raises
+    ------
+    InputError
+        If a limit is on an element that the chain does not have.
+    """
+    engine = engine_file.engine
+    running = (engine.lowest_speed, engine.highest_speed)
+    limits, remarks = engine_limits(engine_file)
+    findings = limit_findings(engine_file, axial, torsional)
+    given = engine_file.limits
+    rule = (
+        BarredRangeRule(engine.rated_speed)
+        if given is None
+        else given.barred_rule(engine.rated_speed)
+    )
+    verdict = judge(findings, running, rule)
+    checks = tuple(replace(one, near=_nearest(one, axial, torsional)) for one in verdict.checks)
+    return Assessment(
+        verdict=replace(verdict, checks=checks),
+        limits=limits,
+        remarks=remarks,
+        axial=_uncertainty(engine_file, axial, analysis.error_estimate),
+        torsional=_uncertainty(engine_file, torsional, analysis.error_estimate),
+    )
+
+
+def _nearest(check: LimitCheck, axial: ForcedVibration, torsional: ForcedVibration) -> str:
+    """Name the resonance within whose half bandwidth the worst speed lies, the nearest one."""
+    # Torsion excites axial vibration too, which then is largest where torsion resounds.
+    kinds = (axial, torsional) if check.limit.quantity.startswith("axial") else (torsional,)
+    found = [
+        (abs(check.worst_speed - one.speed), own.kind, one)
+        for own in kinds
+        for one in own.resonances
+        if one.severity >= LEAST_SEVERITY
+        and abs(check.worst_speed - one.speed) <= max(0.5 / one.magnifier, LEAST_WIDTH) * one.speed
+    ]
+    if not found:
+        return ""
+    _, kind, one = min(found, key=lambda item: item[0])
+    above = "" if one.in_running_range else ", above the running range"
+    return f"order {one.order:g} of {kind} mode {one.mode} ({one.frequency:.4g} Hz{above})"
+
+
+def _uncertainty(
+    engine_file: EngineFile, forced: ForcedVibration, error_estimate: float
+) -> Uncertainty:
+    """Bounds of frequencies and critical speeds; amplitudes by samples where ranges are given."""
+    engine, given = engine_file.engine, engine_file.ranges
+    chain, running = forced.engine_chain.chain, (engine.lowest_speed, engine.highest_speed)
+    spreads = _spreads(engine_file, forced, error_estimate)
+    rigid = chain.modes().rigid
+    low, high = frequency_bounds(chain, spreads)
+    orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
+    margin = USUAL_MARGIN if given is None else given.separation_margin
+    amplitudes = None
+    if given is not None and spreads:
+        amplitudes = chain_samples(
+            chain,
+            spreads,
+            lambda changed: _peak(engine_file, forced, changed),
+            given.samples,
+            given.seed,
+        )
+    return Uncertainty(
+        kind=forced.kind,
+        spreads=spreads,
+        lowest=low[rigid:],
+        nominal=chain.modes().frequencies[rigid:],
+        highest=high[rigid:],
+        critical=critical_ranges(chain, spreads, orders, running, within=margin),
+        amplitudes=amplitudes,
+    )
+
+
+def _spreads(
+    engine_file: EngineFile, forced: ForcedVibration, error_estimate: float
+) -> tuple[Spread, ...]:
+    """What the file says is uncertain, and at least the error of the finite elements."""
+    given = engine_file.ranges
+    elements = tuple(range(len(forced.crank_elements.names)))
+    found: tuple[Spread, ...] = ()
+    if given is not None:
+        found = (
+            given.axial_spreads() if forced.kind == "axial" else given.torsional_spreads(elements)
+        )
+    if any(own.kind == "compliance" for own in found):
+        return found
+    softer = 1.0 + ERROR_FACTOR * error_estimate
+    settings = engine_file.vibration
+    source = settings.axial_source if forced.kind == "axial" else settings.torsional_source
+    name = (
+        FE_ERROR[forced.kind]
+        if source.casefold() in (FE, FE_PINNED)
+        else f"compliance by {source} (as much as finite elements err; its own error is not known)"
+    )
+    return (Spread("compliance", 1.0, softer, elements, name), *found)
+
+
+def _peak(engine_file: EngineFile, forced: ForcedVibration, chain: Chain) -> float:
+    """Largest amplitude of the free end of a changed chain at running speeds."""
+    changed = damped_engine_chain(engine_file, replace(forced.engine_chain, chain=chain))
+    response = forced_response(changed, with_resonances(forced.response.excitation, chain))
+    low, high = engine_file.engine.lowest_speed, engine_file.engine.highest_speed
+    judged = within(response.speeds, low, high)
+    free_end = response.elastic
+    summed = synthesis(
+        free_end.orders,
+        free_end.speeds[judged],
+        free_end.values[:, judged, 0],
+        free_end.unbounded[:, judged],
+    )
+    return float(np.max(summed.amplitude))

@@ -1,0 +1,194 @@
+"""The limits of an engine file, those picked by rule included, and the speeds that they judge."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+
+from crankbase.errors import InputError
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.sections.limits_sections import LimitsInput
+from dynamics.assessment.barred_ranges import judged_to
+from dynamics.assessment.limit_rules import Kind as EngineKind
+from dynamics.assessment.limit_rules import crankshaft_limit
+from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
+from dynamics.assessment.response_curves import curves_of
+from dynamics.response.loads import ElementLoads, alternating_stress, section_modulus
+from dynamics.response.series import OrderSeries
+
+RULE_PICKED = (
+    "no limit is given: that of a classification society for crankshafts of ships' main engines of plain "
+    "steel was picked; the engine maker's value stands in its place"
+)
+# Firings count as even if their intervals differ by less [deg].
+UNEVEN = 0.01
+NOT_SAMPLED = "samples of the axial amplitude keep the excitation by torsion of the nominal chain"
+
+
+class Limited(Protocol):
+    """What limits are held against; `crankfem.analyses.vibration.forced.ForcedVibration` is one."""
+
+    @property
+    def free_end(self) -> OrderSeries:
+        """Motion of the free end."""
+
+    @property
+    def crank_elements(self) -> OrderSeries:
+        """Torque or force in the elements of the crankshaft."""
+
+    @property
+    def loads(self) -> ElementLoads:
+        """Torque or force in each element."""
+
+    @property
+    def stress(self) -> OrderSeries | None:
+        """Nominal torsional stress; None in the axial direction."""
+
+
+def engine_limits(
+    engine_file: EngineFile,
+) -> tuple[dict[str, VibrationLimit], tuple[str, ...]]:
+    """Return the limits on an engine's vibration.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+        Its section [limits] is used where given; else the rule of a classification society for the
+        crankshaft's stress is picked.
+
+    Returns
+    -------
+    limits : dict
+        Name to limit.
+    remarks : tuple of str
+        What is not judged, or was assumed.
+    """
+    engine, given = engine_file.engine, engine_file.limits or LimitsInput()
+    kind: EngineKind = "in line" if engine.bank_angles is None else "V"
+    interval = even_firing_interval(engine.firing_angles, engine.strokes)
+    found = given.limits(
+        engine.rated_speed,
+        strokes=engine.strokes,
+        kind=kind,
+        firing_interval_deg=interval,
+        provenance=engine_file.provenance,
+    )
+    remarks = []
+    if "crankshaft_stress" not in found:
+        picked = crankshaft_limit(
+            engine.rated_speed,
+            strokes=engine.strokes,
+            kind=kind,
+            firing_interval_deg=interval,
+        )
+        found["crankshaft_stress"] = replace(picked, assumed=True)
+        remarks.append(f"torsional stress of the crankshaft: {RULE_PICKED}")
+    if not {"axial_amplitude", "axial_force"} & set(found):
+        remarks.append(
+            "axial vibration is not judged, because no limit is given; no general one is published, the "
+            "engine maker gives limits.axial_amplitude or limits.axial_force"
+        )
+    if engine_file.ranges is not None:
+        remarks.append(NOT_SAMPLED)
+    remarks.append(
+        f"orders above {engine_file.vibration.highest_order:g} are not calculated, nor judged "
+        "(vibration.highest_order)"
+    )
+    return found, tuple(remarks)
+
+
+def judged_ends(engine_file: EngineFile) -> tuple[float, ...]:
+    """Return the speeds at which judging ends [rad/s], ascending, the lowest running speed first.
+
+    That of a limit is the highest running speed, or the end of its rule above it; an engine without
+    gas pressure is not judged, so that its running range stands alone.
+    """
+    engine = engine_file.engine
+    running = (engine.lowest_speed, engine.highest_speed)
+    if engine_file.gas is None and engine_file.gas_map is None:
+        return running
+    limits, _ = engine_limits(engine_file)
+    ends = {judged_to(limit, running) for limit in limits.values()}
+    return tuple(sorted({*running, *ends}))
+
+
+def limit_findings(
+    engine_file: EngineFile, axial: Limited, torsional: Limited
+) -> list[tuple[VibrationLimit, AmplitudeCurve]]:
+    """Return each limit with each curve over the speed that it applies to.
+
+    Raises
+    ------
+    InputError
+        If a limit is on an element that the chain does not have.
+    """
+    limits, _ = engine_limits(engine_file)
+    return [
+        (limit, curve)
+        for name, limit in limits.items()
+        for curve in _curves(name, engine_file, axial, torsional)
+    ]
+
+
+def even_firing_interval(firing_angles: Sequence[float], strokes: int) -> float | None:
+    """Return the angle between firings where it is always the same [deg], to a hundredth.
+
+    Parameters
+    ----------
+    firing_angles : sequence of float
+        Of the cylinders [rad].
+    strokes : int
+        2 or 4.
+
+    Returns
+    -------
+    float or None
+        None where intervals differ.
+    """
+    cycle = 180.0 * strokes
+    angles = np.sort(np.rad2deg(firing_angles) % cycle)
+    intervals = np.diff(angles, append=angles[0] + cycle)
+    even = cycle / angles.size
+    return round(even, 2) if np.all(np.abs(intervals - even) < UNEVEN) else None
+
+
+def _curves(
+    name: str, engine_file: EngineFile, axial: Limited, torsional: Limited
+) -> tuple[AmplitudeCurve, ...]:
+    """Curves over the speed that a limit applies to.
+
+    Raises
+    ------
+    InputError
+        If the chain has no such element.
+    """
+    if name == "crankshaft_stress":
+        assert torsional.stress is not None
+        return curves_of(torsional.stress)
+    if name == "torsional_amplitude":
+        return curves_of(torsional.free_end)
+    if name == "axial_amplitude":
+        return curves_of(axial.free_end)
+    if name == "axial_force":
+        return curves_of(axial.crank_elements)
+    elements = torsional.loads.elements.names
+    if name == "coupling_torque":
+        coupling = "flywheel - driven machine"
+        if coupling not in elements:
+            raise InputError(
+                "limits.coupling_torque: given without the section [driven]; allowed are both, because the "
+                "coupling joins the driven machine."
+            )
+        return tuple(c for c in curves_of(torsional.loads.elements) if c.name == coupling)
+    element = name.removeprefix("shaft: ")
+    if element not in elements:
+        raise InputError(
+            f"limits.shafts.element: given {element!r}; allowed are {', '.join(elements)}, because the "
+            "torsional chain has these elements."
+        )
+    (shaft,) = (
+        own for own in (engine_file.limits or LimitsInput()).shafts if own.element == element
+    )
+    modulus = float(section_modulus("torsional", shaft.diameter))
+    return curves_of(alternating_stress(torsional.loads, {element: modulus}))

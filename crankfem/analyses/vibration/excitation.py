@@ -1,0 +1,299 @@
+"""What excites an engine's chains: forces of its cylinders over the speeds, torques, a propeller."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.errors import InputError
+from crankfem.analyses.vibration.engine_limits import judged_ends
+from crankfem.analyses.vibration.modes import SourceResult
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.mechanism_file import MechanismFile
+from crankfem.files.sections.excitation_input import (
+    gas_map_load,
+    gas_map_pressure,
+    misfire_shares,
+    motored_for_misfire,
+)
+from dynamics.chains.engine_chains import EngineChain, Kind
+from dynamics.checks import within
+from dynamics.critical import engine_orders
+from dynamics.excitation.axial_comparison import AxialForceComparison, compare_axial_forces
+from dynamics.excitation.combined import combined_excitation
+from dynamics.excitation.cylinder_harmonics import CylinderHarmonics, cylinder_harmonics
+from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
+from dynamics.excitation.on_chains import axial_excitation
+from dynamics.excitation.pressure_map import PressureMap
+from dynamics.excitation.propeller import propeller_excitation
+from dynamics.excitation.torsion_to_axial import axial_excitation_of_torsion, torsion_influence
+from dynamics.gas.pressure import GasPressure
+from dynamics.response.damping import DampedChain
+from dynamics.response.excitation import OrderExcitation
+from dynamics.response.forced import ForcedResponse
+from dynamics.response.linear_system import DEFAULT_MAGNIFIER
+from dynamics.response.speed_grid import refined_speeds
+from fem.shaft import ShaftCompliances
+from fem.throw_analysis import ThrowAnalysis
+
+# Speeds below the lowest running one are passed on every start; rules of limits go on above the highest
+# running speed and the rated one.
+BELOW, ABOVE_HIGHEST, ABOVE_RATED = 0.5, 1.05, 1.15
+# Of the even grid; resonances get further speeds.
+POINTS = 150
+# Speeds within this share of each other are one.
+SAME_SPEED = 1e-9
+
+Frequencies = Sequence[float] | NDArray[np.float64]
+
+
+def engine_harmonics(engine_file: EngineFile, mechanism: MechanismFile) -> CylinderHarmonics:
+    """Harmonics of the pin forces of an engine's cylinders, up to the file's highest order.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+        Its pressure map, if it has one, is used in place of the one diagram of [gas].
+    mechanism : MechanismFile
+        With gas pressure.
+
+    Raises
+    ------
+    InputError
+        If a pressure cannot be read, or its samples do not resolve the highest order.
+    """
+    pressure: PressureMap | tuple[GasPressure, ...] = mechanism.pressure
+    if engine_file.gas_map is not None:
+        pressure = gas_map_pressure(
+            engine_file.gas_map, engine_file.engine.strokes, engine_file.path
+        )
+    misfire, motored = misfire_shares(engine_file.misfire), None
+    if misfire and engine_file.gas is not None:
+        motored = motored_for_misfire(engine_file.gas, mechanism.layout, mechanism.pressure)
+    return cylinder_harmonics(
+        mechanism.layout,
+        engine_orders(engine_file.engine.strokes, engine_file.vibration.highest_order),
+        pressure,
+        misfire=misfire,
+        motored=motored,
+        throws=mechanism.throws,
+    )
+
+
+def calculated_speeds(
+    engine_file: EngineFile,
+    orders: NDArray[np.float64],
+    chains: Sequence[DampedChain],
+    further: Frequencies = (),
+) -> NDArray[np.float64]:
+    """Return speeds among which no resonance is missed, and where judging ends.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    orders : (K,) array
+    chains : sequence of DampedChain
+    further : (m,) array, optional
+        Natural frequencies of what else vibrates [Hz].
+
+    Returns
+    -------
+    (S,) array
+        From half the lowest running speed to 5 % above the highest (and 15 % above the rated one), within
+        the pressure map if there is one [rad/s].
+    """
+    ratios = [np.maximum(own.system.damping_ratios(), 1e-4) for own in chains]
+    low, high = _speed_range(engine_file)
+    speeds = refined_speeds(
+        np.concatenate([*(own.system.elastic_frequencies for own in chains), further]),
+        np.concatenate([*ratios, np.full(len(further), 0.5 / DEFAULT_MAGNIFIER)]),
+        orders,
+        (low, high),
+        points=POINTS,
+    )
+    ends = [min(end, high) for end in judged_ends(engine_file) if within(end, low, high)]
+    return joined_speeds(speeds, ends)
+
+
+def joined_speeds(speeds: Frequencies, others: Frequencies) -> NDArray[np.float64]:
+    """Return speeds with others among them, ascending; those so near to others that they are the same go."""
+    given = np.asarray(speeds, dtype=np.float64)
+    added = np.unique(np.asarray(others, dtype=np.float64))
+    added = added[np.diff(added, prepend=0.0) > SAME_SPEED * added]
+    near = np.min(np.abs(given[:, np.newaxis] - added), axis=1, initial=np.inf)
+    return np.sort(np.concatenate((given[near > SAME_SPEED * given], added)))
+
+
+def forces_over_speeds(
+    engine_file: EngineFile, harmonics: CylinderHarmonics, speeds: NDArray[np.float64]
+) -> CylinderForces:
+    """Return the forces of the cylinders at speeds [rad/s].
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    harmonics : CylinderHarmonics
+        From `engine_harmonics`.
+    speeds : (S,) array
+        Ascending, as those of `calculated_speeds`.
+    """
+    load = None
+    if engine_file.gas_map is not None:
+        load = gas_map_load(engine_file.gas_map, engine_file.engine.rated_speed)
+    return forces_at_speeds(harmonics, speeds, load)
+
+
+def excitation_along_shaft(
+    engine_file: EngineFile,
+    forces: CylinderForces,
+    axial: SourceResult,
+    shaft: ShaftCompliances,
+    cranks: EngineChain,
+    twisted: ForcedResponse,
+) -> tuple[OrderExcitation, tuple[str, ...]]:
+    """Return the axial force of each throw by radial forces and by torques in the shaft.
+
+    Whatever the source of the chain's compliances, the exciting forces are those of the finite
+    elements: lengthening over compliance, both of the assembled shaft.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    forces : CylinderForces
+    axial : SourceResult
+        The axial chain and its compliances.
+    shaft : ShaftCompliances
+    cranks : EngineChain
+        The torsional chain.
+    twisted : ForcedResponse
+        Of the torsional chain.
+
+    Returns
+    -------
+    excitation : OrderExcitation
+    remarks : tuple of str
+        What is left out.
+    """
+    scale = (axial.compliances / shaft.axial)[:, None]
+    by_radial = axial_excitation(
+        forces, axial.chain, axial.compliances, scale * shaft.influence, engine_file.pins
+    )
+    if shaft.tangential.shape[1] != len(shaft.axial):
+        return by_radial, (
+            "the axial force that torque in the shaft excites is left out, because throws have several "
+            "pins",
+        )
+    if np.any(twisted.unbounded):
+        return by_radial, (
+            "the axial force that torque in the shaft excites is left out, because torsional vibration "
+            "is unbounded",
+        )
+    # The finite elements count angles as the file does, torques here are positive as the shaft turns.
+    sense = engine_file.engine.turning_sense
+    influence = torsion_influence(
+        sense * shaft.tangential, sense * shaft.through, engine_file.throw.crank_radius
+    )
+    by_torque = axial_excitation_of_torsion(
+        twisted, cranks, axial.chain, axial.compliances, scale * influence
+    )
+    return combined_excitation(by_radial, by_torque), ()
+
+
+def acting_remarks(engine_file: EngineFile, kind: Kind) -> tuple[str, ...]:
+    """Say what excites beside cylinders that fire as one diagram tells."""
+    found = []
+    if engine_file.misfire is not None:
+        numbers = ", ".join(str(number) for number in engine_file.misfire.cylinders)
+        found.append(
+            f"cylinder {numbers}: {100.0 * engine_file.misfire.missing_share:.3g} % of the combustion is "
+            "missing"
+        )
+    if engine_file.gas_map is not None:
+        count = len(engine_file.gas_map.points)
+        beside = "" if engine_file.gas is None else ", in place of the section [gas]"
+        found.append(f"the cylinders' pressure follows a map of {count} diagrams{beside}")
+    given = engine_file.propeller_forces
+    if given is not None and (given.torque_shares if kind == "torsional" else given.thrust_shares):
+        found.append(
+            f"the propeller's {'torque' if kind == 'torsional' else 'thrust'} varies at node {given.node}"
+        )
+    return tuple(found)
+
+
+def with_propeller(
+    engine_file: EngineFile, chain: EngineChain, excitation: OrderExcitation
+) -> OrderExcitation:
+    """Add what a propeller excites, where the file gives its harmonics for this kind.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    chain : EngineChain
+    excitation : OrderExcitation
+        Of the engine, on the chain.
+
+    Raises
+    ------
+    InputError
+        If the chain has no such node.
+    """
+    given = engine_file.propeller_forces
+    if given is None:
+        return excitation
+    if not (given.torque_shares if chain.kind == "torsional" else given.thrust_shares):
+        return excitation
+    if given.node not in chain.nodes:
+        raise InputError(
+            f"propeller_forces.node: given {given.node!r}; allowed are {', '.join(chain.nodes)}, because "
+            f"these are the nodes of the {chain.kind} chain (a shaft line brings the propeller's)."
+        )
+    acting = propeller_excitation(
+        given.forces,
+        chain.chain,
+        chain.nodes.index(given.node),
+        excitation.speeds,
+        kind=chain.kind,
+        ratio=given.ratio,
+    )
+    return combined_excitation(excitation, acting)
+
+
+def compared_axial_forces(
+    forces: CylinderForces,
+    compliances: NDArray[np.float64],
+    shaft: ShaftCompliances,
+    analysis: ThrowAnalysis,
+    pins: Sequence[int],
+) -> AxialForceComparison:
+    """Return the force c Z / e_n of each throw by itself, beside that in the assembled shaft.
+
+    Parameters
+    ----------
+    forces : CylinderForces
+    compliances : (n,) array
+        Of the axial chain [m/N].
+    shaft : ShaftCompliances
+    analysis : ThrowAnalysis
+    pins : sequence of int
+        Pin of each cylinder.
+    """
+    return compare_axial_forces(
+        forces,
+        compliances,
+        np.full_like(compliances, analysis.influence_coefficient("pinned")),
+        shaft.influence * (compliances / shaft.axial)[:, None],
+        own_compliances=np.full_like(compliances, analysis.axial_compliance("pinned")),
+        pins=pins,
+    )
+
+
+def _speed_range(engine_file: EngineFile) -> tuple[float, float]:
+    """From half the lowest running speed to above the highest one, within the pressure map."""
+    engine = engine_file.engine
+    low = BELOW * engine.lowest_speed
+    high = max(ABOVE_HIGHEST * engine.highest_speed, ABOVE_RATED * engine.rated_speed)
+    if engine_file.gas_map is not None:
+        taken = [point.speed for point in engine_file.gas_map.points]
+        low = min(max(low, min(taken)), engine.lowest_speed)
+        high = max(min(high, max(taken)), engine.highest_speed)
+    return low, high

@@ -1,0 +1,398 @@
+"""Forced vibration of an engine's chains over its speeds, under the forces of its cylinders."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from crankbase.choices import check_choice, check_not_given
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table_of
+from crankfem.analyses.shaft.chains import damped_engine_chain
+from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.vibration.engine_limits import judged_ends, limit_findings
+from crankfem.analyses.vibration.excitation import (
+    Frequencies,
+    acting_remarks,
+    calculated_speeds,
+    compared_axial_forces,
+    excitation_along_shaft,
+    forces_over_speeds,
+    joined_speeds,
+    with_propeller,
+)
+from crankfem.analyses.vibration.modes import Vibration
+from crankfem.files.engine.engine_file import EngineFile
+from dynamics.assessment.barred_ranges import judged_to
+from dynamics.assessment.limits import usage
+from dynamics.assessment.worst_speeds import refined_maxima
+from dynamics.chains.engine_chains import EngineChain
+from dynamics.checks import FloatArray
+from dynamics.critical import major_orders
+from dynamics.excitation.axial_comparison import AxialForceComparison
+from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
+from dynamics.excitation.cylinders import CylinderForces
+from dynamics.excitation.on_chains import torque_excitation
+from dynamics.plots.quantities import Quantity
+from dynamics.response.damping import DampedChain
+from dynamics.response.forced import ForcedResponse, forced_response
+from dynamics.response.loads import ElementLoads, alternating_stress, element_loads, section_modulus
+from dynamics.response.power import PowerBalance, power_balance
+from dynamics.response.resonance import Resonance, resonances
+from dynamics.response.series import OrderSeries
+from fem.shaft import ShaftCompliances
+from fem.throw_analysis import ThrowAnalysis
+from geometry.throw import CrankThrow
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Forced = Literal["amplitude", "load", "stress", "power", "axial forces"]
+# Unit that a resonance tells, which does not know whether it is an axial one.
+EITHER = "rad or m"
+FORCED: tuple[Forced, ...] = ("amplitude", "load", "stress", "power", "axial forces")
+
+
+@dataclass(frozen=True, eq=False)
+class ForcedVibration:
+    """One kind of forced vibration (axial or torsional) of an engine.
+
+    Attributes
+    ----------
+    kind : str
+    engine_chain : EngineChain
+    damping : tuple of str
+        What damps, one sentence each, with its source.
+    remarks : tuple of str
+        What was left out, a sentence each.
+    forces : CylinderForces
+        Of the cylinders on their pins.
+    response : ForcedResponse
+    loads : ElementLoads
+        Torque [N m] or force [N] in each element.
+    stress : OrderSeries or None
+        Nominal torsional stress of the crankshaft's elements [Pa]; None in the axial direction.
+    power : PowerBalance
+    resonances : tuple of Resonance
+        At all speeds judged, with the amplitude of the free end, ascending speed: the running range,
+        and above it as far as a limit holds.
+    axial_forces : AxialForceComparison or None
+        Exciting force of each throw by its own coefficient and by the assembled shaft.
+    running_range, judged_range : tuple of two floats
+        Speeds at which the engine runs, and at which vibration is judged: as far above as a limit holds
+        and speeds were calculated [rad/s].
+    """
+
+    kind: str
+    engine_chain: EngineChain
+    damping: tuple[str, ...]
+    remarks: tuple[str, ...]
+    forces: CylinderForces
+    response: ForcedResponse
+    loads: ElementLoads
+    stress: OrderSeries | None
+    power: PowerBalance
+    resonances: tuple[Resonance, ...]
+    axial_forces: AxialForceComparison | None
+    running_range: tuple[float, float]
+    judged_range: tuple[float, float]
+
+    @property
+    def free_end(self) -> OrderSeries:
+        """Motion of the free end [rad or m], without that of the rigid body, one place."""
+        series = self.response.elastic
+        return OrderSeries(
+            series.orders,
+            series.speeds,
+            series.values[:, :, :1],
+            series.unbounded,
+            series.names[:1],
+        )
+
+    @property
+    def crank_elements(self) -> OrderSeries:
+        """Torque or force in the elements of the crankshaft itself, from the free end."""
+        elements = self.loads.elements
+        return OrderSeries(
+            elements.orders,
+            elements.speeds,
+            elements.values[:, :, : _crank_elements(self.engine_chain)],
+            elements.unbounded,
+            elements.names[: _crank_elements(self.engine_chain)],
+        )
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        show: Forced = "amplitude",
+        limits: Mapping[str, ArrayLike] | None = None,
+        barred: Sequence[tuple[float, float]] = (),
+    ) -> "Axes":
+        """Draw one thing over the speeds of the engine.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : {"amplitude", "load", "stress", "power", "axial forces"}
+            Motion of the free end; torque or force in the crankshaft's element that is loaded most;
+            nominal stress in the one that is stressed most; power in and out; the exciting axial
+            force of the first throw.
+        limits : mapping of str to (S,) array_like, optional
+            Limits over the response's speeds by their name [SI], of no use to power and axial forces.
+        barred : sequence of (low, high), optional
+            Speed ranges to shade [rad/s], of no use to power and axial forces.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If `show` is none of these, this kind of vibration has none, or limits or ranges are given
+            that are no such, or of no use to what is shown.
+        """
+        check_choice("show", show, FORCED, "these are drawn over the speed")
+        if show in ("power", "axial forces"):
+            check_not_given("limits", limits, show, "nothing limits it")
+            check_not_given("barred", barred, show, "ranges are shaded beside amplitudes")
+        if show == "power":
+            return self.power.plot(axes)
+        if show == "axial forces":
+            if self.axial_forces is None:
+                raise self._missing(show)
+            return self.axial_forces.plot(axes)
+        axial = self.kind == "axial"
+        if show == "stress":
+            if self.stress is None:
+                raise self._missing(show)
+            worst = self.stress.largest_place
+            return self.stress.plot(axes, worst, quantity="stress", limits=limits, barred=barred)
+        if show == "load":
+            series = self.crank_elements
+            quantity: Quantity = "force" if axial else "torque"
+            return series.plot(
+                axes, series.largest_place, quantity=quantity, limits=limits, barred=barred
+            )
+        moved = MOTION[self.kind].quantity
+        axes = self.free_end.plot(axes, 0, quantity=moved, limits=limits, barred=barred)
+        write_title(axes, f"{self.kind.capitalize()} vibration of the free end")
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the resonances at the speeds judged, with the free end's amplitude.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        frame = table_of(self.resonances)
+        units = frame.attrs["units"]
+        own = MOTION[self.kind].si
+        frame.attrs["units"] = {
+            name: own if unit == EITHER else unit for name, unit in units.items()
+        }
+        return frame
+
+    def to_xarray(self) -> Any:
+        """Return the motion of all nodes over orders and speeds; see `ForcedResponse.to_xarray`."""
+        return self.response.to_xarray(MOTION[self.kind].quantity)
+
+    def _missing(self, show: str) -> InputError:
+        return InputError(
+            f"show: given {show!r}; allowed for {self.kind} vibration are the others, because that is "
+            "calculated for the other kind only."
+        )
+
+
+def forced_vibrations(
+    engine_file: EngineFile,
+    harmonics: CylinderHarmonics,
+    axial: Vibration,
+    torsional: Vibration,
+    shaft: ShaftCompliances,
+    analysis: ThrowAnalysis,
+    further: Frequencies = (),
+) -> tuple[ForcedVibration, ForcedVibration]:
+    """Calculate the forced vibration of an engine's chains over its speeds.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    harmonics : CylinderHarmonics
+        From `engine_harmonics`.
+    axial, torsional : Vibration
+        Modes of the chains with the chosen compliances.
+    shaft : ShaftCompliances
+        Of the throws in the shaft.
+    analysis : ThrowAnalysis
+    further : (m,) array, optional
+        Natural frequencies of what else is to be calculated at the same speeds [Hz].
+
+    Returns
+    -------
+    axial, torsional : ForcedVibration
+        On one grid of speeds, that of `calculated_speeds` with the speeds at which most of each limit is
+        used. Axial vibration is excited by the radial forces and by the torques of the torsional
+        vibration.
+    """
+    case = _Case(
+        engine_file=engine_file,
+        harmonics=harmonics,
+        axial=axial,
+        torsional=torsional,
+        shaft=shaft,
+        analysis=analysis,
+        chains=tuple(
+            damped_engine_chain(engine_file, own.chosen.chain) for own in (axial, torsional)
+        ),
+    )
+    # The worst speeds are looked for among those of the chains alone, so that what else is to be
+    # calculated has no part in them.
+    own = calculated_speeds(engine_file, harmonics.orders, case.chains)
+    worst = _worst_speeds(case, own)
+    speeds = (
+        calculated_speeds(engine_file, harmonics.orders, case.chains, further)
+        if len(further)
+        else own
+    )
+    answers = _answers(case, joined_speeds(speeds, worst))
+    lengthened, twisted = (
+        replace(answer, resonances=_resonances(engine_file, answer)) for answer in answers
+    )
+    return lengthened, twisted
+
+
+@dataclass(frozen=True, eq=False)
+class _Case:
+    """What is calculated, whatever the speeds."""
+
+    engine_file: EngineFile
+    harmonics: CylinderHarmonics
+    axial: Vibration
+    torsional: Vibration
+    shaft: ShaftCompliances
+    analysis: ThrowAnalysis
+    chains: tuple[DampedChain, ...]
+
+
+def _answers(case: _Case, speeds: FloatArray) -> tuple[ForcedVibration, ForcedVibration]:
+    """Axial and torsional vibration at some speeds, resonances left out."""
+    engine_file, axial, cranks = case.engine_file, case.axial.chosen, case.torsional.chosen.chain
+    engine, ends = engine_file.engine, judged_ends(engine_file)
+    running = (engine.lowest_speed, engine.highest_speed)
+    judged = (ends[0], min(ends[-1], float(speeds[-1])))
+    forces = forces_over_speeds(engine_file, case.harmonics, speeds)
+    twisted = forced_response(
+        case.chains[1], with_propeller(engine_file, cranks, torque_excitation(forces, cranks))
+    )
+    pressed, remarks = excitation_along_shaft(
+        engine_file, forces, axial, case.shaft, cranks, twisted
+    )
+    lengthened = forced_response(case.chains[0], with_propeller(engine_file, axial.chain, pressed))
+    loads = element_loads(twisted)
+    return (
+        ForcedVibration(
+            kind="axial",
+            engine_chain=axial.chain,
+            damping=case.chains[0].record,
+            remarks=(*acting_remarks(engine_file, "axial"), *remarks),
+            forces=forces,
+            response=lengthened,
+            loads=element_loads(lengthened),
+            stress=None,
+            power=power_balance(lengthened),
+            resonances=(),
+            axial_forces=compared_axial_forces(
+                forces, axial.compliances, case.shaft, case.analysis, engine_file.pins
+            ),
+            running_range=running,
+            judged_range=judged,
+        ),
+        ForcedVibration(
+            kind="torsional",
+            engine_chain=cranks,
+            damping=case.chains[1].record,
+            remarks=acting_remarks(engine_file, "torsional"),
+            forces=forces,
+            response=twisted,
+            loads=loads,
+            stress=alternating_stress(loads, _sections(engine_file.throw, cranks)),
+            power=power_balance(twisted),
+            resonances=(),
+            axial_forces=None,
+            running_range=running,
+            judged_range=judged,
+        ),
+    )
+
+
+def _worst_speeds(case: _Case, speeds: FloatArray) -> FloatArray:
+    """Speeds at which most of the limits is used, and where free ends move most, closer than the grid."""
+    return refined_maxima(
+        lambda some: _uses(case, _answers(case, some)),
+        speeds,
+        _uses(case, _answers(case, speeds)),
+        least=1.0,
+    )
+
+
+def _uses(case: _Case, answers: tuple[ForcedVibration, ForcedVibration]) -> FloatArray:
+    """Used shares of the limits as far as they are judged, (curves, speeds), and free ends' amplitudes."""
+    engine = case.engine_file.engine
+    running = (engine.lowest_speed, engine.highest_speed)
+    speeds = answers[0].response.speeds
+    used = [
+        np.where(speeds <= judged_to(limit, running), usage(limit, curve), 0.0)
+        for limit, curve in limit_findings(case.engine_file, *answers)
+    ]
+    # Speeds below the running ones are passed on starting: their maxima are for themselves.
+    kept = [np.where(speeds >= engine.lowest_speed, own, 0.0) for own in used]
+    moved = [own.free_end.synthesis.amplitude[:, 0] for own in answers]
+    return np.array([*used, *kept, *moved])
+
+
+def _resonances(engine_file: EngineFile, forced: ForcedVibration) -> tuple[Resonance, ...]:
+    """Resonances at all speeds judged; major are those of orders in which all cylinders fire in phase."""
+    response = forced.response
+    major = major_orders(response.orders, engine_file.engine.firing_angles)
+    return tuple(
+        replace(
+            one,
+            kind="major" if np.any(np.isclose(major, one.order)) else "minor",
+            in_running_range=one.speed <= forced.running_range[1],
+        )
+        for one in resonances(response, 0, speed_range=forced.judged_range)
+    )
+
+
+def nominal_section_modulus(throw: CrankThrow) -> float:
+    """Section modulus of the weaker of main journal and crankpin in torsion [m^3]."""
+    moduli = section_modulus(
+        "torsional",
+        [throw.main_journal_diameter, throw.pin_diameter],
+        [throw.main_journal_bore, throw.pin_bore],
+    )
+    return float(np.min(moduli))
+
+
+def _crank_elements(chain: EngineChain) -> int:
+    """Number of elements between free end (or first throw) and flywheel, the first of the chain."""
+    if chain.kind == "axial":
+        return chain.throws
+    return chain.throw_nodes[-1] + 1
+
+
+def _sections(throw: CrankThrow, chain: EngineChain) -> dict[int, float]:
+    return dict.fromkeys(range(_crank_elements(chain)), nominal_section_modulus(throw))

@@ -1,0 +1,386 @@
+"""Axial and torsional vibration of an engine, with the compliances of any source."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.choices import check_choice, check_not_given
+from crankbase.drawing.bars import draw_rows
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
+from crankfem.analyses.shaft.chains import (
+    engine_axial_chain,
+    engine_throw_inertias,
+    engine_torsional_chain,
+)
+from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.shaft.sources import Sources, axial_sources, torsional_sources
+from crankfem.analyses.vibration.engine_limits import judged_ends
+from crankfem.files.engine.engine_file import EngineFile
+from dynamics.chains.chain_modes import Modes
+from dynamics.chains.engine_chains import EngineChain
+from dynamics.checks import FloatArray, whole_number
+from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, vector_sums
+from fem.shaft import ShaftCompliances
+from fem.throw_analysis import ThrowAnalysis
+from regression.models.compliance_model import ComplianceModel
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+SHAPES_SHOWN = 3
+
+
+@dataclass(frozen=True)
+class SourceResult:
+    """A chain with the compliances of one source, and its modes.
+
+    Attributes
+    ----------
+    source : str
+        "fe", "fe pinned", "regression" or a formula's name.
+    compliances : (n,) array
+        Of each throw [m/N or rad/(N m)].
+    chain : EngineChain
+    modes : Modes
+    remark : str
+        How the source was used.
+    """
+
+    source: str
+    compliances: NDArray[np.float64]
+    chain: EngineChain
+    modes: Modes
+    remark: str
+
+    @property
+    def elastic_frequencies(self) -> NDArray[np.float64]:
+        """Natural frequencies without rigid-body modes [Hz]."""
+        return self.modes.elastic_frequencies
+
+    def plot(self, axes: "Axes | None" = None, count: int = SHAPES_SHOWN) -> "Axes":
+        """Draw the first elastic mode shapes of the chain over its nodes.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        count : int, optional
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If the count is not 1 or more.
+        """
+        from crankfem.analyses.vibration.plots.vibration_panels import draw_modes
+
+        most = whole_number("count", count, 1, "a diagram shows some modes")
+        modes = self.modes
+        shown = slice(modes.rigid, min(modes.rigid + most, len(modes.frequencies)))
+        axes = new_axes(axes)
+        draw_modes(
+            axes,
+            modes.frequencies[shown],
+            modes.shapes[:, shown],
+            modes.node_positions[shown],
+            self.chain.chain.connections,
+            self.chain.nodes,
+            MOTION[self.chain.kind].quantity,
+        )
+        return axes
+
+
+@dataclass(frozen=True)
+class WeightedCritical:
+    """A critical speed with the share of the cylinders' excitation that reaches the mode.
+
+    Attributes
+    ----------
+    critical : CriticalSpeed
+    phase_sum : float
+        Resultant of the cylinders' unit harmonics, weighted by the mode shape, beside the largest
+        possible one; 0 to 1.
+    in_running_range : bool
+        Whether the engine runs at that speed; limits may hold at higher ones too.
+    """
+
+    critical: CriticalSpeed
+    phase_sum: float
+    in_running_range: bool = True
+
+
+@dataclass(frozen=True)
+class CriticalDot:
+    """A critical speed as a Campbell diagram draws it, its size by its phase sum.
+
+    Attributes
+    ----------
+    frequency : float
+        [Hz]
+    speed_rpm : float
+    severity : float
+    kind : str
+    unbounded : bool
+    """
+
+    frequency: float
+    speed_rpm: float
+    severity: float
+    kind: str = "major"
+    unbounded: bool = False
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """One kind of vibration (axial or torsional) of an engine.
+
+    Attributes
+    ----------
+    kind : str
+    chosen : SourceResult
+        The source set in the engine file.
+    others : tuple of SourceResult
+        All sources, the chosen one included, for comparison.
+    unusable : tuple of str
+        Sources that gave no usable compliance, with the reason.
+    criticals : tuple of WeightedCritical
+        In the running range, and above it as far as a limit holds; ascending speed.
+    """
+
+    kind: str
+    chosen: SourceResult
+    others: tuple[SourceResult, ...]
+    unusable: tuple[str, ...]
+    criticals: tuple[WeightedCritical, ...]
+
+    def critical_dots(self, majors: FloatArray) -> list[CriticalDot]:
+        """Return the dots of the critical speeds; `majors` are the major orders."""
+        return [
+            CriticalDot(
+                one.critical.frequency,
+                one.critical.speed_rpm,
+                one.phase_sum,
+                "major" if np.any(np.isclose(one.critical.order, majors)) else "minor",
+            )
+            for one in self.criticals
+        ]
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        show: Literal["modes", "sources"] = "modes",
+        count: int | None = None,
+    ) -> "Axes":
+        """Draw the mode shapes of the chosen chain, or the first frequency by each source.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : {"modes", "sources"}
+        count : int, optional
+            How many mode shapes, 3 by default; of no use to sources.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If `show` is neither, or the count is not 1 or more, or given with "sources".
+        """
+        check_choice("show", show, ("modes", "sources"), "these are drawn of free vibration")
+        if show == "sources":
+            check_not_given("count", count, show, "it shows no modes")
+            axes = new_axes(axes)
+            chosen = self.chosen.source
+            draw_rows(
+                axes,
+                [
+                    f"{own.source} (chosen)" if own.source == chosen else own.source
+                    for own in self.others
+                ],
+                [float(own.elastic_frequencies[0]) for own in self.others],
+                "first elastic natural frequency [Hz]",
+            )
+            write_title(axes, f"{self.kind.capitalize()} vibration by source of the compliances")
+            return axes
+        axes = self.chosen.plot(axes, SHAPES_SHOWN if count is None else count)
+        write_title(axes, f"{self.kind.capitalize()} modes")
+        return axes
+
+    def to_pandas(self) -> Any:
+        """Return a table of the critical speeds in the running range, and above as far as a limit holds.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        found = [one.critical for one in self.criticals]
+        return table(
+            {
+                "mode": ([one.mode + 1 for one in found], "1"),
+                "order": ([one.order for one in found], "1"),
+                "frequency": ([one.frequency for one in found], "Hz"),
+                "speed": ([one.speed for one in found], "rad/s"),
+                "phase_sum": ([one.phase_sum for one in self.criticals], "1"),
+                "in_running_range": ([one.in_running_range for one in self.criticals], ""),
+            }
+        )
+
+
+def axial_vibration(
+    engine_file: EngineFile,
+    analysis: ThrowAnalysis,
+    shaft: ShaftCompliances,
+    model: ComplianceModel | None,
+) -> Vibration:
+    """Calculate the axial natural frequencies and critical speeds of an engine.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    analysis : ThrowAnalysis
+        Of the engine's throw.
+    shaft : ShaftCompliances
+        From `compliances_in_shaft`.
+    model : ComplianceModel or None
+        The regression, if there is one.
+
+    Raises
+    ------
+    InputError
+        If the source set in the engine file is unknown or unusable.
+    """
+    sources = axial_sources(engine_file, analysis, shaft, model)
+
+    def chain(compliances: NDArray[np.float64]) -> EngineChain:
+        return engine_axial_chain(engine_file, compliances, analysis.mass)
+
+    forces = shaft.influence / shaft.axial[:, None]
+
+    def weights(named: EngineChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
+        return axial_weights(forces, shape[list(named.sections)])[list(engine_file.pins)]
+
+    wanted = engine_file.vibration.axial_source
+    return _vibration(engine_file, "axial", wanted, sources, chain, weights)
+
+
+def torsional_vibration(
+    engine_file: EngineFile,
+    analysis: ThrowAnalysis,
+    shaft: ShaftCompliances,
+    model: ComplianceModel | None,
+) -> Vibration:
+    """Calculate the torsional natural frequencies and critical speeds; see `axial_vibration`."""
+    sources = torsional_sources(engine_file, analysis, shaft, model)
+    inertias = engine_throw_inertias(engine_file, analysis.masses.inertia_about_shaft)
+
+    def chain(compliances: NDArray[np.float64]) -> EngineChain:
+        return engine_torsional_chain(engine_file, compliances, inertias)
+
+    wanted = engine_file.vibration.torsional_source
+
+    def weights(named: EngineChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
+        return torsional_weights(named, shape)[list(engine_file.throws)]
+
+    return _vibration(engine_file, "torsional", wanted, sources, chain, weights)
+
+
+ChainMaker = Callable[[NDArray[np.float64]], EngineChain]
+# Chain and mode shape to the work of a unit excitation of each cylinder.
+Weights = Callable[[EngineChain, NDArray[np.float64]], NDArray[np.float64]]
+
+
+def _vibration(
+    engine_file: EngineFile,
+    kind: str,
+    wanted: str,
+    sources: Sources,
+    make_chain: ChainMaker,
+    weights: Weights,
+) -> Vibration:
+    results, unusable = [], []
+    for source, (compliances, remark) in sources.items():
+        if not np.all(np.isfinite(compliances)) or np.min(compliances) <= 0.0:
+            unusable.append(
+                f"{source}: gives a compliance of {np.min(compliances):.3g}, not above zero"
+            )
+            continue
+        chain = make_chain(compliances)
+        results.append(SourceResult(source, compliances, chain, chain.chain.modes(), remark))
+    chosen = next((r for r in results if r.source.casefold() == wanted.casefold()), None)
+    if chosen is None:
+        raise InputError(
+            f"vibration.{kind}_source: given {wanted!r}; allowed are "
+            f"{', '.join(r.source for r in results)}"
+            + (f" (not usable here: {'; '.join(unusable)})." if unusable else ".")
+        )
+    return Vibration(
+        kind, chosen, tuple(results), tuple(unusable), _criticals(engine_file, chosen, weights)
+    )
+
+
+def _criticals(
+    engine_file: EngineFile, result: SourceResult, weights: Weights
+) -> tuple[WeightedCritical, ...]:
+    engine = engine_file.engine
+    orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
+    ends = judged_ends(engine_file)
+    found = critical_speeds(result.elastic_frequencies, orders, (ends[0], ends[-1]))
+    shapes = result.modes.shapes[:, result.modes.rigid :]
+    return tuple(
+        WeightedCritical(
+            critical,
+            _phase_sum(
+                weights(result.chain, shapes[:, critical.mode]),
+                critical.order,
+                engine.firing_angles,
+            ),
+            critical.speed <= engine.highest_speed,
+        )
+        for critical in found
+    )
+
+
+def axial_weights(forces: NDArray[np.float64], shape: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Work of a unit radial force on each pin on an axial mode shape.
+
+    Parameters
+    ----------
+    forces : (n, pins) array
+        Axial force P in throw i per radial force on pin j, the throws' lengths kept.
+    shape : (n + 1,) array
+        Displacements of the main-journal middles.
+    """
+    return forces.T @ np.diff(shape)
+
+
+def torsional_weights(chain: EngineChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Work of a unit torque at each throw on a torsional mode shape: its twist there."""
+    return shape[list(chain.throw_nodes)]
+
+
+def _phase_sum(weights: NDArray[np.float64], order: float, firing: Sequence[float]) -> float:
+    largest = float(np.abs(weights).sum())
+    if math.isclose(largest, 0.0):
+        return 0.0
+    return float(vector_sums([order], firing, weights)[0]) / largest

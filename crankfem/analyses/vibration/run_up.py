@@ -1,0 +1,168 @@
+"""An engine's torsional vibration while its speed rises through all resonances."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
+from crankbase.units.quantity import parse_quantity
+from crankfem.analyses.shaft.chains import magnifier_of
+from crankfem.analyses.vibration.run import EngineVibration
+from dynamics.checks import FloatArray
+from dynamics.transient.envelope import Envelope
+from dynamics.transient.picking import axis_names
+from dynamics.transient.run import TransientMotion, transient_motion
+from dynamics.transient.speed_curve import SpeedCurve
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+SHORTEST, LONGEST = 0.1, 600.0  # s
+
+
+@dataclass(frozen=True, eq=False)
+class RunUp:
+    """A run-up from the lowest speed calculated to the highest running speed.
+
+    Attributes
+    ----------
+    motion : TransientMotion
+        Of the torsional chain; cut short where it was interrupted.
+    duration : float
+        Asked for [s].
+    envelope : Envelope
+        Amplitudes over each working cycle, half of the range.
+    largest : (e,) array
+        Largest of these amplitudes of the torque in each spring [N m].
+    steady : (e,) array
+        Largest amplitude at constant speeds, of those that were passed [N m].
+    """
+
+    motion: TransientMotion
+    duration: float
+    envelope: Envelope
+    largest: FloatArray
+    steady: FloatArray
+
+    @property
+    def worst(self) -> int:
+        """Number of the spring with the largest torque, from 0."""
+        return int(np.argmax(self.largest))
+
+    @property
+    def elements(self) -> list[str]:
+        """Names of the springs, by which `plot` knows them too."""
+        return axis_names(self.motion.system.chain, 0, len(self.largest))[1]
+
+    def plot(self, axes: "Axes | None" = None, element: int | str | None = None) -> "Axes":
+        """Draw the torque in a spring over the time; see `TransientMotion.plot`.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        element : int or str, optional
+            By number from 0 or name; the one with the largest torque by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If there is no such element.
+        """
+        return self.motion.plot(axes, self.worst if element is None else element, quantity="torque")
+
+    def to_pandas(self) -> Any:
+        """Return a table of the largest amplitudes of torque in each spring by name, beside steady ones.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table(
+            {
+                "element": (self.elements, ""),
+                "largest": (self.largest, "N m"),
+                "steady": (self.steady, "N m"),
+            }
+        )
+
+
+def parse_duration(text: str) -> float:
+    """Return the duration of --run-up [s].
+
+    Raises
+    ------
+    InputError
+        If it is no time, or out of range.
+    """
+    duration = parse_quantity(text, "s", "--run-up")
+    if not SHORTEST <= duration <= LONGEST:
+        raise InputError(
+            f"--run-up: given {text!r}; allowed is {SHORTEST:g} s to {LONGEST:g} s, because engines take "
+            "that long from idling to full speed."
+        )
+    return duration
+
+
+def run_up(
+    run: EngineVibration, duration: float, progress: Callable[[float], None] | None = None
+) -> RunUp:
+    """Follow the torsional vibration of an engine while its speed rises evenly.
+
+    Parameters
+    ----------
+    run : EngineVibration
+        With forced vibration.
+    duration : float
+        From the lowest speed calculated to the highest running speed [s].
+    progress : callable, optional
+        Told the share that is done.
+
+    Returns
+    -------
+    RunUp
+        What was finished, if it is interrupted.
+
+    Raises
+    ------
+    InputError
+        If there is no gas pressure, or a step of the calculation is refused.
+    """
+    forced = run.forced_torsional
+    if forced is None:
+        raise InputError(
+            "run_up: given an engine without gas pressure; allowed is one with it, because a run-up shows "
+            "what the cylinders excite."
+        )
+    low, high = float(forced.response.speeds[0]), run.engine_file.engine.highest_speed
+    magnifier, _ = magnifier_of(run.engine_file, "torsional")
+    assert forced.response.chain is not None
+    motion = transient_motion(
+        forced.response.chain,
+        forced.response.excitation,
+        SpeedCurve.ramp(low, high, duration=duration),
+        magnifier=magnifier,
+        progress=progress,
+    )
+    passed = forced.response.speeds <= motion.shaft_speed[-1]
+    envelope = motion.envelope()
+    return RunUp(
+        motion=motion,
+        duration=duration,
+        envelope=envelope,
+        largest=np.max(envelope.torque, axis=0),
+        steady=np.max(forced.loads.elastic.synthesis.amplitude[passed], axis=0),
+    )

@@ -1,0 +1,241 @@
+"""The tables of an engine's vibration, from its plain records: the command line and the report show them."""
+
+from crankbase.tables.output_units import SI, OutputUnits
+from crankbase.tables.table import Column, Table
+from crankbase.units.number_formats import UNBOUNDED
+from crankbase.units.units import RPM
+from crankfem.analyses.record import Record
+from crankfem.analyses.shaft.motion import MOTION
+
+# What a table shows; files hold everything.
+ROWS_SHOWN = 12
+# Resultant of the cylinders on a mode shape from which they count as acting together.
+TOGETHER = 0.5
+# Units in which loads are printed.
+LOAD = {"torsional": "kN m", "axial": "kN"}
+SPEED = Column("speed", "1/min", decimals=1)
+FREQUENCY = Column("frequency", "Hz", decimals=2)
+
+
+def mode_table(record: Record) -> Table:
+    """Return the natural modes of one kind, from its `vibration_record`."""
+    return Table(
+        f"{record['kind'].capitalize()} modes (compliances: {record['source']})",
+        [
+            Column("mode", words=True),
+            FREQUENCY,
+            Column("[1/min]", decimals=0),
+            Column("nodes at", decimals=2, words=True),
+        ],
+        [
+            [
+                "rigid body" if one["rigid"] else str(one["number"]),
+                one["frequency"],
+                60.0 * one["frequency"],
+                one["node_positions"],
+            ]
+            for one in record["modes"]
+        ],
+        note=f"Nodes count the chain's points: 0 is {record['nodes'][0]}, {len(record['nodes']) - 1} is "
+        f"{record['nodes'][-1]}.",
+    )
+
+
+def critical_table(record: Record) -> Table:
+    """Return the critical speeds of one kind; marked are those at which the cylinders act together."""
+    return Table(
+        f"{record['kind'].capitalize()} critical speeds in the running range",
+        [
+            SPEED,
+            Column("order", digits=None),
+            Column("mode"),
+            FREQUENCY,
+            Column("phase sum", decimals=3),
+        ],
+        [
+            [one["speed_rpm"] / RPM, one["order"], one["mode"], one["frequency"], one["phase_sum"]]
+            for one in record["criticals"]
+        ],
+        marks=[
+            ("chosen" if one["phase_sum"] >= TOGETHER else "")
+            + ("" if one.get("in_running_range", True) else " above")
+            for one in record["criticals"]
+        ],
+    )
+
+
+def source_table(record: Record) -> Table:
+    """Return the first frequencies of one kind with every source of compliances."""
+    return Table(
+        f"First {record['kind']} frequencies by source of the compliances",
+        [
+            Column("source", words=True),
+            Column("frequencies", "Hz", decimals=1),
+            Column("first beside chosen", decimals=3),
+        ],
+        [
+            [one["source"], one["first_frequencies"], one["beside_chosen"]]
+            for one in record["sources"]
+        ],
+    )
+
+
+def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
+    """Return the most severe resonances of a `forced_record`, by speed."""
+    kind, found = record["kind"], record["resonances"]
+    worst = sorted(found, key=lambda one: -one["severity"])[:ROWS_SHOWN]
+    motion = MOTION[kind].printed
+    return Table(
+        f"{kind.capitalize()} resonances {_judged(record, units)}"
+        + (f", the {ROWS_SHOWN} most severe of {len(found)}" if len(found) > ROWS_SHOWN else ""),
+        [
+            SPEED,
+            Column("order", digits=None),
+            Column("mode"),
+            Column(record["free_end"]["node"], motion, missing=UNBOUNDED),
+            Column("by magnifier", motion, missing=UNBOUNDED, bare=True),
+            Column("kind", words=True),
+        ],
+        [
+            [
+                one["speed_rpm"] / RPM,
+                one["order"],
+                one["mode"],
+                one["amplitude"],
+                one["estimate"],
+                one["kind"] + ("" if one.get("in_running_range", True) else ", above"),
+            ]
+            for one in sorted(worst, key=lambda one: float(one["speed_rpm"]))
+        ],
+    )
+
+
+def element_table(record: Record) -> Table:
+    """Return the largest loads, and stresses if there are, of the elements of a `forced_record`."""
+    stresses = {one["element"]: one["peak"] for one in record["stress"] or ()}
+    load = LOAD[record["kind"]]
+    return Table(
+        f"{record['kind'].capitalize()} vibration of the elements, largest over the speeds "
+        "(all orders over the cycle; plain sum of amplitudes)",
+        [
+            Column("element", words=True),
+            Column("load", load, missing=UNBOUNDED),
+            Column("at", "1/min", decimals=0),
+            Column("plain sum", load, missing=UNBOUNDED),
+            *([Column("stress", "MPa", missing=UNBOUNDED)] if stresses else []),
+        ],
+        [
+            [
+                one["element"],
+                one["peak"],
+                one["speed_rpm"] / RPM,
+                one["plain_sum_peak"],
+                *([stresses.get(one["element"], "")] if stresses else []),
+            ]
+            for one in record["loads"]
+        ],
+    )
+
+
+def limit_table(record: Record, limit: str | None = None, units: OutputUnits = SI) -> Table:
+    """Return how far limits are used, each place at its worst speed: all of them, or one by its name."""
+    checks = [one for one in record["checks"] if limit in (None, one["limit"])]
+
+    def quantity(value: float | None, unit: str) -> str:
+        return UNBOUNDED if value is None else units.quantity(value, unit, 4)
+
+    table = Table(
+        "Limits, worst speeds" if limit is None else f"{limit.capitalize()}, worst speeds",
+        [
+            Column("limit", words=True),
+            Column("where", words=True),
+            Column("at", "1/min", decimals=1),
+            Column("reached"),
+            Column("permitted"),
+            Column("used", "%", 3, missing=UNBOUNDED),
+        ],
+        [
+            [
+                one["limit"],
+                one["place"],
+                one["speed_rpm"] / RPM,
+                quantity(one["value"], one["unit"]),
+                quantity(one["permitted"], one["unit"]),
+                one["used"],
+            ]
+            for one in checks
+        ],
+        marks=["" if one["passed"] else "over" for one in checks],
+    )
+    return table if limit is None else table.only("where", "at", "reached", "permitted", "used")
+
+
+def margin_table(record: Record, kind: str) -> Table:
+    """Return the critical speeds of one kind with what is uncertain of them."""
+    found = record["critical"]
+    return Table(
+        f"{kind.capitalize()} critical speeds with what is uncertain, and their margin to running speeds"
+        + (f", the first {ROWS_SHOWN} of {len(found)}" if len(found) > ROWS_SHOWN else ""),
+        [
+            Column("mode"),
+            Column("order", digits=None),
+            SPEED,
+            *(Column(name, "1/min", decimals=1, bare=True) for name in ("lowest", "highest")),
+            Column("margin", "%", decimals=1),
+        ],
+        [
+            [
+                one["mode"],
+                one["order"],
+                *(one[name] / RPM for name in ("speed_rpm", "low_rpm", "high_rpm")),
+                one["margin"] or None,
+            ]
+            for one in found[:ROWS_SHOWN]
+        ],
+    )
+
+
+def whole_table(record: Record) -> Table:
+    """Return the modes of a `whole_record`."""
+    return Table(
+        "Modes of the whole crankshaft in its bearings",
+        [
+            Column("mode", words=True),
+            Column("frequency", "Hz", decimals=2),
+            Column("motion", words=True),
+        ],
+        [[one["name"], one["frequency"], one["label"]] for one in record["modes"]],
+    )
+
+
+def run_up_table(record: Record, units: OutputUnits = SI) -> Table:
+    """Return the largest torques of a `run_up_record`."""
+    speed = units.of("1/min")
+    cut = "" if record["complete"] else ", interrupted"
+    return Table(
+        f"Run-up from {speed.fixed(record['from_rpm'] / RPM, 0)} to "
+        f"{speed.fixed(record['to_rpm'] / RPM, 0)} {speed.name} in {record['duration']:g} s{cut}: "
+        "amplitude of the torque in the springs",
+        [
+            Column("element", words=True),
+            Column("largest", "kN m"),
+            Column("at", "1/min", decimals=0),
+            Column("at constant speeds", "kN m", missing=UNBOUNDED),
+        ],
+        [
+            [one["element"], one["largest"], one["at_rpm"] / RPM, one["steady"]]
+            for one in record["elements"]
+        ],
+    )
+
+
+def _judged(record: Record, units: OutputUnits) -> str:
+    """Say over which speeds resonances are listed."""
+    running, judged = record.get("running_rpm"), record.get("judged_rpm")
+    # Results of older runs know no speeds above the running range.
+    if running is None or judged is None or judged[1] <= running[1]:
+        return "in the running range"
+    return units.text(
+        f"at the speeds judged: the running range to {running[1]:.4g} 1/min, and above it to "
+        f"{judged[1]:.4g} 1/min, as far as a limit holds"
+    )

@@ -1,0 +1,178 @@
+"""The command line: every command with examples, in groups by what it is for."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import typer
+
+from crankfem.cli import console
+from crankfem.cli.commands.check import check
+from crankfem.cli.commands.doe import doe
+from crankfem.cli.commands.fields import fields
+from crankfem.cli.commands.fit import fit
+from crankfem.cli.commands.formulas import formulas
+from crankfem.cli.commands.harmonics import harmonics
+from crankfem.cli.commands.hinge import hinge
+from crankfem.cli.commands.lookup import lookup
+from crankfem.cli.commands.mechanism import mechanism
+from crankfem.cli.commands.new import new
+from crankfem.cli.commands.optimum import optimum
+from crankfem.cli.commands.run import report, run
+from crankfem.cli.commands.shapes import draw, export
+from crankfem.cli.commands.throw import stress, throw
+from crankfem.cli.commands.vibration import vibration
+from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, MEANINGS
+
+MAIN_JOB, THROW, COMPLIANCE = "Main job", "Throw", "Compliance"
+FORCES, VIBRATION, FILES = "Forces", "Vibration", "Files"
+# The base of typer's errors about wrong options and arguments; it has no public name.
+USAGE_ERROR: Any = typer.BadParameter.__mro__[2]
+
+
+@dataclass(frozen=True)
+class Listed:
+    """A command in its group, with examples that work in an empty folder or on files made before."""
+
+    command: Callable[..., Any]
+    group: str
+    examples: tuple[str, ...]
+
+
+COMMANDS = (
+    Listed(run, MAIN_JOB, ("run 6chn25-34", "run mine.toml --output results --strict")),
+    Listed(report, MAIN_JOB, ("report mine-results",)),
+    Listed(
+        new,
+        FILES,
+        (
+            "new mine.toml",
+            "new mine.toml --cylinders 8",
+            "new mine.toml --from vw-tdi",
+            "new --list",
+        ),
+    ),
+    Listed(check, FILES, ("check mine.toml", "check 6chn25-34 --picture throw.svg")),
+    Listed(fields, FILES, ("fields throw",)),
+    Listed(
+        throw,
+        THROW,
+        ("throw 6chn25-34 --accuracy 0.005", "throw part.step --pin pin", "throw mine.toml --json"),
+    ),
+    Listed(stress, THROW, ("stress 6chn25-34 --pictures stresses",)),
+    Listed(draw, THROW, ("draw 6chn25-34", "draw 6chn25-34 --shaft crankshaft.png")),
+    Listed(
+        export,
+        THROW,
+        ("export 6chn25-34 throw.step", "export 6chn25-34 throw.inp --calculix"),
+    ),
+    Listed(
+        formulas,
+        COMPLIANCE,
+        ('formulas 6chn25-34 --gamma "120 deg"', "formulas --all", "formulas --published"),
+    ),
+    Listed(
+        doe,
+        COMPLIANCE,
+        ("doe 6chn25-34 --plan", "doe 6chn25-34 --store runs.sqlite --workers 2"),
+    ),
+    Listed(fit, COMPLIANCE, ("fit runs.sqlite --model model.json",)),
+    Listed(
+        lookup,
+        COMPLIANCE,
+        (
+            "lookup model.json web_width=300mm web_thickness=68mm pin_length=139mm",
+            'lookup model.json --throw 6chn25-34 --gamma "120 deg"',
+        ),
+    ),
+    Listed(
+        optimum,
+        COMPLIANCE,
+        ("optimum model.json --minimize web_thickness --limit 'axial_compliance <= 1.2e-9 m/N'",),
+    ),
+    Listed(
+        mechanism,
+        FORCES,
+        ("mechanism 8chn13-14 --pictures loads", 'mechanism 8chn13-14 --speed "1500 1/min"'),
+    ),
+    Listed(
+        harmonics,
+        FORCES,
+        ("harmonics 8chn26-26", "harmonics yamz5340_torque_one_throw.csv --orders 4"),
+    ),
+    Listed(hinge, FORCES, ("hinge crosshead-30-100 --pictures hinge",)),
+    Listed(
+        vibration,
+        VIBRATION,
+        (
+            "vibration 6chn25-34",
+            'vibration 6chn25-34 --units "in, lbf, ksi"',
+            "vibration mine.toml --strict --csv amplitudes",
+            "vibration mwm-six",
+        ),
+    ),
+)
+
+EXIT_CODES = "; ".join(f"{code} {words}" for code, words in MEANINGS.items())
+
+app = typer.Typer(
+    help="Axial and torsional vibration of crankshafts, from crank-throw dimensions to a verdict.",
+    epilog="Begin with: crankfem new mine.toml, then crankfem run mine.toml. Results stand on standard "
+    f"output, progress and errors on standard error.\n\nExit codes: {EXIT_CODES}.",
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+)
+
+
+def examples_text(examples: tuple[str, ...]) -> str:
+    """Write examples for the end of a help text, each on a line of its own."""
+    # Brackets and the like in examples are text, not markup.
+    lines = [f"crankfem {example}".replace("[", r"\[") for example in examples]
+    if len(lines) == 1:
+        return f"Example: {lines[0]}"
+    return f"Example: {lines[0]}\n\n" + "\n\n".join(lines[1:])
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from crankfem.analyses.about import program_version
+
+        console.print_line(f"crankfem {program_version()}")
+        raise typer.Exit
+
+
+@app.callback(invoke_without_command=True)
+def _crankfem(
+    context: typer.Context,
+    version: Annotated[  # noqa: ARG001 - its callback answers
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
+    ] = False,
+) -> None:
+    if context.invoked_subcommand is None:
+        context.get_help()  # prints it
+        raise typer.Exit(EXIT_INPUT)
+
+
+for listed in COMMANDS:
+    app.command(epilog=examples_text(listed.examples), rich_help_panel=listed.group)(listed.command)
+
+
+def main() -> None:
+    """Run the command line; errors are one sentence and an exit code."""
+    with console.clear_errors():
+        try:
+            code = app(prog_name="crankfem", standalone_mode=False)
+        except typer.Abort:
+            raise SystemExit(EXIT_INTERRUPTED) from None
+        except USAGE_ERROR as error:
+            console.end_misused(*_misuse(error))
+        if code:
+            raise SystemExit(code)
+
+
+def _misuse(error: Any) -> tuple[str, str]:
+    """Return the sentence about a wrong option or argument, and where to read how it is right."""
+    context = getattr(error, "ctx", None)
+    path = "crankfem" if context is None else context.command_path
+    return str(error.format_message()), f"{path} --help"

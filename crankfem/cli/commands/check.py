@@ -1,0 +1,58 @@
+"""What a file was understood as."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from crankfem.cli import console
+from crankfem.cli.commands import completion
+from crankfem.cli.commands.options import ForceOption, JsonOption, QuietOption, UnitsOption
+from crankfem.cli.console import print_json
+
+
+def check(
+    file: Annotated[
+        str,
+        typer.Argument(
+            metavar="FILE.toml",
+            help="Engine, throw, hinge or chain file, or the name of a shipped one.",
+            autocompletion=completion.any_input,
+        ),
+    ],
+    picture: Annotated[
+        Path | None,
+        typer.Option(metavar="THROW.svg", help="Also draw the throw with its dimensions."),
+    ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
+    units: UnitsOption = None,
+    json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+) -> None:
+    """Check a file, show what it was understood as, what is assumed, and which commands it serves."""
+    from crankbase.errors import InputError
+    from crankbase.tables.output_units import parse_output_units
+    from crankfem.analyses.file_check import check_file, check_record
+    from crankfem.cli.tables.check_tables import print_check
+
+    shown = parse_output_units(units)
+    checked = check_file(file)
+    record = check_record(checked)
+    if picture is not None:
+        from crankfem.analyses.throw.pictures.drawing import check_drawing_ending, write_drawing
+        from crankfem.jobs.outputs import check_writable
+
+        if checked.throw is None:
+            raise InputError(
+                f"--picture: given with a {checked.kind} file; allowed is a file with a throw, because "
+                "that is drawn."
+            )
+        check_drawing_ending(picture)
+        check_writable(picture, "picture", checked.path)
+        record["picture"] = str(write_drawing(checked.throw, picture, checked.path.stem))
+    if json:
+        print_json(record)
+        return
+    print_check(record, shown)
+    if picture is not None:
+        console.print_line(f"{picture} written.")

@@ -1,0 +1,212 @@
+"""Designs of experiments."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from crankbase.errors import InputError
+from crankbase.units.quantity import parse_quantity
+from crankfem.cli import console
+from crankfem.cli.commands import completion
+from crankfem.cli.commands.options import ForceOption, JsonOption, QuietOption, WorkersOption
+from crankfem.cli.console import print_json
+
+if TYPE_CHECKING:
+    from regression.plans.plan import StudyPlan
+    from regression.runs.study_table import StudyTable
+
+# Fewer held-out designs leave most of the box unseen.
+FEW_HELD_OUT = 5
+
+
+def doe(
+    study: Annotated[
+        str,
+        typer.Argument(
+            metavar="STUDY.toml",
+            help="File with the sections throw and study.",
+            autocompletion=completion.engines,
+        ),
+    ],
+    store: Annotated[Path, typer.Option(help="SQLite file of results.")] = Path("runs.sqlite"),
+    workers: WorkersOption = 2,
+    dask: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Compute on the Dask cluster whose scheduler this is, like tcp://10.0.0.1:8786.",
+        ),
+    ] = None,
+    time_limit: Annotated[
+        str | None, typer.Option(help='What one design may take, like "300 s".')
+    ] = None,
+    memory_limit: Annotated[
+        str | None, typer.Option(help='What one worker process may take, like "4 GB".')
+    ] = None,
+    import_: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--import",
+            metavar="FILE",
+            help="CSV table of earlier or measured results, or another store; may be repeated.",
+        ),
+    ] = None,
+    export: Annotated[
+        Path | None, typer.Option(help="Table of all results to write: .csv or .parquet.")
+    ] = None,
+    plan: Annotated[
+        bool, typer.Option("--plan", help="Show what would be computed, and compute nothing.")
+    ] = False,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Run a design of experiments, or continue it where it stopped."""
+    from crankfem.files.engine.throw_file import load_study
+    from crankfem.files.reading.data_files import engine_path
+    from crankfem.jobs.outputs import check_apart, check_writable
+    from regression.runs.export_table import check_export, export_table
+
+    limits = {
+        "time_limit": _quantity(time_limit, "s", "--time-limit"),
+        "memory_limit": _quantity(memory_limit, "byte", "--memory-limit"),
+    }
+    read = load_study(study)
+    if plan and (export is not None or import_):
+        raise InputError(
+            "--plan: given with --export or --import; allowed is --plan alone, for it computes, reads and "
+            "writes nothing."
+        )
+    if plan:
+        _show_plan(read, json)
+        return
+    files = [store, engine_path(study), *(import_ or ())]
+    if export is not None:
+        check_export(export)
+        check_apart({"--store": store, "--export": export})
+        check_writable(export, "table", *files, name=f"--export {export}")
+    for file in import_ or ():
+        _import(read, store, file, quiet)
+    table = _run(read, store, workers, {"dask": dask, **limits}, quiet)
+
+    def say(text: str) -> None:
+        # With --json nothing but the results may stand on standard output.
+        if json:
+            console.note(text, quiet)
+        else:
+            console.print_line(text)
+
+    say(_summary(table, store))
+    for text in _warnings(table, store):
+        say(f"Note: {text}")
+    if export is not None:
+        count = export_table(table, export)
+        say(f"{count} rows written to {export}.")
+    _show_fits(table, json)
+
+
+def _summary(table: "StudyTable", store: Path) -> str:
+    """Say in a line what the study has."""
+    held_out = int(table.held_out.sum())
+    text = (
+        f"Study {table.plan.key[:6]}: {len(table.held_out) - held_out} runs and {held_out} held-out "
+        f"designs in {store}; {table.computed} computed now, {len(table.failures)} without a result"
+    )
+    if table.excluded:
+        text += f", {len(table.excluded)} excluded by the plan"
+    if table.extra:
+        text += f", {len(table.extra)} imported rows"
+    return f"{text}."
+
+
+def _warnings(table: "StudyTable", store: Path) -> list[str]:
+    """What makes the errors of a fit say less than they seem to."""
+    from regression.runs.store_rows import told_of
+
+    held_out = int(table.held_out.sum())
+    found = []
+    if table.damaged:
+        told = told_of(table.damaged, store)
+        found.append(f"{told}; import them again.")
+    if 0 < held_out < FEW_HELD_OUT:
+        found.append(
+            f"only {held_out} held-out designs judge the fits; with fewer than {FEW_HELD_OUT} their largest "
+            "error says little of the space between the runs."
+        )
+    return found
+
+
+def _show_fits(table: "StudyTable", json: bool) -> None:
+    from crankfem.analyses.study.fit_records import study_record
+    from crankfem.analyses.study.studies import fitted
+    from crankfem.cli.tables.fit_tables import print_comparisons, print_fits
+
+    found = fitted(table)
+    record = study_record(table, found.fits, found.model)
+    if json:
+        print_json(record)
+        return
+    print_fits(record["fits"])
+    print_comparisons(record["compared"])
+
+
+def _quantity(text: str | None, unit: str, option: str) -> float | None:
+    return None if text is None else parse_quantity(text, unit, option)
+
+
+def _show_plan(plan: "StudyPlan", json: bool) -> None:
+    from crankfem.cli.tables.design_tables import plan_record, print_plan
+    from regression.plans.plan import plan_designs
+
+    planned = plan_designs(plan)
+    if json:
+        print_json(plan_record(planned))
+    else:
+        print_plan(planned)
+
+
+def _import(plan: "StudyPlan", store: Path, file: Path, quiet: bool) -> None:
+    from regression.runs.study import import_results
+
+    found = import_results(plan, store, file)
+    left_out = f"; {found.left_out} do not belong to this study" if found.left_out else ""
+    own = (
+        f"; {found.coinciding} at the study's own designs are not used" if found.coinciding else ""
+    )
+    console.note(
+        f"{file}: {found.designs} finished designs and {found.rows} further rows taken over{left_out}{own}.",
+        quiet,
+    )
+    if found.damaged:
+        console.note(f"Note: {found.damaged}.", quiet)
+
+
+def _run(
+    plan: "StudyPlan", store: Path, workers: int, options: dict[str, Any], quiet: bool
+) -> "StudyTable":
+    from regression.runs import study
+
+    if options["dask"] is not None:
+        from regression.runs.dask_cluster import quiet_dask
+
+        quiet_dask()
+    with console.RunProgress(quiet) as progress:
+        progress.step("Running the study")
+        try:
+            table = study.run_plan(
+                plan, store, workers, progress.design, note=progress.note, **options
+            )
+        except KeyboardInterrupt:
+            if not progress.total:  # nothing of the store is known yet
+                raise
+            interrupted = True
+        else:
+            interrupted = False
+            progress.finish()
+    if interrupted:
+        console.end_interrupted(
+            f"Stopped. {progress.finished_designs} are finished and kept in {store}; the same command "
+            "continues where it stopped."
+        )
+    return table

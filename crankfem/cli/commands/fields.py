@@ -1,0 +1,40 @@
+"""What the fields of an engine file mean."""
+
+from typing import Annotated
+
+import typer
+
+from crankfem.cli.commands import completion
+from crankfem.cli.commands.options import JsonOption, QuietOption
+from crankfem.cli.console import print_json, print_table
+
+
+def fields(
+    section: Annotated[
+        str | None,
+        typer.Argument(
+            help="Section of an engine file, such as throw; all if not given.",
+            autocompletion=completion.sections,
+        ),
+    ] = None,
+    json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+) -> None:
+    """Say what every field of an engine file means: unit, allowed range, default."""
+    from dataclasses import asdict
+
+    from crankbase.tables.table import Column, Table
+    from crankfem.files.sections.field_tables import section_tables
+
+    found = section_tables(section)
+    if json:
+        print_json({"sections": [asdict(table) for table in found]})
+        return
+    for table in found:
+        print_table(
+            Table(
+                f"{table.title} ({table.need})",
+                [Column(name, words=True) for name in ("field", "unit", "allowed", "meaning")],
+                [[row.name, row.unit, row.allowed, row.meaning] for row in table.rows],
+            )
+        )

@@ -1,0 +1,88 @@
+"""Equations fitted to a study."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from crankfem.cli import console
+from crankfem.cli.commands import completion
+from crankfem.cli.commands.options import ForceOption, JsonOption, QuietOption
+from crankfem.cli.console import print_json
+
+
+def fit(
+    store: Annotated[
+        Path,
+        typer.Argument(
+            metavar="RUNS.sqlite",
+            help="Store of a study.",
+            autocompletion=completion.files(".sqlite"),
+        ),
+    ],
+    model: Annotated[Path, typer.Option(help="Model file to write.")] = Path("model.json"),
+    study: Annotated[
+        str | None,
+        typer.Option(
+            help="First characters of the study's key, or its file, if there are several."
+        ),
+    ] = None,
+    form: Annotated[
+        str | None,
+        typer.Option(help="Form to take for every response, instead of the chosen ones."),
+    ] = None,
+    response: Annotated[
+        str | None, typer.Option(help="Response to print in detail; the axial compliance else.")
+    ] = None,
+    plots: Annotated[Path | None, typer.Option(help="Folder to write diagrams to (SVG).")] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Fit equations to a study's results and save the best as a model."""
+    from crankbase.errors import InputError
+    from crankfem.analyses.study.fit_records import study_record
+    from crankfem.analyses.study.fitting import compliance_model, fit_study
+    from crankfem.analyses.study.plots.fit_plots import plot_fits
+    from crankfem.analyses.study.studies import study_key
+    from crankfem.cli.tables.fit_tables import MAIN_RESPONSE, print_comparisons, print_fits
+    from crankfem.jobs.outputs import check_writable
+    from regression.models.model_file import is_model
+    from regression.runs.store_rows import told_of
+    from regression.runs.study import read_study
+
+    if model.is_dir():
+        raise InputError(
+            f"--model: given {model}, which is a folder; allowed is a file to write, like "
+            f"{model / 'model.json'}."
+        )
+    inputs = [store]
+    if study is not None and study.endswith(".toml"):
+        inputs.append(Path(study))
+    check_writable(model, "model", *inputs, name=f"--model {model}", recognized=is_model)
+    if study is not None and study.endswith(".toml"):
+        study = study_key(study)
+    table = read_study(store, study)
+    if table.damaged:
+        again = "run the study again (crankfem doe), which computes their designs"
+        console.note(f"Note: {told_of(table.damaged, store)}; {again}.", quiet)
+    fits = fit_study(table)
+    if response is not None and response not in fits:
+        raise InputError(
+            f"response: given {response!r}; allowed are {', '.join(fits)}, which this study has."
+        )
+    made = compliance_model(table, fits, form)
+    made.save(model)
+    record = study_record(table, fits, made)
+    shown = response or (MAIN_RESPONSE if MAIN_RESPONSE in fits else next(iter(fits)))
+    written = [] if plots is None else plot_fits(plots, table, fits[shown], form)
+    if json:
+        print_json(record)
+        return
+    print_fits(record["fits"], shown, form)
+    for name, reason in record["unfitted"].items():
+        console.output.print(f"No equation for {name}: {reason}", soft_wrap=True, highlight=False)
+    print_comparisons(record["compared"])
+    if written:
+        console.output.print(f"Diagrams: {', '.join(map(str, written))}", soft_wrap=True)
+    console.output.print(f"Model: {model}", soft_wrap=True)

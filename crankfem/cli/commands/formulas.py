@@ -1,0 +1,204 @@
+"""The published formulas: for one throw, for all shipped engines, and the survey's own table."""
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from crankbase.errors import InputError
+from crankfem.cli import console
+from crankfem.cli.commands import completion
+from crankfem.cli.commands.options import GammaOption, JsonOption, QuietOption, UnitsOption
+from crankfem.cli.console import parse_pairs, print_json
+
+if TYPE_CHECKING:
+    from crankbase.tables.output_units import OutputUnits
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What the command line asks for."""
+
+    gamma: float
+    variant: str
+    constants: Mapping[str, float]
+    fe: bool
+    json: bool
+    quiet: bool
+    units: "OutputUnits"
+
+
+def formulas(
+    engine: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="ENGINE.toml",
+            help="Engine file, or the name of a shipped engine; none with --all or --published.",
+            autocompletion=completion.engines,
+        ),
+    ] = None,
+    gamma: GammaOption = None,
+    variant: Annotated[
+        str | None,
+        typer.Option(
+            help="Reading: corrected, printed, plain (TsNIIMF) or k/4 (Draminsky 2).",
+            show_default="corrected",
+        ),
+    ] = None,
+    constant: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE",
+            help="An open constant of a formula: C, k_3, k_or, k_n or k_gorbunov; once for each.",
+        ),
+    ] = None,
+    fe: Annotated[bool, typer.Option(help="Also compute the finite element value.")] = True,
+    all_engines: Annotated[
+        bool, typer.Option("--all", help="Formula / finite elements for all shipped engines.")
+    ] = False,
+    published: Annotated[
+        bool, typer.Option("--published", help="The published table, repaired values marked.")
+    ] = False,
+    units: UnitsOption = None,
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Show the published formulas for a throw, or all shipped engines, beside finite elements."""
+    from crankbase.tables.output_units import parse_output_units
+    from crankfem.cli.angle_argument import parse_gamma
+
+    shown = parse_output_units(units)
+    if (engine is not None) + all_engines + published != 1:
+        raise InputError("formulas: give one of ENGINE.toml, --all and --published.")
+    if published:
+        _refuse_beside_published(
+            {
+                "--gamma": gamma is not None,
+                "--variant": variant is not None,
+                "--constant": bool(constant),
+                "--no-fe": not fe,
+                "--units": units is not None,
+            }
+        )
+        _published(json)
+        return
+    asked = _Asked(
+        gamma=180.0 if gamma is None else parse_gamma(gamma, quiet),
+        variant=variant or "corrected",
+        constants=parse_pairs(constant or [], _pure_number, example="k_n=0.4"),
+        fe=fe,
+        json=json,
+        quiet=quiet,
+        units=shown,
+    )
+    if engine is None:
+        _all_engines(asked)
+    else:
+        _one_throw(engine, asked)
+
+
+def _refuse_beside_published(given: Mapping[str, bool]) -> None:
+    for option in (name for name, is_given in given.items() if is_given):
+        raise InputError(
+            f"{option}: given together with --published; allowed is one of the two, because the "
+            "published table is shown as it was printed."
+        )
+
+
+def _one_throw(engine: str, asked: _Asked) -> None:
+    from crankfem.analyses.throw.formula_records import fe_record, formula_records
+    from crankfem.cli.tables import formula_tables
+    from crankfem.files.engine.throw_file import load_throw
+    from fem.analysis import analyze_throw
+
+    dimensions, material = load_throw(engine)
+    gamma, constants = asked.gamma, asked.constants
+    records: dict[str, Any] = dict(
+        formula_records(dimensions, material, gamma, asked.variant, constants)
+    )
+    records |= {"gamma_deg": gamma, "constants": dict(constants)}
+    if asked.fe:
+        records["fe"] = fe_record(analyze_throw(dimensions, material), gamma)
+    if asked.json:
+        print_json(records)
+    else:
+        formula_tables.print_one_throw(records, gamma, constants, asked.units)
+
+
+def _all_engines(asked: _Asked) -> None:
+    from crankfem.analyses.throw.formula_spread import (
+        engine_spread,
+        spread_of_engines,
+        spread_record,
+    )
+    from crankfem.cli.tables import formula_tables
+    from crankfem.files.engine.throw_file import load_throw
+    from crankfem.files.reading.data_files import shipped_engines
+
+    if not asked.fe:
+        raise InputError(
+            "--no-fe: given together with --all; allowed is one of the two, because --all compares "
+            "with finite elements."
+        )
+    spreads = spread_of_engines(
+        [(name, *load_throw(name)) for name in shipped_engines()],
+        functools.partial(
+            engine_spread,
+            gamma_deg=asked.gamma,
+            variant=asked.variant,
+            constants=asked.constants,
+        ),
+        lambda place, count, name: console.note(
+            f"finite elements: {name} ({place} of {count})", asked.quiet
+        ),
+    )
+    if asked.json:
+        engines = [spread_record(spread) for spread in spreads]
+        constants = dict(asked.constants)
+        print_json({"gamma_deg": asked.gamma, "constants": constants, "engines": engines})
+    else:
+        formula_tables.print_spread(
+            spreads, asked.gamma, asked.variant, asked.constants, asked.units
+        )
+
+
+def _published(json: bool) -> None:
+    from crankfem.files.reading.data_files import data_folder
+    from regression.formulas.published_table import FINITE_ELEMENTS_DOUBT, read_published_table
+
+    values = read_published_table(data_folder() / "tables" / "axial_compliance_published.csv")
+    if not json:
+        from crankfem.cli.tables import formula_tables
+
+        formula_tables.print_published(values)
+        return
+    print_json(
+        {
+            "unit": "m/N",
+            "values": [
+                {
+                    "engine": value.engine,
+                    "formula": value.formula,
+                    "printed": value.printed,
+                    "exponent_factor": value.exponent_factor,
+                    "repaired": value.repaired,
+                    "group": value.group,
+                    "doubt": value.doubt,
+                }
+                for value in values
+            ],
+            "finite_elements_doubt": FINITE_ELEMENTS_DOUBT,
+        }
+    )
+
+
+def _pure_number(name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(
+            f"constant {name}: given {text!r}; allowed is a plain number, because the formulas' "
+            "constants have no unit."
+        ) from None

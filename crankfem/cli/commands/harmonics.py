@@ -1,0 +1,208 @@
+"""Harmonics of a torque table, or of an engine's torque with its star diagrams."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from crankbase.errors import InputError
+from crankfem.cli import console
+from crankfem.cli.commands import completion
+from crankfem.cli.commands.options import (
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    SpeedOption,
+    UnitsOption,
+)
+from crankfem.cli.console import print_json
+
+if TYPE_CHECKING:
+    from crankbase.tables.output_units import OutputUnits
+    from dynamics.harmonics import Harmonics
+
+USUAL_ORDERS, USUAL_ENGINE_ORDERS = 9.0, 12.0
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What the command line asks for."""
+
+    strokes: int | None
+    orders: float | None
+    cylinder: int | None
+    speed: str | None
+    csv: Path | None
+    pictures: str | None
+
+
+def harmonics(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="TORQUE.csv|ENGINE.toml",
+            help="Torque over one cycle; or an engine file or the name of a shipped engine.",
+            autocompletion=completion.engines_and_tables,
+        ),
+    ],
+    strokes: Annotated[
+        int | None, typer.Option(help="Strokes per cycle of a torque table, 2 or 4 (4 by default).")
+    ] = None,
+    orders: Annotated[
+        float | None,
+        typer.Option(help="Highest order; 9 by default for a torque table, 12 for an engine."),
+    ] = None,
+    cylinder: Annotated[
+        int | None,
+        typer.Option(help="Also the harmonics of this cylinder's forces on its crankpin."),
+    ] = None,
+    speed: SpeedOption = None,
+    csv: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv", help="Write the harmonics as a table.")
+    ] = None,
+    pictures: Annotated[
+        str | None,
+        typer.Option(metavar="FOLDER", help="Write torque, harmonics and star diagrams as SVG."),
+    ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
+    units: UnitsOption = None,
+    json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+) -> None:
+    """Split torque into harmonics M_k sin(k w t + a_k): of a table, or of an engine with its stars."""
+    from crankbase.tables.output_units import parse_output_units
+    from crankfem.cli.tables.harmonics_tables import write_table
+
+    shown = parse_output_units(units)
+    if orders is not None and not orders > 0.0:
+        raise InputError(
+            f"--orders: given {orders:g}; allowed is an order above 0, because "
+            "orders count cycles per crankshaft revolution."
+        )
+    asked = _Asked(strokes, orders, cylinder, speed, csv, pictures)
+    record = _of_engine(source, asked) if _names_engine(source) else _of_table(source, asked)
+    if csv is not None:
+        write_table(csv, record)
+    if json:
+        print_json(record)
+        return
+    _print(record, orders, shown)
+    for path, kind in ((csv, "Table"), (pictures, "Pictures")):
+        if path is not None:
+            console.output.print(f"{kind}: {path}", soft_wrap=True)
+
+
+def _names_engine(source: str) -> bool:
+    """Tell an engine from a torque table: by the file's ending, or as the name of a shipped engine."""
+    from crankfem.files.reading.data_files import shipped_engines
+
+    path = Path(source)
+    if path.suffix.lower() in (".toml", ".csv"):
+        return path.suffix.lower() == ".toml"
+    return not path.is_file() or (path.name in shipped_engines() and path.parent == Path())
+
+
+def _of_table(source: str, asked: _Asked) -> dict[str, Any]:
+    from crankfem.analyses.mechanism.harmonics_record import harmonics_record
+    from crankfem.analyses.mechanism.plots.plots import plot_torque
+    from crankfem.files.reading.data_files import torque_path
+    from crankfem.jobs.outputs import check_outputs
+    from dynamics.torque_table import read_torque_table
+
+    for name, value, lacks in (
+        ("cylinder", asked.cylinder, "cylinders"),
+        ("speed", asked.speed, "speed"),
+    ):
+        if value is not None:
+            raise InputError(
+                f"--{name}: given {value} with a torque table; allowed is an engine file, because a "
+                f"table knows no {lacks}."
+            )
+    path = torque_path(source)
+    table = read_torque_table(path, strokes=4 if asked.strokes is None else asked.strokes)
+    found = table.harmonics()
+    _check_resolved(asked.orders, found)
+    folder = check_outputs(asked.csv, asked.pictures, path)
+    if folder is not None:
+        plot_torque(folder / "torque.svg", table.torque, found)
+    return {"table": path.name} | harmonics_record(found)
+
+
+def _of_engine(source: str, asked: _Asked) -> dict[str, Any]:
+    from crankfem.analyses import titles
+    from crankfem.analyses.mechanism.plots.torque_plots import picture_torque
+    from crankfem.cli.speed_argument import parse_speed
+    from crankfem.cli.tables.harmonics_tables import engine_record, pin_force_record
+    from crankfem.files.engine.input_files import mechanism_inputs
+    from crankfem.files.engine.mechanism_file import load_mechanism
+    from crankfem.jobs.outputs import check_outputs
+    from dynamics.torque.pin_harmonics import pin_force_harmonics
+    from dynamics.torque.torque import engine_torque
+
+    mechanism = load_mechanism(source)
+    engine, strokes, cylinder = mechanism.layout, asked.strokes, asked.cylinder
+    turning = parse_speed(asked.speed)
+    speed = mechanism.rated_speed if turning is None else turning
+    if strokes is not None and strokes != engine.strokes:
+        raise InputError(
+            f"--strokes: given {strokes}; allowed is {engine.strokes} or nothing, because the engine "
+            "file says so."
+        )
+    if cylinder is not None and not 1 <= cylinder <= len(engine.cylinders):
+        raise InputError(
+            f"--cylinder: given {cylinder}; allowed is 1 to {len(engine.cylinders)}, because the "
+            "engine has that many."
+        )
+    folder = check_outputs(asked.csv, asked.pictures, *mechanism_inputs(mechanism))
+    pressure = mechanism.pressure or None
+    torque = engine_torque(engine, speed, pressure, throws=mechanism.throws)
+    _check_resolved(asked.orders, torque.harmonics())
+    highest = USUAL_ENGINE_ORDERS if asked.orders is None else asked.orders
+    record = engine_record(mechanism, torque, highest)
+    if cylinder is not None:
+        forces = pin_force_harmonics(engine, speed, pressure, highest_order=highest)
+        record["cylinder"] = pin_force_record(forces[cylinder - 1])
+    if folder is not None:
+        picture_torque(folder, torque, highest, title=titles.at_speed(mechanism.name, speed))
+    return record
+
+
+def _check_resolved(orders: float | None, found: "Harmonics") -> None:
+    if orders is None:
+        return
+    if orders < found.orders[0]:
+        raise InputError(
+            f"--orders: given {orders:g}; allowed is {found.orders[0]:g} or more, because that is the "
+            "lowest order of the cycle."
+        )
+    if orders > found.highest_order * (1.0 + 1e-9):
+        raise InputError(
+            f"--orders: given {orders:g}; allowed is {found.highest_order:g} or less, because "
+            f"{found.samples} samples over one cycle resolve no higher order."
+        )
+
+
+def _print(record: dict[str, Any], orders: float | None, units: "OutputUnits") -> None:
+    from crankbase.tables.table_units import table_unit
+    from crankfem.cli.tables.harmonics_tables import (
+        COLUMNS,
+        print_engine,
+        print_harmonics,
+        print_pin_forces,
+    )
+
+    if "throws" in record:
+        print_engine(record, units)
+        if "cylinder" in record:
+            print_pin_forces(record["cylinder"], units)
+        return
+    mean = table_unit([record["mean"]], "N m", units).with_unit(record["mean"])
+    console.print_line(
+        f"Mean {mean}; {record['samples']} samples resolve orders up to "
+        f"{record['highest_order']:g}."
+    )
+    highest = USUAL_ORDERS if orders is None else orders
+    kept = sum(order <= highest * (1.0 + 1e-9) for order in record["orders"])
+    shown = record | {name: record[name][:kept] for name in COLUMNS}
+    print_harmonics("Harmonics", shown, "N m", units)

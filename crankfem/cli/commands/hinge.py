@@ -1,0 +1,84 @@
+"""The elastic hinge that keeps a crank's speed constant."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from crankfem.cli import console
+from crankfem.cli.commands import completion
+from crankfem.cli.commands.options import (
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    UnitsOption,
+    checked_choice,
+)
+from crankfem.cli.console import print_json
+
+
+def hinge(
+    file: Annotated[
+        str,
+        typer.Argument(
+            metavar="HINGE.toml",
+            help="Hinge file, or the name of a shipped one.",
+            autocompletion=completion.hinges,
+        ),
+    ] = "crosshead-30-100",
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            metavar='"142 1/min"',
+            help="The one other running point of the file to look at; all of them by default.",
+        ),
+    ] = None,
+    kinematics: Annotated[
+        str, typer.Option(help="By which the guides are made: exact, series or printed.")
+    ] = "exact",
+    csv: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv", help="Write all over the turn.")
+    ] = None,
+    pictures: Annotated[
+        str | None, typer.Option(metavar="FOLDER", help="Write moments, guides and speeds.")
+    ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
+    units: UnitsOption = None,
+    json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+) -> None:
+    """Guides of an elastic hinge for constant crank speed, and how evenly the crank turns with it."""
+    from crankbase.tables.output_units import parse_output_units
+    from crankbase.units.quantity import parse_quantity
+    from crankfem.analyses.hinge.hinge_records import hinge_columns, hinge_record
+    from crankfem.analyses.hinge.hinge_run import run_hinge
+    from crankfem.cli.column_file import write_columns
+    from crankfem.cli.tables.hinge_tables import print_hinge
+    from crankfem.files.hinge.hinge_file import load_hinge
+    from crankfem.jobs.outputs import check_outputs
+    from dynamics.hinge.reduced import KINEMATICS
+
+    shown = parse_output_units(units)
+    other = None if speed is None else parse_quantity(speed, "rad/s", "--speed")
+    loaded = load_hinge(file)
+    described = checked_choice(
+        "--kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
+    )
+    folder = check_outputs(csv, pictures, loaded.path)
+    run = run_hinge(loaded, described, other)
+    record = hinge_record(run)
+    if csv is not None:
+        write_columns(csv, hinge_columns(run))
+    made: list[Path] = []
+    if folder is not None:
+        from crankfem.analyses.hinge.hinge_pictures import plot_hinge
+
+        made = plot_hinge(folder, run)
+    if json:
+        print_json(record | {"pictures": [str(path) for path in made]})
+        return
+    print_hinge(record, shown)
+    if csv is not None:
+        console.output.print(f"Over the turn: {csv}", soft_wrap=True)
+    if made:
+        console.output.print(f"Pictures: {pictures} ({len(made)} files)", soft_wrap=True)

@@ -1,0 +1,201 @@
+"""Compliances from a model."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from crankbase.errors import InputError
+from crankfem.cli.commands import completion
+from crankfem.cli.commands.options import (
+    GammaOption,
+    JsonOption,
+    ModelArgument,
+    QuietOption,
+    UnitsOption,
+)
+from crankfem.cli.console import print_json, print_line
+
+if TYPE_CHECKING:
+    from crankbase.tables.output_units import OutputUnits
+    from regression.models.compliance_model import ComplianceModel
+    from regression.models.lookup import Lookup
+
+
+def lookup(
+    model: ModelArgument,
+    dimensions: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="NAME=VALUE...",
+            help="Dimensions with units, and choices.",
+            autocompletion=completion.dimensions,
+        ),
+    ] = None,
+    throw: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ENGINE.toml",
+            help="Take the dimensions of this file's throw; those given change it.",
+            autocompletion=completion.engines,
+        ),
+    ] = None,
+    gamma: GammaOption = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Refuse what lies outside the range of the model.")
+    ] = False,
+    units: UnitsOption = None,
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Look compliances up in a model, with range check and error band."""
+    from crankbase.tables.output_units import parse_output_units
+    from crankfem.cli.model_arguments import model_dimensions
+    from regression.models.compliance_model import ComplianceModel
+
+    shown = parse_output_units(units)
+    loaded = ComplianceModel.load(model)
+    asked: dict[str, Any] = {}
+    if throw is not None:
+        from crankfem.files.engine.throw_file import load_throw
+
+        asked |= loaded.dimensions_of(load_throw(throw)[0])
+    asked |= model_dimensions(loaded, dimensions or [])
+    angle = None
+    if gamma is not None:
+        from crankfem.cli.angle_argument import parse_gamma
+
+        angle = parse_gamma(gamma, quiet)
+    answers, refused = _answers(loaded, asked, angle, strict)
+    if json:
+        records = {name: _record(answer) for name, answer in answers.items()}
+        print_json(records | {name: {"refused": reason} for name, reason in refused.items()})
+        return
+    _print_answers(loaded, answers, angle is not None, shown)
+    for name, reason in refused.items():
+        print_line(shown.text(f"{_title(name)}: left out; {reason}"))
+
+
+def _answers(
+    model: "ComplianceModel", asked: dict[str, Any], gamma: float | None, strict: bool
+) -> tuple[dict[str, "Lookup"], dict[str, str]]:
+    """Look all responses up; tell which cannot be, as long as any can."""
+    from regression.models.compliance_model import ANGLE_LAWS
+
+    answers: dict[str, Lookup] = {}
+    refused: dict[str, str] = {}
+    angles = [name for name in model.responses if gamma is not None and name in ANGLE_LAWS]
+    if gamma is not None and not angles:
+        raise InputError(
+            f"--gamma: given {gamma:g}; allowed only with a model of {' or '.join(ANGLE_LAWS)}, because "
+            "nothing else depends on the angle."
+        )
+    for name in angles:
+        try:
+            model.angle_law(name)
+        except InputError as error:
+            refused[name] = str(error)
+    if angles and len(refused) == len(angles):
+        raise InputError(refused[angles[0]])
+    for name in [name for name in model.responses if name not in refused]:
+        angle = gamma if name in angles else None
+        try:
+            answers[name] = model.lookup(name, gamma_deg=angle, strict=strict, **asked)
+        except InputError as error:
+            if strict:
+                raise
+            refused[name] = str(error)
+    if not answers:
+        raise InputError(next(iter(refused.values())))
+    return answers, refused
+
+
+def _record(answer: "Lookup") -> dict[str, Any]:
+    return {
+        "value": answer.value,
+        "lower": answer.lower,
+        "upper": answer.upper,
+        "unit": answer.unit,
+        "symbol": answer.symbol,
+        "support": answer.support,
+        "inside": answer.inside,
+        "remarks": list(answer.remarks),
+        "largest_held_out_error": answer.error,
+        "largest_fe_error_estimate": answer.fe_error,
+        "band": answer.band,
+        "equation": answer.equation,
+    }
+
+
+def _print_answers(
+    model: "ComplianceModel",
+    answers: dict[str, "Lookup"],
+    with_angle: bool,
+    units: "OutputUnits",
+) -> None:
+    """Print a line for each response, those that depend on the angle first, then what all share."""
+    from regression.models.compliance_model import ANGLE_LAWS
+
+    between = [name for name in answers if with_angle and name in ANGLE_LAWS]
+    others = [name for name in answers if name not in between]
+    shared = [
+        remark
+        for remark in next(iter(answers.values())).remarks
+        if all(remark in answer.remarks for answer in answers.values())
+    ]
+    for name in between:
+        _print_answer(name, answers[name], shared, units)
+    if between and others:
+        print_line("Whatever the angle of --gamma:")
+    for name in others:
+        _print_answer(name, answers[name], shared, units)
+    for remark in shared:
+        print_line(units.text(remark))
+    banded = [name for name, answer in answers.items() if answer.inside]
+    equations = [part for n in banded for part in (ANGLE_LAWS[n] if n in between else (n,))]
+    if equations:
+        _print_bands(model, equations)
+
+
+def _print_answer(name: str, answer: "Lookup", shared: list[str], units: "OutputUnits") -> None:
+    value = units.quantity(answer.value, answer.unit, 4)
+    support = f" ({answer.support})" if answer.support else ""
+    if not answer.inside:
+        place = "OUTSIDE the range, where no band holds"
+    elif answer.lower is None or answer.upper is None:
+        place = "its band is open, inside the range"
+    else:
+        lower, upper = (units.quantity(end, answer.unit, 4) for end in (answer.lower, answer.upper))
+        place = f"{lower} to {upper}, inside the range"
+    print_line(f"{_title(name)}: {value}{support}, {place}")
+    for remark in answer.remarks:
+        if remark not in shared:
+            print_line(units.text(f"  {remark}"))
+
+
+def _print_bands(model: "ComplianceModel", names: list[str]) -> None:
+    """Say from which errors the bands are made, and what is not known of them."""
+    from regression.models.error_band import equation_error, percent
+
+    used = {name: model.responses[name] for name in names}
+
+    def span(errors: list[float]) -> str:
+        ends = dict.fromkeys(percent(error) for error in (min(errors), max(errors)))
+        return " to ".join(ends)
+
+    estimates = [one.largest_fe_error for one in used.values() if one.largest_fe_error is not None]
+    elements = f" and the finite elements' own estimate ({span(estimates)})" if estimates else ""
+    equations = span([equation_error(one) for one in used.values()])
+    print_line(
+        f"Bands: largest error of the equation at held-out designs and runs ({equations}){elements}; "
+        "--json tells them by response."
+    )
+    unjudged = [_title(name) for name, one in used.items() if one.largest_heldout_error is None]
+    if unjudged:
+        print_line(f"  Without held-out designs, too small an error: {', '.join(unjudged)}.")
+    unknown = [_title(name) for name, one in used.items() if one.largest_fe_error is None]
+    if unknown:
+        print_line(f"  The error of the finite elements was not estimated: {', '.join(unknown)}.")
+
+
+def _title(name: str) -> str:
+    return name.replace("_", " ")

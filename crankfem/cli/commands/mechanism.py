@@ -1,0 +1,86 @@
+"""Forces, loads, torque and balance of an engine's crank mechanism."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from crankfem.cli import console
+from crankfem.cli.commands.options import (
+    EngineArgument,
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    SpeedOption,
+    UnitsOption,
+    checked_choice,
+)
+from crankfem.cli.console import print_json
+
+
+def mechanism(
+    engine: EngineArgument,
+    speed: SpeedOption = None,
+    model: Annotated[
+        str,
+        typer.Option(
+            help='Of the rods\' masses: rigid, three-mass, two-mass, or "two-mass with inertia".'
+        ),
+    ] = "rigid",
+    motored: Annotated[
+        bool, typer.Option("--motored", help="Turn the engine without combustion.")
+    ] = False,
+    csv: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv", help="Write all forces over the cycle.")
+    ] = None,
+    pictures: Annotated[
+        str | None, typer.Option(metavar="FOLDER", help="Write load diagrams and hodographs.")
+    ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
+    units: UnitsOption = None,
+    json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+) -> None:
+    """Forces in the crank mechanism, load diagrams of the bearings, and the balance of the engine."""
+    from crankbase.tables.output_units import parse_output_units
+    from crankfem.analyses.mechanism.balance_records import balance_record, hinged_rods_record
+    from crankfem.analyses.mechanism.mechanism_records import force_columns, mechanism_record
+    from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+    from crankfem.analyses.mechanism.plots.mechanism_pictures import picture_mechanism
+    from crankfem.cli.column_file import write_columns
+    from crankfem.cli.speed_argument import parse_speed
+    from crankfem.cli.tables.balance_tables import print_balance, print_hinged_rods
+    from crankfem.cli.tables.mechanism_tables import print_mechanism
+    from crankfem.files.engine.input_files import mechanism_inputs
+    from crankfem.files.engine.mechanism_file import load_mechanism
+    from crankfem.jobs.outputs import check_outputs
+    from dynamics.mechanism.rods import ROD_MODELS
+
+    shown = parse_output_units(units)
+    loaded, turning = load_mechanism(engine), parse_speed(speed)
+    rods = checked_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")
+    folder = check_outputs(csv, pictures, *mechanism_inputs(loaded))
+    run = run_mechanism(loaded, turning, rods, motored=motored)
+    record = mechanism_record(run)
+    balanced, hinged = balance_record(run.balance), hinged_rods_record(run.hinged_rods)
+    if csv is not None:
+        write_columns(csv, *force_columns(run))
+    made = [] if folder is None else picture_mechanism(folder, run)
+    if json:
+        print_json(
+            record
+            | {
+                "balance": balanced,
+                "hinged_rods": hinged,
+                "pictures": [str(path) for path in made],
+            }
+        )
+        return
+    print_mechanism(record, shown)
+    print_balance(balanced, shown)
+    if hinged:
+        print_hinged_rods(hinged, shown)
+    if csv is not None:
+        console.output.print(f"Forces: {csv}", soft_wrap=True)
+    if made:
+        console.output.print(f"Pictures: {pictures} ({len(made)} files)", soft_wrap=True)

@@ -1,0 +1,142 @@
+"""A file to start from: a template that explains itself, or a copy of a shipped one."""
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from crankbase.errors import InputError
+from crankfem.cli import console
+from crankfem.cli.commands import completion
+from crankfem.cli.commands.options import ForceOption, JsonOption, QuietOption
+from crankfem.cli.console import print_json
+
+CYLINDERS, STROKES = 6, 4
+# What serves a file best, by its kind.
+NEXT = {
+    "engine": "run",
+    "mechanism": "mechanism",
+    "throw": "throw",
+    "hinge": "hinge",
+    "chain": "vibration",
+}
+
+
+def new(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="ENGINE.toml", help="The file to write.")
+    ] = None,
+    source: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="NAME",
+            help="Copy this shipped engine, hinge or chain in place of the template.",
+            autocompletion=completion.shipped,
+        ),
+    ] = None,
+    cylinders: Annotated[
+        int | None,
+        typer.Option(
+            help="Cylinders in line of the template, 1 to 8.", show_default=str(CYLINDERS)
+        ),
+    ] = None,
+    strokes: Annotated[
+        int | None,
+        typer.Option(help="Its strokes per cycle, 2 or 4.", show_default=str(STROKES)),
+    ] = None,
+    listed: Annotated[bool, typer.Option("--list", help="List what is shipped.")] = False,
+    force: ForceOption = False,
+    json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+) -> None:
+    """Write an engine file that explains itself and runs as it is, or copy a shipped one."""
+    from crankfem.jobs.outputs import check_writable
+
+    if listed:
+        if file is not None or source is not None:
+            raise InputError(
+                "--list: given with a file; allowed is --list alone, for it writes none."
+            )
+        _list(json)
+        return
+    if file is None:
+        raise InputError(
+            "new: given no file; allowed is the name of one to write, like `crankfem new mine.toml`, or "
+            "--list."
+        )
+    if os.path.lexists(file) and not force:
+        raise InputError(f"{file}: exists already; give a new file name, or --force to replace it.")
+    check_writable(file, "input file")
+    if source is None:
+        kind = "engine"
+        _write_template(file, cylinders, strokes)
+    else:
+        for option, value in (("--cylinders", cylinders), ("--strokes", strokes)):
+            if value is not None:
+                raise InputError(
+                    f"{option}: given {value} with --from; allowed is one of the two, because a copy has "
+                    "its own cylinders."
+                )
+        kind = _copy(source, file)
+    command = f"crankfem {NEXT[kind]} {file}"
+    if json:
+        print_json({"file": str(file), "from": source, "kind": kind, "next": command})
+        return
+    console.print_line(
+        f"{file} written. Replace its values with yours (those marked assumed first), look at them with "
+        f"`crankfem check {file}`, then: {command}"
+    )
+
+
+def _write_template(file: Path, cylinders: int | None, strokes: int | None) -> None:
+    from crankbase.outputs import hand_over
+    from crankfem.files.engine.engine_template import engine_template
+
+    text = engine_template(
+        file.name,
+        CYLINDERS if cylinders is None else cylinders,
+        STROKES if strokes is None else strokes,
+    )
+    hand_over(file, text.encode(), "input file")
+
+
+def _copy(source: str, file: Path) -> str:
+    """Copy a shipped file; return its kind."""
+    from crankbase.outputs import hand_over
+    from crankfem.files.reading.shipped import shipped_files
+    from crankfem.jobs.outputs import check_writable
+
+    known = {one.name: one for one in shipped_files()}
+    found = known.get(source.removesuffix(".toml"))
+    if found is None:
+        raise InputError(
+            f"--from: given {source!r}; allowed are {', '.join(known)}, because these are shipped."
+        )
+    check_writable(file, "input file", found.path)
+    hand_over(file, found.path.read_bytes(), "input file")
+    return found.kind
+
+
+def _list(json: bool) -> None:
+    from crankbase.tables.table import Column, Table
+    from crankfem.files.reading.shipped import shipped_files
+
+    if json:
+        print_json(
+            {
+                "shipped": [
+                    {"name": one.name, "kind": one.kind, "about": one.about, "file": str(one.path)}
+                    for one in shipped_files()
+                ]
+            }
+        )
+        return
+    console.print_table(
+        Table(
+            "Shipped files, for `crankfem new MY.toml --from NAME` or by name in place of a file",
+            [Column(name, words=True) for name in ("name", "kind", "about")],
+            [[one.name, one.kind, one.about] for one in shipped_files()],
+        )
+    )

@@ -1,0 +1,127 @@
+"""The main job, and its report written again."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from crankbase.errors import InputError
+from crankfem.cli import console
+from crankfem.cli.commands.options import (
+    EngineArgument,
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    StrictOption,
+    UnitsOption,
+    WorkersOption,
+)
+from crankfem.cli.commands.strict import check_judged, end_strictly
+from crankfem.cli.console import print_json
+
+if TYPE_CHECKING:
+    from crankbase.tables.output_units import OutputUnits
+
+
+def run(
+    engine: EngineArgument,
+    output: Annotated[
+        str | None, typer.Option(help="Folder for the results; NAME-results by default.")
+    ] = None,
+    workers: WorkersOption = 2,
+    strict: StrictOption = False,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
+    units: UnitsOption = None,
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Do everything: throw, formulas, study, vibration, and a report, into one folder.
+
+    With --quiet only the path of the report is printed.
+    """
+    from crankbase.tables.output_units import parse_output_units
+    from crankfem.files.engine.engine_file import load_engine
+    from crankfem.jobs.pipeline import run_engine
+
+    shown = parse_output_units(units)
+    if strict:
+        check_judged(load_engine(engine))
+    with console.RunProgress(quiet) as progress:
+        try:
+            made = run_engine(engine, output, workers=workers, progress=progress)
+        except KeyboardInterrupt:
+            if not progress.total:  # there is no study, or nothing of it is known yet
+                raise
+            console.end_interrupted(
+                f"Stopped. {progress.finished_designs} are finished and kept; the same command takes them "
+                "over."
+            )
+        progress.finish()
+    if json:
+        print_json(made.results)
+    elif quiet:
+        console.print_line(str(made.report))
+    else:
+        _print(made.results, shown)
+        console.print_line(f"Report: {made.report}")
+    if strict:
+        end_strictly(made.results["vibration"])
+
+
+def _print(results: dict[str, Any], units: "OutputUnits") -> None:
+    from crankfem.cli.tables import fit_tables, formula_tables, tables
+    from crankfem.cli.tables.vibration_tables import print_run
+
+    tables.print_throw(results["throw"], units)
+    formula_tables.print_one_throw(results["formulas"], 180.0, units=units)
+    if results["study"] is not None:
+        fit_tables.print_main_fits(results["study"]["fits"])
+    print_run(results["vibration"], units)
+
+
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of a finished run.")],
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Write the report of a finished run again, from its results and pictures."""
+    import json as json_module
+
+    from jinja2 import TemplateError
+
+    from crankbase.outputs import check_output, files_of_a_run, is_plain, protect
+    from crankfem.jobs.run_files import PICTURES, REPORT, RESULTS, list_older_run
+    from crankfem.report.writing import render_report, write_report_text
+
+    path = folder / RESULTS
+    if not is_plain(path):
+        raise InputError(
+            f"{folder}: has no {RESULTS}; give the folder that crankfem run has written."
+        )
+    protect(path)
+    list_older_run(folder)
+    with files_of_a_run():
+        check_output(folder / REPORT, "report")
+    content = path.read_bytes()
+    try:
+        results = json_module.loads(content.decode("utf-8"))
+        text, unread = render_report(results, folder / PICTURES)
+    except (
+        ValueError,
+        LookupError,
+        TypeError,
+        AttributeError,
+        ArithmeticError,
+        TemplateError,
+    ) as error:
+        raise InputError(
+            f"{path}: is not what crankfem run writes ({error}); run it again."
+        ) from None
+    made = write_report_text(folder / REPORT, text)
+    if unread is not None:
+        console.note(f"Note: {unread}", quiet)
+    if json:
+        print_json({"report": str(made)})
+    else:
+        console.print_line(str(made) if quiet else f"Report: {made}")

@@ -1,0 +1,147 @@
+"""A throw as drawing, picture, solid or mesh."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from crankbase.errors import InputError
+from crankfem.cli import console
+from crankfem.cli.commands.options import EngineArgument, ForceOption, JsonOption, QuietOption
+from crankfem.cli.console import print_json
+
+
+def export(
+    engine: EngineArgument,
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="File to write; its ending says what: .step .stp (solid), .msh .vtu .vtk .inp .med "
+            "(mesh), .stl .ply .obj (surface).",
+        ),
+    ],
+    part: Annotated[str, typer.Option(help="full, half, quarter, or auto.")] = "full",
+    size: Annotated[float, typer.Option(help="Scale of the element sizes; 1 is usual.")] = 1.0,
+    shaft: Annotated[bool, typer.Option("--shaft", help="The whole crankshaft (STEP).")] = False,
+    calculix: Annotated[
+        bool,
+        typer.Option(
+            "--calculix", help="Into .inp write a whole deck: mesh, supports, load cases."
+        ),
+    ] = False,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
+    json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+) -> None:
+    """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
+    from crankfem.files.engine.throw_file import load_crankshaft, load_throw
+    from crankfem.files.reading.data_files import engine_path
+    from crankfem.jobs.outputs import check_writable
+    from fem.calculix import write_calculix
+    from geometry.mesh_files import ENDINGS as MESH_ENDINGS
+    from geometry.mesh_files import SOLID_ENDINGS, SURFACE_ENDINGS, write_mesh
+    from geometry.mesher import mesh_isolated
+    from geometry.solid_files import ENDINGS, write_step
+
+    throw, material = load_throw(engine)
+    record: dict[str, Any] = {"file": str(file)}
+    if calculix and (file.suffix != ".inp" or part != "full"):
+        raise InputError(
+            f"--calculix: given {file.name} and --part {part}; allowed is a file ending in .inp with the "
+            "whole throw, for the deck holds and loads both ends."
+        )
+    if shaft or file.suffix.lower() in ENDINGS:
+        if size != 1.0:
+            raise InputError(f"--size: given {size:g}; allowed only for meshes, not for solids.")
+        check_writable(file, "solid", engine_path(engine))
+        write_step(load_crankshaft(engine) if shaft else throw, file, part)
+    else:
+        if file.suffix.lower() not in MESH_ENDINGS:
+            raise InputError(
+                f"{file.name}: given the ending {file.suffix!r}; allowed are {', '.join(ENDINGS)} (solid), "
+                f"{', '.join(SOLID_ENDINGS)} (mesh) and {', '.join(SURFACE_ENDINGS)} (surface)."
+            )
+        if not 0.05 <= size <= 10.0:
+            raise InputError(f"--size: given {size:g}; allowed is 0.05 to 10.")
+        check_writable(file, "deck" if calculix else "mesh", engine_path(engine))
+        mesh = mesh_isolated(throw, size, part)
+        if calculix:
+            write_calculix(mesh, material, file)
+        else:
+            write_mesh(mesh, file)
+        record |= {
+            "kind": "surface" if file.suffix.lower() in SURFACE_ENDINGS else "mesh",
+            "nodes": len(mesh.points),
+            "elements": len(mesh.elements),
+            "surfaces": {name: len(facets) for name, facets in mesh.surfaces.items()},
+            "attempts": list(mesh.attempts),
+        }
+    if json:
+        print_json(record)
+        return
+    mesh_text = ""
+    if record.get("kind") == "mesh":
+        mesh_text = f": {record['nodes']} nodes, {record['elements']} elements"
+    console.output.print(f"{file} written{mesh_text}; lengths in m.", soft_wrap=True)
+
+
+def draw(
+    engine: EngineArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DRAWING.svg", help="Drawing: svg, png or pdf; NAME-throw.svg by default."
+        ),
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option(metavar="THROW.png", help="Picture of the throw's solid.")
+    ] = None,
+    shaft: Annotated[
+        Path | None, typer.Option(metavar="SHAFT.png", help="Picture of the whole crankshaft.")
+    ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
+    json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+) -> None:
+    """Draw a throw to scale with its dimensions, and picture the solid of throw and crankshaft."""
+    from crankfem.analyses.throw.pictures.drawing import check_drawing_ending, write_drawing
+    from crankfem.analyses.throw.pictures.solid_picture import (
+        check_picture_ending,
+        picture_shaft,
+        picture_throw,
+    )
+    from crankfem.files.engine.throw_file import load_crankshaft, load_throw
+    from crankfem.files.reading.data_files import engine_path
+    from crankfem.jobs.outputs import check_apart, check_writable
+
+    source = engine_path(engine)
+    drawing = output or Path(f"{source.stem}-throw.svg")
+    check_drawing_ending(drawing)
+    for file in filter(None, (picture, shaft)):
+        check_picture_ending(file)
+    check_apart({"--output": drawing, "--picture": picture, "--shaft": shaft})
+    for file in filter(None, (drawing, picture, shaft)):
+        check_writable(file, "picture", source)
+    dimensions, _ = load_throw(engine)
+    crankshaft = load_crankshaft(engine) if shaft else None
+    files = [write_drawing(dimensions, drawing, _title(engine))]
+    if picture:
+        files.append(picture_throw(dimensions, picture))
+    if shaft and crankshaft:
+        files.append(picture_shaft(crankshaft, shaft))
+    if json:
+        print_json({"files": [str(file) for file in files]})
+        return
+    for file in files:
+        console.output.print(f"{file} written.", soft_wrap=True)
+
+
+def _title(engine: str) -> str:
+    """Return the engine's name, or its file's where that says none."""
+    from crankfem.files.reading.data_files import engine_path
+    from crankfem.files.reading.toml_file import read_toml
+
+    path = engine_path(engine)
+    name = read_toml(path).sections.get("engine", {}).get("name")
+    return name if isinstance(name, str) and name.strip() else path.stem

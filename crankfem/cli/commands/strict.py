@@ -1,0 +1,45 @@
+"""How --strict ends: by the verdict of the assessment."""
+
+from typing import TYPE_CHECKING, Any
+
+from crankbase.errors import InputError
+from crankfem.cli import console
+
+if TYPE_CHECKING:
+    from crankfem.files.engine.engine_file import EngineFile
+
+NOT_ACCEPTABLE = "not acceptable"
+
+
+def check_judged(engine: "EngineFile") -> None:
+    """Refuse an engine that --strict cannot judge, before anything is computed for it.
+
+    Raises
+    ------
+    InputError
+        If its file gives no gas pressure: nothing is forced then, nor held against limits.
+    """
+    if engine.gas is None and engine.gas_map is None:
+        raise InputError(
+            "--strict: given for an engine file without gas pressure; allowed is one with a section [gas] "
+            "or [gas_map], because nothing can be judged otherwise."
+        )
+
+
+def end_strictly(vibration: dict[str, Any]) -> None:
+    """End with code 4 if the limits are exceeded, after all results have been written and printed.
+
+    Parameters
+    ----------
+    vibration : dict
+        Record of the vibration, `crankfem.analyses.vibration.records.run_record`, of an engine that
+        `check_judged` has let pass.
+
+    Raises
+    ------
+    SystemExit
+        With code 4 if the verdict is "not acceptable".
+    """
+    assessment = vibration["assessment"]
+    if assessment["status"] == NOT_ACCEPTABLE:
+        console.end_exceeded(f"Limits are exceeded: {assessment['sentence']}")

@@ -1,0 +1,140 @@
+"""A throw by finite elements: compliances and fillet stresses."""
+
+import time
+from pathlib import Path
+from typing import Annotated, Any, cast
+
+import typer
+
+from crankbase.errors import InputError
+from crankfem.cli import console
+from crankfem.cli.commands.options import (
+    EngineArgument,
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    ThrowArgument,
+    UnitsOption,
+)
+from crankfem.cli.console import print_json
+
+
+def throw(
+    engine: ThrowArgument,
+    accuracy: Annotated[float, typer.Option(help="Relative accuracy of e_n, 0.001 to 0.1.")] = 0.01,
+    pins: Annotated[
+        list[str] | None,
+        typer.Option("--pin", help="Name of a crankpin's face in a STEP file; once for each pin."),
+    ] = None,
+    end_sections: Annotated[
+        str, typer.Option(help="rigid, or averaged (free to warp); the two bound the truth.")
+    ] = "rigid",
+    solver: Annotated[str, typer.Option(help="pardiso, superlu, or auto.")] = "auto",
+    modes: Annotated[
+        int, typer.Option(help="Also find so many natural modes of the free throw.")
+    ] = 0,
+    profile: Annotated[bool, typer.Option("--profile", help="Print where the time goes.")] = False,
+    units: UnitsOption = None,
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Analyze one throw by finite elements: compliances, reactions, masses.
+
+    A STEP file is a CAD part of steel: z along the shaft, faces named "left end", "right end" and
+    "pin", or none named at all.
+    """
+    from crankbase.tables.output_units import parse_output_units
+    from crankfem.analyses.throw.throw_record import mode_records, throw_record
+    from crankfem.cli.tables import tables
+    from crankfem.files.engine.throw_file import load_throw
+    from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
+    from fem.analysis import analyze_throw
+    from fem.class_modes import MOST_MODES
+    from fem.material import STEEL
+    from geometry.imported import import_throw
+    from geometry.mesher import Throw
+    from geometry.solid_files import ENDINGS
+
+    shown = parse_output_units(units)
+    if not 0 <= modes <= MOST_MODES:
+        raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
+    if Path(engine).suffix.lower() in ENDINGS:
+        part: Throw = import_throw(engine, pins=pins or ("pin",))
+        for remark in part.remarks:
+            console.note(remark, quiet)
+        material = STEEL
+    else:
+        if pins:
+            raise InputError(
+                f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
+            )
+        part, material = load_throw(engine)
+    analysis = analyze_throw(
+        part, material, accuracy, solver=solver, end_sections=cast(Any, end_sections)
+    )
+    record = throw_record(analysis, UNIT_RADIAL_FORCE)
+    if modes:
+        start = time.perf_counter()
+        record["free_modes"] = mode_records(analysis.free_modes(modes))
+        record["seconds"]["modes"] = time.perf_counter() - start
+    if json:
+        print_json(record)
+        return
+    tables.print_throw(record, shown)
+    if modes:
+        tables.print_free_modes(record["free_modes"], shown)
+    if profile:
+        tables.print_profile(record["seconds"])
+
+
+def stress(
+    engine: EngineArgument,
+    accuracy: Annotated[
+        float, typer.Option(help="Relative accuracy of the largest stresses, 0.02 to 0.2.")
+    ] = 0.05,
+    end_sections: Annotated[str, typer.Option(help="rigid, or averaged (free to warp).")] = "rigid",
+    pictures: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder for a picture of each load.")
+    ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
+    units: UnitsOption = None,
+    json: JsonOption = False,
+    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+) -> None:
+    """Find the stresses at a throw's fillets under unit loads, and their concentration factors."""
+    from crankbase.outputs import check_output, protect
+    from crankbase.tables.output_units import parse_output_units
+    from crankfem.analyses.throw.pictures.stress_picture import picture_name
+    from crankfem.analyses.throw.stress import stress_record
+    from crankfem.cli.tables.stress_tables import print_stresses
+    from crankfem.files.engine.throw_file import load_throw
+    from crankfem.files.reading.data_files import engine_path
+    from fem.fillet_stress import fillet_stresses
+    from fem.loads import radial_directions
+    from fem.unit_loads import unit_loads
+
+    shown = parse_output_units(units)
+    part, material = load_throw(engine)
+    if pictures is not None:
+        if not pictures.absolute().parent.is_dir():
+            raise InputError(
+                f"{pictures}: cannot be written; there is no folder {pictures.parent}."
+            )
+        if pictures.exists() and not pictures.is_dir():
+            raise InputError(
+                f"--pictures: given {pictures}, which is a file; allowed is a folder, for there is a "
+                "picture of each load."
+            )
+        protect(engine_path(engine))
+        for load in unit_loads(radial_directions(part)):
+            check_output(pictures / picture_name(load), "picture")
+    stresses = fillet_stresses(part, material, accuracy, end_sections=cast(Any, end_sections))
+    record = stress_record(stresses)
+    if pictures is not None:
+        from crankfem.analyses.throw.pictures.stress_picture import picture_stresses
+
+        record["pictures"] = [str(file) for file in picture_stresses(stresses, pictures)]
+    if json:
+        print_json(record)
+    else:
+        print_stresses(record, shown)

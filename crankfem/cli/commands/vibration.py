@@ -1,0 +1,161 @@
+"""Vibration of an engine, or of a chain that a file describes."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from crankbase.errors import InputError
+from crankfem.cli import console
+from crankfem.cli.commands import completion
+from crankfem.cli.commands.options import (
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    StrictOption,
+    UnitsOption,
+)
+from crankfem.cli.commands.strict import check_judged, end_strictly
+from crankfem.cli.console import print_json
+
+if TYPE_CHECKING:
+    from crankbase.tables.output_units import OutputUnits
+
+
+def vibration(
+    engine: Annotated[
+        str,
+        typer.Argument(
+            metavar="ENGINE.toml",
+            help="Engine file, name of a shipped engine, or a chain file (such as mwm-six).",
+            autocompletion=completion.engines_and_chains,
+        ),
+    ],
+    coupled: Annotated[
+        bool,
+        typer.Option("--coupled", help="Calculate the whole crankshaft too, seconds more."),
+    ] = False,
+    run_up: Annotated[
+        str | None,
+        typer.Option(
+            metavar='"10 s"',
+            help="Follow the torsional vibration while the speed rises to the highest in this time.",
+        ),
+    ] = None,
+    csv: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FOLDER", help="Write amplitudes over the speed, a file for each kind."
+        ),
+    ] = None,
+    pictures: Annotated[
+        str | None,
+        typer.Option(metavar="FOLDER", help="Write mode shapes, Campbell diagrams and amplitudes."),
+    ] = None,
+    strict: StrictOption = False,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
+    units: UnitsOption = None,
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Natural frequencies, forced vibration over the speeds, and a verdict against limits."""
+    from crankbase.tables.output_units import parse_output_units
+    from crankfem.files.chain.chain_file import is_chain_file
+
+    shown = parse_output_units(units)
+    if is_chain_file(engine):
+        others = coupled or strict or any(given is not None for given in (run_up, csv, pictures))
+        _of_chain(engine, json, shown, only_engines=others)
+        return
+    from crankbase.drawing.diagram_style import make_folder
+    from crankbase.outputs import check_output, protect
+    from crankfem.analyses.shaft.motion import MOTION
+    from crankfem.analyses.vibration.forced_records import forced_columns
+    from crankfem.analyses.vibration.records import run_record
+    from crankfem.analyses.vibration.run import engine_vibration
+    from crankfem.analyses.vibration.run_up import parse_duration
+    from crankfem.analyses.vibration.run_up import run_up as turned_up
+    from crankfem.analyses.vibration.run_up_records import run_up_record
+    from crankfem.analyses.vibration.vibration_pictures import (
+        picture_names,
+        picture_run_up,
+        picture_vibration,
+    )
+    from crankfem.cli.column_file import write_columns
+    from crankfem.cli.tables.vibration_tables import print_run, print_run_up
+    from crankfem.files.engine.engine_file import load_engine
+    from crankfem.files.engine.input_files import engine_tables
+    from crankfem.files.engine.mechanism_file import mechanism_of
+
+    duration = None if run_up is None else parse_duration(run_up)
+    read = load_engine(engine)
+    if strict:
+        check_judged(read)
+    if csv is not None or pictures is not None:
+        protect(read.path, *engine_tables(read, mechanism_of(read)))
+    folders = [None if given is None else Path(given) for given in (csv, pictures)]
+    for folder in folders:
+        if folder is not None:
+            make_folder(folder)
+    if folders[0] is not None:
+        for kind in MOTION:
+            check_output(folders[0] / f"{kind}.csv", "table")
+    if folders[1] is not None:
+        known = read.gas is not None or read.gas_map is not None
+        made = picture_names(forced=known, coupled=coupled)
+        for name in [*made, *([] if run_up is None else ["run_up.svg"])]:
+            check_output(folders[1] / name, "picture")
+    with console.RunProgress(quiet) as progress:
+        run = engine_vibration(read, coupled=coupled, step=progress.step)
+        found = None
+        if duration is not None:
+            progress.step("Running up")
+            found = turned_up(run, duration)
+        progress.finish()
+    written = []
+    if folders[0] is not None:
+        for forced in (run.forced_axial, run.forced_torsional):
+            if forced is not None:
+                written.append(folders[0] / f"{forced.kind}.csv")
+                write_columns(written[-1], *forced_columns(forced))
+    if folders[1] is not None:
+        written += picture_vibration(folders[1], run)
+        if found is not None:
+            written.append(folders[1] / "run_up.svg")
+            picture_run_up(written[-1], run, found)
+    record = run_record(run)
+    if found is not None and run.forced_torsional is not None:
+        record["run_up"] = run_up_record(found, run.forced_torsional)
+    if json:
+        print_json(record | {"files": [str(path) for path in written]})
+    else:
+        print_run(record, shown)
+        if found is not None:
+            print_run_up(record["run_up"], shown)
+        for path in written:
+            console.print_line(f"Written: {path}")
+    if strict:
+        end_strictly(record)
+
+
+def _of_chain(path: str, json: bool, units: "OutputUnits", *, only_engines: bool) -> None:
+    """Print the modes of a chain file.
+
+    Raises
+    ------
+    InputError
+        If an option is given that only engines have.
+    """
+    from crankfem.cli.tables.chain_tables import chain_record, print_chain
+    from crankfem.files.chain.chain_file import load_chain
+
+    if only_engines:
+        raise InputError(
+            f"{path}: is a chain file, which has no cylinders; allowed with it are --json, --units and "
+            "--quiet, because the other options are about what an engine excites."
+        )
+    record = chain_record(load_chain(path))
+    if json:
+        print_json(record)
+    else:
+        print_chain(record, units)

@@ -1,0 +1,275 @@
+"""How the command line talks: tables on standard output, progress and errors on standard error."""
+
+import json
+import os
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from typing import NoReturn
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TaskID, TextColumn
+from rich.progress import TimeElapsedColumn as Elapsed
+from rich.table import Table as RichTable
+
+from crankbase.errors import (
+    InputError,
+    with_short_quotes,
+)
+from crankbase.tables.output_units import SI, OutputUnits
+from crankbase.tables.table import Table
+from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
+from crankfem.jobs.error_sentences import TRACEBACK, told
+from crankfem.jobs.exit_codes import (
+    EXIT_INPUT,
+    EXIT_INTERRUPTED,
+    EXIT_LIMITS,
+    EXIT_PIPE,
+)
+from regression.records import Outcome
+
+LONGEST_WORD = 20
+# Seconds between two lines of progress where no bar can be drawn.
+LINE_EVERY = 30.0
+# With what rich and typer end where the output is read no more.
+UNREAD = 1
+errors = Console(stderr=True)
+# Brackets in units and file names are text, not markup.
+output = Console(markup=False)
+
+
+def print_json(content: object) -> None:
+    """Print JSON content, and nothing else, on standard output."""
+    sys.stdout.write(json.dumps(content, indent=1, allow_nan=False) + "\n")
+
+
+def print_line(text: str) -> None:
+    """Print one paragraph, as it is."""
+    output.print(text, soft_wrap=True, highlight=False)
+
+
+def note(text: str, quiet: bool = False) -> None:
+    """Tell something beside the results, on standard error, unless --quiet is given."""
+    if not quiet:
+        errors.print(escape(text), soft_wrap=True, highlight=False)
+
+
+def print_table(table: Table, units: OutputUnits = SI) -> None:
+    """Print a table and its note; the first column and columns of words are set left."""
+    drawn = RichTable(
+        title=table.title, title_justify="left", title_style="bold", header_style="bold"
+    )
+    rows = table.texts(units)
+    for place, column in enumerate(table.columns):
+        left = place == 0 or column.words
+        longest = max((len(word) for row in rows for word in row[place].split()), default=0)
+        drawn.add_column(
+            column.head(units),
+            justify="left" if left else "right",
+            overflow="fold",
+            # Words of ordinary length are not broken, even where the terminal is narrow.
+            min_width=longest if left and longest <= LONGEST_WORD else None,
+        )
+    for row in rows:
+        drawn.add_row(*row)
+    output.print(drawn)
+    if table.note:
+        print_line(table.note)
+
+
+def print_notes(remarks: Iterable[str], units: OutputUnits = SI) -> None:
+    """Print remarks, each as a note."""
+    for remark in remarks:
+        print_line(units.text(f"Note: {remark}"))
+
+
+@contextmanager
+def clear_errors() -> Iterator[None]:
+    """End with one sentence and an exit code instead of a traceback.
+
+    The codes are those of `crankfem.jobs.exit_codes`. With the environment variable CRANKFEM_TRACEBACK the
+    traceback of whatever ends the program stands before the sentence.
+    """
+    try:
+        yield
+        sys.stdout.flush()
+    except KeyboardInterrupt:
+        errors.print(interrupted_sentence(), soft_wrap=True)
+        raise SystemExit(EXIT_INTERRUPTED) from None
+    except BrokenPipeError:
+        _end_unread()
+    except SystemExit as end:
+        # Typer turns an interrupt of a command into this code, without a word.
+        if end.code == EXIT_INTERRUPTED and not isinstance(end, SaidExit):
+            errors.print(interrupted_sentence(), soft_wrap=True)
+        # Nothing here ends so; rich and typer do where nobody reads the output any more.
+        if end.code == UNREAD:
+            _end_unread()
+        raise
+    except Exception as error:
+        if os.environ.get(TRACEBACK):
+            traceback.print_exc()
+        message, code = told(error)
+        _stop(message, code)
+
+
+class SaidExit(SystemExit):
+    """An end whose reason has been told."""
+
+
+def end_interrupted(sentence: str) -> NoReturn:
+    """End after an interrupt, with a sentence of one's own."""
+    errors.print(escape(sentence), soft_wrap=True)
+    raise SaidExit(EXIT_INTERRUPTED)
+
+
+def end_misused(sentence: str, command: str) -> NoReturn:
+    """End because the command line is wrong, and say where to read how it is right."""
+    read = f"see `{command}`."
+    if sentence.endswith("?"):
+        _stop(f"{sentence} {read.capitalize()}", EXIT_INPUT)
+    _stop(f"{sentence.rstrip('.')}; {read}", EXIT_INPUT)
+
+
+def end_exceeded(sentence: str) -> NoReturn:
+    """End because limits are exceeded, or cannot be judged, with --strict."""
+    errors.print(escape(sentence), soft_wrap=True, highlight=False)
+    raise SaidExit(EXIT_LIMITS)
+
+
+def _end_unread() -> NoReturn:
+    """End without a word: what read the output has gone."""
+    # What is still buffered goes nowhere, so that Python has nothing to complain of at its end.
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    raise SystemExit(EXIT_PIPE)
+
+
+def _stop(message: str, code: int) -> NoReturn:
+    message = escape(with_short_quotes(message))
+    errors.print(f"[bold red]Error:[/] {message}", soft_wrap=True, highlight=False)
+    raise SystemExit(code)
+
+
+class RunProgress:
+    """Steps of a run and a bar for its study, on standard error; with `quiet` nothing is shown."""
+
+    def __init__(self, quiet: bool = False) -> None:
+        self._quiet = quiet
+        self._raising = ExitStack()
+        self._bar = Progress(
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            Elapsed(),
+            TextColumn("{task.fields[pace]}"),
+            console=errors,
+            disable=quiet,
+        )
+        self._task: TaskID | None = None
+        # Designs finished now and before this run, and all of them.
+        self.finished, self._before, self.total = 0, 0, 0
+        self._began = self._said = time.monotonic()
+
+    def __enter__(self) -> "RunProgress":
+        # Work with progress holds a store or processes open, which an interrupt must let close.
+        self._raising.enter_context(interrupts_raise())
+        self._bar.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is not None and self._task is not None:
+            self._bar.update(self._task, visible=False)
+        self._bar.stop()
+        self._raising.close()
+
+    @property
+    def finished_designs(self) -> str:
+        """How many designs of the study are finished."""
+        return f"{self.finished} of {self.total} designs"
+
+    def step(self, text: str) -> None:
+        """Name the step that begins, and take the last one for done."""
+        if self._task is not None:
+            task = self._bar.tasks[-1]
+            self._bar.update(self._task, completed=task.total, refresh=True)
+        self._task = self._bar.add_task(text, total=1, pace="")
+
+    def design(self, finished: int, total: int, newest: Outcome | None) -> None:
+        """Move the bar; tell the pace, and of a design that failed."""
+        now = time.monotonic()
+        if newest is None:
+            self._before, self._began, self._said = finished, now, now
+        self.finished, self.total = finished, total
+        shown = pace(finished - self._before, now - self._began, total - finished)
+        if self._task is not None:
+            self._bar.update(self._task, completed=finished, total=total, pace=shown, refresh=True)
+        if newest is not None and newest.reason is not None:
+            fate = "lost, to be tried again by the next run" if newest.lost else "failed"
+            self.note(f"design {newest.key[:6]} {fate}: {newest.reason}")
+        if not self._quiet and not errors.is_terminal and now - self._said >= LINE_EVERY:
+            self._said = now
+            errors.print(f"{finished} of {total} designs, {shown}", soft_wrap=True)
+
+    def note(self, text: str) -> None:
+        """Print a remark above the bar."""
+        note(f"Note: {text}", self._quiet)
+
+    def finish(self) -> None:
+        """Take the last step for done."""
+        if self._task is not None:
+            self._bar.update(self._task, completed=self._bar.tasks[-1].total, refresh=True)
+
+
+def pace(finished: int, seconds: float, left: int) -> str:
+    """Say how fast designs get finished, and how long the others will take.
+
+    Examples
+    --------
+    >>> pace(10, 60.0, 190)
+    '10 designs/min, 19 min left'
+    """
+    if finished < 1 or seconds <= 0.0:
+        return ""
+    rate = finished / seconds
+    text = f"{60.0 * rate:.3g} designs/min"
+    return text if left == 0 else f"{text}, {_duration(left / rate)} left"
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    minutes = seconds / 60.0
+    return f"{minutes:.0f} min" if minutes < 90.0 else f"{minutes / 60.0:.1f} h"
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Write a number with so many significant digits."""
+    return f"{value:.{digits}g}"
+
+
+def parse_pairs(
+    pairs: list[str],
+    convert: Callable[[str, str], float],
+    example: str = "web_width=300mm",
+) -> Mapping[str, float]:
+    """Read name=value pairs from the command line; `example` stands in the message.
+
+    Raises
+    ------
+    InputError
+        If a pair has no equals sign or a name stands twice.
+    """
+    found: dict[str, float] = {}
+    for pair in pairs:
+        name, equals, text = pair.partition("=")
+        if not equals or not name.strip():
+            raise InputError(f"{pair}: given without a value; write name=value, like {example}.")
+        if name.strip() in found:
+            raise InputError(f"{name.strip()}: given twice; give it once.")
+        found[name.strip()] = convert(name.strip(), text)
+    return found

@@ -1,0 +1,84 @@
+"""Interrupts: answered in one sentence, whatever Python is doing just then."""
+
+import os
+import signal
+import sys
+import threading
+from _thread import interrupt_main
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from crankfem.jobs.exit_codes import EXIT_INTERRUPTED
+
+# The command whose finished work is always kept and continued; of a run it depends on its file.
+CONTINUED = "doe"
+STANDARD_ERROR = 2
+# In seconds.
+A_MOMENT = 0.02
+
+
+def interrupted_sentence() -> str:
+    """What to say of an interrupt, by the command that was given."""
+    if sys.argv[1:2] == [CONTINUED]:
+        return "Stopped. Finished designs are kept; the same command continues where it stopped."
+    return "Stopped."
+
+
+def end_at_once(*_: object) -> None:
+    """Answer an interrupt without raising anything: an exception could be told of by its traceback.
+
+    Python prints one that is raised while an object is cleared away or a module is loaded, and goes
+    on.
+    """
+    os.write(STANDARD_ERROR, f"{interrupted_sentence()}\n".encode())
+    os._exit(EXIT_INTERRUPTED)
+
+
+@contextmanager
+def interrupts_end_at_once() -> Iterator[None]:
+    """Let an interrupt end the process, as long as nothing is open that would have to be closed."""
+    usual = signal.getsignal(signal.SIGINT)
+    if usual is not signal.default_int_handler:
+        # Somebody wants interrupts to be ignored, or to answer them.
+        yield
+        return
+    signal.signal(signal.SIGINT, end_at_once)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)
+
+
+@contextmanager
+def interrupts_raise() -> Iterator[None]:
+    """Within work that has to be closed, such as a store or a bar, interrupts are exceptions again."""
+    if signal.getsignal(signal.SIGINT) is not end_at_once:
+        yield
+        return
+    told = sys.unraisablehook
+    sys.unraisablehook = _again
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, end_at_once)
+        sys.unraisablehook = told
+
+
+def _again(unraisable: Any) -> None:
+    """Raise an interrupt once more that came where Python would only have told of it."""
+    if issubclass(unraisable.exc_type, KeyboardInterrupt):
+        # A moment later, for here an exception would be told of too.
+        threading.Timer(A_MOMENT, _interrupt_main).start()
+    else:
+        sys.__unraisablehook__(unraisable)
+
+
+def _interrupt_main() -> None:
+    """Interrupt the main thread, also where it waits."""
+    main = threading.main_thread().ident
+    if hasattr(signal, "pthread_kill") and main is not None:
+        signal.pthread_kill(main, signal.SIGINT)
+    else:
+        interrupt_main()

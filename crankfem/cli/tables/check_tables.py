@@ -1,0 +1,115 @@
+"""The tables of `crankfem check`, from its record."""
+
+import math
+
+from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
+from crankbase.tables.table import Column, Table
+from crankbase.units.units import RPM
+from crankfem.analyses.record import Record
+from crankfem.cli.console import print_line, print_notes, print_table
+from crankfem.cli.tables.tables import print_shape
+
+KINDS = {
+    "engine": "It describes a whole engine",
+    "mechanism": "It describes cranks, rods and pistons, not a whole engine",
+    "throw": "It describes a throw, not an engine",
+    "hinge": "It describes an elastic hinge",
+    "chain": "It describes a chain of inertias and springs",
+}
+
+
+def print_check(record: Record, units: OutputUnits = SI) -> None:
+    """Print what a file was understood as."""
+    inputs = record["inputs"]
+    assumed = sum(one["assumed"] for one in inputs)
+    verb = "is" if assumed == 1 else "are"
+    counted = f"; {assumed} of {len(inputs)} values {verb} assumed" if inputs else ""
+    print_line(f"{record['file']}: valid {record['kind']} file{counted}.")
+    print_line(f"{KINDS[record['kind']]}: it serves {', '.join(record['commands'])}.")
+    print_line(f"Sections: {', '.join(record['sections'])}.")
+    if record["arrangement"] is not None:
+        _print_arrangement(record["engine"], record["arrangement"], units)
+    if record["shape"] is not None:
+        print_shape(record["shape"], units)
+        _print_dimensions(record["dimensions"], units)
+    print_notes((f"{remark.rstrip('.')}." for remark in record["remarks"]), units)
+    print_table(
+        Table(
+            "Inputs",
+            [Column(name, words=True) for name in ("field", "value", "assumed", "source")],
+            [
+                [one["field"], one["given"], "yes" if one["assumed"] else "", one["source"]]
+                for one in inputs
+            ],
+        )
+    )
+
+
+def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
+    length, speed = units.of("mm"), units.of("1/min")
+    digits = _digits(length)
+    kind = "in line" if engine["bank_angles_deg"] is None else "in banks"
+    speeds = [
+        speed.number(engine[f"{which}_speed_rpm"] / RPM, 6)
+        for which in ("lowest", "highest", "rated")
+    ]
+    print_line(
+        f"{name}: {_cylinders(engine['cylinders'])} {kind}, {engine['strokes']}-stroke, bore x stroke "
+        f"{length.number(engine['bore'], digits)} x {length.number(engine['stroke'], digits)} "
+        f"{length.name}; runs from "
+        f"{speeds[0]} to {speeds[1]} {speed.name}, rated speed {speeds[2]} {speed.name}; firing order "
+        f"{'-'.join(map(str, engine['firing_order']))}."
+    )
+    fired = dict(zip(engine["firing_order"], engine["firing_angles_deg"], strict=True))
+    banks = engine["bank_angles_deg"]
+    print_table(
+        Table(
+            f"Cylinders [{units.of('deg').name}]",
+            [
+                Column("cylinder"),
+                *(
+                    Column(name, "deg", 6, bare=True)
+                    for name in (
+                        "crank angle",
+                        *([] if banks is None else ["bank angle"]),
+                        "fires at",
+                    )
+                ),
+            ],
+            [
+                [
+                    place,
+                    math.radians(crank),
+                    *([] if banks is None else [math.radians(banks[place - 1])]),
+                    math.radians(fired[place]),
+                ]
+                for place, crank in enumerate(engine["crank_angles_deg"], start=1)
+            ],
+        ),
+        units,
+    )
+
+
+def _cylinders(count: int) -> str:
+    return "1 cylinder" if count == 1 else f"{count} cylinders"
+
+
+def _digits(unit: OutputUnit) -> int:
+    """Digits of a length that was given: all of them, and five where it was converted."""
+    return 5 if unit.wished else 6
+
+
+def _print_dimensions(dimensions: list[Record], units: OutputUnits) -> None:
+    print_table(
+        Table(
+            "The throw as understood",
+            [
+                Column("dimension", words=True),
+                Column("symbol", words=True),
+                Column("", "mm", _digits(units.of("mm"))),
+                Column("meaning", words=True),
+            ],
+            [[one[name] for name in ("name", "symbol", "value", "meaning")] for one in dimensions],
+        ),
+        units,
+    )

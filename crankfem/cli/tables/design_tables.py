@@ -1,0 +1,110 @@
+"""What a study would compute, as a table for people and as a record for machines."""
+
+import re
+from collections import defaultdict
+from typing import Any
+
+from crankbase.tables.output_units import OutputUnit
+from crankbase.tables.table import Cell, Column, Table
+from crankbase.units.units import DISPLAY_UNITS
+from crankfem.cli.console import print_line, print_table
+from regression.plans.factors import Factor
+from regression.plans.plan import ExcludedDesign, PlannedStudy
+from regression.records import HELD_OUT
+
+# More lines than this nobody reads.
+MOST_ROWS = 200
+MOST_REASONS = 12
+# Reasons that differ in numbers alone are told once.
+NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?")
+
+
+def plan_record(planned: PlannedStudy) -> dict[str, Any]:
+    """Return the designs of a study as JSON content: SI units, choices by their labels."""
+    factors = planned.plan.factors
+    return {
+        "study": planned.plan.key,
+        "statement": planned.statement,
+        "remarks": list(planned.remarks),
+        "factors": [
+            {"name": factor.name, "unit": factor.unit, "labels": list(factor.labels)}
+            for factor in factors
+        ],
+        "designs": [
+            {"role": design.role, "key": design.key, "values": _named(factors, design.values)}
+            for design in planned.designs
+        ],
+        "excluded": [
+            {
+                "role": design.role,
+                "values": _named(factors, design.values),
+                "reason": design.reason,
+            }
+            for design in planned.excluded
+        ],
+    }
+
+
+def print_plan(planned: PlannedStudy) -> None:
+    """Print the designs of a study, what they are called, and which were excluded and why."""
+    plan = planned.plan
+    held_out = sum(design.role == HELD_OUT for design in planned.designs)
+    print_line(
+        f"{planned.statement[0].upper()}{planned.statement[1:]}; {held_out} held-out designs to judge by "
+        f"(Latin hypercube, seed {plan.seed})."
+    )
+    for remark in planned.remarks:
+        print_line(f"Note: {remark}")
+    print_table(
+        Table(
+            "Designs",
+            [Column("design"), Column("role", words=True), *map(_column, plan.factors)],
+            [
+                [number, design.role, *map(_cell, plan.factors, design.values)]
+                for number, design in enumerate(planned.designs[:MOST_ROWS], start=1)
+            ],
+        )
+    )
+    if len(planned.designs) > MOST_ROWS:
+        print_line(f"... and {len(planned.designs) - MOST_ROWS} more; --json has them all.")
+    for path, text in plan.relations.items():
+        print_line(f"In every design {path} = {text}.")
+    _print_excluded(planned)
+
+
+def _print_excluded(planned: PlannedStudy) -> None:
+    """Say which designs are excluded and why; of those for the same reason only the first."""
+    if not planned.excluded:
+        return
+    factors = planned.plan.factors
+    print_line(f"Excluded before any finite elements: {len(planned.excluded)} designs.")
+    alike: dict[str, list[ExcludedDesign]] = defaultdict(list)
+    for design in planned.excluded:
+        alike[NUMBER.sub("#", design.reason)].append(design)
+    groups = sorted(alike.values(), key=len, reverse=True)
+    for designs in groups[:MOST_REASONS]:
+        first = designs[0]
+        values = ", ".join(
+            f"{factor.name} {factor.show(value)}"
+            for factor, value in zip(factors, first.values, strict=True)
+        )
+        more = f" ({len(designs) - 1} more alike)" if len(designs) > 1 else ""
+        print_line(f"  {first.role}, {values}: {first.reason.rstrip('.')}{more}.")
+    if len(groups) > MOST_REASONS:
+        print_line(f"  ... and {len(groups) - MOST_REASONS} other reasons; --json has them all.")
+
+
+def _column(factor: Factor) -> Column:
+    unit, size = DISPLAY_UNITS.get(factor.unit, (factor.unit, 1.0))
+    return Column(factor.name, OutputUnit(unit, size), 6, words=factor.categorical)
+
+
+def _cell(factor: Factor, value: float) -> Cell:
+    return factor.show(value) if factor.categorical else float(value)
+
+
+def _named(factors: tuple[Factor, ...], values: tuple[float, ...]) -> dict[str, float | str]:
+    return {
+        factor.name: factor.show(value) if factor.categorical else value
+        for factor, value in zip(factors, values, strict=True)
+    }

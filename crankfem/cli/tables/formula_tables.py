@@ -1,0 +1,267 @@
+"""The tables of `crankfem formulas`: one throw, all engines, and the published table."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rich.table import Table as RichTable
+
+from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
+from crankbase.tables.table import Column, Table
+from crankfem.analyses.throw.formula_spread import (
+    EngineSpread,
+    FormulaSpread,
+    Ratio,
+    formula_spreads,
+)
+from crankfem.cli import console
+from crankfem.cli.angle_argument import angle_text
+from crankfem.cli.console import print_line, print_table
+from regression.formulas.published_table import (
+    FINITE_ELEMENTS,
+    FINITE_ELEMENTS_DOUBT,
+    PublishedValue,
+)
+
+# Column heads for a table with all formulas beside each other.
+SHORT_NAMES: Mapping[str, str] = {
+    "Guglielmotti-Macchiotta": "GM",
+    "Draminsky (1)": "D1",
+    "Draminsky (2)": "D2",
+    "TsNIIMF": "TsN",
+    "Anderson": "And",
+    "Gorbunov": "Gor",
+    "Dorey": "Dor",
+    "Skorchev": "Sko",
+    "Stoyanov": "Sto",
+    FINITE_ELEMENTS: "FE",
+}
+# What may stand behind a number.
+MARKS = ("*", "?")
+
+
+def _print_title(text: str) -> None:
+    console.output.print(text, style="bold", soft_wrap=True, highlight=False)
+
+
+def _given(constants: Mapping[str, float] | None) -> str:
+    """Name the constants that were given."""
+    return "".join(f", {name} = {value:g}" for name, value in (constants or {}).items())
+
+
+def print_one_throw(
+    records: dict[str, Any],
+    gamma_deg: float,
+    constants: Mapping[str, float] | None = None,
+    units: OutputUnits = SI,
+) -> None:
+    """Print the formulas for one throw, beside finite elements if they are among the records."""
+    fe = records.get("fe")
+    for kind, support in (("axial", f"neighbors at {gamma_deg:g} deg"), ("torsional", "pinned")):
+        angle = f", gamma = {angle_text(gamma_deg)}{_given(constants)}" if kind == "axial" else ""
+        beside = "" if fe is None else f" (finite elements: {support})"
+        left_out = records["left_out"] if kind == "axial" else []
+        _print_kind(
+            f"{kind.capitalize()} compliance{angle}{beside}",
+            records[kind],
+            left_out,
+            None if fe is None else fe[kind],
+            units,
+        )
+    if fe is not None and fe["angle_law"] is not None:
+        law, axial = fe["angle_law"], units.of("1e-9 m/N")
+        print_line(
+            "Finite elements over the angle: e(gamma) = e_0 + (e_180 - e_0) / (1 + rho cot^2(gamma/2)) "
+            f"with e_0 = {axial.with_name(law['e_0'])}, e_180 = {axial.with_name(law['e_180'])}, "
+            f"rho = {law['rho']:.3g}."
+        )
+
+
+def _print_kind(
+    title: str,
+    records: list[dict[str, Any]],
+    left_out: list[dict[str, Any]],
+    fe: float | None,
+    units: OutputUnits,
+) -> None:
+    texts = [text for record in records for text in record["remarks"]]
+    numbers = {text: str(place) for place, text in enumerate(dict.fromkeys(texts), start=1)}
+    unit = units.of(f"1e-9 {records[0]['unit'] if records else 'm/N'}")
+
+    def row(name: str, value: float, applies: str, remarks: str) -> list[str]:
+        ratio = [] if fe is None else [f"{value / fe:.2f}"]
+        return [name, _four_digits(value, unit), *ratio, applies, remarks]
+
+    rows = [
+        row(
+            record["name"],
+            record["value"],
+            "yes" if record["valid"] else "no",
+            ", ".join(sorted((numbers[text] for text in record["remarks"]), key=int)),
+        )
+        for record in records
+    ]
+    if fe is not None:
+        rows.insert(0, row("finite elements", fe, "", ""))
+    ratio = [] if fe is None else [Column("beside FE")]
+    # As a line of its own, because a table breaks its title at its own width.
+    _print_title(title)
+    print_table(
+        Table(
+            "",
+            [
+                Column("formula", words=True),
+                Column(f"value [{unit.name}]"),
+                *ratio,
+                Column("applies", words=True),
+                Column("remarks", words=True),
+            ],
+            rows,
+        )
+    )
+    for text, place in numbers.items():
+        print_line(units.text(f"  {place}. {text}"))
+    for record in left_out:
+        print_line(units.text(f"  Left out: {record['reason']}."))
+    inside = [record["value"] / fe for record in records if record["valid"]] if fe else []
+    if len(inside) > 1:
+        print_line(
+            f"  The {len(inside)} formulas that apply give {min(inside):.2f} to {max(inside):.2f} of "
+            "finite elements."
+        )
+
+
+def print_spread(
+    spreads: Sequence[EngineSpread],
+    gamma_deg: float,
+    variant: str,
+    constants: Mapping[str, float] | None = None,
+    units: OutputUnits = SI,
+) -> None:
+    """Print formula / finite elements of all engines, one row for each."""
+    for kind, si_unit, head in (
+        ("axial", "m/N", f"gamma = {angle_text(gamma_deg)}, {variant} formulas{_given(constants)}"),
+        ("torsional", "rad/(N m)", "pinned"),
+    ):
+        unit = units.of(f"1e-9 {si_unit}")
+        names = list(dict.fromkeys(name for spread in spreads for name in spread.ratios[kind]))
+        if not names:
+            continue
+        _print_title(
+            f"{kind.capitalize()} compliance: formula / finite elements, {head} (FE in {unit.name})"
+        )
+        table = _wide_table(
+            ["engine", "s/R", "FE", *(SHORT_NAMES.get(name, name) for name in names)]
+        )
+        rows = [
+            [
+                spread.engine,
+                f"{spread.overlap:.2f}",
+                _compliance(spread.fe[kind], unit),
+                *(_ratio(spread.ratios[kind].get(name)) for name in names),
+            ]
+            for spread in spreads
+        ]
+        summary = formula_spreads(spreads, kind)
+        for word in ("least", "mean", "greatest"):
+            rows.append([word, "", "", *(_summary(summary.get(name), word) for name in names)])
+        _add_rows(table, rows, section=len(spreads))
+        console.output.print(table)
+    print_line(
+        "* outside the range where the formula has a meaning. s/R: overlap of main journal and crankpin "
+        "beside the crank radius. Mean: geometric."
+    )
+    print_line(_legend())
+
+
+def print_published(values: Sequence[PublishedValue]) -> None:
+    """Print the survey's table in its own units, repaired values marked, with its doubts."""
+    names = [
+        name for name in dict.fromkeys(value.formula for value in values) if name != FINITE_ELEMENTS
+    ]
+    _print_title("Published axial compliance of one throw [1e-9 m/N]")
+    table = _wide_table(["engine", *(SHORT_NAMES.get(name, name) for name in names)])
+    cells = {(value.engine, value.formula): value for value in values}
+    rows = [
+        [engine, *(_published(cells.get((engine, name))) for name in names)]
+        for engine in dict.fromkeys(value.engine for value in values)
+    ]
+    _add_rows(table, rows)
+    console.output.print(table)
+    print_line("* power of ten repaired; printed are:")
+    for value in values:
+        if value.mark == "*" and value.repaired is not None and value.formula != FINITE_ELEMENTS:
+            print_line(
+                f"    {value.engine}, {value.formula}: {value.digits}, taken as "
+                f"{value.repaired * 1e9:.6g}"
+            )
+    print_line("? as printed, and doubted:")
+    for value in values:
+        if value.mark == "?" and value.exponent_factor is not None:
+            print_line(f"    {value.engine}, {value.formula}: {value.doubt}")
+    print_line("    Guglielmotti-Macchiotta: exponents of this column lost one by one")
+    print_line(FINITE_ELEMENTS_DOUBT)
+    print_line(
+        "The paper gives no dimensions, and no dimensions make all columns agree: TsN, D2, And, Dor and "
+        "Sko go with one web thickness, D1, Gor and Sto with a thicker one."
+    )
+    print_line(_legend())
+
+
+def _wide_table(columns: Sequence[str]) -> RichTable:
+    """Return a table without lines, so that a dozen columns go on 80 characters."""
+    table = RichTable(header_style="bold", box=None, padding=(0, 0, 0, 1), pad_edge=False)
+    for place, column in enumerate(columns):
+        table.add_column(
+            column, justify="left" if place == 0 else "right", no_wrap=place == 0, overflow="fold"
+        )
+    return table
+
+
+def _four_digits(value: float, unit: OutputUnit) -> str:
+    """Write a value with four digits, zeros at the end among them."""
+    return unit.number(value) if unit.wished else f"{value / unit.size:#.4g}"
+
+
+def _compliance(value: float, unit: OutputUnit) -> str:
+    """Write a compliance with three digits, without a power of ten."""
+    scaled = value / unit.size
+    return f"{scaled:.0f}" if scaled >= 100.0 else f"{scaled:#.3g}"
+
+
+def _ratio(ratio: Ratio | None) -> str:
+    if ratio is None:
+        return "-"
+    return f"{ratio.value:.2f}{'' if ratio.valid else '*'}"
+
+
+def _summary(spread: FormulaSpread | None, word: str) -> str:
+    return "-" if spread is None else f"{getattr(spread, word):.2f}"
+
+
+def _published(value: PublishedValue | None) -> str:
+    if value is None:
+        return "-"
+    if value.repaired is None:
+        return f"{value.digits}{value.mark}"
+    return f"{value.repaired * 1e9:#.4g}{value.mark}"
+
+
+def _add_rows(table: RichTable, rows: Sequence[Sequence[str]], section: int | None = None) -> None:
+    """Add rows so that digits stand below digits in columns where some cells have a mark."""
+    marked = [any(cell.endswith(MARKS) for cell in column) for column in zip(*rows, strict=True)]
+    for place, row in enumerate(rows):
+        if place == section:
+            table.add_section()
+        table.add_row(
+            *(
+                cell + " " if mark and not cell.endswith(MARKS) else cell
+                for cell, mark in zip(row, marked, strict=True)
+            )
+        )
+
+
+def _legend() -> str:
+    named = ", ".join(
+        f"{short} {name}" for name, short in SHORT_NAMES.items() if name != FINITE_ELEMENTS
+    )
+    return f"{named}."

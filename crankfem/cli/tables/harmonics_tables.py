@@ -1,0 +1,226 @@
+"""What the command harmonics tells of a torque table or an engine: records, tables, files."""
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+
+from crankbase.outputs import written
+from crankbase.tables.output_units import SI, OutputUnits
+from crankbase.tables.table import Column, Table
+from crankbase.tables.table_units import table_unit
+from crankbase.units.units import RPM
+from crankfem.analyses.mechanism.harmonics_record import harmonics_record
+from crankfem.analyses.record import Record
+from crankfem.cli.console import number, print_line, print_notes, print_table
+from crankfem.files.engine.mechanism_file import MechanismFile
+from dynamics.torque.pin_harmonics import PinForceHarmonics
+from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
+from dynamics.torque.torque import EngineTorque
+
+COLUMNS = ("orders", "cosine", "sine", "amplitude", "phase_deg")
+PARTS = ("gas", "inertia", "gas and inertia")
+
+
+def engine_record(mechanism: MechanismFile, torque: EngineTorque, highest: float) -> Record:
+    """Mean, power, harmonics of engine and throws, and the star of each order."""
+    engine = torque.engine
+    stars = star_diagram(engine, highest)
+    remarks = list(mechanism.remarks)
+    if not mechanism.pressure:
+        remarks.append("the file has no section [gas]: the torque is that of moving masses alone")
+    return {
+        "engine": mechanism.name,
+        "speed_rpm": torque.speed * RPM,
+        "rod_model": "rigid",
+        "strokes": engine.strokes,
+        "mean": torque.mean,
+        "power": torque.power,
+        "nonuniformity": torque.nonuniformity,
+        "indicated_work": torque.indicated_work.tolist(),
+        "energy_error": torque.energy_error,
+        "harmonics": harmonics_record(torque.harmonics().up_to(highest)),
+        "throws": [
+            {
+                "cylinders": list(throw),
+                "harmonics": harmonics_record(torque.harmonics(place).up_to(highest)),
+            }
+            for place, throw in enumerate(torque.throws, start=1)
+        ],
+        "firing_angles_deg": np.rad2deg(engine.firing).tolist(),
+        "stars": [_star_record(star) for star in stars],
+        "hinged_rods": any(cylinder.slave_pin is not None for cylinder in engine.cylinders),
+        "leading_orders": [star.order for star in leading_stars(stars)],
+        "same_stars": [[star.order for star in group] for group in same_stars(stars)],
+        "remarks": remarks,
+    }
+
+
+def pin_force_record(found: PinForceHarmonics) -> Record:
+    """Harmonics of one cylinder's tangential and radial force, phases from its firing top."""
+    fields = ("tangential", "radial")
+    return {
+        "number": found.number,
+        "firing_angle_deg": math.degrees(found.firing_angle),
+        **{
+            field: {
+                "gas": harmonics_record(getattr(found, f"{field}_gas")),
+                "inertia": harmonics_record(getattr(found, f"{field}_inertia")),
+                "gas and inertia": harmonics_record(getattr(found, field)),
+            }
+            for field in fields
+        },
+    }
+
+
+def _star_record(star: Star) -> Record:
+    return {
+        "order": star.order,
+        "kind": star.kind,
+        "resultant": star.resultant,
+        "share": star.share,
+        "directions_deg": np.rad2deg(star.directions).tolist(),
+    }
+
+
+def print_harmonics(title: str, record: Record, unit: str, units: OutputUnits = SI) -> None:
+    """Print orders, coefficients, amplitudes and phases, given in `unit`."""
+    shown = table_unit(record["amplitude"], unit, units)
+    orders, *coefficients, phases = (record[name] for name in COLUMNS)
+    print_table(
+        Table(
+            title,
+            [
+                Column("order", digits=None),
+                *(shown.column(symbol) for symbol in ("A_k", "B_k", "M_k")),
+                Column("a_k", "deg", decimals=2),
+            ],
+            list(zip(orders, *coefficients, map(math.radians, phases), strict=True)),
+        ),
+        units,
+    )
+
+
+def print_engine(record: Record, units: OutputUnits = SI) -> None:
+    """Print the torque of an engine, its harmonics and stars."""
+    uneven = record["nonuniformity"]
+    said = "" if uneven is None else f", (largest - least) / mean {number(uneven)}"
+    speed = units.of("1/min").with_name(record["speed_rpm"] / RPM, 5)
+    print_line(
+        f"{record['engine']} at {speed}: mean torque {_with_unit(record['mean'], 'N m', units)}, indicated "
+        f"power {_with_unit(record['power'], 'W', units)}{said}."
+    )
+    print_notes((f"{remark}." for remark in record["remarks"]), units)
+    print_harmonics("Harmonics of the engine's torque", record["harmonics"], "N m", units)
+    throws = record["throws"]
+    amplitudes = [throw["harmonics"]["amplitude"] for throw in throws]
+    shown = table_unit((value for own in amplitudes for value in own), "N m", units)
+    print_table(
+        Table(
+            f"Amplitudes by throw [{shown.name}]",
+            [
+                Column("order", digits=None),
+                *(
+                    shown.column(_throw_name(place, throw), bare=True)
+                    for place, throw in enumerate(throws, start=1)
+                ),
+            ],
+            list(zip(record["harmonics"]["orders"], *amplitudes, strict=True)),
+        ),
+        units,
+    )
+    like = {order: group for group in record["same_stars"] for order in group}
+    print_table(
+        Table(
+            "Stars of the orders, all cylinders alike",
+            [
+                Column("order", digits=None),
+                Column("kind", words=True),
+                Column("resultant / sum", decimals=4),
+                Column("same star as", digits=6, words=True),
+            ],
+            [
+                [
+                    star["order"],
+                    star["kind"],
+                    star["share"],
+                    [other for other in like[star["order"]] if other != star["order"]],
+                ]
+                for star in record["stars"]
+            ],
+        )
+    )
+    if record["hinged_rods"]:
+        print_line(
+            "Cylinders with hinged rods differ from the others: of an order whose star is balanced, some "
+            "torque can be left, as the harmonics above tell."
+        )
+    named = ", ".join(f"{order:g}" for order in record["leading_orders"])
+    kinds = {star["kind"] for star in record["stars"]}
+    said = "Major orders" if "major" in kinds else "No order is major; the strongest"
+    print_line(f"{said}: {named or 'none'}.")
+
+
+def print_pin_forces(record: Record, units: OutputUnits = SI) -> None:
+    """Print the harmonics of one cylinder's forces on its crankpin."""
+    for field, letter in (("tangential", "T"), ("radial", "Z")):
+        parts = record[field]
+        amplitudes = (value for part in PARTS for value in parts[part]["amplitude"])
+        shown = table_unit(amplitudes, "N", units)
+        mean = table_unit((parts[part]["mean"] for part in PARTS), "N", units)
+        means = ", ".join(f"{part} {mean.text(parts[part]['mean'])}" for part in PARTS)
+        title = units.text(
+            f"Cylinder {record['number']}: {field} force {letter} on the crankpin, phases from its "
+            f"firing top at {record['firing_angle_deg']:g} deg; mean [{mean.name}]: {means}"
+        )
+        columns, values = [Column("order", digits=None)], [parts["gas"]["orders"]]
+        for part in PARTS:
+            columns += [shown.column(f"{part} M_k"), Column(f"{part} a_k", "deg", decimals=2)]
+            values += [parts[part]["amplitude"], map(math.radians, parts[part]["phase_deg"])]
+        print_table(Table(title, columns, list(zip(*values, strict=True))), units)
+
+
+def _with_unit(value: float, unit: str, units: OutputUnits) -> str:
+    return table_unit([value], unit, units).with_unit(value)
+
+
+def _throw_name(place: int, throw: Record) -> str:
+    return f"throw {place} (cyl. {', '.join(map(str, throw['cylinders']))})"
+
+
+def table_rows(record: Record) -> list[list[object]]:
+    """Return the rows of a CSV file of harmonics: of a torque table or of an engine."""
+    if "throws" not in record:
+        return _rows("torque", "N m", record)
+    rows = _rows("engine torque", "N m", record["harmonics"])
+    for place, throw in enumerate(record["throws"], start=1):
+        rows += _rows(f"torque of throw {place}", "N m", throw["harmonics"])
+    cylinder = record.get("cylinder")
+    if cylinder is not None:
+        for field in ("tangential", "radial"):
+            for part in PARTS:
+                name = f"{field} force of cylinder {cylinder['number']} from {part}"
+                rows += _rows(name, "N", cylinder[field][part])
+    return rows
+
+
+def _rows(name: str, unit: str, record: Record) -> list[list[object]]:
+    mean: list[object] = [name, unit, 0.0, record["mean"], 0.0, record["mean"], 0.0]
+    orders = zip(*(record[column] for column in COLUMNS), strict=True)
+    return [mean, *([name, unit, *values] for values in orders)]
+
+
+def _what(record: Record) -> str:
+    if "throws" not in record:
+        return f"{record['table']}, {record['strokes']} strokes per cycle"
+    return f"{record['engine']}, {number(record['speed_rpm'], 10)} 1/min, rods as {record['rod_model']}"
+
+
+def write_table(path: Path, record: Record) -> None:
+    """Write harmonics as CSV; the first line names what they are of, the row of order 0 is the mean."""
+    with written(path, "table") as part, part.open("w", encoding="utf-8", newline="") as stream:
+        stream.write(f"# {_what(record)}\n")
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(["of", "unit", "order", "cosine", "sine", "amplitude", "phase_deg"])
+        writer.writerows(table_rows(record))

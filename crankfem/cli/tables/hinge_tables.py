@@ -1,0 +1,233 @@
+"""The tables of `crankfem hinge`, from its record."""
+
+import math
+import re
+
+from crankbase.tables.output_units import SI, OutputUnits
+from crankbase.tables.table import Column, Table
+from crankbase.units.units import RPM
+from crankfem.analyses.record import Record
+from crankfem.cli.console import print_line, print_notes, print_table
+
+
+def print_hinge(record: Record, units: OutputUnits = SI) -> None:
+    """Print the results of a hinge."""
+    _print_moment(record, units)
+    _print_profile(record, units)
+    _print_turning(record, units)
+    if record["other_speeds"]:
+        _print_others(record, units)
+    if record["compared"]:
+        _print_compared(record["compared"], units)
+    assumed = record["assumed"]
+    if assumed:
+        print_line(
+            f"Assumed, not given ({len(assumed)} values): "
+            + ", ".join(dict.fromkeys(_field(entry["field"]) for entry in assumed))
+            + "; the reasons stand in the file and in --json."
+        )
+
+
+def _print_moment(record: Record, units: OutputUnits) -> None:
+    moment = record["hinge_moment"]
+    print_table(
+        Table(
+            units.text(
+                f"{record['engine']} at {record['speed_rpm']:.4g} 1/min: moments on the crank "
+                f"({record['kinematics']} kinematics)"
+            ),
+            [
+                Column("", words=True),
+                Column("", "kN m"),
+                Column("at", "deg", decimals=1, missing=""),
+            ],
+            [
+                ["load M_r", moment["load"], None],
+                *(
+                    [f"{name} M_h", moment[name], math.radians(moment[f"{name}_at_deg"])]
+                    for name in ("largest", "least")
+                ),
+            ],
+        ),
+        units,
+    )
+    low, high = moment["reduced_inertia"]
+    print_line(
+        units.text(
+            f"Reduced inertia {low:.4g} to {high:.4g} kg m^2; the hinge stores and gives "
+            f"{moment['energy_swing'] / 1e3:.4g} kJ a turn; integral of M_h over the turn "
+            f"{abs(moment['closing_error']):.1e} of that of its absolute value."
+        )
+    )
+    print_line(
+        "Largest difference of M_h to exact kinematics, by the largest M_h: "
+        + ", ".join(
+            f"{name} {100.0 * share:.2g} %"
+            for name, share in record["kinematics_deviation"].items()
+        )
+        + "."
+    )
+
+
+def _print_profile(record: Record, units: OutputUnits) -> None:
+    spring, profile = record["spring"], record["profile"]
+    length, pressure = units.of("mm"), units.of("MPa")
+    print_table(
+        Table(
+            f"Guides for a gas spring of {pressure.with_name(spring['pressure'])}, "
+            f"{length.with_name(spring['height'])} high, n = {spring['exponent']:g}",
+            [Column("", words=True), Column("value"), Column("unit", words=True)],
+            [
+                [name, unit.number(value), unit.name]
+                for name, value, unit in (
+                    ("radius, smallest", profile["smallest_radius"], length),
+                    ("radius, largest", profile["largest_radius"], length),
+                    ("compression z, largest", profile["largest_compression"], length),
+                    ("gas pressure, largest", profile["largest_pressure"], pressure),
+                    ("force on a roller, largest", profile["largest_normal_force"], units.of("kN")),
+                    (
+                        "off the spring's axis",
+                        math.radians(profile["largest_force_angle_deg"]),
+                        units.of("deg"),
+                    ),
+                )
+            ],
+        )
+    )
+    checks = [(check, pressure if check["unit"] == "Pa" else length) for check in profile["checks"]]
+    print_table(
+        Table(
+            "Can it be made",
+            [
+                Column("check", words=True),
+                Column("found"),
+                Column("limit"),
+                Column("met", words=True),
+            ],
+            [
+                [
+                    f"{check['name']} [{unit.name}]",
+                    None if check["value"] is None else unit.number(check["value"]),
+                    f"> {unit.number(check['limit'])}",
+                    "yes" if check["met"] else f"no: {check['meaning']}",
+                ]
+                for check, unit in checks
+            ],
+        )
+    )
+    print_notes(profile["remarks"], units)
+
+
+def _print_turning(record: Record, units: OutputUnits) -> None:
+    turning = record["turning"]
+    hinge, without, wheel = turning["with_hinge"], turning["without"], turning["flywheel"]
+    print_table(
+        Table(
+            "Crank let turn under the constant load",
+            [
+                Column("", words=True),
+                Column("mean", "1/min", decimals=2),
+                Column("fluctuation (max - min)/mean", digits=3),
+            ],
+            [
+                [name, found["mean_speed_rpm"] / RPM, found["fluctuation"]]
+                for name, found in (
+                    ("with the hinge", hinge),
+                    ("without, from the same speed at the top", without),
+                    (f"without, flywheel of {_inertia(wheel['inertia'], units)}", wheel),
+                )
+            ],
+        ),
+        units,
+    )
+    print_line(f"The hinge leaves {turning['remaining_share']:.2g} of the fluctuation without it.")
+    if not without["comes_round_at_mean_speed"]:
+        print_line(units.text(f"Note: without hinge and flywheel, {without['reason']}"))
+
+
+def _print_others(record: Record, units: OutputUnits) -> None:
+    speed = units.of("1/min")
+    print_table(
+        Table(
+            "The same guides at other running points: the start pressure that evens most",
+            [
+                Column("", "1/min"),
+                Column("M_r", "kN m"),
+                Column("p_0", "MPa"),
+                Column("ratio", decimals=3),
+                Column("fluctuation", digits=3),
+                Column("M_h lacks", "%", 3),
+            ],
+            [
+                [
+                    other["speed_rpm"] / RPM,
+                    other["hinge_moment"]["load"],
+                    other["best_pressure"],
+                    other["best_ratio"],
+                    other["fluctuation"],
+                    other["moment_residual"],
+                ]
+                for other in record["other_speeds"]
+            ],
+        ),
+        units,
+    )
+    wanted = record["turning"]["flywheel"]["fluctuation"]
+    for other in record["other_speeds"]:
+        unchanged = other["fluctuation_unchanged"]
+        fate = (
+            "the crank does not come round"
+            if unchanged is None
+            else f"the fluctuation is {unchanged:.3g}"
+        )
+        print_line(
+            f"At {speed.with_name(other['speed_rpm'] / RPM)} with the pressure unchanged {fate}; a "
+            f"fluctuation of {wanted:.3g} takes a flywheel of "
+            f"{_inertia(other['flywheel_with_hinge'], units)} with the best pressure, "
+            f"{_inertia(other['flywheel_without_hinge'], units)} without the hinge."
+        )
+
+
+def _print_compared(compared: list[Record], units: OutputUnits) -> None:
+    print_table(
+        Table(
+            "Guides by size and pressure: radii, largest pressure, steepest force on a roller",
+            [
+                Column("H", "mm"),
+                Column("rho_0", "mm"),
+                Column("p_0", "MPa"),
+                Column("rho", "mm", joint=" to "),
+                Column("p", "MPa", missing=""),
+                Column("off axis", "deg", decimals=1, missing=""),
+            ],
+            [
+                [
+                    entry["height"],
+                    entry["start_radius"],
+                    entry["pressure"],
+                    *(
+                        ["cannot be made", None, None]
+                        if "refused" in entry
+                        else [
+                            (entry["smallest_radius"], entry["largest_radius"]),
+                            entry["largest_pressure"],
+                            math.radians(entry["largest_force_angle_deg"]),
+                        ]
+                    ),
+                ]
+                for entry in compared
+            ],
+        ),
+        units,
+    )
+    print_notes((entry["refused"] for entry in compared if "refused" in entry), units)
+
+
+def _field(name: str) -> str:
+    """Return the name of a field without the number of its table."""
+    return re.sub(r"\[\d+\]", "", name)
+
+
+def _inertia(value: float, units: OutputUnits) -> str:
+    unit = units.of("kg m^2")
+    return f"{value / unit.size:,.0f} {unit.name}"

@@ -1,0 +1,49 @@
+"""What the command line prints of a crank mechanism's forces."""
+
+from crankbase.tables.output_units import SI, OutputUnits
+from crankbase.units.units import RPM
+from crankfem.analyses.mechanism.load_tables import (
+    bearing_table,
+    crankpin_table,
+    cylinder_table,
+    rod_model_table,
+)
+from crankfem.analyses.record import ASSUMED, Record
+from crankfem.cli.console import print_line, print_table
+
+
+def print_mechanism(record: Record, units: OutputUnits = SI) -> None:
+    """Print the record of a mechanism as tables."""
+    torque, moment = record["torque"], units.of("kN m")
+    print_line(
+        f"{record['engine']} at {units.of('1/min').with_name(record['speed_rpm'] / RPM, 5)}, rods as "
+        f"{record['rod_model']}: indicated power {units.of('kW').with_name(record['power'])}, torque "
+        f"{moment.with_name(torque['mean'])} ({moment.number(torque['smallest'])} to "
+        f"{moment.with_name(torque['largest'])})."
+    )
+    for make in (cylinder_table, crankpin_table, bearing_table, rod_model_table):
+        table = make(record)
+        if table is not None:
+            print_table(table, units)
+    print_line(
+        "Check: the work of the torque misses the indicated work, the integral of p dV, by "
+        f"{abs(record['energy_error']):.1e} of the work exchanged."
+    )
+    _print_remarks(record["remarks"], units)
+    if record["assumed"]:
+        print_line(
+            f"Assumed in the file ({len(record['assumed'])} values): "
+            + ", ".join(entry["field"] for entry in record["assumed"])
+            + "."
+        )
+
+
+def _print_remarks(remarks: list[str], units: OutputUnits) -> None:
+    """Print remarks, the assumed values of the gas cycle as one line without their reasons."""
+    assumed = [remark for remark in remarks if remark.startswith(ASSUMED)]
+    for remark in remarks:
+        if remark not in assumed:
+            print_line(units.text(f"Note: {remark.rstrip('.')}."))
+    if assumed:
+        values = ", ".join(remark.removeprefix(ASSUMED).partition(",")[0] for remark in assumed)
+        print_line(units.text(f"Assumed in the cycle: {values}; the reasons stand in --json."))

@@ -1,0 +1,115 @@
+"""What the command line prints of a throw, from its plain records."""
+
+import math
+
+from crankbase.tables.output_units import SI, OutputUnits
+from crankbase.tables.table import Column, Table
+from crankfem.analyses.record import Record
+from crankfem.cli.console import print_line, print_notes, print_table
+
+
+def print_throw(record: Record, units: OutputUnits = SI) -> None:
+    """Print compliances, reactions and masses of a throw, from its record."""
+    supports = record["supports"]
+    print_table(
+        Table(
+            f"Throw by finite elements (error of e_n about {100.0 * record['error_estimate']:.2g} %)",
+            [
+                Column("support", words=True),
+                Column("e_n", "1e-9 m/N"),
+                Column("torsional", "1e-9 rad/(N m)"),
+                Column("c", "1e-9 m/N"),
+                Column("P/Z"),
+            ],
+            [
+                [
+                    name,
+                    s["axial_compliance"],
+                    s["torsional_compliance"],
+                    s["influence_coefficient"],
+                    s["axial_force_per_radial"],
+                ]
+                for name, s in supports.items()
+            ],
+        ),
+        units,
+    )
+    print_table(
+        Table(
+            f"Reactions to a radial force of {units.of('kN').with_name(record['radial_force'])} on the "
+            "pin, length kept",
+            [
+                Column("support", words=True),
+                Column("end", words=True),
+                Column("force x y z", "kN", decimals=3, joint="  "),
+                Column("moment x y z", "kN m", decimals=3, joint="  "),
+            ],
+            [
+                [name, side, reaction["force"], reaction["moment"]]
+                for name, s in supports.items()
+                for side, reaction in s["reactions"].items()
+            ],
+        ),
+        units,
+    )
+    print_line(
+        units.text(
+            f"Mass {record['mass']:.4g} kg, center of mass {record['center_of_mass'][1] * 1e3:.4g} mm "
+            f"from the shaft axis, inertia about the shaft {record['inertia_about_shaft']:.4g} kg m^2; "
+            f"static unbalance {math.hypot(*record['unbalance']['static']):.4g} kg m, dynamic unbalance "
+            f"about the middle {math.hypot(*record['unbalance']['dynamic']):.3g} kg m^2."
+        )
+    )
+    met = (
+        "" if record["accuracy_met"] else f"; the accuracy of {record['accuracy']:.2g} was not met"
+    )
+    print_line(
+        f"Model: {record['model']}, {record['unknowns']:,} unknowns, solver {record['solver']}{met}."
+    )
+
+
+def print_free_modes(modes: list[Record], units: OutputUnits = SI) -> None:
+    """Print the natural modes of a free throw."""
+    print_table(
+        Table(
+            "Natural modes of the free throw",
+            [
+                Column("mode"),
+                Column("frequency", "Hz", decimals=1),
+                Column("motion of the end sections", words=True),
+            ],
+            [[place, mode["frequency"], mode["name"]] for place, mode in enumerate(modes, start=1)],
+        ),
+        units,
+    )
+
+
+def print_profile(seconds: dict[str, float]) -> None:
+    """Print where the time of an analysis went."""
+    total = sum(seconds.values())
+    print_table(
+        Table(
+            "Where the time went",
+            [Column("work", words=True), Column("s", decimals=2), Column("", "%", decimals=0)],
+            [[name, s, s / total] for name, s in (seconds | {"all": total}).items()],
+        )
+    )
+
+
+def print_shape(record: Record, units: OutputUnits = SI) -> None:
+    """Print what the dimensions make."""
+    length, volume = units.of("mm"), units.of("dm^3")
+    pins = "one pin" if record["pins"] == 1 else f"{record['pins']} pins"
+    print_line(
+        f"Throw with {pins}: length {length.with_name(record['length'], 5)}, overlap of journal and pin "
+        f"{length.with_name(record['overlap'])}, volume {volume.with_name(record['volume'])}; "
+        f"{_PARTS[record['solved_part']]}."
+    )
+    print_notes(record["remarks"], units)
+
+
+_PARTS = {
+    "quarter": "symmetric about two planes, a quarter is solved",
+    "half": "symmetric about the crank plane, half of it is solved",
+    "full": "without planes of symmetry, all of it is solved",
+}

@@ -1,0 +1,132 @@
+"""What the command line prints of an engine's vibration, from the plain records of a run."""
+
+from crankbase.tables.output_units import SI, OutputUnits
+from crankfem.analyses.record import Record
+from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.vibration.tables import (
+    critical_table,
+    element_table,
+    limit_table,
+    margin_table,
+    mode_table,
+    resonance_table,
+    run_up_table,
+    source_table,
+    whole_table,
+)
+from crankfem.cli.console import print_line, print_notes, print_table
+
+NOT_FORCED = (
+    "Amplitudes are not calculated, because the engine file gives no gas pressure: add [gas]."
+)
+
+
+def print_run(record: Record, units: OutputUnits = SI) -> None:
+    """Print all of an engine's vibration, the verdict last; critical speeds only where nothing is forced."""
+    forced = record["forced"]
+    for kind in ("axial", "torsional"):
+        own = record[kind]
+        print_table(mode_table(own), units)
+        if forced is None:
+            print_table(critical_table(own), units)
+        print_table(source_table(own), units)
+        if forced is not None:
+            _print_forced(forced[kind], units)
+    if record["whole"] is not None:
+        _print_whole(record["whole"], units)
+    if record["assessment"] is None:
+        print_line(NOT_FORCED)
+    else:
+        print_assessment(record["assessment"], units)
+
+
+def print_run_up(record: Record, units: OutputUnits = SI) -> None:
+    """Print the largest torques of a run-up."""
+    print_table(run_up_table(record, units), units)
+    print_notes(record["notes"], units)
+
+
+def _print_forced(record: Record, units: OutputUnits) -> None:
+    for line in (*record["damping"], *record["remarks"]):
+        print_line(units.text(f"{record['kind'].capitalize()}: {line}"))
+    print_table(resonance_table(record, units), units)
+    print_table(element_table(record), units)
+
+
+def _print_whole(record: Record, units: OutputUnits) -> None:
+    length = units.of("um")
+    print_table(whole_table(record), units)
+    print_notes(record["remarks"], units)
+    for kind, chain in record["chains"].items():
+        motion = units.of(MOTION[kind].printed)
+        if chain["chain_amplitude"] is not None or chain["shaft_amplitude"] is not None:
+            print_line(
+                f"{kind.capitalize()} amplitude of the free end, largest over the speeds: chain "
+                f"{motion.number(chain['chain_amplitude'])}, whole crankshaft "
+                f"{motion.number(chain['shaft_amplitude'])} {motion.name}"
+            )
+        if chain["suffices"]:
+            print_line(f"The {kind} chain suffices in place of the whole crankshaft.")
+        else:
+            reasons = " ".join(chain["reasons"])
+            print_line(units.text(f"The {kind} chain does not suffice: {reasons}"))
+    split = record["axial_split"]
+    if split is not None:
+        print_line(
+            "Axial amplitude of the free end, largest over the speeds: "
+            f"{length.number(split['tangential'])} {length.name} by tangential forces alone (torsion), "
+            f"{length.number(split['radial'])} {length.name} by radial forces alone, "
+            f"{length.number(split['both'])} {length.name} by both at "
+            f"{units.text(format(split['speed_rpm'], '.0f') + ' 1/min')}"
+        )
+
+
+def print_assessment(record: Record, units: OutputUnits = SI) -> None:
+    """Print what is uncertain, limits, barred ranges and, last, the verdict."""
+    for kind, uncertain in record["uncertainty"].items():
+        _print_uncertainty(kind, uncertain, units)
+    for limit in dict.fromkeys(check["limit"] for check in record["checks"]):
+        print_table(limit_table(record, limit, units), units)
+    lowest, highest = record["running_rpm"]
+    for limit in record["limits"]:
+        assumed = ", assumed" if limit["assumed"] else ""
+        end = limit["judged_to_rpm"]
+        beyond = (
+            f", for it holds above the highest running speed of {highest:.4g} 1/min too"
+            if end > highest
+            else ""
+        )
+        print_line(
+            units.text(
+                f"Limit on {limit['name']}: {limit['source']}{assumed}; judged from {lowest:.4g} to "
+                f"{end:.4g} 1/min{beyond}."
+            )
+        )
+    print_notes(record["remarks"], units)
+    for name, fine in (
+        ("barred", "may be barred"),
+        ("started_through", "is passed on every start"),
+    ):
+        for one in record[name]:
+            said = "; ".join(one["refusals"]) or fine
+            print_line(units.text(f"Range {one['shown']}: {said}. Its ends: {one['ends']}."))
+    print_line(units.text(f"Verdict: {record['sentence']}"))
+    for line in record["beside"]:
+        print_line(units.text(line))
+
+
+def _print_uncertainty(kind: str, record: Record, units: OutputUnits) -> None:
+    for spread in record["spreads"]:
+        print_line(
+            f"{kind.capitalize()}: {spread['name']} {spread['low']:.3g} to {spread['high']:.3g} times the "
+            "value used"
+        )
+    print_table(margin_table(record, kind), units)
+    found, motion = record["amplitudes"], units.of(MOTION[kind].printed)
+    if found is not None:
+        print_line(
+            f"{kind.capitalize()} amplitude of the free end at running speeds: nominal "
+            f"{motion.number(found['nominal'])}, 5 to 95 % of {found['samples']} samples "
+            f"{motion.number(found['percentile_5'])} to {motion.number(found['percentile_95'])} "
+            f"{motion.name}"
+        )

@@ -1,1 +1,0 @@
-"""The commands, a few in each module; `crankfem.cli` puts them together."""

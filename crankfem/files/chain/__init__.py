@@ -1,0 +1,1 @@
+"""Chain files: nodes and elements in TOML or plain text."""

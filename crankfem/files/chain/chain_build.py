@@ -1,0 +1,334 @@
+"""From the sections of a chain file to the chain."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from crankbase.errors import InputError
+from crankfem.files.chain.chain_sections import (
+    AxialChainSection,
+    AxialDamperPart,
+    AxialDashpot,
+    AxialElement,
+    AxialNode,
+    TorsionalChainSection,
+    TorsionalDamperPart,
+    TorsionalDashpot,
+    TorsionalElement,
+    TorsionalNode,
+)
+from dynamics.chains.chain import Chain
+from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
+from dynamics.chains.editing import with_damper
+from dynamics.chains.links import Dashpot, Gear
+from dynamics.chains.shaft_elements import ShaftCone, shaft_cylinder, shaft_flange
+from dynamics.checks import positive_number
+from fem.material import Material
+
+Section = TorsionalChainSection | AxialChainSection
+Node = TorsionalNode | AxialNode
+Element = TorsionalElement | AxialElement
+STIFFNESS_UNITS = {"torsional": "N m/rad", "axial": "N/m"}
+GROUND_FIELDS = ("ground_stiffness", "ground_damping")
+# Fields of each shape; those of the others may not stand beside it.
+SHAPES = {
+    "cylinder": ("length", "diameter", "bore"),
+    "flange": ("length", "diameter", "bore"),
+    "cone": ("length", "left_diameter", "right_diameter", "bore", "bore_shape"),
+}
+SHAPE_FIELDS = ("length", "diameter", "left_diameter", "right_diameter", "bore", "bore_shape")
+
+
+@dataclass(frozen=True)
+class _Row:
+    """One element of the chain, its nodes by name."""
+
+    left: str
+    right: str
+    stiffness: float
+    damping: float
+    loss_factor: float
+    distributed_inertia: float
+
+
+def chain_of(section: Section, material: Material) -> Chain:
+    """Return the chain that a file describes.
+
+    Parameters
+    ----------
+    section : TorsionalChainSection or AxialChainSection
+    material : Material
+        Of its pieces of shaft.
+
+    Raises
+    ------
+    InputError
+        If lists and tables stand side by side, a node is unknown or named twice, an element is
+        neither stiffness nor shape, or the chain cannot be.
+    """
+    nodes = _nodes(section)
+    given = tuple(nodes)
+    dashpots: Sequence[TorsionalDashpot | AxialDashpot] = section.dashpots
+    dampers: Sequence[TorsionalDamperPart | AxialDamperPart] = section.dampers
+    inner: dict[str | None, list[str]] = {}
+    rows: list[_Row] = []
+    for number, element in enumerate(_elements(section, len(given))):
+        left, right = _ends(element, number, given)
+        if element.shape is None:
+            rows.append(_spring(section, number, element, left, right))
+            continue
+        _check_shape(number, element, element.shape)
+        between = [f"{left} - {right} {k}" for k in range(1, element.parts)]
+        pieces = _piece(element, element.shape, material).divided(element.parts)
+        rows += _shaft(section, element, pieces, [left, *between, right])
+        # Between neighbors the inner nodes stand in their place of the row, otherwise at its end.
+        places = given.index(left), given.index(right)
+        host = given[min(places)] if abs(places[0] - places[1]) == 1 else None
+        inner.setdefault(host, []).extend(between if host == left else between[::-1])
+    order = [name for own in given for name in (own, *inner.get(own, ()))] + inner.get(None, [])
+    number_of = {name: number for number, name in enumerate(order)}
+    values = [nodes.get(name) for name in order]
+    chain = Chain(
+        [0.0 if node is None else _inertia(node) for node in values],
+        [row.stiffness for row in rows],
+        [0.0 if node is None else node.ground_stiffness for node in values],
+        connections=[(number_of[row.left], number_of[row.right]) for row in rows],
+        damping=[row.damping for row in rows],
+        loss_factor=[row.loss_factor for row in rows],
+        ground_damping=[0.0 if node is None else node.ground_damping for node in values],
+        distributed_inertia=[row.distributed_inertia for row in rows],
+        dashpots=[
+            Dashpot(
+                _known(f"chain.dashpots[{k}].nodes", d.nodes[0], given, number_of),
+                _known(f"chain.dashpots[{k}].nodes", d.nodes[1], given, number_of),
+                d.damping,
+            )
+            for k, d in enumerate(dashpots)
+        ],
+        gears=[
+            Gear(
+                _known(f"chain.gears[{k}].driver", gear.driver, given, number_of),
+                _known(f"chain.gears[{k}].driven", gear.driven, given, number_of),
+                gear.ratio,
+            )
+            for k, gear in enumerate(section.gears)
+        ],
+        names=order,
+    )
+    for k, damper in enumerate(dampers):
+        _known(f"chain.dampers[{k}].node", damper.node, given, number_of)
+        made: Any
+        if not isinstance(damper, TorsionalDamperPart):
+            made = AxialDamper(damper.damping, damper.stiffness, damper.mass)
+        else:
+            made = _torsional_damper(k, damper)
+        chain = with_damper(chain, damper.node, made)
+    return chain
+
+
+def _nodes(section: Section) -> dict[str, Node]:
+    field = "inertia" if isinstance(section, TorsionalChainSection) else "mass"
+    listed = getattr(section, field)
+    if (listed is None) == (not section.nodes):
+        raise InputError(
+            f"chain.{field}: given {'neither it nor' if listed is None else 'both it and'} "
+            f"[[chain.nodes]]; allowed is one of the two, because both tell the nodes."
+        )
+    if listed is None:
+        for beside in ("names", *GROUND_FIELDS):
+            if getattr(section, beside) is not None:
+                raise InputError(
+                    f"chain.{beside}: given beside [[chain.nodes]]; allowed is one of the two, because "
+                    "each node has its own there."
+                )
+        tables: Sequence[Node] = section.nodes
+        found: dict[str, Node] = {}
+        for number, node in enumerate(tables):
+            if node.name in found:
+                raise InputError(
+                    f"chain.nodes[{number}].name: given {node.name!r} a second time; allowed is a "
+                    "different one for each node, because results are told by them."
+                )
+            found[node.name] = node
+        return found
+    names = section.names or tuple(f"node {number}" for number in range(len(listed)))
+    if len(names) != len(listed) or len(set(names)) != len(names):
+        raise InputError(
+            f"chain.names: given {len(names)} names, {len(set(names))} of them different, for "
+            f"{len(listed)} values of {field}; allowed is a different one for each, because results "
+            "are told by them."
+        )
+    grounds = [_of_each_node(section, beside, len(listed)) for beside in GROUND_FIELDS]
+    kind: Any = TorsionalNode if isinstance(section, TorsionalChainSection) else AxialNode
+    return {
+        name: kind(name=name, **{field: own}, ground_stiffness=spring, ground_damping=damping)
+        for name, own, spring, damping in zip(names, listed, *grounds, strict=True)
+    }
+
+
+def _of_each_node(section: Section, field: str, count: int) -> tuple[float, ...]:
+    values: tuple[float, ...] | None = getattr(section, field)
+    if values is not None and len(values) != count:
+        raise InputError(
+            f"chain.{field}: given {len(values)} values for {count} nodes; allowed is one for each, "
+            "because each has its own."
+        )
+    return values or (0.0,) * count
+
+
+def _inertia(node: Node) -> float:
+    dry = node.inertia if isinstance(node, TorsionalNode) else node.mass
+    return dry * (1.0 + node.entrained_share)
+
+
+def _elements(section: Section, nodes: int) -> tuple[Element, ...]:
+    if section.stiffness is None:
+        for field in ("damping", "loss_factor"):
+            if getattr(section, field) != 0.0:
+                raise InputError(
+                    f"chain.{field}: given without a list of stiffness; allowed is {field} of each of "
+                    "[[chain.elements]], because it belongs to an element."
+                )
+        return section.elements
+    if section.elements:
+        raise InputError(
+            "chain.stiffness: given both it and [[chain.elements]]; allowed is one of the two, because "
+            "both tell the elements."
+        )
+    count = len(section.stiffness)
+    if count != nodes - 1:
+        raise InputError(
+            f"chain.stiffness: given {count} values for {nodes} nodes; allowed are exactly {nodes - 1}, "
+            "because one spring joins each two neighbors."
+        )
+    damping, loss = (
+        _of_each(f"chain.{field}", getattr(section, field), count)
+        for field in ("damping", "loss_factor")
+    )
+    kind: Any = TorsionalElement if isinstance(section, TorsionalChainSection) else AxialElement
+    return tuple(
+        kind(stiffness=stiffness, damping=c, loss_factor=h)
+        for stiffness, c, h in zip(section.stiffness, damping, loss, strict=True)
+    )
+
+
+def _of_each(field: str, values: float | tuple[float, ...], count: int) -> tuple[float, ...]:
+    listed = (values,) * count if isinstance(values, float) else values
+    if len(listed) != count:
+        raise InputError(
+            f"{field}: given {len(listed)} values for {count} elements; allowed is one for each, or a "
+            "single one for all, because each element has its own."
+        )
+    return listed
+
+
+def _ends(element: Element, number: int, given: tuple[str, ...]) -> tuple[str, str]:
+    if element.nodes is None:
+        if number + 1 >= len(given):
+            raise InputError(
+                f"chain.elements[{number}].nodes: missing; allowed are the names of two nodes, because "
+                f"there is no node of number {number + 1} that it could lead to by default."
+            )
+        return given[number], given[number + 1]
+    for name in element.nodes:
+        _known(f"chain.elements[{number}].nodes", name, given, {})
+    if element.nodes[0] == element.nodes[1]:
+        raise InputError(
+            f"chain.elements[{number}].nodes: given {element.nodes[0]!r} twice; allowed are two "
+            "different nodes, because what joins a node to itself does nothing."
+        )
+    return element.nodes
+
+
+def _known(field: str, name: str, given: tuple[str, ...], numbers: dict[str, int]) -> int:
+    if name not in given:
+        raise InputError(
+            f"{field}: given {name!r}; allowed are {', '.join(given)}, because these are the nodes."
+        )
+    return numbers.get(name, 0)
+
+
+def _spring(section: Section, number: int, element: Element, left: str, right: str) -> _Row:
+    field = f"chain.elements[{number}].stiffness"
+    if element.stiffness is None:
+        raise InputError(
+            f"{field}: given neither it nor shape; allowed is one of the two, because both say how stiff "
+            "the element is."
+        )
+    for name in (*SHAPE_FIELDS, "parts"):
+        _refuse(number, element, name, "stiffness")
+    stiffness = positive_number(
+        field,
+        element.stiffness,
+        STIFFNESS_UNITS[section.kind],
+        "a spring without stiffness cuts the chain in two",
+    )
+    return _Row(
+        left, right, stiffness, element.damping, element.loss_factor, element.distributed_inertia
+    )
+
+
+def _check_shape(number: int, element: Element, shape: str) -> None:
+    for name in ("stiffness", "damping", "distributed_inertia"):
+        _refuse(number, element, name, "shape")
+    for name in SHAPE_FIELDS:
+        if name not in SHAPES[shape]:
+            _refuse(number, element, name, f"shape {shape}")
+        elif getattr(element, name) is None:
+            raise InputError(
+                f"chain.elements[{number}].{name}: missing; allowed is a length above 0 mm, because a "
+                f"{shape} has it."
+            )
+
+
+def _refuse(number: int, element: Element, name: str, beside: str) -> None:
+    if getattr(element, name) != type(element).model_fields[name].default:
+        raise InputError(
+            f"chain.elements[{number}].{name}: given beside {beside}; allowed is one of the two, because "
+            "the element is a spring or a piece of shaft of one shape."
+        )
+
+
+def _piece(element: Element, shape: str, material: Material) -> ShaftCone:
+    sizes = {name: getattr(element, name) for name in SHAPES[shape]}
+    if shape == "cone":
+        return ShaftCone(**sizes, material=material)
+    if shape == "flange":
+        return shaft_flange(sizes["length"], sizes["diameter"], sizes["bore"], material)
+    return shaft_cylinder(**sizes, material=material)
+
+
+def _shaft(
+    section: Section, element: Element, pieces: tuple[ShaftCone, ...], names: list[str]
+) -> list[_Row]:
+    torsional = section.kind == "torsional"
+    rows = []
+    for piece, left, right in zip(pieces, names[:-1], names[1:], strict=True):
+        compliance = piece.torsional_compliance if torsional else piece.axial_compliance
+        spread = piece.polar_inertia if torsional else piece.mass
+        rows.append(_Row(left, right, 1.0 / compliance, 0.0, element.loss_factor, spread))
+    return rows
+
+
+def _torsional_damper(number: int, part: TorsionalDamperPart) -> ViscousDamper | RubberDamper:
+    if part.type == "rubber":
+        if part.stiffness is None:
+            raise InputError(
+                f"chain.dampers[{number}].stiffness: missing; allowed are numbers above 0 N m/rad, because "
+                "rubber joins the ring to the shaft."
+            )
+        return RubberDamper(
+            part.ring_inertia,
+            part.stiffness,
+            part.loss_factor,
+            part.damping,
+            part.hub_inertia,
+            part.name,
+        )
+    for name in ("stiffness", "loss_factor"):
+        if getattr(part, name):
+            raise InputError(
+                f"chain.dampers[{number}].{name}: given for a viscous damper; allowed is a rubber one, "
+                "because oil alone joins the ring to the shaft."
+            )
+    return ViscousDamper(part.ring_inertia, part.damping, part.hub_inertia, part.name)

@@ -1,0 +1,122 @@
+"""Read chain files: nodes, elements, gears and dampers in TOML, or plain text."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from crankbase.errors import InputError
+from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
+from crankfem.files.chain.chain_build import Section, chain_of
+from crankfem.files.chain.chain_sections import AxialChainSection, TorsionalChainSection
+from crankfem.files.chain.chain_text import read_chain_text
+from crankfem.files.reading.data_files import chain_path, shipped_chains
+from crankfem.files.reading.toml_file import InputRecord, read_toml
+from dynamics.chains.chain import Chain
+from dynamics.chains.shaft_elements import Motion
+from fem.material import STEEL, Material
+
+# Sizes within which all calculations keep their digits.
+SMALLEST, LARGEST = 1e-20, 1e20
+SIZES = ("inertia", "stiffness", "ground", "damping", "ground_damping", "distributed_inertia")
+
+KINDS: dict[str, type[Section]] = {
+    "torsional": TorsionalChainSection,
+    "axial": AxialChainSection,
+}
+
+
+@dataclass(frozen=True)
+class ChainFile:
+    """A chain file, read and checked.
+
+    Attributes
+    ----------
+    path : Path
+    name : str
+    kind : {"torsional", "axial"}
+    chain : Chain
+    records : tuple of InputRecord
+        Every value with its source; empty for plain text, whose comments tell it.
+    sources : dict
+        Short name to full citation.
+    """
+
+    path: Path
+    name: str
+    kind: Motion
+    chain: Chain
+    records: tuple[InputRecord, ...]
+    sources: dict[str, str]
+
+
+def is_chain_file(given: str | Path) -> bool:
+    """Tell whether a path or name is that of a chain and not of an engine."""
+    path = Path(given)
+    if not path.is_file():
+        return path.parent == Path() and path.name.removesuffix(".toml") in shipped_chains()
+    return path.suffix.lower() != ".toml" or "chain" in read_toml(path).sections
+
+
+def load_chain(path: str | Path) -> ChainFile:
+    """Read and check a chain file.
+
+    Parameters
+    ----------
+    path : path
+        A TOML file, any other file as plain text, or the name of a shipped one.
+
+    Raises
+    ------
+    InputError
+        With one sentence that names what was given and what is allowed.
+    """
+    found = chain_path(path)
+    if found.suffix.lower() != ".toml":
+        check_file_size(found, LARGEST_TEXT_FILE, "the text of a chain")
+        try:
+            text = found.read_text(encoding="utf-8-sig")
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(
+                f"{found}: cannot be read as text ({error}); allowed is a text file."
+            ) from None
+        read = read_chain_text(text, found.name)
+        _check_sizes(found.name, read.chain)
+        return ChainFile(found, read.name or found.stem, read.kind, read.chain, (), {})
+    content = read_toml(found)
+    content.check_sections({"chain": True, "material": False})
+    kind = content.sections["chain"].get("kind")
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise InputError(
+            f"{found.name}: chain.kind: given {kind!r}; allowed are torsional and axial, because units "
+            "follow from it."
+        )
+    section: Section = content.required("chain", KINDS[kind])
+    material = content.model("material", Material) or STEEL
+    try:
+        chain = chain_of(section, material)
+    except InputError as error:
+        raise InputError(f"{found.name}: {error}") from None
+    _check_sizes(found.name, chain)
+    return ChainFile(
+        found, section.name, section.kind, chain, tuple(content.records), content.sources
+    )
+
+
+def _check_sizes(file: str, chain: Chain) -> None:
+    """Refuse numbers so small or large that their squares are none.
+
+    Raises
+    ------
+    InputError
+    """
+    sizes = {name: np.abs(getattr(chain, name)) for name in SIZES}
+    sizes["dashpots"] = np.array([dashpot.damping for dashpot in chain.dashpots])
+    sizes["gears"] = np.abs([gear.ratio for gear in chain.gears])
+    for name, values in sizes.items():
+        wrong = values[(values != 0.0) & ~((values >= SMALLEST) & (values <= LARGEST))]
+        if wrong.size:
+            raise InputError(
+                f"{file}: {name}: given {wrong[0]:g}; allowed are sizes from {SMALLEST:g} to {LARGEST:g}, "
+                "because no machine has others."
+            )

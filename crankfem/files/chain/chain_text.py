@@ -1,0 +1,299 @@
+"""Chains as plain text: one line for each node and element, in order.
+
+The first line tells the kind, "torsional" or "axial", and after a colon a name. A node has a line of
+its own, that of an element is indented. Two or more spaces separate what stands on a line:
+
+    torsional: two disks
+    flywheel  211.4 kg m^2
+      9.775e6 N m/rad  loss 0.02
+    rotor  8.3 kg m^2  ground damping 3 N m s/rad
+
+An element joins the node above it to the next one below; "from NAME" and "to NAME" name others.
+Text after # is a comment.
+"""
+
+import re
+from dataclasses import dataclass, field
+
+from crankbase.errors import InputError
+from crankbase.units.quantity import parse_quantity
+from dynamics.chains.chain import Chain
+from dynamics.chains.links import Dashpot, Gear
+from dynamics.chains.shaft_elements import Motion
+
+COLUMNS = re.compile(r"\s{2,}|\t+")
+HEADING = re.compile(r"(torsional|axial)(?:\s+chain)?\s*(?::\s*(.*))?")
+UNITS: dict[str, dict[str, str]] = {
+    "torsional": {"inertia": "kg m^2", "stiffness": "N m/rad", "damping": "N m s/rad"},
+    "axial": {"inertia": "kg", "stiffness": "N/m", "damping": "N s/m"},
+}
+NODE_WORDS = ("ground damping", "ground")
+LINK_WORDS = ("inertia", "damping", "loss", "dashpot", "gear", "from", "to")
+
+
+@dataclass(frozen=True)
+class ChainText:
+    """A chain read from text.
+
+    Parameters
+    ----------
+    kind : {"torsional", "axial"}
+    name : str
+        Empty if none is given.
+    chain : Chain
+    """
+
+    kind: Motion
+    name: str
+    chain: Chain
+
+
+@dataclass
+class _Link:
+    """What one indented line says."""
+
+    line: str
+    left: str | None
+    right: str | None = None
+    values: dict[str, float] = field(default_factory=dict)
+
+
+def read_chain_text(text: str, source: str = "text") -> ChainText:
+    """Read a chain from plain text.
+
+    Parameters
+    ----------
+    text : str
+        As the head of this module shows.
+    source : str, optional
+        What to call the text in messages, such as a file's name.
+
+    Raises
+    ------
+    InputError
+        With the line that cannot be used.
+    """
+    try:
+        return _read(text)
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
+
+
+def _read(text: str) -> ChainText:
+    kind: Motion | None = None
+    title = ""
+    nodes: dict[str, dict[str, float]] = {}
+    links: list[_Link] = []
+    for number, raw in enumerate(text.splitlines(), start=1):
+        line = raw.split("#", 1)[0].rstrip()
+        if not line.strip():
+            continue
+        where = f"line {number}"
+        if kind is None:
+            kind, title = _heading(where, line)
+        elif line[0].isspace():
+            above = next(reversed(nodes), None)
+            links.append(_link(where, COLUMNS.split(line.strip()), UNITS[kind], above))
+        else:
+            name, values = _node(where, COLUMNS.split(line), UNITS[kind])
+            if name in nodes:
+                raise InputError(
+                    f"{where}: given node {name!r} a second time; allowed is a different name for each, "
+                    "because results are told by them."
+                )
+            for link in links:
+                if link.right is None:
+                    link.right = name
+            nodes[name] = values
+    if kind is None:
+        raise InputError("given no line; allowed is a heading, torsional or axial, and nodes.")
+    return ChainText(kind, title, _chain(nodes, links))
+
+
+def _heading(where: str, line: str) -> tuple[Motion, str]:
+    found = HEADING.fullmatch(line.strip())
+    if found is None:
+        raise InputError(
+            f"{where}: given {line.strip()!r}; allowed is torsional or axial, with a colon and a name if "
+            "wanted, because units follow from it."
+        )
+    return ("torsional" if found[1] == "torsional" else "axial"), (found[2] or "").strip()
+
+
+def _node(where: str, columns: list[str], units: dict[str, str]) -> tuple[str, dict[str, float]]:
+    if len(columns) < 2:
+        raise InputError(
+            f"{where}: given {columns[0]!r} alone; allowed is a name, two spaces, and an inertia such as "
+            f"1.5 {units['inertia']}, because a node has one (lines of elements are indented)."
+        )
+    values = {"inertia": parse_quantity(columns[1], units["inertia"], f"{where}: inertia")}
+    for column in columns[2:]:
+        word = next((word for word in NODE_WORDS if column.startswith(f"{word} ")), None)
+        if word is None:
+            raise InputError(f"{where}: given {column!r}; allowed are {', '.join(NODE_WORDS)}.")
+        unit = units["damping" if word == "ground damping" else "stiffness"]
+        values[word] = parse_quantity(column[len(word) :].strip(), unit, f"{where}: {word}")
+    return columns[0], values
+
+
+def _link(where: str, columns: list[str], units: dict[str, str], above: str | None) -> _Link:
+    link = _Link(where, above)
+    for place, column in enumerate(columns):
+        word = next((word for word in LINK_WORDS if column.startswith(f"{word} ")), None)
+        rest = column[len(word) :].strip() if word else column
+        if word == "from":
+            link.left = rest
+        elif word == "to":
+            link.right = rest
+        elif word in ("loss", "gear"):
+            link.values[word] = _number(f"{where}: {word}", rest)
+        elif word is not None:
+            unit = units["inertia" if word == "inertia" else "damping"]
+            link.values[word] = parse_quantity(rest, unit, f"{where}: {word}")
+        elif place == 0:
+            link.values["stiffness"] = parse_quantity(
+                rest, units["stiffness"], f"{where}: stiffness"
+            )
+        else:
+            raise InputError(
+                f"{where}: given {column!r}; allowed are {', '.join(LINK_WORDS)} after the stiffness."
+            )
+    joins = [word for word in ("stiffness", "dashpot", "gear") if word in link.values]
+    if len(joins) != 1 or (joins != ["stiffness"] and len(link.values) > 1):
+        raise InputError(
+            f"{where}: given {', '.join(link.values) or 'nothing'}; allowed is a stiffness (with inertia, "
+            "damping or loss), a dashpot or a gear alone, because each is a link of its own."
+        )
+    return link
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        return parse_quantity(float(text), "", name)
+    except ValueError as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            f"{name}: given {text!r}; allowed is a number without a unit, because it is a ratio."
+        ) from None
+
+
+def _chain(nodes: dict[str, dict[str, float]], links: list[_Link]) -> Chain:
+    numbers = {name: number for number, name in enumerate(nodes)}
+    springs, dashpots, gears = [], [], []
+    for link in links:
+        left, right = (_place(link, name, numbers) for name in (link.left, link.right))
+        try:
+            if "gear" in link.values:
+                gears.append(Gear(left, right, link.values["gear"]))
+            elif "dashpot" in link.values:
+                dashpots.append(Dashpot(left, right, link.values["dashpot"]))
+            else:
+                springs.append(((left, right), link.values))
+        except InputError as error:
+            raise InputError(f"{link.line}: {error}") from None
+    return Chain(
+        [values["inertia"] for values in nodes.values()],
+        [values["stiffness"] for _, values in springs],
+        [values.get("ground", 0.0) for values in nodes.values()],
+        connections=[pair for pair, _ in springs],
+        damping=[values.get("damping", 0.0) for _, values in springs],
+        loss_factor=[values.get("loss", 0.0) for _, values in springs],
+        ground_damping=[values.get("ground damping", 0.0) for values in nodes.values()],
+        distributed_inertia=[values.get("inertia", 0.0) for _, values in springs],
+        dashpots=dashpots,
+        gears=gears,
+        names=list(nodes),
+    )
+
+
+def _place(link: _Link, name: str | None, numbers: dict[str, int]) -> int:
+    if name is None:
+        raise InputError(
+            f"{link.line}: given a link without a node {'above' if link.left is None else 'below'} it; "
+            "allowed is one between two nodes, or with their names after from and to, because it joins "
+            "two."
+        )
+    if name not in numbers:
+        raise InputError(
+            f"{link.line}: given {name!r}; allowed are {', '.join(numbers)}, because these are the nodes."
+        )
+    return numbers[name]
+
+
+def write_chain_text(chain: Chain, kind: Motion, name: str = "") -> str:
+    """Write a chain as plain text, which reads back as the same chain to the last digit.
+
+    Parameters
+    ----------
+    chain : Chain
+    kind : {"torsional", "axial"}
+    name : str, optional
+
+    Raises
+    ------
+    InputError
+        If the kind is unknown, or a name cannot stand in the text.
+    """
+    if kind not in UNITS:
+        raise InputError(
+            f"kind: given {kind!r}; allowed are torsional and axial, because units follow from it."
+        )
+    for field_name, own in (("name", name), *(("names", own) for own in chain.names)):
+        if (field_name == "names" or own) and not _stands_on_a_line(own):
+            raise InputError(
+                f"{field_name}: given {own!r}; allowed are names on one line, with single spaces and without "
+                "#, because two spaces separate columns and # begins a comment."
+            )
+    units = UNITS[kind]
+    lines = [f"{kind}: {name}" if name else kind]
+    links = [(pair, _spring(chain, number, units)) for number, pair in enumerate(chain.connections)]
+    waiting = 0
+    for node, own in enumerate(chain.names):
+        while waiting < len(links) and max(links[waiting][0]) <= node:
+            pair, text = links[waiting]
+            if pair != (node - 1, node):
+                break
+            lines.append(f"  {text}")
+            waiting += 1
+        lines.append(_node_line(chain, node, own, units))
+    rest = links[waiting:]
+    rest += [
+        ((d.left, d.right), f"dashpot {d.damping!r} {units['damping']}") for d in chain.dashpots
+    ]
+    rest += [((g.driver, g.driven), f"gear {g.ratio!r}") for g in chain.gears]
+    for (left, right), text in rest:
+        lines.append(f"  {text}  from {chain.names[left]}  to {chain.names[right]}")
+    return "\n".join(lines) + "\n"
+
+
+def _stands_on_a_line(name: str) -> bool:
+    return (
+        name == name.strip()
+        and name.splitlines() == [name]
+        and "#" not in name
+        and COLUMNS.search(name) is None
+    )
+
+
+def _node_line(chain: Chain, node: int, name: str, units: dict[str, str]) -> str:
+    parts = [name, f"{float(chain.inertia[node])!r} {units['inertia']}"]
+    for word, values, unit in (
+        ("ground", chain.ground, "stiffness"),
+        ("ground damping", chain.ground_damping, "damping"),
+    ):
+        if values[node] > 0.0:
+            parts.append(f"{word} {float(values[node])!r} {units[unit]}")
+    return "  ".join(parts)
+
+
+def _spring(chain: Chain, element: int, units: dict[str, str]) -> str:
+    parts = [f"{float(chain.stiffness[element])!r} {units['stiffness']}"]
+    for word, values, unit in (
+        ("inertia", chain.distributed_inertia, f" {units['inertia']}"),
+        ("damping", chain.damping, f" {units['damping']}"),
+        ("loss", chain.loss_factor, ""),
+    ):
+        if values[element] > 0.0:
+            parts.append(f"{word} {float(values[element])!r}{unit}")
+    return "  ".join(parts)

@@ -1,0 +1,238 @@
+"""The cylinders of an engine file at their places: cranks, banks, throws, rods."""
+
+import math
+from collections.abc import Sequence
+
+from crankbase.errors import InputError
+from crankbase.units.quantity import show_quantity
+from crankfem.files.sections.engine_sections import Engine, ShaftLayout
+from crankfem.files.sections.mechanism_sections import HingedRods, Piston, Rod
+from dynamics.engine.cylinder import EngineCylinder, SlavePin
+from dynamics.engine.firing import IN_LINE
+from dynamics.mechanism.rods import ConnectingRod
+from geometry.throw import CrankThrow
+
+# Inertia of a rod beside that of two masses at its pins, from light to heavy ends.
+USUAL_INERTIA = (0.7, 1.2)
+
+
+def throws_of(engine: Engine) -> tuple[int, ...]:
+    """Return the throw of each cylinder, from 0."""
+    if engine.throws is not None:
+        return tuple(number - 1 for number in engine.throws)
+    if engine.bank_angles is None:
+        return tuple(range(engine.cylinders))
+    banks = [round(angle, 9) for angle in engine.bank_angles]
+    return tuple(banks[:place].count(bank) for place, bank in enumerate(banks))
+
+
+def angles_of_throws(
+    layout: ShaftLayout | None, engine: Engine, throws: Sequence[int]
+) -> tuple[float, ...]:
+    """Return the angle of each throw's first pin, as the file counts angles [rad].
+
+    Raises
+    ------
+    InputError
+        If the section [shaft] has not one for each throw.
+    """
+    count = max(throws) + 1
+    if layout is None:
+        return tuple(engine.crank_angles[throws.index(number)] for number in range(count))
+    if len(layout.throw_angles) != count:
+        raise InputError(
+            f"shaft.throw_angles: given {len(layout.throw_angles)} throws; allowed is {count}, because "
+            "the cylinders work on that many."
+        )
+    return layout.throw_angles
+
+
+def pins_of(
+    engine: Engine, throw: CrankThrow, throws: Sequence[int], hinged: HingedRods | None
+) -> tuple[int, ...]:
+    """Return the pin that each cylinder works on, from 0, counted along the shaft.
+
+    Hinged rods work on the pin of their main rod, rods side by side on one pin.
+    """
+    main_of, count = _main_cylinders(engine, hinged), len(throw.parts.pins)
+    pins = [0] * len(throws)
+    taken = [0] * (max(throws) + 1)
+    for place, number in enumerate(throws):
+        if place not in main_of:
+            pins[place] = number * count + (taken[number] if count > 1 else 0)
+            taken[number] += 1
+    for place, main in main_of.items():
+        pins[place] = pins[main]
+    return tuple(pins)
+
+
+def engine_cylinders(
+    engine: Engine,
+    throw: CrankThrow,
+    rod: Rod,
+    piston: Piston,
+    hinged: HingedRods | None,
+    throws: Sequence[int],
+    throw_angles: Sequence[float],
+) -> tuple[EngineCylinder, ...]:
+    """Return the cylinders with pistons and rods, angles in the sense of rotation.
+
+    Raises
+    ------
+    InputError
+        If cranks, throws and pins do not fit each other, or a rod is impossible.
+    """
+    sense = engine.turning_sense
+    banks = [sense * angle for angle in engine.bank_angles or (0.0,) * engine.cylinders]
+    main_of = _main_cylinders(engine, hinged)
+    positions = _positions(engine, throw, throws, throw_angles, main_of)
+    main_rod = _rod(rod)
+    made = []
+    for place in range(engine.cylinders):
+        own_rod, pin = main_rod, None
+        if hinged is not None and place in main_of:
+            main = main_of[place]
+            angle = banks[place] - banks[main]
+            if hinged.pin_angle is not None:
+                angle = sense * hinged.pin_angle
+            own_rod, pin = _rod(hinged), SlavePin(main + 1, hinged.pin_radius, angle)
+        made.append(
+            EngineCylinder(
+                bore=engine.bore,
+                piston_mass=piston.mass,
+                rod=own_rod,
+                crank_angle=sense * engine.crank_angles[place],
+                bank_angle=banks[place],
+                position=positions[place],
+                pin_offset=piston.pin_offset,
+                slave_pin=pin,
+            )
+        )
+    return tuple(made)
+
+
+def check_sizes(engine: Engine, throw: CrankThrow, rod: Rod, piston: Piston) -> None:
+    """Refuse cranks, rods and pin offsets that do not go together.
+
+    Raises
+    ------
+    InputError
+    """
+    radius = throw.crank_radius
+    if not math.isclose(2.0 * radius, engine.stroke, rel_tol=1e-3):
+        raise InputError(
+            f"throw.crank_radius: given {show_quantity(radius, 'm')}; allowed is half of engine.stroke, "
+            f"{show_quantity(engine.stroke / 2.0, 'm')}."
+        )
+    if rod.length <= 1.5 * radius:
+        raise InputError(
+            f"rod.length: given {show_quantity(rod.length, 'm')}; allowed is more than 1.5 crank radii, "
+            f"{show_quantity(1.5 * radius, 'm')}, or the mechanism cannot turn."
+        )
+    largest = min(radius, rod.length - 1.5 * radius)
+    if abs(piston.pin_offset) > largest:
+        raise InputError(
+            f"piston.pin_offset: given {show_quantity(piston.pin_offset, 'm')}; allowed is "
+            f"{show_quantity(largest, 'm')} or less either way, because the rod must reach the piston."
+        )
+
+
+def inertia_remarks(*rods: Rod | HingedRods | None) -> list[str]:
+    """Say of each rod whose inertia is not given, or unusual, what that means."""
+    remarks = []
+    for rod in rods:
+        if rod is None:
+            continue
+        if rod.inertia is None:
+            remarks.append(
+                f"{rod.section}.inertia is not given: the rod is taken as two masses at its pins"
+            )
+            continue
+        plain = rod.rotating_mass * (rod.mass - rod.rotating_mass) / rod.mass * rod.length**2
+        if not USUAL_INERTIA[0] <= rod.inertia / plain <= USUAL_INERTIA[1]:
+            remarks.append(
+                f"{rod.section}.inertia is {rod.inertia / plain:.2g} times that of two masses at its pins; "
+                f"usual is {USUAL_INERTIA[0]:g} to {USUAL_INERTIA[1]:g}"
+            )
+    return remarks
+
+
+def side_by_side(throw: CrankThrow, throws: Sequence[int], hinged: HingedRods | None) -> bool:
+    """Tell whether several rods share a pin."""
+    carried = set() if hinged is None else {number - 1 for number in hinged.cylinders}
+    on_pins = [own for place, own in enumerate(throws) if place not in carried]
+    return len(throw.parts.pins) == 1 and len(on_pins) > len(set(on_pins))
+
+
+def _main_cylinders(engine: Engine, hinged: HingedRods | None) -> dict[int, int]:
+    """Main cylinder of each cylinder with a hinged rod, both from 0."""
+    if hinged is None:
+        return {}
+    for name in ("cylinders", "main_cylinders"):
+        for number in getattr(hinged, name):
+            if not 1 <= number <= engine.cylinders:
+                raise InputError(
+                    f"hinged_rods.{name}: given {number}; allowed is 1 to {engine.cylinders}, "
+                    "because the engine has these cylinders."
+                )
+    return {
+        own - 1: main - 1 for own, main in zip(hinged.cylinders, hinged.main_cylinders, strict=True)
+    }
+
+
+def _rod(section: Rod | HingedRods) -> ConnectingRod:
+    """Return the rod with its center of mass where its shares place it."""
+    distance = section.length * (1.0 - section.rotating_mass / section.mass)
+    # Without an inertia the rod is as the two masses at its pins.
+    inertia = section.mass * distance * (section.length - distance)
+    if section.inertia is not None:
+        inertia = section.inertia
+    offset = section.center_offset if isinstance(section, Rod) else 0.0
+    try:
+        return ConnectingRod(section.length, section.mass, distance, inertia, offset)
+    except InputError as error:
+        raise InputError(f"{section.section}.{str(error).removeprefix('rod ')}") from None
+
+
+def _positions(
+    engine: Engine,
+    throw: CrankThrow,
+    throws: Sequence[int],
+    throw_angles: Sequence[float],
+    main_of: dict[int, int],
+) -> list[float]:
+    """Place of each cylinder along the shaft: on its throw's pin, or side by side on it.
+
+    Raises
+    ------
+    InputError
+        If the pins do not suffice, or are not where the cranks are.
+    """
+    pins = throw.parts.pins
+    positions = [0.0] * len(throws)
+    for number in range(max(throws) + 1):
+        on_pin = [
+            place for place, own in enumerate(throws) if own == number and place not in main_of
+        ]
+        if len(on_pin) > 1 and len(pins) not in (1, len(on_pin)):
+            raise InputError(
+                f"engine.throws: given {len(on_pin)} rods for throw {number + 1}, which has {len(pins)} "
+                "pins; allowed is one rod a pin, or all on one pin, because "
+                "rods sit on pins."
+            )
+        for rank, place in enumerate(on_pin):
+            pin = pins[rank if len(pins) > 1 else 0]
+            turned = engine.crank_angles[place] - math.atan2(-pin.axis[0], pin.axis[1])
+            if abs(math.remainder(turned - throw_angles[number], 2.0 * math.pi)) > IN_LINE:
+                raise InputError(
+                    f"engine.crank_angles: given {show_quantity(engine.crank_angles[place], 'rad')} for "
+                    f"cylinder {place + 1}, whose pin on throw {number + 1} stands at "
+                    f"{show_quantity(engine.crank_angles[place] - turned + throw_angles[number], 'rad')}; "
+                    "allowed is the angle of its pin, because the rod is on it (engine.throws says which "
+                    "cylinder is on which throw, [[throw.further_pins]] gives a throw more pins)."
+                )
+            share = 0.5 if len(pins) > 1 else (rank + 0.5) / len(on_pin)
+            positions[place] = number * throw.length + pin.start + share * (pin.end - pin.start)
+    for place, main in main_of.items():
+        positions[place] = positions[main]
+    return positions

@@ -1,0 +1,283 @@
+"""The crank mechanism that an engine file describes: pistons, rods, cranks and gas pressure."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from crankbase.errors import InputError
+from crankfem.files.engine.engine_file import EngineFile, load_engine_or_throw
+from crankfem.files.engine.mechanism_cylinders import (
+    angles_of_throws,
+    check_sizes,
+    engine_cylinders,
+    inertia_remarks,
+    side_by_side,
+    throws_of,
+)
+from crankfem.files.engine.throw_file import ThrowFile
+from crankfem.files.reading.data_files import engine_path
+from crankfem.files.reading.file_kinds import REQUIRED, describes_mechanism
+from crankfem.files.reading.toml_file import InputRecord, read_toml
+from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
+from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
+from crankfem.files.sections.pressure_input import cylinder_pressures
+from dynamics.engine.cylinder import RotatingMass
+from dynamics.engine.layout import EngineLayout
+from dynamics.gas.pressure import GasPressure
+from fem.material import STEEL, Material
+from geometry.balance import unbalance
+from geometry.crankshaft import throw_masses
+from geometry.mass import MassProperties
+from geometry.shaft_ends import ShaftEnds
+from geometry.throw import CrankThrow
+
+NEEDED = ("engine", "throw", "rod", "piston")
+
+
+@dataclass(frozen=True)
+class MechanismFile:
+    """The mechanism of an engine file, read and checked.
+
+    Attributes
+    ----------
+    path : Path
+    name : str
+        Of the engine.
+    layout : EngineLayout
+        Cylinders and rods alone, without the throws' unbalance and any inertia of the shaft: these
+        come from the throw's solid, by `with_throws`.
+    pressure : tuple of GasPressure
+        Cylinder by cylinder; empty if the file has no section [gas].
+    rated_speed : float
+        [rad/s]
+    throw, material
+        Sections of the file.
+    throw_angles : tuple of float
+        Angle of each throw from the first, in the sense of rotation [rad].
+    throws : tuple of int
+        Throw that each cylinder works on, from 0.
+    turning_sense : int
+        1 if the shaft turns in the sense in which the file counts angles, else -1: then the layout is
+        the mirror image, x against the file's.
+    gas : Gas or None
+        Section of the file.
+    attached_inertia : float
+        Of flywheel and free end, where given [kg m^2].
+    remarks : tuple of str
+        What was assumed beyond the values of the file.
+    records : tuple of InputRecord
+        Every value with its source.
+    sources : dict
+        Short name to full citation.
+    """
+
+    path: Path
+    name: str
+    layout: EngineLayout
+    pressure: tuple[GasPressure, ...]
+    rated_speed: float
+    throw: CrankThrow
+    material: Material
+    throw_angles: tuple[float, ...]
+    throws: tuple[int, ...]
+    turning_sense: int
+    gas: Gas | None
+    attached_inertia: float
+    remarks: tuple[str, ...]
+    records: tuple[InputRecord, ...]
+    sources: dict[str, str]
+
+    @property
+    def bearing_positions(self) -> tuple[float, ...]:
+        """Middle of each main bearing along the shaft, one more than throws [m]."""
+        return tuple(number * self.throw.length for number in range(len(self.throw_angles) + 1))
+
+
+def load_mechanism(path: str | Path) -> MechanismFile:
+    """Read the crank mechanism of an engine file, or of a shipped engine.
+
+    Parameters
+    ----------
+    path : path
+        The file, or the name of a shipped engine. It needs the sections [engine], [throw], [rod]
+        and [piston]; [gas], [hinged_rods] and [shaft] are read where given.
+
+    Raises
+    ------
+    InputError
+        With one sentence that names the field, what was given and what is allowed.
+    """
+    content = read_toml(engine_path(path))
+    if "sliding" in content.sections:
+        raise InputError(f"{content.path.name}: describes an elastic hinge; use it with hinge.")
+    content.check_sections(dict.fromkeys(REQUIRED, False) | dict.fromkeys(NEEDED, True))
+    engine, throw = content.required("engine", Engine), content.required("throw", CrankThrow)
+    rod, piston = content.required("rod", Rod), content.required("piston", Piston)
+    check_sizes(engine, throw, rod, piston)
+    shaft, hinged = content.model("shaft", ShaftLayout), content.model("hinged_rods", HingedRods)
+    content.model("shaft_ends", ShaftEnds)
+    mechanism = _Mechanism(engine, shaft, throw, rod, piston, hinged)
+    return mechanism.read(
+        content.path,
+        gas=content.model("gas", Gas),
+        attached=(content.model("flywheel", Flywheel), content.model("free_end", FreeEnd)),
+        material=content.model("material", Material) or STEEL,
+        records=content.records,
+        sources=content.sources,
+    )
+
+
+def mechanism_of(engine: EngineFile) -> MechanismFile:
+    """Return the crank mechanism of an engine as it is, with what was changed after reading.
+
+    Raises
+    ------
+    InputError
+        If cranks, throws and pins do not fit each other, or the gas pressure cannot be reached.
+    """
+    return _mechanism(engine).read(
+        engine.path,
+        gas=engine.gas,
+        attached=(engine.flywheel, engine.free_end),
+        material=engine.material,
+        records=engine.records,
+        sources=engine.sources,
+    )
+
+
+def layout_of(engine: EngineFile) -> EngineLayout:
+    """Return the cylinders and rods of an engine as it is, without throws and gas pressure.
+
+    Raises
+    ------
+    InputError
+        If cranks, throws and pins do not fit each other.
+    """
+    return _mechanism(engine).layout()
+
+
+def _mechanism(engine: EngineFile) -> "_Mechanism":
+    return _Mechanism(
+        engine.engine, engine.shaft, engine.throw, engine.rod, engine.piston, engine.hinged_rods
+    )
+
+
+@dataclass(frozen=True)
+class _Mechanism:
+    """The sections that describe a mechanism."""
+
+    engine: Engine
+    shaft: ShaftLayout | None
+    throw: CrankThrow
+    rod: Rod
+    piston: Piston
+    hinged: HingedRods | None
+
+    @property
+    def throws(self) -> tuple[int, ...]:
+        return throws_of(self.engine)
+
+    @property
+    def angles(self) -> tuple[float, ...]:
+        return angles_of_throws(self.shaft, self.engine, self.throws)
+
+    def layout(self) -> EngineLayout:
+        """Put the cylinders at their places."""
+        engine = self.engine
+        cylinders = engine_cylinders(
+            engine, self.throw, self.rod, self.piston, self.hinged, self.throws, self.angles
+        )
+        return EngineLayout(0.5 * engine.stroke, cylinders, engine.firing_order, engine.strokes)
+
+    def remarks(self) -> tuple[str, ...]:
+        """Say what is assumed beyond the sections, and what is unusual in them."""
+        remarks = inertia_remarks(self.rod, self.hinged)
+        if self.engine.firing_remark is not None:
+            remarks.append(self.engine.firing_remark)
+        if side_by_side(self.throw, self.throws, self.hinged):
+            remarks.insert(
+                0,
+                "rods side by side share the pin's length equally, the cylinder with the lower number "
+                "nearer to the free end",
+            )
+        return tuple(remarks)
+
+    def read(
+        self,
+        path: Path,
+        *,
+        gas: Gas | None,
+        attached: Iterable[Flywheel | FreeEnd | None],
+        material: Material,
+        records: Iterable[InputRecord],
+        sources: dict[str, str],
+    ) -> MechanismFile:
+        """Put the mechanism together with what else its file says."""
+        engine, layout = self.engine, self.layout()
+        sense = engine.turning_sense
+        return MechanismFile(
+            path=path,
+            name=engine.name,
+            layout=layout,
+            pressure=() if gas is None else cylinder_pressures(gas, layout, path),
+            rated_speed=engine.rated_speed,
+            throw=self.throw,
+            material=material,
+            throw_angles=tuple(sense * angle for angle in self.angles),
+            throws=self.throws,
+            turning_sense=sense,
+            gas=gas,
+            attached_inertia=sum(part.inertia for part in attached if part is not None),
+            remarks=self.remarks(),
+            records=tuple(records),
+            sources=sources,
+        )
+
+
+def load_any(path: str | Path) -> EngineFile | MechanismFile | ThrowFile:
+    """Read and check a file as what it describes: a whole engine, a mechanism, or a throw.
+
+    Raises
+    ------
+    InputError
+    """
+    if describes_mechanism(read_toml(engine_path(path))):
+        return load_mechanism(path)
+    return load_engine_or_throw(path)
+
+
+def with_throws(mechanism: MechanismFile, masses: MassProperties | None = None) -> EngineLayout:
+    """Return the layout with the throws' unbalance and inertia, from their solids.
+
+    Each throw stands as two masses in the planes of its ends, which have its static and dynamic
+    unbalance. The inertia is that of the throws, flywheel and free end.
+
+    Parameters
+    ----------
+    mechanism : MechanismFile
+    masses : MassProperties, optional
+        Of one throw, where they are known already.
+
+    Raises
+    ------
+    MeshError
+        If the throw's solid cannot be built.
+    """
+    if masses is None:
+        masses = throw_masses(mechanism.throw, mechanism.material.density)
+    found, length = unbalance(masses, 0.0), mechanism.throw.length
+    # Real and imaginary part lie along +y and against +x, as in the layout's frame.
+    sense = mechanism.turning_sense
+    static = complex(found.static[1], -sense * found.static[0])
+    far = complex(found.dynamic[1], -sense * found.dynamic[0]) / length
+    rotating = []
+    for number, angle in enumerate(mechanism.throw_angles):
+        for moment, place in ((static - far, number), (far, number + 1)):
+            rotating.append(
+                RotatingMass(abs(moment), float(np.angle(moment)) + angle, place * length)
+            )
+    inertia = mechanism.attached_inertia
+    inertia += len(mechanism.throw_angles) * masses.inertia_about_shaft
+    return replace(mechanism.layout, rotating=tuple(rotating), shaft_inertia=inertia)

@@ -1,0 +1,1 @@
+"""Hinge files: a crosshead engine and its elastic hinge."""

@@ -1,0 +1,215 @@
+"""Read hinge files: a crosshead engine, its running points, and its elastic hinge."""
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TypeVar
+
+from crankbase.errors import InputError
+from crankbase.model import InputModel
+from crankbase.units.quantity import show_quantity
+from crankfem.files.hinge.hinge_sections import (
+    Comparison,
+    Crank,
+    Cycle,
+    Hinge,
+    HingeRod,
+    Operation,
+    RunningPoint,
+    Sliding,
+)
+from crankfem.files.reading.data_files import hinge_path
+from crankfem.files.reading.toml_file import InputRecord, read_toml
+from dynamics.hinge.crosshead import CrossheadEngine
+from dynamics.hinge.gas_force import piston_gas_force, two_stroke_cycle
+from dynamics.hinge.moment import HingeMoment, hinge_moment
+from dynamics.hinge.profile import HingeProfile, hinge_profile
+from dynamics.hinge.reduced import Kinematics
+from dynamics.hinge.spring import GasSpring
+from dynamics.mechanism.rods import ConnectingRod
+
+# Speeds of a file count as equal within this share.
+SAME_SPEED = 1e-6
+
+
+@dataclass(frozen=True)
+class HingeFile:
+    """A hinge file, read and checked.
+
+    Attributes
+    ----------
+    path : Path
+    name : str
+    engine : CrossheadEngine
+    spring : GasSpring
+    start_radius, roller_radius, design_speed : float
+    cycle : Cycle
+    operation : Operation
+    comparison : Comparison or None
+    records : tuple of InputRecord
+        Every value with its source.
+    sources : dict
+        Short name to full citation.
+    """
+
+    path: Path
+    name: str
+    engine: CrossheadEngine
+    spring: GasSpring
+    start_radius: float
+    roller_radius: float
+    design_speed: float
+    cycle: Cycle
+    operation: Operation
+    comparison: Comparison | None
+    records: tuple[InputRecord, ...]
+    sources: dict[str, str]
+
+    @property
+    def speeds(self) -> tuple[float, ...]:
+        """Speeds of the running points [rad/s]."""
+        return tuple(point.speed for point in self.operation.points)
+
+    def moment(self, speed: float | None = None, kinematics: Kinematics = "exact") -> HingeMoment:
+        """Return the hinge moment of a running point, by its speed [rad/s]; the design's by default.
+
+        Raises
+        ------
+        InputError
+            If there is no running point of that speed, or its cycle cannot be.
+        """
+        point = self.point_at("speed", self.design_speed if speed is None else speed)
+        cycle = two_stroke_cycle(
+            self.engine,
+            self.cycle.compression_ratio,
+            peak_pressure=point.peak_pressure,
+            mean_effective_pressure=point.mean_pressure,
+            intake_pressure=point.charge_pressure,
+            **self.cycle.given,
+        )
+        force = piston_gas_force(self.engine, cycle.pressure, point.charge_pressure)
+        return hinge_moment(self.engine, force, point.speed, kinematics=kinematics)
+
+    def profile(self, moment: HingeMoment) -> HingeProfile:
+        """Return the guides for a moment.
+
+        Raises
+        ------
+        InputError
+            As `hinge_profile`.
+        """
+        return hinge_profile(
+            moment, self.spring, self.start_radius, roller_radius=self.roller_radius
+        )
+
+    def compared(self, moment: HingeMoment) -> list[tuple[GasSpring, float, HingeProfile | str]]:
+        """Return spring, start radius, and guides or why there are none, of all sizes and pressures."""
+        found: list[tuple[GasSpring, float, HingeProfile | str]] = []
+        if self.comparison is None:
+            return found
+        for size in self.comparison.sizes:
+            for pressure in self.comparison.pressures:
+                spring = replace(self.spring, height=size.height, pressure=pressure)
+                try:
+                    made: HingeProfile | str = hinge_profile(
+                        moment, spring, size.start_radius, roller_radius=self.roller_radius
+                    )
+                except InputError as error:
+                    made = str(error)
+                found.append((spring, size.start_radius, made))
+        return found
+
+    def point_at(self, field: str, speed: float) -> RunningPoint:
+        """Return the running point of a speed [rad/s]; `field` names it in the message.
+
+        Raises
+        ------
+        InputError
+            If there is none.
+        """
+        for point in self.operation.points:
+            if math.isclose(point.speed, speed, rel_tol=SAME_SPEED):
+                return point
+        allowed = ", ".join(show_quantity(known, "rad/s") for known in self.speeds)
+        raise InputError(
+            f"{field}: given {show_quantity(speed, 'rad/s')}; allowed are the speeds of the running points, "
+            f"{allowed}, because the gas force is known for them."
+        )
+
+
+SECTIONS = {
+    "engine": True,
+    "rod": True,
+    "sliding": True,
+    "hinge": True,
+    "cycle": True,
+    "operation": True,
+    "comparison": False,
+}
+
+
+def load_hinge(path: str | Path = "crosshead-30-100") -> HingeFile:
+    """Read and check a hinge file.
+
+    Parameters
+    ----------
+    path : path, optional
+        The file, or the name of a shipped one.
+
+    Raises
+    ------
+    InputError
+        With one sentence that names the field, what was given and what is allowed.
+    """
+    content = read_toml(hinge_path(path))
+    content.check_sections(SECTIONS)
+    crank, rod = (
+        content.required(Crank.section, Crank),
+        content.required(HingeRod.section, HingeRod),
+    )
+    sliding, hinge = (
+        content.required(Sliding.section, Sliding),
+        content.required(Hinge.section, Hinge),
+    )
+    engine = CrossheadEngine(
+        bore=crank.bore,
+        crank_radius=crank.crank_radius,
+        crank_mass=crank.crank_mass,
+        crank_center_distance=crank.crank_center_distance,
+        crank_inertia=crank.crank_inertia,
+        rod=ConnectingRod(rod.length, rod.mass, rod.center_distance, rod.inertia),
+        crosshead_mass=sliding.crosshead_mass,
+        piston_rod_mass=sliding.piston_rod_mass,
+        piston_mass=sliding.piston_mass,
+    )
+    spring = GasSpring(
+        piston_area=hinge.piston_area,
+        height=hinge.height,
+        pressure=hinge.pressure,
+        exponent=hinge.exponent,
+        ambient=hinge.ambient_pressure,
+    )
+    cycle, operation = (
+        content.required(Cycle.section, Cycle),
+        content.required(Operation.section, Operation),
+    )
+    comparison = content.model("comparison", Comparison)
+    found = HingeFile(
+        path=content.path,
+        name=crank.name,
+        engine=engine,
+        spring=spring,
+        start_radius=hinge.start_radius,
+        roller_radius=hinge.roller_radius,
+        design_speed=hinge.design_speed,
+        cycle=cycle,
+        operation=operation,
+        comparison=comparison,
+        records=tuple(content.records),
+        sources=content.sources,
+    )
+    found.point_at("hinge.design_speed", hinge.design_speed)
+    return found
+
+
+Section = TypeVar("Section", bound=InputModel)

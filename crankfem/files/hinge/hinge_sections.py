@@ -1,0 +1,213 @@
+"""The sections of hinge files: every field with its unit, range and meaning, declared once."""
+
+import math
+from typing import ClassVar, Self
+
+from pydantic import Field, model_validator
+
+from crankbase.errors import InputError
+from crankbase.model import InputModel, part_field, quantity_field
+from crankbase.units.units import PER_MINUTE
+
+
+class Crank(InputModel):
+    """Cylinder and crank."""
+
+    section: ClassVar[str] = "engine"
+
+    name: str = Field(description="what to call the engine")
+    bore: float = quantity_field("cylinder bore", "m", minimum=0.01, maximum=2.0)
+    crank_radius: float = quantity_field(
+        "crank radius", "m", symbol="r_1 + r_2", minimum=0.005, maximum=2.5
+    )
+    crank_mass: float = quantity_field(
+        "mass of the crank with the guides", "kg", minimum=0.0, maximum=1e5
+    )
+    crank_center_distance: float = quantity_field(
+        "from the shaft axis to the crank's center of mass, negative if away from the crankpin",
+        "m",
+        symbol="r_1",
+        minimum=-2.5,
+        maximum=2.5,
+    )
+    crank_inertia: float = quantity_field(
+        "inertia of crank and guides about the shaft axis", "kg m^2", minimum=1e-6, maximum=1e6
+    )
+
+
+class HingeRod(InputModel):
+    """Connecting rod."""
+
+    section: ClassVar[str] = "rod"
+
+    length: float = quantity_field("connecting-rod length", "m", minimum=0.02, maximum=10.0)
+    mass: float = quantity_field("connecting-rod mass", "kg", minimum=1e-3, maximum=2e4)
+    center_distance: float = quantity_field(
+        "from the crankpin to the rod's center of mass",
+        "m",
+        symbol="l_1",
+        minimum=0.0,
+        maximum=10.0,
+    )
+    inertia: float = quantity_field(
+        "inertia about the rod's center of mass", "kg m^2", minimum=1e-9, maximum=1e6
+    )
+
+
+class Sliding(InputModel):
+    """What moves along the cylinder."""
+
+    section: ClassVar[str] = "sliding"
+
+    crosshead_mass: float = quantity_field("mass of the crosshead", "kg", minimum=0.0, maximum=2e4)
+    piston_rod_mass: float = quantity_field(
+        "mass of the piston rod", "kg", minimum=0.0, maximum=2e4
+    )
+    piston_mass: float = quantity_field("mass of the piston", "kg", minimum=1e-3, maximum=2e4)
+
+
+class Hinge(InputModel):
+    """Elastic hinge: gas spring and guides."""
+
+    section: ClassVar[str] = "hinge"
+
+    design_speed: float = quantity_field(
+        "speed for which the guides are made, one of the running points",
+        "rad/s",
+        minimum=1.0 * PER_MINUTE,
+        maximum=30_000.0 * PER_MINUTE,
+    )
+    piston_area: float = quantity_field(
+        "piston area of the gas spring", "m^2", symbol="A", minimum=1e-6, maximum=10.0
+    )
+    height: float = quantity_field(
+        "height of the gas column at the top dead center",
+        "m",
+        symbol="H",
+        minimum=1e-3,
+        maximum=10.0,
+    )
+    start_radius: float = quantity_field(
+        "radius of the rollers' path at the top dead center",
+        "m",
+        symbol="rho_0",
+        minimum=1e-3,
+        maximum=10.0,
+    )
+    pressure: float = quantity_field(
+        "pressure of the gas at the top dead center, above ambient_pressure",
+        "Pa",
+        symbol="p_0",
+        minimum=1e3,
+        maximum=1e9,
+    )
+    exponent: float = quantity_field(
+        "exponent of the polytropic law", "", symbol="n", minimum=1.0, maximum=1.667, default=1.25
+    )
+    ambient_pressure: float = quantity_field(
+        "pressure outside of the spring's pistons", "Pa", minimum=0.0, maximum=1e6, default=0.0
+    )
+    roller_radius: float = quantity_field(
+        "radius of the rollers", "m", minimum=0.0, maximum=5.0, default=0.0
+    )
+
+
+class Cycle(InputModel):
+    """What the cycles of all running points share; usual values where not given."""
+
+    section: ClassVar[str] = "cycle"
+
+    compression_ratio: float = quantity_field(
+        "largest over smallest cylinder volume", "", minimum=2.0, maximum=40.0
+    )
+    combustion_start: float | None = quantity_field(
+        "crank angle at which heat release begins",
+        "rad",
+        minimum=math.radians(-55.0),
+        maximum=math.radians(45.0),
+        default=None,
+    )
+    exhaust_opens: float | None = quantity_field(
+        "crank angle at which the exhaust opens",
+        "rad",
+        minimum=math.radians(60.0),
+        maximum=math.radians(175.0),
+        default=None,
+    )
+    intake_closes: float | None = quantity_field(
+        "crank angle at which the cylinder closes",
+        "rad",
+        minimum=math.radians(-175.0),
+        maximum=math.radians(-60.0),
+        default=None,
+    )
+
+    @property
+    def given(self) -> dict[str, float]:
+        """Those of the optional values that are given."""
+        names = ("combustion_start", "exhaust_opens", "intake_closes")
+        values = {name: getattr(self, name) for name in names}
+        return {name: value for name, value in values.items() if value is not None}
+
+
+class RunningPoint(InputModel):
+    """A speed with its pressures."""
+
+    section: ClassVar[str] = "points"
+
+    speed: float = quantity_field(
+        "crank speed", "rad/s", minimum=1.0 * PER_MINUTE, maximum=30_000.0 * PER_MINUTE
+    )
+    mean_pressure: float = quantity_field(
+        "indicated mean effective pressure", "Pa", minimum=1e3, maximum=1e7
+    )
+    peak_pressure: float = quantity_field(
+        "highest pressure in the cylinder, absolute", "Pa", minimum=1e5, maximum=5e7
+    )
+    charge_pressure: float = quantity_field(
+        "pressure of the charge and below the piston, absolute", "Pa", minimum=1e4, maximum=5e6
+    )
+
+
+class Operation(InputModel):
+    """Running points."""
+
+    section: ClassVar[str] = "operation"
+
+    flywheel_fluctuation: float = quantity_field(
+        "coefficient of speed fluctuation to compare flywheels at",
+        "",
+        minimum=1e-5,
+        maximum=1.0,
+        default=0.02,
+    )
+    points: tuple[RunningPoint, ...] = part_field("running points", RunningPoint, many=True)
+
+    @model_validator(mode="after")
+    def _has_points(self) -> Self:
+        if not self.points:
+            raise InputError(
+                "operation.points: given none; allowed are one or more under [[operation.points]], because "
+                "the hinge is made for one."
+            )
+        return self
+
+
+class SpringSize(InputModel):
+    """A size of hinge to compare."""
+
+    section: ClassVar[str] = "sizes"
+
+    height: float = quantity_field("height of the gas column", "m", minimum=1e-3, maximum=10.0)
+    start_radius: float = quantity_field(
+        "radius at the top dead center", "m", minimum=1e-3, maximum=10.0
+    )
+
+
+class Comparison(InputModel):
+    """Springs whose guides are drawn beside each other."""
+
+    section: ClassVar[str] = "comparison"
+
+    pressures: tuple[float, ...] = quantity_field("start pressures", "Pa")
+    sizes: tuple[SpringSize, ...] = part_field("sizes", SpringSize, many=True)

@@ -1,0 +1,136 @@
+"""Sections of an engine file changed in Python, and what is said of their values then."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from types import NoneType
+from typing import get_args, get_type_hints
+
+from crankbase.errors import InputError
+from crankbase.model import InputModel, field_extra
+from crankbase.units.quantity import show_quantity
+from crankfem.files.reading.toml_file import InputRecord
+
+SOURCE = "changed in Python"
+
+Provenance = Mapping[str, tuple[str, bool]]
+
+
+@dataclass(frozen=True)
+class Change:
+    """A value that differs from before: its field, such as "throw.web_width", and what it is now.
+
+    `record` is None where there is no value any more.
+    """
+
+    field: str
+    record: InputRecord | None
+
+
+def changed_section(owner: object, name: str, given: object) -> InputModel | None:
+    """Return a section of a file with what was given for it.
+
+    Parameters
+    ----------
+    owner : object
+        The file as read; its annotations say which sections it has.
+    name : str
+    given : InputModel, mapping or None
+        The whole section; the fields that change with their values [SI]; or nothing.
+
+    Raises
+    ------
+    InputError
+        If there is no such section, it cannot be left out, or the values are impossible.
+    """
+    kinds = _section_kinds(type(owner))
+    if name not in kinds:
+        close = get_close_matches(name, kinds, n=1)
+        hint = f"did you mean {close[0]}? " if close else ""
+        raise InputError(f"{name}: unknown section; {hint}allowed are {', '.join(kinds)}.")
+    kind, optional = kinds[name]
+    if given is None:
+        if optional:
+            return None
+        raise InputError(
+            f"{name}: given None; allowed are its fields or a whole section, because every engine has it."
+        )
+    if isinstance(given, Mapping):
+        section = getattr(owner, name)
+        return kind(**given) if section is None else section.changed(**given)
+    if not isinstance(given, kind):
+        raise InputError(
+            f"{name}: given {given!r}; allowed are fields with their values, such as "
+            f"{{{next(iter(kind.model_fields))!r}: ...}}, or a whole section of the type {kind.__name__}."
+        )
+    return given
+
+
+def changes(before: InputModel | None, after: InputModel | None) -> tuple[Change, ...]:
+    """Return what differs between two records of one section."""
+    some = after or before
+    return () if some is None else tuple(_changes(type(some).section, before, after))
+
+
+def without_changed(
+    records: Sequence[InputRecord], provenance: Provenance, told: Sequence[Change]
+) -> tuple[tuple[InputRecord, ...], dict[str, tuple[str, bool]]]:
+    """Return records and provenance in which changed values have no more the sources they had."""
+
+    def stale(name: str) -> bool:
+        return any(
+            name == one.field or name.startswith((f"{one.field}.", f"{one.field}[")) for one in told
+        )
+
+    new = {one.field: one.record for one in told if one.record is not None}
+    kept: list[InputRecord] = []
+    for record in records:
+        if not stale(record.field):
+            kept.append(record)
+        elif record.field in new:
+            kept.append(new.pop(record.field))
+    kept.extend(new.values())
+    own = {name: origin for name, origin in provenance.items() if not stale(name)}
+    for one in told:
+        if one.record is not None:
+            own[one.field] = (one.record.source, one.record.assumed)
+    return tuple(kept), own
+
+
+def _section_kinds(owner: type) -> dict[str, tuple[type[InputModel], bool]]:
+    """Return the sections of a class by name: their type, and whether they may be missing."""
+    found = {}
+    for name, hint in get_type_hints(owner).items():
+        for kind in (hint, *get_args(hint)):
+            if isinstance(kind, type) and issubclass(kind, InputModel):
+                found[name] = (kind, NoneType in get_args(hint))
+    return found
+
+
+def _changes(prefix: str, before: object, after: InputModel | None) -> Iterator[Change]:
+    kind = type(after or before)
+    assert issubclass(kind, InputModel)
+    for name, info in kind.model_fields.items():
+        field = f"{prefix}.{name}"
+        old, new = getattr(before, name, None), getattr(after, name, None)
+        if old == new:
+            continue
+        if isinstance(new or old, InputModel):
+            yield from _changes(field, old, new)
+            continue
+        record = None
+        if new is not None:
+            shown = _shown(new, field_extra(info, "unit"))
+            meaning, symbol = info.description or "", field_extra(info, "symbol") or ""
+            own = name in getattr(after, "model_fields_set", ())
+            source = SOURCE if own else "default"
+            record = InputRecord(field, shown, meaning, symbol, source, not own)
+        yield Change(field, record)
+
+
+def _shown(value: object, unit: str | None) -> str:
+    if isinstance(value, tuple):
+        return ", ".join(_shown(item, unit) for item in value)
+    if unit is not None and isinstance(value, int | float) and not isinstance(value, bool):
+        return show_quantity(value, unit)
+    return str(value)

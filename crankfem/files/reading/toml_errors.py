@@ -1,0 +1,86 @@
+"""What is wrong with a file that is not TOML, in words for someone who knows no TOML."""
+
+import re
+import tomllib
+
+from crankbase.errors import shortened
+
+# Of a line that is looked at.
+LONGEST_LINE = 500
+# Where the parser stopped.
+AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
+# A number followed by letters, with no quotes about them: "= 9 in", "value = 17 kg", "[0 deg, ...".
+BARE = re.compile(
+    r"[=\[,]\s*([+-]?\d[\d.]*(?:[eE][+-]?\d+)?\s*[A-Za-z%°µ][^\s,}\]#\"']*(?: [A-Za-z][\w^/*]*)*)"
+)
+NAME = re.compile(r"\s*([\w.-]+|\"[^\"]*\"|'[^']*')\s*=")
+HEADER = re.compile(r"\s*\[(?!\[)([^\]]+)\]")
+QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'[^']*'")
+
+
+def not_toml(text: str, error: Exception) -> str:
+    """Say what the parser stumbled over, and what to write in its place.
+
+    Parameters
+    ----------
+    text : str
+        Of the file.
+    error : Exception
+        Of the parser; where it tells no line, its own words are all there is.
+
+    Returns
+    -------
+    str
+        Such as ``line 46, web_width = 9 in: a quantity stands without quotes; write "9 in" ...``.
+    """
+    if not isinstance(error, tomllib.TOMLDecodeError):
+        return "given a number of thousands of digits; allowed are numbers of 64 bits, as TOML has them."
+    found = AT_LINE.search(str(error))
+    # What is wrong shows at the beginning of a line; patterns would take long over all of a very long one.
+    lines = [line[:LONGEST_LINE] for line in text.splitlines()]
+    place = int(found[1]) if found else 0
+    if not 1 <= place <= len(lines):
+        return f"is not TOML ({error}); allowed is a TOML file."
+    line = lines[place - 1]
+    shown = f"line {place}, {shortened(line.strip())}:"
+    before = _before(lines, place)
+    if before is not None:
+        return (
+            f"{shown} given twice, in line {before} too; allowed is each name once in its section, and each "
+            "section once."
+        )
+    # What stands in quotes already, and remarks, are no bare quantities.
+    bare = BARE.search(QUOTED.sub('""', line).partition("#")[0])
+    if bare is not None:
+        return (
+            f"{shown} given {bare[1].strip()} without quotes; write a quantity in quotes, "
+            f'"{bare[1].strip()}", because it is text with its unit.'
+        )
+    return f"{shown} is not TOML ({AT_LINE.sub('', str(error)).strip()}); allowed is a TOML file."
+
+
+def _before(lines: list[str], place: int) -> int | None:
+    """Return the number of an earlier line that gives the same section or name, None if there is none."""
+    line = lines[place - 1]
+    header = HEADER.match(line)
+    if header is not None:
+        return next(
+            (
+                number
+                for number, other in enumerate(lines[: place - 1], start=1)
+                if (found := HEADER.match(other)) is not None
+                and found[1].strip() == header[1].strip()
+            ),
+            None,
+        )
+    name = NAME.match(line)
+    if name is None:
+        return None
+    for number in range(place - 1, 0, -1):
+        other = lines[number - 1]
+        if other.lstrip().startswith("["):
+            return None
+        found = NAME.match(other)
+        if found is not None and found[1] == name[1]:
+            return number
+    return None

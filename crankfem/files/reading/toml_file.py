@@ -1,0 +1,244 @@
+"""Read a TOML file of quantities: values with units, each with its source or marked assumed."""
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, TypeVar
+
+from crankbase.errors import InputError
+from crankbase.model import InputModel, field_extra, part_kind
+from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
+from crankfem.files.reading.toml_errors import not_toml
+from crankfem.files.reading.toml_limits import check_content, check_keys, too_deep
+
+Model = TypeVar("Model", bound=InputModel)
+
+
+@dataclass(frozen=True)
+class InputRecord:
+    """One value of an input file, as given, with where it comes from.
+
+    Attributes
+    ----------
+    field : str
+        Section and field, such as ``throw.crank_radius``.
+    given : str
+        The text in the file.
+    meaning, symbol : str
+        What it is.
+    source : str
+        Where the value stands, or why it was assumed.
+    assumed : bool
+        Whether it is a typical value that nobody gave.
+    """
+
+    field: str
+    given: str
+    meaning: str
+    symbol: str
+    source: str
+    assumed: bool
+
+
+@dataclass(frozen=True)
+class TomlFile:
+    """The sections of a TOML file, values and sources apart.
+
+    Attributes
+    ----------
+    path : Path
+    sections : dict
+        Section name to field name to value.
+    provenance : dict
+        Field to (source or reason, assumed).
+    sources : dict
+        Short name to full citation.
+    records : list
+        Every value read through `model`, in order.
+    """
+
+    path: Path
+    sections: dict[str, dict[str, Any]]
+    provenance: dict[str, tuple[str, bool]]
+    sources: dict[str, str]
+    records: list[InputRecord] = field(default_factory=list)
+
+    def check_sections(self, allowed: Mapping[str, bool]) -> None:
+        """Refuse unknown sections, and missing ones that are required.
+
+        Raises
+        ------
+        InputError
+        """
+        for name in self.sections:
+            if name not in allowed:
+                close = get_close_matches(name, allowed, n=1, cutoff=0.7)
+                hint = f"did you mean [{close[0]}]? " if close else ""
+                raise InputError(
+                    f"{self.path.name}: [{name}] is an unknown section; {hint}allowed are "
+                    f"{', '.join(allowed)}."
+                )
+        for name, required in allowed.items():
+            if required and name not in self.sections:
+                raise InputError(
+                    f"{self.path.name}: the section [{name}] is missing; required are "
+                    f"{', '.join(key for key, needed in allowed.items() if needed)}."
+                )
+
+    def model(self, section: str, kind: type[Model]) -> Model | None:
+        """Validate one section; None if the file lacks it.
+
+        Raises
+        ------
+        InputError
+        """
+        if section not in self.sections:
+            return None
+        values = self.sections[section]
+        made = kind.from_text(values, section)
+        self._record(section, made, values)
+        return made
+
+    def required(self, section: str, kind: type[Model]) -> Model:
+        """Validate one section that must be there.
+
+        Raises
+        ------
+        InputError
+        """
+        made = self.model(section, kind)
+        if made is None:
+            raise InputError(f"{self.path.name}: the section [{section}] is missing.")
+        return made
+
+    def _record(self, section: str, made: InputModel, values: Mapping[str, Any]) -> None:
+        """Note every value of a record, and of the records in it that the file gives."""
+        for name, info in type(made).model_fields.items():
+            field_name, value = f"{section}.{name}", getattr(made, name)
+            if part_kind(info) is not None:
+                parts = values.get(name, ())
+                if isinstance(parts, Mapping):
+                    self._record(field_name, value, parts)
+                else:
+                    for place, part in enumerate(parts):
+                        self._record(f"{field_name}[{place}]", value[place], part)
+                continue
+            if name in values:
+                source, assumed = self.provenance.get(field_name, (self.path.name, False))
+                given = _show(values[name])
+            elif value is None or field_extra(info, "feature"):
+                continue
+            else:
+                source, assumed, given = "default", True, _show(value)
+            self.records.append(
+                InputRecord(
+                    field=field_name,
+                    given=given,
+                    meaning=info.description or "",
+                    symbol=field_extra(info, "symbol") or "",
+                    source=source,
+                    assumed=assumed,
+                )
+            )
+
+
+def read_toml(path: Path) -> TomlFile:
+    """Read a file into sections.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is not TOML, or has values outside sections.
+    """
+    if path.suffix.lower() in (".step", ".stp"):
+        raise InputError(
+            f"{path}: is a STEP file; allowed is a TOML file here, for only `crankfem throw` takes STEP."
+        )
+    check_file_size(path, LARGEST_TEXT_FILE, "a file of dimensions")
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"{path}: cannot be read as text ({error}); allowed is a TOML file."
+        ) from None
+    check_keys(path.name, text)
+    try:
+        content = tomllib.loads(text)
+    except RecursionError:
+        raise too_deep(path.name) from None
+    except ValueError as error:  # not TOML, or a number of thousands of digits
+        raise InputError(f"{path}: {not_toml(text, error)}") from None
+    check_content(path.name, content)
+    sources = content.pop("sources", {})
+    if not isinstance(sources, dict):
+        raise InputError(
+            f"{path.name}: sources: given {sources!r}; allowed is a section [sources]."
+        )
+    sections: dict[str, dict[str, Any]] = {}
+    provenance: dict[str, tuple[str, bool]] = {}
+    for section, values in content.items():
+        if not isinstance(values, dict):
+            raise InputError(
+                f"{path.name}: {section}: given {values!r} outside any section; "
+                "allowed are sections like [throw]."
+            )
+        sections[section] = _values_apart(section, values, sources, provenance)
+    return TomlFile(path, sections, provenance, {k: str(v) for k, v in sources.items()})
+
+
+def _values_apart(
+    prefix: str,
+    values: Mapping[str, Any],
+    sources: Mapping[str, str],
+    provenance: dict[str, tuple[str, bool]],
+) -> dict[str, Any]:
+    """Take the values of a table, and of the tables in it, out of their sources."""
+    plain: dict[str, Any] = {}
+    for name, value in values.items():
+        field_name = f"{prefix}.{name}"
+        if isinstance(value, dict) and "value" not in value:
+            plain[name] = _values_apart(field_name, value, sources, provenance)
+        elif isinstance(value, list) and value and all(isinstance(item, dict) for item in value):
+            plain[name] = [
+                _values_apart(f"{field_name}[{place}]", item, sources, provenance)
+                for place, item in enumerate(value)
+            ]
+        else:
+            plain[name], origin = _split(field_name, value, sources)
+            if origin is not None:
+                provenance[field_name] = origin
+    return plain
+
+
+def _split(
+    field_name: str, value: Any, sources: Mapping[str, str]
+) -> tuple[Any, tuple[str, bool] | None]:
+    """Take a value out of its table with source or assumption."""
+    if not isinstance(value, dict) or "value" not in value:
+        return value, None
+    extra = set(value) - {"value", "source", "assumed"}
+    if extra or {"source", "assumed"} <= set(value):
+        raise InputError(
+            f"{field_name}: given {value!r}; allowed beside value is either source or assumed."
+        )
+    if "assumed" in value:
+        return value["value"], (_cite(str(value["assumed"]), sources), True)
+    return value["value"], (_cite(str(value.get("source", "")), sources), False)
+
+
+def _cite(text: str, sources: Mapping[str, str]) -> str:
+    """Replace the short names of sources by brackets that the report explains."""
+    for name in sources:
+        if name not in text:  # most are not, and a pattern takes long to make
+            continue
+        text = re.sub(rf"\b{re.escape(name)}\b", f"[{name}]", text)
+    return text
+
+
+def _show(value: object) -> str:
+    if isinstance(value, list | tuple):
+        return ", ".join(str(item) for item in value)
+    return str(value)

@@ -1,0 +1,1 @@
+"""The sections of engine files: every field with its unit, range and meaning, declared once."""

@@ -1,0 +1,248 @@
+"""The sections of engine files: every field with its unit, range and meaning, declared once."""
+
+import math
+from typing import ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from crankbase.errors import InputError
+from crankbase.model import InputModel, quantity_field
+from crankbase.units.quantity import show_quantity
+from crankbase.units.units import PER_MINUTE
+from dynamics.engine.firing import firing_angles_of_order, firing_intervals
+
+# Limits are round numbers in the units in which people read them.
+# Firing intervals that differ by less are even, but for the digits of given angles.
+UNEVEN_FROM_DEG = 0.5
+
+
+class Engine(InputModel):
+    """Cylinders, speeds and crank arrangement. Fields are declared once, below."""
+
+    section: ClassVar[str] = "engine"
+
+    name: str = Field(description="what to call the engine")
+    cylinders: int = quantity_field("number of cylinders", "", minimum=1, maximum=24)
+    strokes: int = quantity_field("strokes per cycle, 2 or 4", "", minimum=2, maximum=4)
+    bore: float = quantity_field("cylinder bore", "m", minimum=0.01, maximum=2.0)
+    stroke: float = quantity_field("piston stroke", "m", minimum=0.01, maximum=5.0)
+    rated_speed: float = quantity_field(
+        "rated speed", "rad/s", minimum=5.0 * PER_MINUTE, maximum=30_000.0 * PER_MINUTE
+    )
+    lowest_speed: float = quantity_field(
+        "lowest running speed", "rad/s", minimum=1.0 * PER_MINUTE, maximum=30_000.0 * PER_MINUTE
+    )
+    highest_speed: float = quantity_field(
+        "highest running speed", "rad/s", minimum=5.0 * PER_MINUTE, maximum=30_000.0 * PER_MINUTE
+    )
+    crank_angles: tuple[float, ...] = quantity_field(
+        "angle of each crank from the first, cylinder by cylinder, all in one sense of rotation",
+        "rad",
+    )
+    firing_order: tuple[int, ...] = Field(
+        description="cylinder numbers in firing order; each fires when its crank is at the top"
+    )
+    bank_angles: tuple[float, ...] | None = quantity_field(
+        "of a V engine: angle of each cylinder's axis, cylinder by cylinder, counted as crank_angles",
+        "rad",
+        default=None,
+    )
+    throws: tuple[int, ...] | None = quantity_field(
+        "of a V engine: throw that each cylinder works on, from 1 at the free end; if not given, the "
+        "first cylinder of each bank is on throw 1, the second on throw 2, and so on",
+        "",
+        default=None,
+    )
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if self.strokes not in (2, 4):
+            raise InputError(f"engine.strokes: given {self.strokes}; allowed are 2 and 4.")
+        if not self.lowest_speed < self.highest_speed:
+            raise InputError(
+                f"engine.lowest_speed: given {show_quantity(self.lowest_speed, 'rad/s')}; allowed is less "
+                f"than highest_speed, {show_quantity(self.highest_speed, 'rad/s')}."
+            )
+        if not self.lowest_speed <= self.rated_speed <= self.highest_speed:
+            raise InputError(
+                f"engine.rated_speed: given {show_quantity(self.rated_speed, 'rad/s')}; allowed is "
+                f"lowest_speed to highest_speed, {show_quantity(self.lowest_speed, 'rad/s')} to "
+                f"{show_quantity(self.highest_speed, 'rad/s')}."
+            )
+        for name, kind in (
+            ("crank_angles", "angles"),
+            ("bank_angles", "angles"),
+            ("throws", "throws"),
+        ):
+            given = getattr(self, name)
+            if given is not None and len(given) != self.cylinders:
+                raise InputError(
+                    f"engine.{name}: given {len(given)} {kind}; allowed is one for each of the "
+                    f"{self.cylinders} cylinders."
+                )
+        if sorted(self.firing_order) != list(range(1, self.cylinders + 1)):
+            raise InputError(
+                f"engine.firing_order: given {list(self.firing_order)}; allowed is each cylinder number "
+                f"from 1 to {self.cylinders} once."
+            )
+        if self.throws is not None and set(self.throws) != set(range(1, max(self.throws) + 1)):
+            raise InputError(
+                f"engine.throws: given {list(self.throws)}; allowed are numbers from 1 up without a gap, "
+                "because each throw carries a cylinder."
+            )
+        _ = self.turning_sense
+        return self
+
+    @property
+    def turning_sense(self) -> int:
+        """1 if the shaft turns in the sense in which the angles count, else -1: the firing order tells.
+
+        Where the order fits both senses, the one in which the engine fires more evenly.
+
+        Raises
+        ------
+        InputError
+            If the firing order fits neither.
+        """
+        unevenness = {}
+        for sense in (1, -1):
+            try:
+                angles = firing_angles_of_order(self.firing_order, self._tops(sense), self.strokes)
+            except InputError:
+                continue
+            steps = firing_intervals(angles, self.strokes)
+            unevenness[sense] = round(max(steps) - min(steps), 6)
+        if unevenness:
+            # Where both fit, the engine turns so that it fires evenly.
+            return min(unevenness, key=lambda sense: unevenness[sense])
+        tops = [round(math.degrees(top) % 360.0, 3) for top in self._tops(1)]
+        raise InputError(
+            f"engine.firing_order: given {list(self.firing_order)}, which does not fit the crank angles; "
+            "allowed is an order in which each crank is at the top when its cylinder fires, all within one "
+            f"cycle (cylinder by cylinder the tops are at {tops} deg, or the other way round)."
+        )
+
+    @property
+    def firing_remark(self) -> str | None:
+        """What to say of firing intervals that are not even, which only some engines have."""
+        steps = [
+            round(math.degrees(step), 1)
+            for step in firing_intervals(self.firing_angles, self.strokes)
+        ]
+        if max(steps) - min(steps) < UNEVEN_FROM_DEG:
+            return None
+        return (
+            f"engine.firing_order: fires at uneven intervals of {', '.join(f'{s:g}' for s in steps)} deg; "
+            "check the order and the crank angles unless the engine is built so"
+        )
+
+    def _tops(self, sense: int) -> list[float]:
+        """Shaft angle at which each crank is at the top, for a sense of turning [rad]."""
+        banks = self.bank_angles or (0.0,) * self.cylinders
+        return [
+            sense * (bank - crank) for bank, crank in zip(banks, self.crank_angles, strict=True)
+        ]
+
+    @property
+    def firing_angles(self) -> tuple[float, ...]:
+        """Crank angle at which each cylinder fires, from the first to fire [rad]."""
+        tops = self._tops(self.turning_sense)
+        angles = firing_angles_of_order(self.firing_order, tops, self.strokes)
+        return tuple(angle - angles[self.firing_order[0] - 1] for angle in angles)
+
+
+class ShaftLayout(InputModel):
+    """How throws follow each other in a shaft whose throws are not its cylinders one by one.
+
+    Raises
+    ------
+    InputError
+        If an angle is no number.
+    """
+
+    section: ClassVar[str] = "shaft"
+
+    throw_angles: tuple[float, ...] = quantity_field(
+        "angle of each throw's first pin, throw by throw from the free end; the crank angles of the "
+        "engine if not given",
+        "rad",
+    )
+
+
+class Flywheel(InputModel):
+    """Flywheel, rigid on the last main journal."""
+
+    section: ClassVar[str] = "flywheel"
+
+    inertia: float = quantity_field("flywheel inertia", "kg m^2", minimum=1e-5, maximum=1e7)
+    mass: float = quantity_field("flywheel mass", "kg", minimum=1e-2, maximum=1e6)
+
+
+class FreeEnd(InputModel):
+    """What the free end carries."""
+
+    section: ClassVar[str] = "free_end"
+
+    inertia: float = quantity_field("inertia at the free end", "kg m^2", minimum=1e-7, maximum=1e6)
+
+
+class ThrustBearing(InputModel):
+    """Thrust bearing with its housing."""
+
+    section: ClassVar[str] = "thrust_bearing"
+
+    stiffness: float = quantity_field("axial stiffness", "N/m", minimum=1e4, maximum=1e13)
+    bearing: int = quantity_field(
+        "main bearing it sits at, counted from 0 at the free end: the last of n throws is n",
+        "",
+        minimum=0,
+        maximum=24,
+    )
+
+
+class VibrationSettings(InputModel):
+    """Choices for the vibration calculation."""
+
+    section: ClassVar[str] = "vibration"
+
+    axial_source: str = Field(
+        "fe", description="source of axial compliances: fe, regression or a formula"
+    )
+    torsional_source: str = Field(
+        "fe", description="source of torsional compliances: fe, regression or a formula"
+    )
+    reciprocating: Literal["half", "mean"] = Field(
+        "half",
+        description="inertia that stands for pistons: half of their mass at the crank radius, or the "
+        "exact mean over a revolution",
+    )
+    highest_order: float = quantity_field(
+        "highest harmonic order considered", "", minimum=0.5, maximum=48.0, default=12.0
+    )
+
+
+class TorqueTable(InputModel):
+    """Torque of one throw over a cycle, as a table."""
+
+    section: ClassVar[str] = "torque"
+
+    table: str = Field(description="CSV file beside the engine file, or a shipped table")
+
+
+class TwoMassInput(InputModel):
+    """An engine reduced to two masses on an equivalent shaft."""
+
+    section: ClassVar[str] = "two_mass_check"
+
+    shaft_diameter: float = quantity_field(
+        "equivalent shaft diameter", "m", minimum=1e-3, maximum=2.0
+    )
+    shaft_length: float = quantity_field(
+        "equivalent shaft length", "m", minimum=1e-3, maximum=100.0
+    )
+    shear_modulus: float = quantity_field("shear modulus", "Pa", minimum=1e9, maximum=5e11)
+    engine_inertia: float = quantity_field("engine inertia", "kg m^2", minimum=1e-6, maximum=1e7)
+    flywheel_inertia: float = quantity_field(
+        "flywheel inertia", "kg m^2", minimum=1e-6, maximum=1e7
+    )
+    order: float = quantity_field("harmonic order examined", "", minimum=0.5, maximum=48.0)

@@ -1,0 +1,262 @@
+"""Sections of engine files about what excites: pressure map, misfire and propeller forces."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from crankbase.errors import InputError
+from crankbase.model import InputModel, part_field, quantity_field
+from crankbase.units.units import PER_MINUTE
+from crankfem.files.reading.data_files import find_table
+from crankfem.files.sections.mechanism_sections import Gas
+from crankfem.files.sections.pressure_input import motored_pressures
+from dynamics.engine.gas_forces import piston_position
+from dynamics.engine.layout import EngineLayout
+from dynamics.excitation.engine_load import Load, propeller_load
+from dynamics.excitation.motored import motored_from_compression
+from dynamics.excitation.pressure_map import PressureMap, pressure_map
+from dynamics.excitation.propeller import PropellerForces
+from dynamics.gas.cylinder_volume import cylinder_volume
+from dynamics.gas.pressure import GasPressure
+from dynamics.gas.pressure_table import read_pressure_table
+
+
+class GasMapPoint(InputModel):
+    """One diagram of the pressure map."""
+
+    section: ClassVar[str] = "gas_map.points"
+
+    speed: float = quantity_field(
+        "speed at which the diagram was taken",
+        "rad/s",
+        minimum=1.0 * PER_MINUTE,
+        maximum=30_000.0 * PER_MINUTE,
+    )
+    load: float = quantity_field(
+        "load there, in the measure of the map", "", minimum=0.0, maximum=1e9, default=1.0
+    )
+    pressure_table: str = Field(
+        description="CSV file of the pressure over the crank angle, beside the engine file or shipped"
+    )
+
+
+class GasMap(InputModel):
+    """Pressure in the cylinder over speed and load, for calculations over a range of speeds."""
+
+    section: ClassVar[str] = "gas_map"
+
+    measure: Literal["torque", "power"] = Field(
+        "torque",
+        description="what load is a share of: torque (or mean effective pressure), or power",
+    )
+    law: Literal["propeller", "constant"] | None = Field(
+        None,
+        description="how the load goes with the speed; none where each speed has a diagram of its own",
+    )
+    rated_load: float = quantity_field(
+        "load at the rated speed (propeller), or at all speeds (constant)",
+        "",
+        minimum=0.0,
+        maximum=1e9,
+        default=1.0,
+    )
+    method: Literal["cubic", "linear"] = Field(
+        "cubic", description="between the diagrams: cubic spline, or straight lines"
+    )
+    points: tuple[GasMapPoint, ...] = part_field("diagrams of the map", GasMapPoint, many=True)
+
+    @model_validator(mode="after")
+    def _has_points(self) -> Self:
+        if not self.points:
+            raise InputError(
+                "gas_map.points: given none; allowed are one or more, each under [[gas_map.points]], "
+                "because a map has diagrams."
+            )
+        return self
+
+
+class Misfire(InputModel):
+    """Cylinders that do not fire, or fire weakly."""
+
+    section: ClassVar[str] = "misfire"
+
+    cylinders: tuple[int, ...] = quantity_field("numbers of the failing cylinders", "")
+    missing_share: float = quantity_field(
+        "share of the combustion that is missing in each", "", minimum=0.0, maximum=1.0, default=1.0
+    )
+
+    @model_validator(mode="after")
+    def _names_some_once(self) -> Self:
+        if not self.cylinders or len(set(self.cylinders)) < len(self.cylinders):
+            raise InputError(
+                f"misfire.cylinders: given {list(self.cylinders)}; allowed are one or more numbers, each "
+                "once, because these cylinders fail."
+            )
+        return self
+
+
+class PropellerForcesSection(InputModel):
+    """Thrust and torque of a propeller that vary with the passing of its blades."""
+
+    section: ClassVar[str] = "propeller_forces"
+
+    node: str = Field("propeller", description="name of its node in the chain")
+    blades: int = quantity_field("number of blades", "", minimum=2, maximum=12)
+    rated_speed: float = quantity_field(
+        "speed of the propeller at the rated point",
+        "rad/s",
+        minimum=1.0 * PER_MINUTE,
+        maximum=10_000.0 * PER_MINUTE,
+    )
+    rated_thrust: float = quantity_field("mean thrust there", "N", minimum=1.0, maximum=1e8)
+    rated_torque: float = quantity_field(
+        "mean torque there, taken from the shaft", "N m", minimum=1.0, maximum=1e9
+    )
+    thrust_shares: tuple[float, ...] = quantity_field(
+        "amplitudes of blade order, twice it ... as shares of the mean thrust", "", default=()
+    )
+    thrust_phases: tuple[float, ...] | None = quantity_field(
+        "their phases, as of a sine over the propeller's angle", "rad", default=None
+    )
+    torque_shares: tuple[float, ...] = quantity_field(
+        "amplitudes of blade order, twice it ... as shares of the mean torque", "", default=()
+    )
+    torque_phases: tuple[float, ...] | None = quantity_field(
+        "their phases, as of a sine over the propeller's angle", "rad", default=None
+    )
+    ratio: float | None = quantity_field(
+        "speed of the propeller over that of the crankshaft; that of the chain's gears if not given",
+        "",
+        minimum=-100.0,
+        maximum=100.0,
+        default=None,
+    )
+
+    @model_validator(mode="after")
+    def _has_shares(self) -> Self:
+        shares = (*self.thrust_shares, *self.torque_shares)
+        if not shares or not all(0.0 <= share <= 1.0 for share in shares):
+            raise InputError(
+                f"propeller_forces.thrust_shares: given {list(self.thrust_shares)}, with torque_shares "
+                f"{list(self.torque_shares)}; allowed are shares from 0 to 1 in one of them or both, because "
+                "a steady propeller excites nothing."
+            )
+        if self.ratio == 0.0:
+            raise InputError(
+                "propeller_forces.ratio: given 0; allowed is -100 to 100 but not 0, because the propeller "
+                "turns."
+            )
+        return self
+
+    @property
+    def forces(self) -> PropellerForces:
+        """The propeller as the calculation takes it.
+
+        Raises
+        ------
+        InputError
+            If shares and phases are not of one length.
+        """
+        return PropellerForces(
+            self.blades,
+            self.rated_speed,
+            self.rated_thrust,
+            self.rated_torque,
+            self.thrust_shares,
+            self.torque_shares,
+            self.thrust_phases,
+            self.torque_phases,
+        )
+
+
+def gas_map_pressure(section: GasMap, strokes: int, file: Path) -> PressureMap:
+    """Return the pressure map that a section describes.
+
+    Parameters
+    ----------
+    section : GasMap
+    strokes : int
+        Of the engine, 2 or 4.
+    file : Path
+        The engine file, beside which the tables are looked for.
+
+    Raises
+    ------
+    InputError
+        If a table cannot be used, or the points make no map.
+    """
+    found: dict[str, GasPressure] = {}
+    for number, point in enumerate(section.points):
+        name = point.pressure_table
+        if name not in found:
+            path = find_table(f"gas_map.points[{number}].pressure_table", file, name)
+            found[name] = read_pressure_table(path, strokes)
+    try:
+        return pressure_map(
+            ((point.speed, point.load, found[point.pressure_table]) for point in section.points),
+            method=section.method,
+        )
+    except InputError as error:
+        raise InputError(f"gas_map.{error}") from None
+
+
+def gas_map_load(section: GasMap, rated_speed: float) -> Load | None:
+    """Return the load over the speed that a section describes, None where the map needs none.
+
+    Parameters
+    ----------
+    section : GasMap
+    rated_speed : float
+        Of the engine [rad/s].
+    """
+    if section.law is None:
+        return None
+    if section.law == "constant":
+        return section.rated_load
+    return propeller_load(rated_speed, section.rated_load, measure=section.measure)
+
+
+def motored_for_misfire(
+    gas: Gas, layout: EngineLayout, pressure: Sequence[GasPressure]
+) -> tuple[GasPressure, ...]:
+    """Return the pressure in each cylinder without combustion.
+
+    Parameters
+    ----------
+    gas : Gas
+        The section of the engine file.
+    layout : EngineLayout
+    pressure : sequence of n GasPressure
+        Of the firing cylinders.
+
+    Returns
+    -------
+    tuple of n GasPressure
+        Of the cycle model without heat, or from the compression of the pressure table with the
+        section's compression ratio.
+
+    Raises
+    ------
+    InputError
+        If the cycle's values do not fit, or the table shows no compression.
+    """
+    if gas.pressure_table is None:
+        return motored_pressures(gas, layout)
+    return tuple(
+        motored_from_compression(
+            own,
+            cylinder_volume(piston_position(layout, number), cylinder.area, gas.compression_ratio),
+        )
+        for number, (own, cylinder) in enumerate(
+            zip(pressure, layout.cylinders, strict=True), start=1
+        )
+    )
+
+
+def misfire_shares(section: Misfire | None) -> dict[int, float]:
+    """Return the missing share of combustion by number of each failing cylinder."""
+    if section is None:
+        return {}
+    return dict.fromkeys(section.cylinders, section.missing_share)

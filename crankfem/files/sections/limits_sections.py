@@ -1,0 +1,367 @@
+"""The sections of engine files for limits of vibration and for what is not known well."""
+
+import math
+from collections.abc import Mapping
+from functools import partial
+from typing import ClassVar, Self
+
+from pydantic import Field, model_validator
+
+from crankbase.errors import InputError
+from crankbase.model import InputModel, part_field, quantity_field
+from dynamics.assessment.barred_ranges import BarredRangeRule
+from dynamics.assessment.limit_rules import (
+    SHAFT_FEATURES,
+    crankshaft_limit,
+    crankshaft_material_factors,
+    generator_set_limit,
+    propulsion_shaft_limit,
+)
+from dynamics.assessment.limit_rules import Kind as EngineKind
+from dynamics.assessment.limits import VibrationLimit, given_limit
+from dynamics.assessment.spreads import Kind, Spread
+
+MAIN_ENGINE, GENERATOR_SET = "KR main engine", "KR generator set"
+CRANKSHAFT_RULES = ("", MAIN_ENGINE, GENERATOR_SET)
+# What each value given in [limits] applies to: quantity, place and SI unit.
+GIVEN = {
+    "crankshaft_stress": ("torsional stress", "crankshaft", "Pa"),
+    "coupling_torque": ("torque", "coupling", "N m"),
+    "torsional_amplitude": ("torsional amplitude", "free end", "rad"),
+    "axial_amplitude": ("axial amplitude", "free end", "m"),
+    "axial_force": ("axial force", "throws", "N"),
+}
+PASSING = "_passing"
+# Where a value that has no source of its own comes from.
+ENGINE_FILE = "given in the engine file"
+Provenance = Mapping[str, tuple[str, bool]]
+
+
+class ShaftLimitInput(InputModel):
+    """A propulsion shaft whose stress is limited by the unified requirement M68.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, or the feature unknown.
+    """
+
+    section: ClassVar[str] = "limits.shafts"
+
+    element: str = Field(
+        description='element of the torsional chain, such as "flywheel - propeller"'
+    )
+    diameter: float = quantity_field("diameter of the shaft", "m", minimum=0.01, maximum=2.0)
+    tensile_strength: float = quantity_field(
+        "specified minimum tensile strength", "Pa", symbol="sigma_B", minimum=4e8, maximum=1.2e9
+    )
+    feature: str = Field(
+        "integral flange",
+        description=f"weakest feature, which sets the factor c_K: {', '.join(SHAFT_FEATURES)}",
+    )
+    alloy: bool = Field(False, description="whether the steel is a low alloy one")
+
+    @model_validator(mode="after")
+    def _known(self) -> Self:
+        if self.feature not in SHAFT_FEATURES:
+            raise InputError(
+                f"limits.shafts.feature: given {self.feature!r}; allowed are "
+                f"{', '.join(SHAFT_FEATURES)}, because the rule gives a factor for these."
+            )
+        return self
+
+    def limit(self, rated_speed: float) -> VibrationLimit:
+        """Return the limit of the shaft's stress, with its speed at the rated one [rad/s]."""
+        return propulsion_shaft_limit(
+            self.tensile_strength,
+            self.diameter,
+            rated_speed,
+            feature=self.feature,
+            alloy=self.alloy,
+            applies_to=self.element,
+        )
+
+
+class LimitsInput(InputModel):
+    """What vibration may reach: amplitudes, half of the range from lowest to highest value.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, a rule is unknown, the crankshaft has two limits, or a value for
+        passing has none for keeping or is below it.
+    """
+
+    section: ClassVar[str] = "limits"
+
+    crankshaft_stress: float | None = quantity_field(
+        "permissible nominal torsional vibration stress of the crankshaft",
+        "Pa",
+        minimum=1e5,
+        maximum=1e9,
+        default=None,
+    )
+    crankshaft_stress_passing: float | None = quantity_field(
+        "the same while a barred speed range is passed",
+        "Pa",
+        minimum=1e5,
+        maximum=1e9,
+        default=None,
+    )
+    coupling_torque: float | None = quantity_field(
+        "permissible vibratory torque of the coupling behind the flywheel",
+        "N m",
+        minimum=1e-2,
+        maximum=1e9,
+        default=None,
+    )
+    coupling_torque_passing: float | None = quantity_field(
+        "the same while a barred speed range is passed",
+        "N m",
+        minimum=1e-2,
+        maximum=1e9,
+        default=None,
+    )
+    torsional_amplitude: float | None = quantity_field(
+        "permissible torsional vibration amplitude of the free end",
+        "rad",
+        minimum=math.radians(1e-4),
+        maximum=math.radians(60.0),
+        default=None,
+    )
+    axial_amplitude: float | None = quantity_field(
+        "permissible axial vibration amplitude of the free end",
+        "m",
+        minimum=1e-7,
+        maximum=1e-1,
+        default=None,
+    )
+    axial_force: float | None = quantity_field(
+        "permissible vibratory axial force through the throws",
+        "N",
+        minimum=1.0,
+        maximum=1e9,
+        default=None,
+    )
+    crankshaft_rule: str = Field(
+        "",
+        description="rule to pick the crankshaft's limit from where the maker gives none: "
+        f"{MAIN_ENGINE} or {GENERATOR_SET}",
+    )
+    tensile_strength: float | None = quantity_field(
+        "specified minimum tensile strength of the crankshaft, for the rule",
+        "Pa",
+        minimum=1e8,
+        maximum=2e9,
+        default=None,
+    )
+    yield_strength: float | None = quantity_field(
+        "specified minimum yield strength of the crankshaft, for the rule",
+        "Pa",
+        minimum=1e8,
+        maximum=2e9,
+        default=None,
+    )
+    alloy: bool = Field(False, description="whether the crankshaft is of low alloy steel")
+    highest_barred: float | None = quantity_field(
+        "share of the rated speed above which no speed range may be barred; without it that of each "
+        "limit, else 0.8",
+        "",
+        minimum=0.1,
+        maximum=1.0,
+        default=None,
+    )
+    shafts: tuple[ShaftLimitInput, ...] = part_field(
+        "propulsion shafts limited by the unified requirement M68", ShaftLimitInput, many=True
+    )
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        elements = [shaft.element for shaft in self.shafts]
+        for place, element in enumerate(elements):
+            if element in elements[:place]:
+                raise InputError(
+                    f"limits.shafts[{place}].element: given {element!r} a second time; allowed is each "
+                    "element once, because it has one limit."
+                )
+        if self.crankshaft_rule not in CRANKSHAFT_RULES:
+            raise InputError(
+                f"limits.crankshaft_rule: given {self.crankshaft_rule!r}; allowed are "
+                f"{MAIN_ENGINE} and {GENERATOR_SET}."
+            )
+        if self.crankshaft_rule and self.crankshaft_stress is not None:
+            raise InputError(
+                f"limits.crankshaft_rule: given {self.crankshaft_rule!r} beside crankshaft_stress; "
+                "allowed is one of them, because the maker's value stands in place of the rule's."
+            )
+        if self.crankshaft_rule and (self.tensile_strength is None or self.yield_strength is None):
+            raise InputError(
+                f"limits.crankshaft_rule: given {self.crankshaft_rule!r} without tensile_strength "
+                "and yield_strength; allowed is the rule with both, because it depends on them."
+            )
+        if self.crankshaft_rule and self.tensile_strength and self.yield_strength:
+            try:  # before anything is computed
+                crankshaft_material_factors(
+                    self.tensile_strength, self.yield_strength, alloy=self.alloy
+                )
+            except InputError as error:
+                raise InputError(f"limits.{error}") from None
+        for name in GIVEN:
+            kept, passing = getattr(self, name), getattr(self, name + PASSING, None)
+            if passing is not None and (kept is None or passing < kept):
+                raise InputError(
+                    f"limits.{name + PASSING}: given {passing:g} {GIVEN[name][2]}; allowed is no "
+                    f"less than {name}, which must be given, because what may be kept may be passed."
+                )
+        return self
+
+    def limits(
+        self,
+        rated_speed: float,
+        *,
+        strokes: int,
+        kind: EngineKind = "in line",
+        firing_interval_deg: float | None = None,
+        provenance: Provenance | None = None,
+    ) -> dict[str, VibrationLimit]:
+        """Return all limits by the names of their fields; those of shafts by "shaft: ELEMENT".
+
+        Parameters
+        ----------
+        rated_speed : float
+            [rad/s].
+        strokes, kind, firing_interval_deg
+            Of the engine, for the crankshaft's rule; see `crankshaft_limit`.
+        provenance : mapping, optional
+            Field, such as "limits.axial_amplitude", to its source and whether it is assumed.
+
+        Raises
+        ------
+        InputError
+            If the rule has no formula for the material.
+        """
+        sources = provenance or {}
+        found = {}
+        for name, (quantity, place, unit) in GIVEN.items():
+            value = getattr(self, name)
+            if value is None:
+                continue
+            source, assumed = sources.get(f"limits.{name}", ("", False))
+            found[name] = given_limit(
+                quantity,
+                value,
+                unit,
+                applies_to=place,
+                source=source.strip() or ENGINE_FILE,
+                passing=getattr(self, name + PASSING, None),
+                assumed=assumed,
+            )
+        if self.crankshaft_rule:
+            assert self.tensile_strength is not None  # the two have been made sure of
+            assert self.yield_strength is not None
+            main = self.crankshaft_rule == MAIN_ENGINE
+            pick = crankshaft_limit if main else partial(generator_set_limit, part="crankshaft")
+            found["crankshaft_stress"] = pick(
+                rated_speed,
+                strokes=strokes,
+                kind=kind,
+                firing_interval_deg=firing_interval_deg,
+                tensile_strength=self.tensile_strength,
+                yield_strength=self.yield_strength,
+                alloy=self.alloy,
+            )
+        for shaft in self.shafts:
+            found[f"shaft: {shaft.element}"] = shaft.limit(rated_speed)
+        return found
+
+    def barred_rule(self, rated_speed: float) -> BarredRangeRule:
+        """Return how far about critical speeds running is barred, and up to where [rad/s]."""
+        return BarredRangeRule(rated_speed, self.highest_barred)
+
+
+def _factors(meaning: str) -> tuple[float, float] | None:
+    field: tuple[float, float] | None = quantity_field(
+        f"least and largest factor on {meaning}", "", default=None
+    )
+    return field
+
+
+class RangesInput(InputModel):
+    """What is not known well: for each a least and a largest factor, such as [0.95, 1.10].
+
+    Raises
+    ------
+    InputError
+        If factors are not above zero or do not enclose 1.
+    """
+
+    section: ClassVar[str] = "ranges"
+
+    axial_compliance: tuple[float, float] | None = _factors("the throws' axial compliance")
+    torsional_compliance: tuple[float, float] | None = _factors("the throws' torsional compliance")
+    mass: tuple[float, float] | None = _factors("the masses of the axial chain")
+    inertia: tuple[float, float] | None = _factors("the inertias of the torsional chain")
+    thrust_stiffness: tuple[float, float] | None = _factors("the thrust bearing's stiffness")
+    damping: tuple[float, float] | None = _factors("all damping")
+    samples: int = quantity_field(
+        "number of samples of amplitudes", "", minimum=2, maximum=100_000, default=200
+    )
+    seed: int = quantity_field(
+        "seed of the samples; the same seed draws the same", "", minimum=0, maximum=2**31, default=0
+    )
+    separation_margin: float = quantity_field(
+        "share by which critical speeds should stay away from running speeds",
+        "",
+        minimum=0.0,
+        maximum=1.0,
+        default=0.10,
+    )
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        for name in (
+            "axial_compliance",
+            "torsional_compliance",
+            "mass",
+            "inertia",
+            "thrust_stiffness",
+            "damping",
+        ):
+            factors = getattr(self, name)
+            if factors is not None and not 0.0 < factors[0] <= 1.0 <= factors[1]:
+                raise InputError(
+                    f"ranges.{name}: given {list(factors)}; allowed are a low factor above 0 up to 1 "
+                    "and a high one from 1, because the nominal value is possible too."
+                )
+        return self
+
+    def axial_spreads(self) -> tuple[Spread, ...]:
+        """Return the spreads of the axial chain; only the thrust bearing holds it to ground."""
+        return _spreads(
+            ("compliance", self.axial_compliance, "axial compliance"),
+            ("inertia", self.mass, "mass"),
+            ("ground stiffness", self.thrust_stiffness, "thrust bearing"),
+            ("all damping", self.damping, "damping"),
+        )
+
+    def torsional_spreads(
+        self, elements: tuple[int | str, ...] | None = None
+    ) -> tuple[Spread, ...]:
+        """Return the spreads of the torsional chain; compliances of all elements, or of those given."""
+        compliance = _spreads(
+            ("compliance", self.torsional_compliance, "torsional compliance"), places=elements
+        )
+        return compliance + _spreads(
+            ("inertia", self.inertia, "inertia"), ("all damping", self.damping, "damping")
+        )
+
+
+def _spreads(
+    *given: tuple[Kind, tuple[float, float] | None, str],
+    places: tuple[int | str, ...] | None = None,
+) -> tuple[Spread, ...]:
+    return tuple(
+        Spread(kind, *factors, places=places, name=name)
+        for kind, factors, name in given
+        if factors is not None
+    )

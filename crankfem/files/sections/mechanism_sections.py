@@ -1,0 +1,206 @@
+"""The sections of engine files that describe rods, pistons and gas: every field declared once."""
+
+import math
+from typing import Any, ClassVar, Self
+
+from pydantic import Field, model_validator
+
+from crankbase.errors import InputError
+from crankbase.model import InputModel, quantity_field
+from crankbase.units.quantity import show_quantity
+
+
+def _check_share(section: str, share: float, whole: float) -> None:
+    if not 0.0 < share < whole:
+        raise InputError(
+            f"{section}.rotating_mass: given {share:g} kg; allowed is above 0 and less than the rod's mass "
+            f"of {whole:g} kg, because it is a share of it."
+        )
+
+
+def _inertia_field() -> Any:
+    return quantity_field(
+        "inertia about its center of mass; if not given, that of the two masses at its pins",
+        "kg m^2",
+        minimum=1e-9,
+        maximum=1e6,
+        default=None,
+    )
+
+
+class Rod(InputModel):
+    """Connecting rod."""
+
+    section: ClassVar[str] = "rod"
+
+    length: float = quantity_field("connecting-rod length", "m", minimum=0.02, maximum=10.0)
+    mass: float = quantity_field("connecting-rod mass", "kg", minimum=1e-3, maximum=2e4)
+    rotating_mass: float = quantity_field(
+        "share of the rod's mass that turns with the crankpin, found by weighing: it places the center "
+        "of mass",
+        "kg",
+        minimum=0.0,
+        maximum=2e4,
+    )
+    inertia: float | None = _inertia_field()
+    center_offset: float = quantity_field(
+        "how far the center of mass lies off the rod's axis, positive to the side to which the crankpin "
+        "moves as it passes the top",
+        "m",
+        symbol="l_d",
+        minimum=-1.0,
+        maximum=1.0,
+        default=0.0,
+        feature=True,
+    )
+
+    @model_validator(mode="after")
+    def _share_below_whole(self) -> Self:
+        if self.center_offset != 0.0 and self.inertia is None:
+            raise InputError(
+                f"rod.center_offset: given {show_quantity(self.center_offset, 'm')} without inertia; allowed "
+                "are both, because a rod that stands as two masses at its pins has its center between them."
+            )
+        _check_share(self.section, self.rotating_mass, self.mass)
+        return self
+
+
+class Piston(InputModel):
+    """Piston with rings and gudgeon pin; crosshead and piston rod where the engine has them."""
+
+    section: ClassVar[str] = "piston"
+
+    mass: float = quantity_field("mass of the piston set", "kg", minimum=1e-3, maximum=2e4)
+    pin_offset: float = quantity_field(
+        "how far the piston pin's line passes aside of the shaft, positive to the side to which the "
+        "crankpin moves as it passes the top",
+        "m",
+        symbol="e",
+        minimum=-1.0,
+        maximum=1.0,
+        default=0.0,
+        feature=True,
+    )
+
+
+class HingedRods(InputModel):
+    """Rods that are hinged to the rods of other cylinders instead of sitting on the crankpin."""
+
+    section: ClassVar[str] = "hinged_rods"
+
+    cylinders: tuple[int, ...] = quantity_field("numbers of the cylinders that have them", "")
+    main_cylinders: tuple[int, ...] = quantity_field(
+        "numbers of the cylinders whose rods carry them, one for each", ""
+    )
+    pin_radius: float = quantity_field(
+        "distance of the slave pin from the crankpin's center",
+        "m",
+        symbol="R_1",
+        minimum=0.001,
+        maximum=5.0,
+    )
+    pin_angle: float | None = quantity_field(
+        "angle of the slave pin from the main rod's axis, counted as bank_angles; if not given, the "
+        "angle between the two banks",
+        "rad",
+        default=None,
+    )
+    length: float = quantity_field(
+        "length of the hinged rod between its pins", "m", minimum=0.02, maximum=10.0
+    )
+    mass: float = quantity_field("mass of the hinged rod", "kg", minimum=1e-3, maximum=2e4)
+    rotating_mass: float = quantity_field(
+        "share of its mass at the slave pin, found by weighing", "kg", minimum=0.0, maximum=2e4
+    )
+    inertia: float | None = _inertia_field()
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if len(self.cylinders) != len(self.main_cylinders):
+            raise InputError(
+                f"hinged_rods.main_cylinders: given {len(self.main_cylinders)} for {len(self.cylinders)} "
+                "cylinders; allowed is one for each, because each rod hangs on one."
+            )
+        if len(set(self.cylinders)) != len(self.cylinders):
+            raise InputError(
+                f"hinged_rods.cylinders: given {list(self.cylinders)}; allowed is each number once, because "
+                "a cylinder has one rod."
+            )
+        _check_share(self.section, self.rotating_mass, self.mass)
+        return self
+
+
+class Gas(InputModel):
+    """Gas pressure in the cylinder: measured, or a cycle that reaches what is given."""
+
+    section: ClassVar[str] = "gas"
+
+    peak_pressure: float | None = quantity_field(
+        "largest gas pressure above ambient", "Pa", minimum=1e4, maximum=1e8, default=None
+    )
+    mean_effective_pressure: float | None = quantity_field(
+        "indicated mean effective pressure", "Pa", minimum=1e3, maximum=1e7, default=None
+    )
+    pressure_table: str | None = Field(
+        None,
+        description="CSV file of the pressure over the crank angle, beside the engine file or shipped",
+    )
+    compression_ratio: float = quantity_field(
+        "compression ratio of the cycle", "", minimum=2.0, maximum=40.0, default=14.0
+    )
+    intake_pressure: float | None = quantity_field(
+        "absolute pressure in the cylinder at the end of the intake",
+        "Pa",
+        minimum=1e4,
+        maximum=2e6,
+        default=None,
+    )
+    exhaust_pressure: float | None = quantity_field(
+        "absolute pressure in the cylinder during exhaust",
+        "Pa",
+        minimum=1e4,
+        maximum=2e6,
+        default=None,
+    )
+    combustion_start: float | None = quantity_field(
+        "crank angle at which combustion begins, from the top, negative before it",
+        "rad",
+        minimum=math.radians(-85.0),
+        maximum=math.radians(85.0),
+        default=None,
+    )
+    combustion_duration: float | None = quantity_field(
+        "crank angle that combustion takes",
+        "rad",
+        minimum=math.radians(1.0),
+        maximum=math.radians(170.0),
+        default=None,
+    )
+
+    @model_validator(mode="after")
+    def _says_how_high(self) -> Self:
+        if (
+            self.peak_pressure is None
+            and self.mean_effective_pressure is None
+            and self.pressure_table is None
+        ):
+            raise InputError(
+                "gas.peak_pressure: given neither it nor mean_effective_pressure nor pressure_table; allowed "
+                "is one of them, or the first two together, because they say how hard the gas presses."
+            )
+        beside = [
+            name
+            for name in (
+                "peak_pressure",
+                "mean_effective_pressure",
+                "combustion_start",
+                "combustion_duration",
+            )
+            if getattr(self, name) is not None
+        ]
+        if self.pressure_table is not None and beside:
+            raise InputError(
+                f"gas.{beside[0]}: given beside pressure_table; allowed is one of the two, because the "
+                "table says all of the pressure."
+            )
+        return self

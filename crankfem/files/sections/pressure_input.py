@@ -1,0 +1,132 @@
+"""The pressure in each cylinder of an engine file: from its table, or from the cycle model."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from crankbase.errors import InputError
+from crankbase.units.quantity import show_quantity
+from crankfem.files.reading.data_files import find_table
+from crankfem.files.sections.mechanism_sections import Gas
+from dynamics.engine.gas_forces import piston_position
+from dynamics.engine.layout import EngineLayout
+from dynamics.gas.cycle_values import USUAL_VALUES, GasCycle, usual_gas_cycle
+from dynamics.gas.cylinder_volume import Position
+from dynamics.gas.gas_cycle import gas_cycle
+from dynamics.gas.pressure import ATMOSPHERE, GasPressure
+from dynamics.gas.pressure_table import read_pressure_table
+
+# Peak pressure over that without combustion, usual for diesel engines at rated load: 1.4 to 1.8.
+USUAL_PRESSURE_RISE = 1.6
+
+
+def cylinder_pressures(gas: Gas, layout: EngineLayout, file: Path) -> tuple[GasPressure, ...]:
+    """Return the pressure in each cylinder over the angle from its firing top.
+
+    Parameters
+    ----------
+    gas : Gas
+        The section of the engine file.
+    layout : EngineLayout
+    file : Path
+        The engine file, beside which a pressure table is looked for.
+
+    Raises
+    ------
+    InputError
+        If the table cannot be used, or the cycle cannot reach what is asked.
+    """
+    if gas.pressure_table is not None:
+        path = find_table("gas.pressure_table", file, gas.pressure_table)
+        return (read_pressure_table(path, layout.strokes),) * len(layout.cylinders)
+    cycle, remarks = _parameters(gas, layout)
+
+    def fired(position: Position, area: float) -> GasPressure:
+        pressure = _reaching(gas, cycle, position, area)
+        return replace(pressure, remarks=remarks + pressure.remarks)
+
+    return _for_each_cylinder(layout, fired)
+
+
+def motored_pressures(gas: Gas, layout: EngineLayout) -> tuple[GasPressure, ...]:
+    """Return the pressure in each cylinder of the engine turned without combustion.
+
+    Raises
+    ------
+    InputError
+        If the cycle's values do not fit.
+    """
+    cycle, remarks = _parameters(gas, layout)
+
+    def motored(position: Position, area: float) -> GasPressure:
+        pressure = gas_cycle(cycle, position, area, heat=0.0).pressure
+        return replace(pressure, remarks=remarks + pressure.remarks)
+
+    return _for_each_cylinder(layout, motored)
+
+
+def _for_each_cylinder(
+    layout: EngineLayout, calculate: Callable[[Position, float], GasPressure]
+) -> tuple[GasPressure, ...]:
+    """Calculate the pressure in each cylinder, once for all whose pistons move alike."""
+    found: dict[object, GasPressure] = {}
+    pressures = []
+    for number, cylinder in enumerate(layout.cylinders, start=1):
+        main = layout.cylinders[layout.main_of(number) - 1]
+        turned = round(cylinder.bank_angle - main.bank_angle, 12)
+        pin = None if cylinder.slave_pin is None else cylinder.slave_pin.place
+        alike = (cylinder.bore, cylinder.rod, cylinder.pin_offset, main.rod, turned, pin)
+        if alike not in found:
+            found[alike] = calculate(piston_position(layout, number), cylinder.area)
+        pressures.append(found[alike])
+    return tuple(pressures)
+
+
+def _reaching(gas: Gas, cycle: GasCycle, position: Position, area: float) -> GasPressure:
+    """Return the pressure of the cycle that reaches what the file asks for."""
+    peak = None if gas.peak_pressure is None else gas.peak_pressure + ATMOSPHERE
+    try:
+        return gas_cycle(
+            cycle,
+            position,
+            area,
+            peak_pressure=peak,
+            mean_effective_pressure=gas.mean_effective_pressure,
+        ).pressure
+    except InputError as error:
+        text = str(error)
+        if gas.peak_pressure is not None and peak is not None and text.startswith("peak"):
+            above, absolute = (show_quantity(value, "Pa") for value in (gas.peak_pressure, peak))
+            text = text.replace(
+                f"given {absolute}; allowed are", f"given {above} above ambient; allowed in all are"
+            )
+        raise InputError(f"gas.{text}") from None
+
+
+def _parameters(gas: Gas, layout: EngineLayout) -> tuple[GasCycle, tuple[str, ...]]:
+    """Return the cycle's parameters, with an intake pressure that suits the peak if none is given.
+
+    All cylinders breathe from one receiver: the intake is found for the first main cylinder.
+    """
+    given = {
+        name: value for name in USUAL_VALUES if (value := getattr(gas, name, None)) is not None
+    }
+    number = layout.main_of(1)
+    area = layout.cylinders[number - 1].area
+    try:
+        cycle = usual_gas_cycle(gas.compression_ratio, layout.strokes, **given)
+        if gas.intake_pressure is not None or gas.peak_pressure is None:
+            return cycle, ()
+        plain = gas_cycle(cycle, piston_position(layout, number), area, heat=0.0)
+        rise = (gas.peak_pressure + ATMOSPHERE) / plain.compression_pressure
+        intake = cycle.intake_pressure * rise / USUAL_PRESSURE_RISE
+        suited = usual_gas_cycle(
+            gas.compression_ratio, layout.strokes, **(given | {"intake_pressure": intake})
+        )
+    except InputError as error:
+        raise InputError(f"gas.{error}") from None
+    remark = (
+        f"Assumed: intake_pressure {show_quantity(intake, 'Pa', 4)}, so that combustion raises the "
+        f"pressure {USUAL_PRESSURE_RISE:g} times, as is usual for diesel engines at rated load."
+    )
+    return suited, (remark,)

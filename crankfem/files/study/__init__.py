@@ -1,0 +1,1 @@
+"""The section [study], and designs of one's own from CSV files."""

@@ -1,0 +1,1 @@
+"""The main job: its folder, progress, interruption and resumption."""

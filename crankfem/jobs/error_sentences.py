@@ -1,0 +1,46 @@
+"""What is said of an error that ends a command or costs a picture, and the exit code for it."""
+
+import errno
+import sys
+
+from crankbase.errors import InputError, MeshError, MissingLibraryError, RenderError
+from crankfem.jobs.exit_codes import EXIT_FAILED, EXIT_INPUT
+from regression.records import StudyStoppedError
+
+# The environment variable that lets errors show where they come from.
+TRACEBACK = "CRANKFEM_TRACEBACK"
+NAMED_WRONGLY = (
+    FileNotFoundError,
+    FileExistsError,
+    NotADirectoryError,
+    IsADirectoryError,
+    PermissionError,
+)
+
+
+def told(error: Exception) -> tuple[str, int]:
+    """Return the sentence and the exit code of an error."""
+    if isinstance(error, InputError):
+        return str(error), EXIT_INPUT
+    # An error of a module that has not been loaded it cannot be; loading it takes long.
+    solver = sys.modules.get("fem.solver")
+    of_solver = () if solver is None else (solver.SolveError,)
+    if isinstance(
+        error, (MissingLibraryError, RenderError, MeshError, StudyStoppedError, *of_solver)
+    ):
+        return str(error), EXIT_FAILED
+    if isinstance(error, MemoryError):
+        return "The machine has not enough memory for this.", EXIT_FAILED
+    if isinstance(error, OSError):
+        # What was named cannot be used, or the machine cannot do it.
+        misnamed = isinstance(error, NAMED_WRONGLY) or error.errno == errno.ENAMETOOLONG
+        code = EXIT_INPUT if misnamed else EXIT_FAILED
+        return f"{error.filename or 'file'}: {error.strerror or error}.", code
+    if isinstance(error, ImportError):
+        return f"{str(error).rstrip('.')}.", EXIT_FAILED
+    text = " ".join(str(error).split())
+    return (
+        f"{type(error).__name__}{': ' if text else ''}{text.rstrip('.')}, which nobody expected; set "
+        f"{TRACEBACK}=1 to see where it comes from.",
+        EXIT_FAILED,
+    )

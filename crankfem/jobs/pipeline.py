@@ -1,0 +1,189 @@
+"""The main job: from an engine file to results, pictures and a report in one folder.
+
+In this order: read, compute, record all numbers, draw, and write the report from the records alone.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from crankbase.outputs import files_of_a_run, protected
+from crankfem.analyses.about import repeat_record
+from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+from crankfem.analyses.study.studies import fitted
+from crankfem.analyses.throw.fillets import StressRendering, shown_loads, stress_files
+from crankfem.analyses.throw.pictures.render import DEFORMED, MESH, Rendering
+from crankfem.analyses.throw.pictures.surface import stretched_surface
+from crankfem.analyses.throw.run_fillets import stresses_or_reason
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.jobs.run_computation import RunComputation
+from crankfem.jobs.run_drawing import draw_run
+from crankfem.jobs.run_files import (
+    MODEL,
+    PICTURES,
+    REPORT,
+    STORE,
+    check_folder,
+    make_folder,
+    replace_last_run,
+    write_results,
+)
+from crankfem.jobs.run_files import RESULTS as RESULTS
+from crankfem.jobs.run_inputs import RunInputs, read_inputs
+from crankfem.jobs.run_pictures import Renderings
+from crankfem.jobs.run_progress import Progress, Silent, Timed
+from crankfem.jobs.run_records import UNIT_RADIAL_FORCE as UNIT_RADIAL_FORCE
+from crankfem.jobs.run_records import run_results
+from crankfem.report.writing import write_report
+from fem.analysis import analyze_throw
+from fem.fillet_peaks import FilletStresses
+from fem.throw_analysis import ThrowAnalysis
+from regression.runs.store import ResultStore
+from regression.runs.study import check_workers, run_plan
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """Where a run has put things, and its numbers.
+
+    Attributes
+    ----------
+    folder : Path
+        Holds report, results, model, study store and pictures.
+    report : Path
+        The HTML report.
+    results : dict
+        The content of results.json.
+    """
+
+    folder: Path
+    report: Path
+    results: dict[str, Any]
+
+
+def run_engine(
+    engine: str | Path,
+    output: str | Path | None = None,
+    *,
+    workers: int = 2,
+    progress: Progress | None = None,
+) -> RunResult:
+    """Run the main job on an engine file.
+
+    Everything is computed before the folder is touched: a run that fails or is stopped before that
+    leaves what the last one has put there. Then all of it but the store of the study gives way. Files
+    that no run has put there stay, and end the run before it computes where they stand in its way; see
+    `replacing_files`.
+
+    Parameters
+    ----------
+    engine : path
+        Engine file, or the name of a shipped engine.
+    output : path, optional
+        Folder for the results; ``NAME-results`` in the working directory by default. A study found
+        there is continued.
+    workers : int
+        Worker processes of the study.
+    progress : Progress, optional
+        Told what goes on; also of pictures that cannot be drawn, which end no run.
+
+    Returns
+    -------
+    RunResult
+
+    Raises
+    ------
+    InputError
+        If the engine file or the folder cannot be used, or a file of somebody else's stands there.
+    MeshError, SolveError
+        If the throw cannot be meshed or solved.
+    OSError
+        If results, model or report cannot be written.
+    """
+    told = Timed(progress or Silent())
+    told.step("Reading the engine file")
+    check_workers(workers)
+    inputs = read_inputs(engine)
+    path = inputs.engine_file.path
+    folder = Path(f"{path.stem}-results" if output is None else output)
+    read, study = inputs.paths, inputs.engine_file.study is not None
+    check_folder(folder, study=study, inputs=read)
+    if study and (folder / STORE).exists():
+        ResultStore(
+            folder / STORE
+        ).close()  # which refuses what is no store, before anything is computed
+    make_folder(folder)
+    with Renderings() as renderings, files_of_a_run(), protected(*read):
+        computed = _compute(inputs, folder / STORE, workers, told, renderings)
+        found = run_results(computed) | {"repeat": repeat_record(inputs.files, told.seconds)}
+        replace_last_run(folder, found)
+        if computed.study is not None:
+            computed.study.model.save(folder / MODEL)
+
+        told.step("Drawing pictures")
+        drawn = draw_run(folder, computed, found, renderings, told.note)
+        told.stop()
+    found |= {
+        "pictures": drawn.static,
+        "interactive": drawn.interactive,
+        "picture_note": " ".join(drawn.notes) or None,
+        "repeat": repeat_record(inputs.files, told.seconds),
+    }
+    told.step("Writing the report")
+    with protected(*read):
+        write_results(folder, found)
+        report = write_report(found, folder / PICTURES, folder / REPORT)
+    return RunResult(folder, report, found)
+
+
+def _compute(
+    inputs: RunInputs, store: Path, workers: int, told: Timed, renderings: Renderings
+) -> RunComputation:
+    """Compute all numbers of a run; only the store of its study is written to."""
+    engine_file, with_gas = inputs.engine_file, inputs.with_gas
+    told.step("Analyzing the throw")
+    analysis = analyze_throw(engine_file.throw, engine_file.material)
+    _render_throw(renderings, analysis)
+
+    told.step("Calculating stresses at the fillets")
+    stresses, reason = stresses_or_reason(engine_file.throw, engine_file.material)
+    if stresses is None:
+        told.note(f"No stresses at the fillets: {reason}")
+    else:
+        _render_stresses(renderings, stresses)
+    mechanism = None if with_gas is None else run_mechanism(with_gas, masses=analysis.masses)
+
+    study = None
+    if engine_file.study is not None:
+        told.step("Running the study")
+        study = fitted(run_plan(engine_file.study, store, workers, told.design, note=told.note))
+    vibration = engine_vibration(
+        engine_file,
+        analysis=analysis,
+        mechanism=inputs.mechanism,
+        model=None if study is None else study.model,
+        coupled=True,
+        step=told.step,
+    )
+    harmonics = None if inputs.torque is None else inputs.torque.harmonics()
+    told.stop()
+    return RunComputation(
+        inputs, analysis, stresses, reason, mechanism, study, vibration, harmonics
+    )
+
+
+def _render_throw(renderings: Renderings, analysis: ThrowAnalysis) -> None:
+    renderings.start(
+        "picture of the mesh and of the deformed throw",
+        {"mesh": MESH, "deformed": DEFORMED},
+        lambda folder: Rendering(stretched_surface(analysis), folder),
+    )
+
+
+def _render_stresses(renderings: Renderings, stresses: FilletStresses) -> None:
+    shown = shown_loads(stresses)
+    renderings.start(
+        "picture of the stresses at the fillets",
+        stress_files(shown),
+        lambda folder: StressRendering(shown, folder),
+    )

@@ -1,0 +1,162 @@
+"""Pictures of a run: one that cannot be made costs itself alone, and is told."""
+
+import os
+import traceback
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from types import TracebackType
+from typing import Protocol, Self
+
+from crankbase.errors import MissingLibraryError, RenderError
+from crankbase.outputs import copy_file
+from crankbase.processes import scratch_folder
+from crankfem.analyses.to_draw import ToDraw
+from crankfem.jobs.error_sentences import TRACEBACK, told
+
+
+class Pictures:
+    """The pictures of a run, drawn one by one.
+
+    Parameters
+    ----------
+    folder : Path
+        Where they go.
+    note : callable
+        Told of what cannot be drawn.
+
+    Attributes
+    ----------
+    static, interactive : dict
+        Name of each picture or plot that is there to its file name.
+    notes : list of str
+        What was told, each sentence once.
+    """
+
+    def __init__(self, folder: Path, note: Callable[[str], None]) -> None:
+        self.folder = folder
+        self._note = note
+        self.static: dict[str, str] = {}
+        self.interactive: dict[str, str] = {}
+        self.notes: list[str] = []
+
+    def tried(self, what: str, make: Callable[[], object]) -> bool:
+        """Do something and return whether it could be done; if not, tell why it is missing."""
+        try:
+            make()
+        except Exception as error:
+            if os.environ.get(TRACEBACK):
+                traceback.print_exc()
+            self.tell(
+                str(error)
+                if isinstance(error, (MissingLibraryError, RenderError))
+                else f"There is no {what}: {told(error)[0]}"
+            )
+            return False
+        return True
+
+    def tell(self, sentence: str) -> None:
+        """Tell something, once."""
+        if sentence not in self.notes:
+            self.notes.append(sentence)
+            self._note(sentence)
+
+    def draw(self, what: str, pictures: Callable[[], Iterable[ToDraw]]) -> None:
+        """Draw static pictures, each by itself; `what` they are stands in the message without one."""
+        waiting: list[ToDraw] = []
+        self.tried(f"picture of {what}", lambda: waiting.extend(pictures()))
+        for picture in waiting:
+            path = picture.path
+            if self.tried(f"picture {path.stem}", partial(picture.draw, path)):
+                self.static[path.stem] = path.name
+
+    def plot(self, what: str, plots: Callable[[], Iterable[Path]]) -> None:
+        """Make the interactive plots of one thing."""
+        made: list[Path] = []
+        if self.tried(f"interactive plot of {what}", lambda: made.extend(plots())):
+            self.interactive |= {path.stem: path.name for path in made}
+
+
+class Renderer(Protocol):
+    """A process that renders pictures in the background."""
+
+    def wait(self) -> None:
+        """Wait for the pictures."""
+
+    def stop(self) -> None:
+        """End it."""
+
+
+@dataclass(frozen=True)
+class _Job:
+    what: str
+    folder: Path
+    renderer: Renderer
+    files: Mapping[str, str]
+
+
+class Renderings:
+    """Pictures rendered in the background while a run computes.
+
+    They are made in folders of their own, for until a run has all its numbers, the folder of its
+    pictures holds those of the last one.
+    """
+
+    def __init__(self) -> None:
+        self._open = ExitStack()
+        self._jobs: list[_Job] = []
+        self._failed: list[tuple[str, Exception]] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._open.close()
+
+    def start(
+        self, what: str, files: Mapping[str, str], render: Callable[[Path], Renderer]
+    ) -> None:
+        """Begin to render.
+
+        Parameters
+        ----------
+        what : str
+            For messages.
+        files : mapping
+            Picture name to file name, of what will be there.
+        render : callable
+            Starts a process that renders into a folder.
+        """
+        try:
+            folder = self._open.enter_context(scratch_folder())
+            renderer = render(folder)
+        except Exception as error:
+            self._failed.append((what, error))
+            return
+        self._open.callback(renderer.stop)
+        self._jobs.append(_Job(what, folder, renderer, files))
+
+    def collect(self, pictures: Pictures) -> None:
+        """Wait for what is rendered and move it to the other pictures."""
+        for what, error in self._failed:
+            pictures.tried(what, partial(_throw, error))
+        for job in self._jobs:
+            if pictures.tried(job.what, partial(_move, job, pictures.folder)):
+                pictures.static |= job.files
+
+
+def _move(job: _Job, folder: Path) -> None:
+    job.renderer.wait()
+    for name in job.files.values():
+        copy_file(job.folder / name, folder / name, "picture")
+
+
+def _throw(error: Exception) -> None:
+    raise error

@@ -1,0 +1,185 @@
+"""All numbers of a run as plain JSON content: what results.json holds."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from crankbase.errors import InputError
+from crankbase.units.units import RPM
+from crankfem.analyses.about import about_record
+from crankfem.analyses.checks import run_checks
+from crankfem.analyses.mechanism.balance_records import balance_record
+from crankfem.analyses.mechanism.harmonics_record import harmonics_record, two_mass_record
+from crankfem.analyses.mechanism.mechanism_records import mechanism_record
+from crankfem.analyses.mechanism.mechanism_run import MechanismRun
+from crankfem.analyses.record import Record, input_records
+from crankfem.analyses.shaft.shaft_record import shaft_balance_record, shaft_record
+from crankfem.analyses.study.fit_records import study_record
+from crankfem.analyses.study.studies import StudyResult
+from crankfem.analyses.throw.compliances import RESPONSES, regression_record
+from crankfem.analyses.throw.formula_records import fe_axial_curve, fe_record, formula_records
+from crankfem.analyses.throw.stress import stress_record
+from crankfem.analyses.throw.throw_record import reciprocity_record, throw_record
+from crankfem.analyses.vibration.records import run_record
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.jobs.run_computation import RunComputation
+from crankfem.jobs.run_inputs import RunInputs
+from dynamics.chains.two_mass import two_mass_check
+from dynamics.critical import engine_orders, major_orders
+from dynamics.gas.pressure import ATMOSPHERE
+from dynamics.harmonics import Harmonics
+from fem.loads import pin_surfaces
+from fem.throw_analysis import ThrowAnalysis
+from geometry.throw import CrankThrow
+from regression.formulas.axial_formulas import axial_formulas
+from regression.models.compliance_model import ComplianceModel
+
+# Without a gas pressure in the engine file, reactions are given for this radial force.
+UNIT_RADIAL_FORCE = 1e5
+ANGLES_SHOWN_DEG = np.arange(0.0, 181.0, 5.0)
+# What results say until the pictures are there.
+NOT_DRAWN_YET = "The run ended before its pictures were drawn."
+
+
+def run_results(computed: RunComputation) -> dict[str, Any]:
+    """Return the content of results.json, but for its pictures and how to repeat the run.
+
+    Parameters
+    ----------
+    computed : RunComputation
+
+    Returns
+    -------
+    dict
+        In SI units; "pictures" and "interactive" are empty.
+    """
+    engine_file, analysis = computed.engine_file, computed.analysis
+    fe = fe_record(analysis, 180.0)
+    throw = throw_record(analysis, _radial_force(computed.inputs))
+    formulas = formula_records(engine_file.throw, engine_file.material) | {"fe": fe}
+    found: dict[str, Any] = {
+        "about": about_record(),
+        "engine": _engine_record(engine_file),
+        "inputs": input_records(engine_file.records),
+        "sources": engine_file.sources,
+        "throw": throw | {"reciprocity": reciprocity_record(analysis)},
+        "formulas": formulas,
+        "angle_law": _angle_record(engine_file, analysis) | {"law": fe["angle_law"]},
+        "balance": shaft_balance_record(engine_file),
+        "fillets": None if computed.stresses is None else stress_record(computed.stresses),
+        "fillet_note": computed.fillet_note,
+        "mechanism": _mechanism_record(computed.mechanism),
+        "study": None,
+        "harmonics": _harmonics_record(computed),
+        "two_mass": _two_mass_record(engine_file, computed.harmonics),
+        "pictures": {},
+        "interactive": {},
+        "picture_note": NOT_DRAWN_YET,
+        "shaft": shaft_record(computed.vibration.shaft, analysis),
+        "vibration": run_record(computed.vibration),
+    }
+    if computed.study is not None:
+        _add_study(found, computed.study, engine_file.throw)
+    # The force acts at the middle of the pin as it is meshed.
+    middle = pin_surfaces(analysis.mesh)[0].center.tolist()
+    found["checks"] = run_checks(found, engine_file.throw.length, middle)
+    return found
+
+
+def _add_study(found: dict[str, Any], study: StudyResult, throw: CrankThrow) -> None:
+    """Add a study, and what its equations say of the engine's throw beside the formulas."""
+    found["study"] = study_record(study.table, study.fits, study.model)
+    found["formulas"]["regression"] = _regression(found["study"], study.model, throw)
+
+
+def _regression(study: Record, model: ComplianceModel, throw: CrankThrow) -> Record | None:
+    """What the study's equations say of the engine's throw, if it is one of their family."""
+    try:
+        values = model.of_throw(throw)
+    except InputError:
+        return None
+    shown = {name: values[name].value for name in RESPONSES.values() if name in values}
+    return regression_record(study, shown)
+
+
+def _mechanism_record(run: MechanismRun | None) -> Record | None:
+    if run is None:
+        return None
+    return mechanism_record(run) | {"balance": balance_record(run.balance)}
+
+
+def _radial_force(inputs: RunInputs) -> float:
+    """Radial force at firing top dead center: gas pressure on the piston [N]."""
+    if inputs.with_gas is None:
+        return UNIT_RADIAL_FORCE
+    above = max(pressure.peak_pressure for pressure in inputs.with_gas.pressure) - ATMOSPHERE
+    return above * math.pi / 4.0 * inputs.engine_file.engine.bore**2
+
+
+def _engine_record(engine_file: EngineFile) -> Record:
+    engine = engine_file.engine
+    return {
+        "name": engine.name,
+        "file": engine_file.path.name,
+        "cylinders": engine.cylinders,
+        "v_engine": engine.bank_angles is not None,
+        "reciprocating": engine_file.vibration.reciprocating,
+        "strokes": engine.strokes,
+        "bore": engine.bore,
+        "stroke": engine.stroke,
+        "crank_angles": list(engine.crank_angles),
+        "firing_order": list(engine.firing_order),
+        "rated_speed_rpm": engine.rated_speed * RPM,
+        "lowest_speed_rpm": engine.lowest_speed * RPM,
+        "highest_speed_rpm": engine.highest_speed * RPM,
+        "major_orders": major_orders(
+            engine_orders(engine.strokes, engine_file.vibration.highest_order), engine.firing_angles
+        ).tolist(),
+        "highest_order": engine_file.vibration.highest_order,
+        "radial_force_from_gas": engine_file.gas is not None,
+    }
+
+
+def _angle_record(engine_file: EngineFile, analysis: ThrowAnalysis) -> Record:
+    """FE and formulas over the angle between neighboring cranks."""
+    material = engine_file.material
+    tables = [
+        axial_formulas(
+            engine_file.throw,
+            float(gamma),
+            youngs_modulus=material.youngs_modulus,
+            poisson_ratio=material.poisson_ratio,
+        )
+        for gamma in ANGLES_SHOWN_DEG
+    ]
+    return {
+        "gamma_deg": ANGLES_SHOWN_DEG.tolist(),
+        "fe": fe_axial_curve(analysis, ANGLES_SHOWN_DEG.tolist()),
+        "formulas": {
+            name: [table[name].value if table[name].value > 0.0 else None for table in tables]
+            for name in tables[0]
+        },
+    }
+
+
+def _harmonics_record(computed: RunComputation) -> Record | None:
+    if computed.torque is None or computed.harmonics is None:
+        return None
+    return harmonics_record(computed.harmonics) | {"source": computed.torque.source}
+
+
+def _two_mass_record(engine_file: EngineFile, harmonics: Harmonics | None) -> Record | None:
+    given = engine_file.two_mass
+    if given is None:
+        return None
+    check = two_mass_check(
+        diameter=given.shaft_diameter,
+        length=given.shaft_length,
+        shear_modulus=given.shear_modulus,
+        inertia_1=given.flywheel_inertia,
+        inertia_2=given.engine_inertia,
+        order=given.order,
+        harmonics=harmonics,
+    )
+    return two_mass_record(check)

@@ -1,0 +1,76 @@
+"""Described curves on a screen."""
+
+import numpy as np
+
+from crankbase.drawing.curves import Band, Curves, Mark
+from crankfem.report.interactive.style import Figure, Part, axis, band, layout, line, literal
+from crankfem.report.interactive.thinning import seen_points
+
+# Shares of the height that a thinned curve may miss, and of the width without a point to hover on.
+UNSEEN, HOVER_STEP = 5e-4, 1.0 / 80.0
+# Pixels beside a point on paper.
+WIDER = 1.2
+
+
+def figure_of(curves: Curves, title: str) -> Figure:
+    """Return the traces and the layout of described curves.
+
+    Orders come last in the legend, where those that are no main ones wait to be asked for.
+    """
+    x, (x_unit, y_unit) = curves.x, curves.units
+    top = curves.top
+    if top is None:
+        top = max(float(np.nanmax(own.values, initial=0.0)) for own in curves.series)
+    traces = []
+    for own in sorted(curves.series, key=lambda one: one.role == "order"):
+        kept = seen_points(x, own.values, UNSEEN * top, HOVER_STEP * float(np.ptp(x)))
+        color, dash, width = own.look
+        traces.append(
+            line(
+                x[kept],
+                own.values[kept],
+                own.name,
+                color,
+                f"{literal(own.name)}<br>%{{x:.5g}} {x_unit}<br>%{{y:.4g}} {y_unit}",
+                width=WIDER * width,
+                dash=dash,
+                visible=True if own.main else "legendonly",
+            )
+        )
+    shapes: list[Part] = []
+    named: set[str] = set()
+    drawn: list[Band | Mark] = [*curves.bands, *curves.marks]
+    for one in drawn:
+        # The first of several shapes stands in the legend, from where it switches all.
+        legend = {
+            "name": one.name,
+            "legendgroup": one.name,
+            "showlegend": one.name not in named,
+        }
+        named.add(one.name)
+        shapes.append(
+            _upright(one, **legend)
+            if isinstance(one, Mark)
+            else band(one.low, one.high, one.color, **legend)
+        )
+    ends = {} if curves.x_range is None else {"range": list(curves.x_range)}
+    height: Part = {"rangemode": "tozero"} if curves.top is None else {"range": [0.0, curves.top]}
+    return traces, layout(
+        axis(curves.x_label, **ends),
+        axis(curves.y_label, **height),
+        title=title,
+        shapes=shapes,
+    )
+
+
+def _upright(mark: Mark, **more: object) -> Part:
+    return {
+        "type": "line",
+        "xref": "x",
+        "yref": "paper",
+        "x0": mark.place,
+        "x1": mark.place,
+        "y0": 0,
+        "y1": 1,
+        "line": {"color": mark.color, "width": 1, "dash": "dot"},
+    } | more

@@ -1,0 +1,150 @@
+"""The whole crankshaft: its modes, what their energy is, and what excites its axial vibration."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.drawing.diagram_style import BLUE, COLORS, GREEN, ORANGE
+from crankfem.analyses.shaft.motion import MOTION
+from crankfem.report.interactive.curves import figure_of
+from crankfem.report.interactive.rounding import rounded
+from crankfem.report.interactive.style import (
+    Figure,
+    Part,
+    axis,
+    choice,
+    layout,
+    level,
+    line,
+    shown_in_turn,
+)
+from dynamics.crankshaft.coupled_response import CoupledResponse, split_curves
+from dynamics.crankshaft.shaft_modes import ShaftModes
+from dynamics.crankshaft.shaft_throw import RZ, UX, UY, UZ
+from dynamics.plots.quantities import in_unit
+
+Array = NDArray[np.float64]
+
+MODES_SHOWN = 10
+SHARES_SHOWN = 12
+AXIAL = MOTION["axial"]
+
+
+def shaft_modes(modes: ShaftModes, radius: float, title: str) -> Figure:
+    """Draw axial, torsional and lateral motion along the shaft, one elastic mode at a time.
+
+    Parameters
+    ----------
+    modes : ShaftModes
+    radius : float
+        Crank radius: rotation about the shaft is shown as the displacement there [m].
+    title : str
+
+    Returns
+    -------
+    traces : list of dict
+        Four for each mode; a menu chooses the mode.
+    layout : dict
+    """
+    shown = range(modes.rigid, min(modes.rigid + MODES_SHOWN, len(modes.names)))
+    order = np.argsort(modes.positions, kind="stable")
+    places = 1e3 * modes.positions[order]
+    traces: list[Part] = []
+    labels = []
+    for count, mode in enumerate(shown):
+        motion = modes.motions[order, :, mode]
+        curves = {
+            "axial": motion[:, UZ],
+            "torsional, at the crank radius": radius * motion[:, RZ],
+            "lateral, x": motion[:, UX],
+            "lateral, y": motion[:, UY],
+        }
+        every = np.concatenate(list(curves.values()))
+        # The largest displacement is 1.
+        largest = every[np.argmax(np.abs(every))] or 1.0
+        labels.append(f"{modes.frequencies[mode]:.1f} Hz: {modes.label(mode)}")
+        for (name, curve), color, dash in zip(
+            curves.items(),
+            (BLUE, ORANGE, GREEN, GREEN),
+            ("solid", "solid", "solid", "dash"),
+            strict=True,
+        ):
+            traces.append(
+                line(
+                    places,
+                    curve / largest,
+                    name,
+                    color,
+                    f"{name}<br>%{{y:.3f}} of the largest<br>at %{{x:.5g}} mm",
+                    dash=dash,
+                    mode="lines+markers",
+                    marker={"size": 5},
+                    visible=count == 0,
+                )
+            )
+    turns = shown_in_turn(np.repeat(np.arange(len(labels)), 4).tolist(), len(labels))
+    return traces, layout(
+        axis("place along the shaft [mm]"),
+        axis("relative displacement [1]", range=[-1.1, 1.1]),
+        title=title,
+        shapes=[level(0.0)],
+        updatemenus=[choice("mode", labels, [[{"visible": turn}] for turn in turns])],
+    )
+
+
+def mode_shares(modes: ShaftModes, title: str) -> Figure:
+    """Draw the axial, torsional and bending shares of the first elastic modes as bars."""
+    shown = slice(modes.rigid, modes.rigid + SHARES_SHOWN)
+    names = [f"{value:.1f} Hz" for value in modes.frequencies[shown].tolist()]
+    traces = [
+        {
+            "type": "bar",
+            "orientation": "h",
+            "x": rounded(100.0 * values[shown]),
+            "y": list(range(len(names))),
+            "customdata": names,
+            "name": name,
+            "marker": {"color": color},
+            "hovertemplate": f"%{{customdata}}: {name} %{{x:.3g}} %<extra></extra>",
+        }
+        for values, name, color in zip(
+            modes.shares, ("axial", "torsional", "bending"), COLORS[:3], strict=True
+        )
+    ]
+    rows = axis(
+        "natural frequency [Hz]",
+        tickvals=list(range(len(names))),
+        ticktext=[name.removesuffix(" Hz") for name in names],
+        autorange="reversed",
+        showgrid=False,
+    )
+    return traces, layout(
+        axis("share of the mode's energy [%]", range=[0, 100]),
+        rows,
+        title=title,
+        height=130 + 26 * len(names),
+        barmode="stack",
+        bargap=0.3,
+    )
+
+
+def axial_split(response: CoupledResponse, title: str) -> Figure:
+    """Draw the free end's axial amplitude by tangential forces, by radial forces and by both.
+
+    Parameters
+    ----------
+    response : CoupledResponse
+    title : str
+
+    Returns
+    -------
+    traces : list of dict
+    layout : dict
+    """
+    split = response.split("section 0 uz")
+    curves = split_curves(
+        response.speeds,
+        (split.both_sum, split.tangential_sum, split.radial_sum),
+        in_unit(AXIAL.si).factor,
+        f"axial amplitude of the free end [{AXIAL.unit}]",
+    )
+    return figure_of(curves, title)

@@ -1,0 +1,122 @@
+"""Mode shapes of a chain over its nodes."""
+
+import numpy as np
+
+from crankbase.drawing.diagram_style import GRAY
+from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.vibration.modes import SourceResult
+from crankfem.report.interactive.style import (
+    Figure,
+    Part,
+    axis,
+    dots,
+    layout,
+    level,
+    line,
+    literal,
+    look,
+    number,
+)
+
+# Modes that are drawn before anybody asks for the others, and all that are there.
+SHAPES_SHOWN, SHAPES = 3, 8
+
+
+def mode_shapes(result: SourceResult, title: str) -> Figure:
+    """Draw the first elastic mode shapes of a chain.
+
+    Parameters
+    ----------
+    result : SourceResult
+    title : str
+
+    Returns
+    -------
+    traces : list of dict
+        For each mode its shape, then where it does not move.
+    layout : dict
+    """
+    modes, chain = result.modes, result.chain.chain
+    names = [literal(name) for name in result.chain.nodes]
+    moved = MOTION[result.chain.kind].quantity
+    traces: list[Part] = []
+    last = min(modes.rigid + SHAPES, len(modes.frequencies))
+    for shown, mode in enumerate(range(modes.rigid, last)):
+        shape, still = modes.shapes[:, mode], modes.node_positions[mode]
+        count = f"{len(still)} node{'s' if len(still) != 1 else ''}"
+        label = f"mode {shown + 1}: {modes.frequencies[mode]:.1f} Hz, {count}"
+        color = look(shown)["color"]
+        shared: Part = {
+            "legendgroup": f"mode {shown + 1}",
+            "visible": True if shown < SHAPES_SHOWN else "legendonly",
+        }
+        # Chains may branch: each connection is a line of its own.
+        x = [place for pair in chain.connections for place in (*pair, np.nan)]
+        told = [name for pair in chain.connections for name in (*(names[end] for end in pair), "")]
+        y = [value for pair in chain.connections for value in (*shape[list(pair)], np.nan)]
+        traces.append(
+            line(
+                x,
+                y,
+                label,
+                **look(shown),
+                hover=f"%{{text}}<br>relative {moved} %{{y:.3f}}<br>{label}",
+                mode="lines+markers",
+                marker={"size": 6},
+                text=told,
+                **shared,
+            )
+        )
+        if still:
+            traces.append(_nodes(still, _on_axis(still, chain.connections), label, color, shared))
+    ticks = list(range(len(names)))
+    return traces, layout(
+        axis(
+            "",
+            tickvals=ticks,
+            ticktext=[_short(name) for name in names],
+            range=[-0.4, len(names) - 0.6],
+        ),
+        axis(f"relative {moved} [1]", range=[-1.1, 1.1]),
+        title=title,
+        shapes=[level(0.0, GRAY)],
+    )
+
+
+def _nodes(
+    still: tuple[float, ...], places: list[float], label: str, color: str, shared: Part
+) -> Part:
+    """Return crosses where a mode does not move, on the axis."""
+    return dots(
+        places,
+        np.zeros(len(places)),
+        label,
+        color,
+        f"{label}<br>node at %{{text}}",
+        size=9,
+        text=[number(place, 3) for place in still],
+        marker={"symbol": "x-thin", "line": {"color": color, "width": 2}},
+        showlegend=False,
+        **shared,
+    )
+
+
+def _on_axis(positions: tuple[float, ...], pairs: tuple[tuple[int, int], ...]) -> list[float]:
+    """Return where positions on elements lie on the axis of node numbers."""
+    found = []
+    for position in positions:
+        element = min(int(position), len(pairs) - 1)
+        left, right = pairs[element]
+        found.append(left + (position - element) * (right - left))
+    return found
+
+
+def _short(name: str) -> str:
+    return (
+        name.replace("cylinder ", "cyl. ")
+        .replace("section ", "")
+        .replace(", flywheel", ", fly-<br>wheel")
+        .replace(", thrust bearing", ",<br>thrust")
+        .replace("driven machine", "driven<br>machine")
+        .replace("damper ring", "damper<br>ring")
+    )

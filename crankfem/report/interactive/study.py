@@ -1,0 +1,239 @@
+"""A study's equations: over each factor, and against finite elements."""
+
+from html import unescape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE, make_folder
+from crankfem.analyses.study.fitting import ResponseFits, predicted
+from crankfem.analyses.study.nominal_section import over_factor
+from crankfem.report.interactive.rounding import rounded
+from crankfem.report.interactive.style import (
+    Figure,
+    Part,
+    axis,
+    choice,
+    dots,
+    layout,
+    level,
+    line,
+    literal,
+    shown_in_turn,
+)
+from crankfem.report.interactive.words import (
+    designs_told,
+    factor_text,
+    factor_title,
+    shown_labels,
+    shown_unit,
+    shown_values,
+    symbol_text,
+    with_unit,
+)
+from crankfem.report.interactive.writing import write_figure
+from regression.fits.fits import Fit
+from regression.plans.factors import Factor
+from regression.runs.study_table import StudyTable
+
+Array = NDArray[np.float64]
+
+POINTS = 41
+# Forms drawn beside the chosen one; more of them cannot be told apart.
+COMPARED, COMPARED_LOOKS = 4, ("dash", "dot", "dashdot", "longdash")
+KINDS = ((False, BLUE, "circle", "fitted runs"), (True, ORANGE, "diamond", "held out"))
+
+
+def interactive_study(folder: Path, table: StudyTable, fits: ResponseFits) -> list[Path]:
+    """Write the interactive diagrams of one response of a study, in a folder made if not there.
+
+    Parameters
+    ----------
+    folder : Path
+    table : StudyTable
+    fits : ResponseFits
+
+    Returns
+    -------
+    list of Path
+        ``response.json`` and ``parity.json``.
+
+    Raises
+    ------
+    InputError
+        If the folder or a file cannot be written.
+    """
+    make_folder(folder)
+    return [
+        write_figure(folder / "response.json", *response_over_factors(table, fits)),
+        write_figure(folder / "parity.json", *parity(table, fits)),
+    ]
+
+
+def response_over_factors(table: StudyTable, found: ResponseFits) -> Figure:
+    """Draw the chosen equation, and others beside it, over one factor at a time.
+
+    The other factors stay at the nominal throw, or at the levels next to it. Filled dots are finite
+    element results there; open ones are results elsewhere, moved there along the chosen equation: they
+    keep their distance to it.
+    """
+    unit, size = shown_unit(found.unit)
+    factors = table.plan.factors
+    told = designs_told(factors, table.values)
+    forms = _forms(found)
+    traces: list[Part] = []
+    owners: list[int] = []
+    for place, factor in enumerate(factors):
+        section = over_factor(table, found, place, forms, _sweep(factor))
+        x, on_line = shown_values(factor, section.values), section.on_line
+        own = [
+            _curve(factor, x, curve / size, fit, number, unit)
+            for number, (fit, curve) in enumerate(zip(forms, section.curves, strict=True))
+        ]
+        y = section.results / size
+        across = shown_values(factor, table.values[:, place])
+        for those, symbol, name in (
+            (~on_line, "circle-open", "other designs, moved to this line"),
+            (on_line, "circle", "finite elements"),
+        ):
+            if those.any():
+                own.append(
+                    dots(
+                        across[those],
+                        y[those],
+                        name,
+                        ORANGE,
+                        f"<b>{name}</b><br>%{{text}}<br>{with_unit('%{y:.5g}', unit)}",
+                        text=[text for text, chosen_ in zip(told, those, strict=True) if chosen_],
+                        marker={"symbol": symbol, "line": {"color": ORANGE, "width": 1}},
+                    )
+                )
+        traces += [trace | ({} if place == 0 else {"visible": False}) for trace in own]
+        owners += [place] * len(own)
+    changes = [
+        [{"visible": visible}, {"xaxis.title.text": factor_title(factor), **_ticks(factor)}]
+        for visible, factor in zip(shown_in_turn(owners, len(factors)), factors, strict=True)
+    ]
+    return traces, layout(
+        axis(factor_title(factors[0]), **_first_ticks(factors[0])),
+        axis(f"{symbol_text(found.symbol)} [{unit}]"),
+        title=f"{found.response.replace('_', ' ')} over one factor",
+        updatemenus=[choice("over", [_plain(factor_text(f)) for f in factors], changes)],
+    )
+
+
+def parity(table: StudyTable, found: ResponseFits) -> Figure:
+    """Draw one form at a time against finite elements: values above, errors in per cent below."""
+    unit, size = shown_unit(found.unit)
+    column = table.responses[found.column]
+    told = designs_told(table.plan.factors, table.values)
+    symbol = symbol_text(found.symbol)
+    forms = [found.chosen, *(fit for fit in found.fits if fit is not found.chosen)]
+    values = [predicted(table, found, fit) for fit in forms]
+    panels: tuple[tuple[list[Array], str, Part], ...] = (
+        ([value / size for value in values], f"by the equation {with_unit('%{y:.5g}', unit)}", {}),
+        (
+            [100.0 * (value / column - 1.0) for value in values],
+            "error of the equation %{y:+.2g} %",
+            {"xaxis": "x2", "yaxis": "y2", "showlegend": False},
+        ),
+    )
+    traces: list[Part] = []
+    # Of each trace the values under each form: the menu changes nothing else.
+    shown: list[list[list[Any]]] = []
+    for held, color, mark, name in KINDS:
+        those = np.flatnonzero(table.held_out == held)
+        for by_form, hover, place in panels:
+            shown.append([rounded(y[those]) for y in by_form])
+            traces.append(
+                dots(
+                    column[those] / size,
+                    by_form[0][those],
+                    name,
+                    color,
+                    f"<b>{name}</b><br>%{{text}}<br>{symbol} by FE {with_unit('%{x:.5g}', unit)}<br>{hover}",
+                    text=[told[design] for design in those.tolist()],
+                    marker={"symbol": mark},
+                    legendgroup=name,
+                    **place,
+                )
+            )
+    labels = [
+        f"{fit.form}{' (chosen)' if fit is found.chosen else ''}: held out within "
+        f"{100.0 * (fit.largest_heldout_error or 0.0):.2g} %"
+        for fit in forms
+    ]
+    changes = [[{"y": [own[number] for own in shown]}] for number in range(len(forms))]
+    ends = [float(column.min() / size), float(column.max() / size)]
+    diagonal = level(0.0) | {
+        "xref": "x",
+        "x0": ends[0],
+        "x1": ends[1],
+        "y0": ends[0],
+        "y1": ends[1],
+    }
+    made = layout(
+        axis("", matches="x2", showticklabels=False),
+        axis(f"{symbol} by the equation [{unit}]", domain=[0.42, 1.0]),
+        title=f"{found.response.replace('_', ' ')}: equation against finite elements",
+        height=560,
+        shapes=[diagonal, level(0.0, xref="x2 domain", yref="y2")],
+        updatemenus=[choice("form", labels, changes)],
+    )
+    lower = {
+        "xaxis2": axis(f"{symbol} by FE [{unit}]", anchor="y2"),
+        "yaxis2": axis("error [%]", domain=[0.0, 0.34], anchor="x2"),
+    }
+    return traces, made | lower
+
+
+def _forms(found: ResponseFits) -> list[Fit]:
+    """Return the chosen form, then some to compare it with."""
+    others = [fit for fit in found.fits if fit is not found.chosen]
+    return [found.chosen, *others[:COMPARED]]
+
+
+def _curve(factor: Factor, x: Array, y: Array, fit: Fit, number: int, unit: str) -> Part:
+    """Return a form's curve over a factor, of a choice its marks; the chosen one comes first."""
+    chosen = number == 0
+    made = line(
+        x,
+        y,
+        f"{fit.form} (chosen)" if chosen else fit.form,
+        BLUE if chosen else (GRAY, GREEN)[number % 2],
+        f"{literal(fit.form)}<br>%{{x:.5g}}<br>{with_unit('%{y:.5g}', unit)}",
+        width=2.6 if chosen else 1.5,
+        dash="solid" if chosen else COMPARED_LOOKS[number - 1],
+    )
+    if factor.labels:
+        made |= {"mode": "markers", "marker": {"symbol": "line-ew-open", "size": 22}}
+    return made
+
+
+def _sweep(factor: Factor) -> Array:
+    if factor.labels:
+        return np.arange(len(factor.labels), dtype=np.float64)
+    return np.linspace(factor.lowest, factor.highest, POINTS)
+
+
+def _ticks(factor: Factor) -> Part:
+    """Return how the axis of a factor differs from others, as changes of the layout."""
+    if not factor.labels:
+        return {"xaxis.tickmode": "auto", "xaxis.autorange": True}
+    return {
+        "xaxis.tickmode": "array",
+        "xaxis.tickvals": list(range(len(factor.labels))),
+        "xaxis.ticktext": shown_labels(factor),
+        "xaxis.autorange": True,
+    }
+
+
+def _first_ticks(factor: Factor) -> Part:
+    return {name.removeprefix("xaxis."): value for name, value in _ticks(factor).items()}
+
+
+def _plain(text: str) -> str:
+    """Write a label for a menu, which knows no markup."""
+    return unescape(text.replace("<sub>", "_").replace("</sub>", ""))

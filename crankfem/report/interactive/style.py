@@ -1,0 +1,219 @@
+"""One look for all interactive diagrams: that of the static ones.
+
+Figures are plain dicts in plotly's form, so that making them needs no plotly.
+"""
+
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from crankbase.drawing.curves import order_look
+from crankbase.drawing.diagram_style import GRAY, STYLE
+from crankfem.report.interactive.rounding import rounded
+
+# Plain JSON content in plotly's form.
+Part = dict[str, Any]
+# The traces and the layout of a figure.
+Figure = tuple[list[Part], Part]
+
+FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
+TEXT_COLOR, QUIET_COLOR = "#1d2733", "#5b6875"
+GRID_COLOR = STYLE["grid.color"]
+HEIGHT = 430  # pixels
+
+
+def axis(title: str, **more: Any) -> Part:
+    """Return an axis with a thin grid; its title ends with the unit."""
+    return {
+        "title": {"text": title, "standoff": 8},
+        "gridcolor": GRID_COLOR,
+        "gridwidth": 1,
+        "zeroline": False,
+        "showline": True,
+        "linecolor": GRAY,
+        "linewidth": 1,
+        "ticks": "outside",
+        "ticklen": 4,
+        "tickcolor": GRAY,
+        "automargin": True,
+    } | more
+
+
+def layout(x: Part, y: Part, *, title: str = "", height: int = HEIGHT, **more: Any) -> Part:
+    """Return the layout of a diagram with two axes; the title is shown as it is."""
+    return plain_layout(title, height) | {"xaxis": x, "yaxis": y} | more
+
+
+def plain_layout(title: str, height: int = HEIGHT) -> Part:
+    """Return what the layouts of all figures share; the title is shown as it is."""
+    return {
+        "title": {
+            "text": literal(title),
+            "font": {"size": 15},
+            "x": 0.0,
+            "xanchor": "left",
+            "xref": "container",
+            "y": 1.0,
+            "yanchor": "top",
+            "pad": {"l": 8, "t": 10},
+        },
+        "font": {"family": FONT, "size": 13, "color": TEXT_COLOR},
+        "paper_bgcolor": "white",
+        "plot_bgcolor": "white",
+        "height": height,
+        "margin": {"l": 64, "r": 16, "t": 44, "b": 52},
+        "hovermode": "closest",
+        "hoverlabel": {
+            "bgcolor": "white",
+            "bordercolor": GRAY,
+            "font": {"family": FONT, "size": 13, "color": TEXT_COLOR},
+            "align": "left",
+        },
+        "legend": {
+            "font": {"size": 12},
+            "bgcolor": "rgba(255,255,255,0.8)",
+            "tracegroupgap": 2,
+            "traceorder": "normal",
+        },
+    }
+
+
+def line(
+    x: ArrayLike,
+    y: ArrayLike,
+    name: str,
+    color: str,
+    hover: str,
+    *,
+    width: float = 1.6,
+    dash: str = "solid",
+    **more: Any,
+) -> Part:
+    """Return a curve; values that are not finite leave gaps.
+
+    Parameters
+    ----------
+    x, y : array_like of shape (n,)
+        In the units of the axes.
+    name : str
+        In the legend, shown as it is.
+    color : str
+    hover : str
+        What is told of a point, in plotly's template language, lines apart by ``<br>``.
+    width : float
+        In pixels.
+    dash : str
+    **more
+        Further entries of the trace.
+    """
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "x": rounded(x),
+        "y": rounded(y),
+        "name": literal(name),
+        "line": {"color": color, "width": width, "dash": dash},
+        "hovertemplate": hover + "<extra></extra>",
+    } | more
+
+
+def dots(
+    x: ArrayLike, y: ArrayLike, name: str, color: str, hover: str, *, size: Any = 7.0, **more: Any
+) -> Part:
+    """Return points; arguments as for `line`, sizes in pixels."""
+    marker = {"color": color, "size": size, "line": {"color": "white", "width": 0.7}}
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "x": rounded(x),
+        "y": rounded(y),
+        "name": literal(name),
+        "marker": marker | more.pop("marker", {}),
+        "hovertemplate": hover + "<extra></extra>",
+    } | more
+
+
+def look(number: int) -> Part:
+    """Color and dashes of one of many curves, as arguments of `line`."""
+    color, dash, _ = order_look(number)
+    return {"color": color, "dash": dash}
+
+
+def band(low: float, high: float, color: str, **more: Any) -> Part:
+    """Return a shaded range of x, below everything."""
+    return {
+        "type": "rect",
+        "xref": "x",
+        "yref": "paper",
+        "x0": float(low),
+        "x1": float(high),
+        "y0": 0,
+        "y1": 1,
+        "fillcolor": color,
+        "line": {"width": 0},
+        "layer": "below",
+    } | more
+
+
+def level(value: float, color: str = GRAY, **more: Any) -> Part:
+    """Return a level line across the whole diagram."""
+    return {
+        "type": "line",
+        "xref": "x domain",
+        "yref": "y",
+        "x0": 0,
+        "x1": 1,
+        "y0": float(value),
+        "y1": float(value),
+        "line": {"color": color, "width": 1},
+        "layer": "below",
+    } | more
+
+
+def choice(name: str, labels: Sequence[str], changes: Sequence[list[Any]]) -> Part:
+    """Return a menu; each label comes with the arguments of plotly's update."""
+    buttons = [
+        {"method": "update", "label": label, "args": change}
+        for label, change in zip(labels, changes, strict=True)
+    ]
+    return {
+        "name": name,
+        "type": "dropdown",
+        "buttons": buttons,
+        "active": 0,
+        "showactive": True,
+        "x": 1.0,
+        "xanchor": "right",
+        "y": 1.02,
+        "yanchor": "bottom",
+        "bgcolor": "white",
+    }
+
+
+def shown_in_turn(owners: Sequence[int], count: int) -> list[list[bool]]:
+    """Return which traces are visible under each of `count` choices, by the choice they belong to."""
+    return [[owner == number for owner in owners] for number in range(count)]
+
+
+def literal(text: str) -> str:
+    """Write text that is shown as it is: plotly would read markup, and templates, out of it.
+
+    Examples
+    --------
+    >>> literal("<b>R&D</b> %{x}")
+    '&lt;b&gt;R&amp;D&lt;/b&gt; %&#123;x}'
+    """
+    return escape(text, quote=False).replace("%{", "%&#123;")
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Write a number for a hover text or a legend; minus zero as zero."""
+    return f"{value + 0.0:.{digits}g}"
+
+
+def degrees_of(radians: ArrayLike) -> NDArray[np.float64]:
+    """Return angles in degrees."""
+    return np.rad2deg(np.asarray(radians, dtype=np.float64))

@@ -1,0 +1,396 @@
+"""The throw in three dimensions, to turn: its solid, its mesh, how it deforms, stress at fillets."""
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.units.units import UNITS
+from crankfem.analyses.throw.pictures.surface import stretched_surface
+from crankfem.report.interactive.decimation import fewer_triangles
+from crankfem.report.interactive.rounding import rounded
+from crankfem.report.interactive.style import (
+    QUIET_COLOR,
+    Figure,
+    Part,
+    choice,
+    number,
+    plain_layout,
+)
+from crankfem.report.interactive.triangles import TriangleSurface, trails
+from crankfem.report.interactive.writing import write_figure
+from fem.fillet_peaks import FilletStresses
+from fem.principal import von_mises
+from fem.throw_analysis import ThrowAnalysis
+from fem.unit_loads import UnitLoad, whole_facets, whole_nodes
+from geometry.facets import six_node_triangles
+from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+MILLI = 1e3
+# Displacements are shown for 1 kN in µm, stresses for 1 kN or 1 kN m in MPa.
+DISPLACEMENT_SHOWN = UNITS["kN"][1] / UNITS["um"][1]
+STRESS_SHOWN = UNITS["kN"][1] / UNITS["MPa"][1]
+# The largest displacement is drawn as this share of the throw's length.
+DRAWN_DISPLACEMENT = 0.06
+STEEL_COLOR, FEATURE_COLOR, MESH_COLOR = "#b9c4d0", "#2a3644", "#33475b"
+STRESS_COLORS = ("#eef1f4", "#d3dde6", "#f6e3ae", "#f4b266", "#e26a3c", "#b01f2e", "#560a1f")
+# Loads whose stresses can be chosen.
+STRESS_LOADS = ("radial", "torsion")
+# What a file of 1.5 MB has room for.
+MOST_TRIANGLES, MOST_STRESSED, MOST_EDGES = 14_500, 14_000, 7_500
+# Lines lie above the faces by this share of the throw's size, so that these do not cover them.
+LIFT = 0.0015
+# An edge's middle counts if it lies beside the straight line by this share of the throw's size.
+BENT = 5e-4
+# From the middle to the eye: the main journals' axis runs to the right and away.
+EYE, EYE_DISTANCE = np.array([1.0, 0.35, -0.55]), 2.0
+# Of the lengths in which the browser counts, the scene shows about two; the throw takes up so many.
+TAKEN = 1.65
+MARGIN = 0.01  # of the throw's size, round all that is drawn
+LIGHTING = {"ambient": 0.6, "diffuse": 0.55, "specular": 0.12, "roughness": 0.6, "fresnel": 0.05}
+LIGHT = {"x": 6e4, "y": 1e5, "z": -3e4}
+# Lines of the solid are left out below this share of the throw's size.
+SHORTEST = 0.25
+HEIGHT = 560
+PLACE = "x %{x:.4g}, y %{y:.4g}, z %{z:.4g} mm"
+FILE = "throw_view.json"
+
+
+def throw_view(
+    folder: Path, analysis: ThrowAnalysis, stresses: FilletStresses | None = None
+) -> Path:
+    """Write the throw in three dimensions into a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        That is there.
+    analysis : ThrowAnalysis
+    stresses : FilletStresses, optional
+        Of the same throw; without them there are no views of stress.
+
+    Returns
+    -------
+    Path
+        ``throw_view.json``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    return write_figure(folder / FILE, *throw_figure(analysis, stresses))
+
+
+@dataclass(frozen=True)
+class _View:
+    """One of the views: which traces it shows, and what they are colored by."""
+
+    label: str
+    traces: tuple[int, ...]
+    told: str
+    intensity: list[float | int | None] | None = None
+    largest: float = 1.0
+    bar: str = ""
+
+
+def throw_figure(analysis: ThrowAnalysis, stresses: FilletStresses | None = None) -> Figure:
+    """Draw the throw in several views, one of which a menu chooses.
+
+    Parameters
+    ----------
+    analysis : ThrowAnalysis
+    stresses : FilletStresses, optional
+
+    Returns
+    -------
+    traces : list of dict
+        Solid, its sharp edges, element edges (none where there are too many to carry), the deformed
+        solid and, with stresses, one surface for all loads.
+    layout : dict
+        Each array is in the file once: colors come with the menu's choice.
+    """
+    given = stretched_surface(analysis)
+    whole = whole_nodes(analysis.mesh)
+    # Nodes of the mirror images that lie on a cut become one.
+    places = whole.numbers.ravel()
+    points = np.empty((int(places.max()) + 1, 3))
+    displacement = np.empty_like(points)
+    points[places], displacement[places] = MILLI * given.points, given.displacement
+    surface = TriangleSurface(points, places[given.triangles])
+    sizes = np.linalg.norm(displacement, axis=1)
+    size = float(np.ptp(points, axis=0).max())
+    lifted = points + LIFT * size * surface.point_normals
+    features = trails(surface.sharp_edges(SHORTEST * size))
+    sources, triangles = fewer_triangles(surface, sizes, MOST_TRIANGLES).apart_at_edges()
+    scale = DRAWN_DISPLACEMENT * float(np.ptp(points[:, 2])) / float(sizes[sources].max())
+    moved = points + scale * displacement
+    middles = _middles(places[given.edges], points, BENT * size)
+    traces = [
+        _solid(points[sources], triangles, size, name="solid", color=STEEL_COLOR),
+        _lines(lifted, features, size, FEATURE_COLOR, 3.0, "sharp edges"),
+    ]
+    views = [_View("solid", (0, 1), "drag to turn; pinch, or click and scroll, to zoom")]
+    if len(middles) <= MOST_EDGES:
+        traces.append(_lines(lifted, _through(middles), size, MESH_COLOR, 1.2, "element edges"))
+        views.append(_View("mesh", (0, len(traces) - 1), _mesh_told(analysis)))
+    shown = DISPLACEMENT_SHOWN * sizes[sources]
+    # In mm for 1 N; drawn against 1 kN.
+    factor = scale / (MILLI * 1e3)
+    hover = f"%{{intensity:.3g}} µm for 1 kN<br>{PLACE} as drawn"
+    traces.append(_solid(moved[sources], triangles, size, name="deformed", hover=hover))
+    views.append(
+        _View(
+            "deformed by an axial force",
+            (1, len(traces) - 1),
+            f"ends pinned; displacements under 1 kN drawn {float(number(factor, 2)):,.0f} times their size, "
+            "the lines show the throw without load",
+            rounded(shown, 4),
+            float(shown.max()),
+            "displacement<br>[µm for 1 kN]",
+        )
+    )
+    if stresses is not None:
+        trace, more = _stress_views(stresses, len(traces))
+        traces.append(trace)
+        views += more
+    return traces, _layout(traces, views, np.concatenate([points[sources], moved[sources]]))
+
+
+def _layout(traces: list[Part], views: list[_View], points: Array) -> Part:
+    """Return the layout, with a menu of all views and room for all points."""
+    towards = EYE / math.sqrt(float(EYE @ EYE))
+    across = np.cross((0.0, 1.0, 0.0), towards)
+    across /= np.linalg.norm(across)
+    seen = points @ np.column_stack([across, np.cross(towards, across)])
+    # What lies beyond the ends of axes is cut off, lines above faces too.
+    room = MARGIN * float(np.ptp(points, axis=0).max())
+    low, high = points.min(axis=0) - room, points.max(axis=0) + room
+    # One scale for all axes. Without perspective a scene is magnified by its lengths, not by the eye.
+    lengths = TAKEN * (high - low) / float(np.ptp(seen, axis=0).max())
+    axes = {
+        f"{name}axis": {"visible": False, "range": [float(start), float(end)]}
+        for name, start, end in zip("xyz", low, high, strict=True)
+    }
+    menu = choice("show", [view.label for view in views], [_change(view, traces) for view in views])
+    for place, trace in enumerate(traces):
+        trace["visible"] = place in views[0].traces
+    return plain_layout("", HEIGHT) | {
+        "margin": {"l": 0, "r": 0, "t": 10, "b": 34},
+        "showlegend": False,
+        "scene": {
+            **axes,
+            "aspectmode": "manual",
+            "aspectratio": dict(zip("xyz", np.round(lengths, 5).tolist(), strict=True)),
+            "dragmode": "orbit",
+            "camera": {
+                "eye": dict(zip("xyz", np.round(EYE_DISTANCE * towards, 4).tolist(), strict=True)),
+                "up": {"x": 0, "y": 1, "z": 0},
+                "center": {"x": 0, "y": 0, "z": 0},
+                "projection": {"type": "orthographic"},
+            },
+        },
+        "annotations": [
+            {
+                "text": views[0].told,
+                "showarrow": False,
+                "xref": "paper",
+                "yref": "paper",
+                "x": 0.5,
+                "y": 0.0,
+                "yshift": -8,
+                "xanchor": "center",
+                "yanchor": "top",
+                "font": {"size": 12, "color": QUIET_COLOR},
+            }
+        ],
+        "updatemenus": [
+            menu | {"type": "buttons", "direction": "right", "x": 0.0, "xanchor": "left"}
+        ],
+    }
+
+
+def _change(view: _View, traces: list[Part]) -> list[Part]:
+    """Return what choosing a view changes; colors are given to all traces, though one shows them."""
+    return [
+        {
+            "visible": [place in view.traces for place in range(len(traces))],
+            "intensity": [view.intensity],
+            "cmax": [view.largest],
+            "colorbar.title.text": [view.bar],
+        },
+        {"annotations[0].text": view.told},
+    ]
+
+
+def _mesh_told(analysis: ThrowAnalysis) -> str:
+    mesh = analysis.mesh
+    images = len(whole_nodes(mesh).images)
+    return (
+        f"{len(mesh.elements)} tetrahedra with 10 nodes"
+        + (f" in the {mesh.part}, mirrored" if images > 1 else "")
+        + f"; {mesh.unknowns} unknowns"
+    )
+
+
+def _stress_views(stresses: FilletStresses, place: int) -> tuple[Part, list[_View]]:
+    """Return the surface of the mesh that was made for the fillets, and a view for each load."""
+    loaded = stresses.loaded
+    mesh = loaded.mesh
+    whole = whole_nodes(mesh)
+    outside = [name for name in mesh.surfaces if name not in (CRANK_PLANE, MIDDLE_PLANE)]
+    facets = six_node_triangles(mesh, np.concatenate([mesh.surfaces[name] for name in outside]))
+    # Elements are small here: straight edges do.
+    corners = whole_facets(whole, facets)[:, :3]
+    equivalent = whole.collect([von_mises(part) for part in loaded.stresses(whole.images)])
+    # Where it is known better.
+    equivalent[stresses.surface.nodes] = von_mises(stresses.surface.stress)
+    points = MILLI * whole.collect([image.points(mesh.points) for image in whole.images])
+    size = float(np.ptp(points, axis=0).max())
+    chosen = [
+        (column, load) for column, load in enumerate(loaded.loads) if load.kind in STRESS_LOADS
+    ]
+    # What is largest under any of the loads shall stay.
+    relative = equivalent[:, [column for column, _ in chosen]]
+    relative = (relative / relative.max(axis=0)).max(axis=1)
+    surface = fewer_triangles(TriangleSurface(points, corners), relative, MOST_STRESSED)
+    sources, triangles = surface.apart_at_edges()
+    trace = _solid(
+        points[sources],
+        triangles,
+        size,
+        name="fillet stress",
+        hover=f"%{{intensity:.3g}} MPa<br>{PLACE}",
+    )
+    shares = np.linspace(0.0, 1.0, len(STRESS_COLORS)).tolist()
+    trace["colorscale"] = [list(pair) for pair in zip(shares, STRESS_COLORS, strict=True)]
+    views = []
+    # The radial force first.
+    for column, load in sorted(chosen, key=lambda pair: STRESS_LOADS.index(pair[1].kind)):
+        largest = max(peak.von_mises for peak in stresses.under(load)) * STRESS_SHOWN
+        shown = STRESS_SHOWN * equivalent[sources, column]
+        views.append(
+            _View(
+                f"stress, {load.name}",
+                (place,),
+                f"{_capital(load)}, 1 k{load.unit}, ends pinned; largest at a fillet "
+                f"{largest:.3g} MPa, estimated error {100.0 * stresses.error_estimate:.2g} %",
+                rounded(shown, 4),
+                float(largest),
+                f"von Mises stress<br>[MPa for 1 k{load.unit}]",
+            )
+        )
+    return trace, views
+
+
+def _capital(load: UnitLoad) -> str:
+    return load.name[0].upper() + load.name[1:]
+
+
+def _solid(
+    points: Array,
+    triangles: Integers,
+    size: float,
+    *,
+    name: str,
+    color: str = "",
+    hover: str = PLACE,
+) -> Part:
+    """Return a shaded surface, of one color or of the colors that its values will have."""
+    x, y, z = _coordinates(points, size)
+    i, j, k = triangles.T.tolist()
+    colored: Part = (
+        {"color": color}
+        if color
+        else {
+            "colorscale": "Viridis",
+            "cmin": 0,
+            "colorbar": {
+                "title": {"text": "", "font": {"size": 12}},
+                "thickness": 14,
+                "len": 0.7,
+                "outlinewidth": 0,
+                "tickfont": {"size": 12},
+                "x": 1.0,
+                "xanchor": "right",
+            },
+        }
+    )
+    return {
+        "type": "mesh3d",
+        "name": name,
+        "x": x,
+        "y": y,
+        "z": z,
+        "i": i,
+        "j": j,
+        "k": k,
+        "flatshading": False,
+        "lighting": LIGHTING,
+        "lightposition": LIGHT,
+        "hovertemplate": f"{hover}<extra></extra>",
+    } | colored
+
+
+def _lines(
+    points: Array, strokes: list[list[int]], size: float, color: str, width: float, name: str
+) -> Part:
+    """Return strokes through points, with gaps between them."""
+    gap = np.full((1, 3), np.nan)
+    if strokes:
+        drawn = np.concatenate([part for stroke in strokes for part in (points[stroke], gap)])[:-1]
+    else:
+        drawn = np.empty((0, 3))
+    x, y, z = _coordinates(drawn, size)
+    return {
+        "type": "scatter3d",
+        "mode": "lines",
+        "name": name,
+        "x": x,
+        "y": y,
+        "z": z,
+        "line": {"color": color, "width": width},
+        "hoverinfo": "skip",
+    }
+
+
+def _coordinates(points: Array, size: float) -> list[list[float | int | None]]:
+    """Return x, y and z to a ten thousandth of the size's power of ten [mm]."""
+    decimals = 4 - math.floor(math.log10(size))
+    return [
+        [
+            None if math.isnan(value) else int(value) if value.is_integer() else value
+            for value in row
+        ]
+        for row in np.round(points.T, max(0, decimals)).tolist()
+    ]
+
+
+def _middles(edges: Integers, points: Array, beside: float) -> dict[tuple[int, int], int]:
+    """Return the ends of all element edges with the node in the middle, -1 where the edge is straight."""
+    first, middle, last = edges.T
+    away = points[middle] - 0.5 * (points[first] + points[last])
+    bent = np.linalg.norm(away, axis=1) > beside
+    ends = np.sort(edges[:, [0, 2]], axis=1)
+    return {
+        (a, b): node
+        for (a, b), node in zip(ends.tolist(), np.where(bent, middle, -1).tolist(), strict=True)
+    }
+
+
+def _through(middles: dict[tuple[int, int], int]) -> list[list[int]]:
+    """Return strokes along element edges, through the middles of bent ones."""
+    strokes = []
+    for trail in trails(np.array(list(middles), dtype=np.int64).reshape(-1, 2)):
+        stroke = trail[:1]
+        for a, b in pairwise(trail):
+            middle = middles[min(a, b), max(a, b)]
+            stroke += [b] if middle < 0 else [middle, b]
+        strokes.append(stroke)
+    return strokes
