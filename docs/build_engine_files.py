@@ -26,7 +26,7 @@ What a file describes follows from its sections:
 
 | sections | it serves |
 |---|---|
-| `[throw]` | `throw`, `stress`, `formulas`, `draw`, `export` |
+| `[throw]`, or several `[throws.NAME]` | `throw`, `stress`, `formulas`, `draw`, `export` |
 | and `[engine]`, `[rod]`, `[piston]`, usually `[gas]` | also `mechanism`, `harmonics` |
 | and `[flywheel]`, `[thrust_bearing]` | also `run`, `vibration` |
 
@@ -50,10 +50,32 @@ web_thickness = "0 mm"               # the halves of the pin touch
 throw_angles = ["0 deg", "240 deg", "120 deg"]
 ```
 
+Shafts whose throws are unequal, in counterweights or lengths, have several throws by name in place of
+`[throw]`, and say for each crank which one it is:
+
+```toml
+[throws.plain]
+crank_radius = "64 mm"
+# ... all of a throw
+
+[throws.heavy]
+like = "plain"                       # and what differs:
+[throws.heavy.counterweight]
+outer_radius = "95 mm"
+angle = "120 deg"
+
+[shaft]
+throws = ["heavy", "plain", "plain", "heavy"]
+```
+
+Each distinct throw is analyzed once; chains, balance, bearings and the whole crankshaft take each crank's
+own. [throws.md](throws.md#unequal-throws-in-a-shaft) shows such a shaft.
+
 Rods hinged to other rods are in the section `[hinged_rods]` (`data/engines/8chn26-26.toml`). Which way the
 shaft turns follows from the firing order.
 
-Files of a study need only `[throw]` and `[study]`. `crankfem new MY.toml --from 6chn25-34` copies a
+Files of a study need only `[throw]` and `[study]` (of several throws `throw = "NAME"` in `[study]` says
+which one varies; it is the one at the free end by default). `crankfem new MY.toml --from 6chn25-34` copies a
 complete file to start from; `crankfem fields throw` prints a section of this page. What the dimensions of
 a throw mean is shown in [throws.md](throws.md).
 
@@ -71,7 +93,8 @@ damped = engine.changed(torsional_damper=damper)
 throw = engine.throw.changed(pin_fillet_radius=0.010)
 ```
 
-Each section takes its changed fields in SI units, a whole section, or None to be left out; everything is
+Each section takes its changed fields in SI units, a whole section, or None to be left out (throws by name
+are changed so: `throws={"heavy": {"web_thickness": 0.03}}`); everything is
 checked as a file is, and `cf.engine_vibration(damped)` calculates the engine as changed. The records of a
 file (throws, webs, materials, sections) have the same method. `cf.mechanism_of(engine)` is the mechanism of
 an engine as it is, for `cf.run_mechanism`.
@@ -89,6 +112,7 @@ STUDY = """
 | accuracy | | 0.001 to 0.1, default 0.01 | relative accuracy of each design's axial compliance |
 | stresses | | true or false (default) | also the largest stress concentration factor at the fillets |
 | constraints | | comparisons | what every design must fulfill |
+| throw | | a name, default that at the free end | which of several throws [throws.NAME] varies |
 
 `[study.factors]` says what varies, `[study.relations]` what follows from it; [studies.md](studies.md)
 explains all of it, the designs and their own fields (`resolution`, `generators`, `face`, `file`):

@@ -160,7 +160,7 @@ def _box(package: str, layers: Layers, x: int, y: int, columns: int = 1) -> tupl
 
 
 def drawing() -> str:
-    """Return the SVG: crankfem, below it dynamics beside regression and fem, then geometry on crankbase."""
+    """Return the SVG: crankfem, below it dynamics beside regression, fem and geometry, at last crankbase."""
     layers = contracts()
     order = {name: MAIN.get(name) or layers[name] for row in layers[""] for name in row}
     left, right = MARGIN, MARGIN + COLUMN + 20
@@ -175,11 +175,11 @@ def drawing() -> str:
     top = places["regression"][1] + GAP
     drawn, end = _box("fem", order["fem"], right, top)
     body, places["fem"] = body + drawn, (top, end)
+    drawn, end = _box("geometry", order["geometry"], right, end + GAP)
+    body, places["geometry"] = body + drawn, (places["fem"][1] + GAP, end)
     top = max(end, places["dynamics"][1]) + GAP
-    for package in ("geometry", "crankbase"):
-        drawn, height = _box(package, order[package], left, top, 2)
-        body, places[package] = body + drawn, (top, height)
-        top = height + GAP
+    drawn, height = _box("crankbase", order["crankbase"], left, top, 2)
+    body, places["crankbase"] = body + drawn, (top, height)
     middles = {"dynamics": left + COLUMN // 2}
     for one, other in sorted(arrows()):
         at = middles.get(one) or middles.get(other) or right + COLUMN // 2

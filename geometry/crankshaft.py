@@ -109,7 +109,7 @@ class Crankshaft:
     @property
     def starts(self) -> NDArray[np.float64]:
         """Left end of each throw along the shaft, and the last one's right end (n + 1,) [m]."""
-        return np.concatenate([[0.0], np.cumsum([throw.length for throw in self.throws])])
+        return np.array(throw_starts(self.throws))
 
     @property
     def length(self) -> float:
@@ -183,6 +183,15 @@ class Crankshaft:
 
         parts = [throw.parts for throw in self.throws]
         return plot_throws(axes, parts, self.crank_angles, self.end_cylinders)
+
+
+def throw_starts(throws: Sequence[CrankThrow]) -> tuple[float, ...]:
+    """Left end of each throw along a shaft, and the last one's right end [m].
+
+    Sums are rounded once, so that equal throws stand at whole multiples of their length.
+    """
+    lengths = [throw.length for throw in throws]
+    return tuple(math.fsum(lengths[:number]) for number in range(len(lengths) + 1))
 
 
 def throw_masses(throw: CrankThrow, density: float) -> MassProperties:

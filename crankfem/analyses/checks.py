@@ -117,7 +117,7 @@ def run_checks(
         In the order in which a report shows them.
     """
     return [
-        *_throw_checks(found["throw"], length, pin_center),
+        *throw_checks(found["throw"], length, pin_center),
         *_angle_checks(found),
         *_fillet_checks(found.get("fillets")),
         *_study_checks(found["study"]),
@@ -149,9 +149,10 @@ def _check(
     }
 
 
-def _throw_checks(
+def throw_checks(
     throw: Mapping[str, Any], length: float, pin_center: Sequence[float]
 ) -> list[Record]:
+    """Return the self-checks that the results of a throw allow; arguments as for `run_checks`."""
     stiffness = throw["stiffness"]
     radial = (0.0, -float(throw["radial_force"]), 0.0)
     worst = max(

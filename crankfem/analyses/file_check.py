@@ -1,7 +1,7 @@
 """What a file of quantities was understood as: for the command check, before anything is computed."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ from crankfem.files.hinge.hinge_file import SECTIONS as HINGE_SECTIONS
 from crankfem.files.hinge.hinge_file import HingeFile, load_hinge
 from crankfem.files.reading.data_files import shipped_hinges
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
+from crankfem.files.sections.crank_throws import PLAIN
 from crankfem.files.sections.engine_sections import Engine
 from geometry.throw import CrankThrow
 
@@ -43,6 +44,8 @@ class CheckedFile:
     engine : dict or None
         Cylinders, firing order and angles, crank angles, running range.
     remarks : tuple of str
+    throws : dict
+        Name to throw, where throws have names; the first then is that at the free end.
     """
 
     path: Path
@@ -54,6 +57,7 @@ class CheckedFile:
     throw: CrankThrow | None
     engine: Record | None
     remarks: tuple[str, ...]
+    throws: dict[str, CrankThrow] = field(default_factory=dict)
 
 
 def check_file(given: str) -> CheckedFile:
@@ -96,7 +100,16 @@ def check_record(checked: CheckedFile) -> Record:
         "dimensions": None if checked.throw is None else _dimensions(checked.throw),
         "remarks": list(checked.remarks),
         "inputs": input_records(checked.inputs),
+    } | _throws_record(checked)
+
+
+def _throws_record(checked: CheckedFile) -> Record:
+    """The throws by name, where they have some."""
+    throws = {
+        name: {"shape": shape_record(throw), "dimensions": _dimensions(throw)}
+        for name, throw in checked.throws.items()
     }
+    return {"throws": throws} if throws else {}
 
 
 def shape_record(throw: CrankThrow) -> Record:
@@ -182,6 +195,7 @@ def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
         read.throw,
         None,
         (),
+        {} if PLAIN in read.throws else read.throws,
     )
 
 
@@ -198,7 +212,14 @@ def _mechanism(read: MechanismFile, content: TomlFile) -> CheckedFile:
         read.throw,
         _arrangement(Engine.from_text(content.sections["engine"])),
         (*read.remarks, *gas),
+        _in_mechanism(read, content),
     )
+
+
+def _in_mechanism(read: MechanismFile, content: TomlFile) -> dict[str, CrankThrow]:
+    """The throws of a mechanism by name."""
+    names = content.sections.get("shaft", {}).get("throws", ())
+    return dict(zip(names, read.crank_throws, strict=False))
 
 
 def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
@@ -222,6 +243,7 @@ def _engine(read: EngineFile, content: TomlFile) -> CheckedFile:
         read.throw,
         _arrangement(read.engine),
         tuple(remarks),
+        dict(read.throws_by_name),
     )
 
 

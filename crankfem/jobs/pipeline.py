@@ -10,13 +10,15 @@ from typing import Any
 from crankbase.outputs import files_of_a_run, protected
 from crankfem.analyses.about import repeat_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+from crankfem.analyses.shaft.throw_analyses import analyze_throws
 from crankfem.analyses.study.studies import fitted
 from crankfem.analyses.throw.fillets import StressRendering, shown_loads, stress_files
 from crankfem.analyses.throw.pictures.render import DEFORMED, MESH, Rendering
 from crankfem.analyses.throw.pictures.surface import stretched_surface
 from crankfem.analyses.throw.run_fillets import stresses_or_reason
 from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.jobs.run_computation import RunComputation
+from crankfem.files.engine.engine_file import EngineFile
+from crankfem.jobs.run_computation import RunComputation, ThrowComputation
 from crankfem.jobs.run_drawing import draw_run
 from crankfem.jobs.run_files import (
     MODEL,
@@ -35,7 +37,6 @@ from crankfem.jobs.run_progress import Progress, Silent, Timed
 from crankfem.jobs.run_records import UNIT_RADIAL_FORCE as UNIT_RADIAL_FORCE
 from crankfem.jobs.run_records import run_results
 from crankfem.report.writing import write_report
-from fem.analysis import analyze_throw
 from fem.fillet_peaks import FilletStresses
 from fem.throw_analysis import ThrowAnalysis
 from regression.runs.store import ResultStore
@@ -141,17 +142,20 @@ def _compute(
 ) -> RunComputation:
     """Compute all numbers of a run; only the store of its study is written to."""
     engine_file, with_gas = inputs.engine_file, inputs.with_gas
-    told.step("Analyzing the throw")
-    analysis = analyze_throw(engine_file.throw, engine_file.material)
-    _render_throw(renderings, analysis)
+    told.step(
+        "Analyzing the throw" if len(engine_file.named_throws) == 1 else "Analyzing the throws"
+    )
+    analyses = analyze_throws(engine_file)
+    first, *_ = names = tuple(dict.fromkeys(engine_file.throw_names))
+    _render_throw(renderings, analyses[first])
 
     told.step("Calculating stresses at the fillets")
-    stresses, reason = stresses_or_reason(engine_file.throw, engine_file.material)
-    if stresses is None:
-        told.note(f"No stresses at the fillets: {reason}")
-    else:
+    throws = {name: _with_stresses(engine_file, analyses[name], name, told) for name in names}
+    stresses = throws[first].stresses
+    if stresses is not None:
         _render_stresses(renderings, stresses)
-    mechanism = None if with_gas is None else run_mechanism(with_gas, masses=analysis.masses)
+    along = [analyses[name].masses for name in engine_file.throw_names]
+    mechanism = None if with_gas is None else run_mechanism(with_gas, masses=along)
 
     study = None
     if engine_file.study is not None:
@@ -159,7 +163,7 @@ def _compute(
         study = fitted(run_plan(engine_file.study, store, workers, told.design, note=told.note))
     vibration = engine_vibration(
         engine_file,
-        analysis=analysis,
+        analysis=analyses,
         mechanism=inputs.mechanism,
         model=None if study is None else study.model,
         coupled=True,
@@ -167,9 +171,18 @@ def _compute(
     )
     harmonics = None if inputs.torque is None else inputs.torque.harmonics()
     told.stop()
-    return RunComputation(
-        inputs, analysis, stresses, reason, mechanism, study, vibration, harmonics
-    )
+    return RunComputation(inputs, throws, mechanism, study, vibration, harmonics)
+
+
+def _with_stresses(
+    engine_file: EngineFile, analysis: ThrowAnalysis, name: str, told: Timed
+) -> ThrowComputation:
+    """Compute the stresses at the fillets of a throw, where there are any."""
+    stresses, reason = stresses_or_reason(engine_file.named_throws[name], engine_file.material)
+    if stresses is None:
+        of_throw = f" of throw {name}" if engine_file.throws_by_name else ""
+        told.note(f"No stresses at the fillets{of_throw}: {reason}")
+    return ThrowComputation(analysis, stresses, reason)
 
 
 def _render_throw(renderings: Renderings, analysis: ThrowAnalysis) -> None:

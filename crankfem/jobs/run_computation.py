@@ -14,17 +14,32 @@ from fem.throw_analysis import ThrowAnalysis
 
 
 @dataclass(frozen=True)
+class ThrowComputation:
+    """What a run has computed of one throw.
+
+    Attributes
+    ----------
+    analysis : ThrowAnalysis
+    stresses : FilletStresses or None
+        At its fillets.
+    fillet_note : str or None
+        Why there are none.
+    """
+
+    analysis: ThrowAnalysis
+    stresses: FilletStresses | None
+    fillet_note: str | None
+
+
+@dataclass(frozen=True)
 class RunComputation:
     """What a run has computed.
 
     Attributes
     ----------
     inputs : RunInputs
-    analysis : ThrowAnalysis
-    stresses : FilletStresses or None
-        At the throw's fillets.
-    fillet_note : str or None
-        Why there are none.
+    throws : dict of str to ThrowComputation
+        Of each distinct throw by its name, first that at the free end; "throw" is that of a file with one.
     mechanism : MechanismRun or None
         None without gas pressure.
     study : StudyResult or None
@@ -35,13 +50,21 @@ class RunComputation:
     """
 
     inputs: RunInputs
-    analysis: ThrowAnalysis
-    stresses: FilletStresses | None
-    fillet_note: str | None
+    throws: dict[str, ThrowComputation]
     mechanism: MechanismRun | None
     study: StudyResult | None
     vibration: EngineVibration
     harmonics: Harmonics | None
+
+    @property
+    def throw(self) -> ThrowComputation:
+        """What was computed of the throw; of several, of that at the free end."""
+        return next(iter(self.throws.values()))
+
+    @property
+    def crank_analyses(self) -> tuple[ThrowAnalysis, ...]:
+        """Finite elements of each crank's throw, from the free end."""
+        return tuple(self.throws[name].analysis for name in self.engine_file.throw_names)
 
     @property
     def engine_file(self) -> EngineFile:

@@ -23,6 +23,7 @@ from crankfem.report.interactive.vibration import interactive_vibration
 from crankfem.report.run_pictures import angle_pictures, study_pictures
 from dynamics.harmonics import Harmonics
 from dynamics.torque_table import TorqueTable
+from geometry.throw import CrankThrow
 
 # Of the responses of a study, the one that is pictured.
 PICTURED = "axial_compliance"
@@ -56,7 +57,6 @@ def draw_run(
     """
     place = folder / PICTURES
     pictures = Pictures(place, note)
-    analysis = computed.analysis
     _draw_throw(pictures, computed)
     run = computed.mechanism
     if run is not None:
@@ -71,16 +71,23 @@ def draw_run(
     pictures.draw("the formulas", lambda: angle_pictures(place, found))
     pictures.plot("the formulas", lambda: interactive_angles(place, found))
     renderings.collect(pictures)
-    pictures.tried(MESH_FILE, lambda: write_vtu(analysis, folder / MESH_FILE))
+    pictures.tried(MESH_FILE, lambda: write_vtu(computed.throw.analysis, folder / MESH_FILE))
     return pictures
 
 
 def _draw_throw(pictures: Pictures, computed: RunComputation) -> None:
     engine_file, place = computed.engine_file, pictures.folder
-    throw, name = engine_file.throw, engine_file.engine.name
-    drawing = ToDraw(place / "drawing.svg", lambda path: write_drawing(throw, path, name))
-    pictures.draw("the throw", lambda: [drawing])
-    pictures.plot("the throw", lambda: [throw_view(place, computed.analysis, computed.stresses)])
+    name, first = engine_file.engine.name, computed.throw
+
+    def drawing(file: str, throw: CrankThrow, title: str) -> ToDraw:
+        return ToDraw(place / file, lambda path: write_drawing(throw, path, title))
+
+    drawings = [drawing("drawing.svg", engine_file.throw, name)]
+    for own in list(computed.throws)[1:]:
+        throw = engine_file.named_throws[own]
+        drawings.append(drawing(f"drawing-{own}.svg", throw, f"{name}, throw {own}"))
+    pictures.draw("the throw", lambda: drawings)
+    pictures.plot("the throw", lambda: [throw_view(place, first.analysis, first.stresses)])
 
 
 def _draw_study(pictures: Pictures, study: StudyResult) -> None:

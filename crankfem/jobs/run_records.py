@@ -8,7 +8,7 @@ import numpy as np
 from crankbase.errors import InputError
 from crankbase.units.units import RPM
 from crankfem.analyses.about import about_record
-from crankfem.analyses.checks import run_checks
+from crankfem.analyses.checks import run_checks, throw_checks
 from crankfem.analyses.mechanism.balance_records import balance_record
 from crankfem.analyses.mechanism.harmonics_record import harmonics_record, two_mass_record
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
@@ -54,21 +54,20 @@ def run_results(computed: RunComputation) -> dict[str, Any]:
     dict
         In SI units; "pictures" and "interactive" are empty.
     """
-    engine_file, analysis = computed.engine_file, computed.analysis
-    fe = fe_record(analysis, 180.0)
-    throw = throw_record(analysis, _radial_force(computed.inputs))
-    formulas = formula_records(engine_file.throw, engine_file.material) | {"fe": fe}
+    engine_file, analysis = computed.engine_file, computed.throw.analysis
+    first = _throw_records(computed, next(iter(computed.throws)))
+    fe = first["formulas"]["fe"]
     found: dict[str, Any] = {
         "about": about_record(),
         "engine": _engine_record(engine_file),
         "inputs": input_records(engine_file.records),
         "sources": engine_file.sources,
-        "throw": throw | {"reciprocity": reciprocity_record(analysis)},
-        "formulas": formulas,
+        "throw": first["throw"],
+        "formulas": first["formulas"],
         "angle_law": _angle_record(engine_file, analysis) | {"law": fe["angle_law"]},
         "balance": shaft_balance_record(engine_file),
-        "fillets": None if computed.stresses is None else stress_record(computed.stresses),
-        "fillet_note": computed.fillet_note,
+        "fillets": first["fillets"],
+        "fillet_note": first["fillet_note"],
         "mechanism": _mechanism_record(computed.mechanism),
         "study": None,
         "harmonics": _harmonics_record(computed),
@@ -76,21 +75,59 @@ def run_results(computed: RunComputation) -> dict[str, Any]:
         "pictures": {},
         "interactive": {},
         "picture_note": NOT_DRAWN_YET,
-        "shaft": shaft_record(computed.vibration.shaft, analysis),
+        "shaft": shaft_record(computed.vibration.shaft, computed.crank_analyses),
         "vibration": run_record(computed.vibration),
     }
+    if engine_file.throws_by_name:
+        found["throws"] = _named_records(computed, first)
     if computed.study is not None:
-        _add_study(found, computed.study, engine_file.throw)
-    # The force acts at the middle of the pin as it is meshed.
-    middle = pin_surfaces(analysis.mesh)[0].center.tolist()
-    found["checks"] = run_checks(found, engine_file.throw.length, middle)
+        _add_study(found, computed.study, engine_file)
+    found["checks"] = run_checks(found, engine_file.throw.length, _pin_middle(analysis))
+    for name, own in list(found.get("throws", {}).items())[1:]:
+        throw, middle = engine_file.named_throws[name], _pin_middle(computed.throws[name].analysis)
+        found["checks"] += [
+            check | {"name": f"{check['name']}, throw {name}"}
+            for check in throw_checks(own["throw"], throw.length, middle)
+        ]
     return found
 
 
-def _add_study(found: dict[str, Any], study: StudyResult, throw: CrankThrow) -> None:
-    """Add a study, and what its equations say of the engine's throw beside the formulas."""
-    found["study"] = study_record(study.table, study.fits, study.model)
-    found["formulas"]["regression"] = _regression(found["study"], study.model, throw)
+def _pin_middle(analysis: ThrowAnalysis) -> list[float]:
+    """Where the radial force acts: the middle of the first pin as it is meshed."""
+    middle: list[float] = pin_surfaces(analysis.mesh)[0].center.tolist()
+    return middle
+
+
+def _throw_records(computed: RunComputation, name: str) -> Record:
+    """What is told of each distinct throw."""
+    own, engine_file = computed.throws[name], computed.engine_file
+    throw = throw_record(own.analysis, _radial_force(computed.inputs))
+    formulas = formula_records(engine_file.named_throws[name], engine_file.material)
+    return {
+        "throw": throw | {"reciprocity": reciprocity_record(own.analysis)},
+        "formulas": formulas | {"fe": fe_record(own.analysis, 180.0)},
+        "fillets": None if own.stresses is None else stress_record(own.stresses),
+        "fillet_note": own.fillet_note,
+    }
+
+
+def _named_records(computed: RunComputation, first: Record) -> dict[str, Record]:
+    """The distinct throws by name: which cranks they are, counted from 1, and what is told of each."""
+    names = computed.engine_file.throw_names
+    return {
+        name: {"cranks": [place for place, own in enumerate(names, start=1) if own == name]}
+        | (first if number == 0 else _throw_records(computed, name))
+        for number, name in enumerate(computed.throws)
+    }
+
+
+def _add_study(found: dict[str, Any], study: StudyResult, engine_file: EngineFile) -> None:
+    """Add a study, and what its equations say of the engine's throws beside the formulas."""
+    told = found["study"] = study_record(study.table, study.fits, study.model)
+    found["formulas"]["regression"] = _regression(told, study.model, engine_file.throw)
+    for name, own in list(found.get("throws", {}).items())[1:]:
+        throw = engine_file.named_throws[name]
+        own["formulas"]["regression"] = _regression(told, study.model, throw)
 
 
 def _regression(study: Record, model: ComplianceModel, throw: CrankThrow) -> Record | None:

@@ -39,7 +39,7 @@ def summary(results: Mapping[str, Any]) -> Record:
         "speeds": _critical_speeds(vibration) if forced is None else _resonances(forced),
         "limits": [] if assessment is None else _worst_of_each(assessment["checks"]),
         "figures": [
-            _compliance(results["throw"]),
+            _compliance(results),
             *(_frequency(vibration, kind) for kind in KINDS),
         ],
     }
@@ -163,10 +163,12 @@ def _worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any
     return list(found.values())
 
 
-def _compliance(throw: Mapping[str, Any]) -> Record:
+def _compliance(results: Mapping[str, Any]) -> Record:
+    throw, named = results["throw"], results.get("throws")
+    which = f"throw {next(iter(named))}" if named else "a throw"
     error = f"error about {percent(throw['error_estimate'])} %"
     return {
-        "label": "Axial compliance of a throw,",
+        "label": f"Axial compliance of {which},",
         "symbol": ("e", "n"),
         "value": f"{significant(throw['supports']['pinned']['axial_compliance'] * 1e9)}e-9",
         "unit": "m/N",

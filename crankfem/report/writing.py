@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from crankbase.outputs import files_of_a_run, write_text
 from crankfem.analyses.mechanism.load_tables import bearing_table
-from crankfem.analyses.throw.compliances import compliance_tables
+from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
 from crankfem.analyses.vibration.tables import (
     critical_table,
     element_table,
@@ -37,6 +37,7 @@ LATER: dict[str, Any] = {
     "repeat": None,
     "interactive": {},
     "picture_note": None,
+    "throws": None,
 }
 LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
 # What makes tables of the results.
@@ -109,6 +110,7 @@ def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str 
             r=results,
             first=summary(results),
             compliances=compliance_tables(results),
+            further=further_compliances(results),
             figures=figures,
             picture_notes=[one for one in (results["picture_note"], note) if one],
             style=Markup(_template(STYLE)),

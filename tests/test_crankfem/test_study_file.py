@@ -45,7 +45,7 @@ def read(tmp_path):
     def reader(text, throw=THROW):
         file = tmp_path / "study.toml"
         file.write_text(text, encoding="utf-8")
-        return study_plan(read_toml(file), throw, STEEL)
+        return study_plan(read_toml(file), {"throw": throw}, "throw", STEEL)
 
     return reader
 

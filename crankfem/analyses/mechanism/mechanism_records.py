@@ -21,7 +21,7 @@ MECHANISM_SECTIONS = ("engine", "rod", "piston", "hinged_rods", "gas")
 def mechanism_record(run: MechanismRun) -> Record:
     """Return the results of a mechanism as plain numbers in SI units, angles in degrees."""
     mechanism, forces, torque = run.mechanism, run.forces, run.torque.total
-    pin, journal = bearing_sizes(mechanism)
+    pins, journals = bearing_sizes(mechanism)
     return {
         "engine": mechanism.name,
         "speed_rpm": run.speed * RPM,
@@ -45,14 +45,16 @@ def mechanism_record(run: MechanismRun) -> Record:
             for place, work in enumerate(run.works)
         ],
         "crankpins": [
-            _load_record(load, pin)
+            _load_record(load, pins[mechanism.throws[group[0] - 1]])
             | {
                 "cylinders": list(group),
                 "largest_angle_from_firing_deg": _from_firing(run, load, group),
             }
             for load, group in zip(run.crankpins, pin_groups(run.layout), strict=True)
         ],
-        "main_bearings": [_load_record(load, journal) for load in run.bearings],
+        "main_bearings": [
+            _load_record(load, size) for load, size in zip(run.bearings, journals, strict=True)
+        ],
         "rod_models": [
             {
                 "model": compared.model,
@@ -70,10 +72,13 @@ def mechanism_record(run: MechanismRun) -> Record:
     }
 
 
-def bearing_sizes(mechanism: MechanismFile) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return diameter and length that one rod has on its pin, and of a main bearing [m]."""
-    throw = mechanism.throw
-    pins = throw.parts.pins
+Size = tuple[float, float]
+
+
+def bearing_sizes(mechanism: MechanismFile) -> tuple[list[Size], list[Size]]:
+    """Return diameter and length [m] that one rod has on the pin of each crank, and of each main bearing."""
+    throws = mechanism.crank_throws
+    pins = throws[0].parts.pins
     main = set(range(1, len(mechanism.throws) + 1)) - {
         number
         for number, cylinder in enumerate(mechanism.layout.cylinders, start=1)
@@ -81,9 +86,17 @@ def bearing_sizes(mechanism: MechanismFile) -> tuple[tuple[float, float], tuple[
     }
     on_first = sum(mechanism.throws[number - 1] == 0 for number in main)
     rods_a_pin = max(1, math.ceil(on_first / len(pins)))
+    # Throws side by side make a main journal of half of either's; at the ends there is another half.
+    sides = zip((throws[0], *throws), (*throws, throws[-1]), strict=True)
     return (
-        (throw.pin_diameter, throw.pin_length / rods_a_pin),
-        (throw.main_journal_diameter, throw.main_journal_length),
+        [(throw.pin_diameter, throw.pin_length / rods_a_pin) for throw in throws],
+        [
+            (
+                left.main_journal_diameter,
+                0.5 * (left.main_journal_length + right.main_journal_length),
+            )
+            for left, right in sides
+        ],
     )
 
 
@@ -117,7 +130,7 @@ def _from_firing(run: MechanismRun, load: LoadDiagram, group: Sequence[int]) -> 
     return float(np.degrees(after))
 
 
-def _load_record(load: LoadDiagram, size: tuple[float, float]) -> Record:
+def _load_record(load: LoadDiagram, size: Size) -> Record:
     pressure = load.specific_pressure(*size)
     return {
         "name": load.name,

@@ -179,7 +179,7 @@ def run_mechanism(
     model: RodModelName = "rigid",
     *,
     motored: bool = False,
-    masses: MassProperties | None = None,
+    masses: MassProperties | Sequence[MassProperties] | None = None,
 ) -> MechanismRun:
     """Calculate an engine's mechanism at constant speed.
 
@@ -193,8 +193,8 @@ def run_mechanism(
         Of the rods' masses.
     motored : bool, optional
         Turn the engine without combustion.
-    masses : MassProperties, optional
-        Of one throw; from its solid if not given.
+    masses : MassProperties or sequence of such, optional
+        Of the throw, or of each crank's throw from the free end; from their solids if not given.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """The axial and the torsional chain of an engine file, with all that the file attaches to them."""
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import EngineFile
@@ -18,7 +18,7 @@ ASSUMED = f"assumed: {MAGNIFIER_SOURCE}"
 
 
 def engine_axial_chain(
-    engine_file: EngineFile, compliances: Array, throw_mass: float
+    engine_file: EngineFile, compliances: Array, throw_masses: ArrayLike
 ) -> EngineChain:
     """Masses at the main-journal middles of an engine, its thrust bearing and axial damper.
 
@@ -27,13 +27,13 @@ def engine_axial_chain(
     engine_file : EngineFile
     compliances : (n,) array
         Axial compliance of each throw in the shaft [m/N].
-    throw_mass : float
-        Of one throw [kg].
+    throw_masses : float or (n,) array_like
+        Of the throws [kg].
     """
     thrust, damper = engine_file.thrust_bearing, engine_file.axial_damper
     return axial_chain(
         compliances,
-        np.full(len(compliances), throw_mass),
+        np.broadcast_to(throw_masses, len(compliances)),
         engine_file.flywheel.mass,
         thrust.bearing,
         thrust.stiffness,
@@ -42,19 +42,19 @@ def engine_axial_chain(
     )
 
 
-def engine_throw_inertias(engine_file: EngineFile, solid_inertia: float) -> Array:
+def engine_throw_inertias(engine_file: EngineFile, solid_inertias: ArrayLike) -> Array:
     """Inertia of each throw with its rods and pistons [kg m^2], (n,).
 
     Parameters
     ----------
     engine_file : EngineFile
         Its section [vibration] says which constant stands for the inertia of pistons.
-    solid_inertia : float
-        Of one throw's solid about the shaft, counterweights included [kg m^2].
+    solid_inertias : float or (n,) array_like
+        Of the throws' solids about the shaft, counterweights included [kg m^2].
     """
     return throw_inertias(
         layout_of(engine_file),
-        solid_inertia,
+        solid_inertias,
         reciprocating=engine_file.vibration.reciprocating,
         throws=engine_file.throws,
     )

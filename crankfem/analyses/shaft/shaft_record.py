@@ -1,5 +1,7 @@
 """Compliances of throws at their places and the shaft's own balance, as plain JSON content."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,23 +13,22 @@ from geometry.balance import unbalance
 from geometry.crankshaft import Crankshaft
 
 
-def shaft_record(shaft: ShaftCompliances, analysis: ThrowAnalysis) -> Record:
-    """Compliances of each throw at its place in the shaft."""
+def shaft_record(shaft: ShaftCompliances, analyses: Sequence[ThrowAnalysis]) -> Record:
+    """Compliances of each throw at its place in the shaft, beside those of the throw alone."""
+    axial = np.array([own.axial_compliance("pinned") for own in analyses])
+    torsional = np.array([own.torsional_compliance("pinned") for own in analyses])
     return {
         "axial": shaft.axial.tolist(),
-        "axial_beside_pinned": (shaft.axial / analysis.axial_compliance("pinned")).tolist(),
+        "axial_beside_pinned": (shaft.axial / axial).tolist(),
         "torsional": shaft.torsional.tolist(),
-        "torsional_beside_pinned": (
-            shaft.torsional / analysis.torsional_compliance("pinned")
-        ).tolist(),
+        "torsional_beside_pinned": (shaft.torsional / torsional).tolist(),
         "influence": shaft.influence.tolist(),
     }
 
 
 def shaft_balance_record(engine_file: EngineFile) -> Record:
     """Masses and unbalance of the whole crankshaft, about the middle of its throws; no rods."""
-    throws = [engine_file.throw] * len(engine_file.throw_angles)
-    shaft = Crankshaft(throws, engine_file.throw_angles, engine_file.shaft_ends)
+    shaft = Crankshaft(engine_file.crank_throws, engine_file.throw_angles, engine_file.shaft_ends)
     masses = shaft.masses(engine_file.material.density)
     middle = 0.5 * float(shaft.starts[-1])
     found = unbalance(masses, middle)

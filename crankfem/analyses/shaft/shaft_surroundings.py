@@ -4,6 +4,7 @@ import numpy as np
 
 from crankbase.units.quantity import show_quantity
 from crankfem.analyses.shaft.chains import engine_throw_inertias
+from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.crankshaft.surroundings import (
     AxialSupport,
@@ -12,7 +13,6 @@ from dynamics.crankshaft.surroundings import (
     ShaftSurroundings,
     TorsionalRing,
 )
-from fem.throw_analysis import ThrowAnalysis
 from geometry.mass import cylinder_mass_properties
 
 # Lateral stiffness of a main bearing (oil film, cap and wall) per journal diameter, where the file gives
@@ -25,7 +25,7 @@ Remarks = tuple[str, ...]
 
 def shaft_surroundings(
     engine_file: EngineFile,
-    analysis: ThrowAnalysis,
+    analysis: Analyses,
     bearings: MainBearings | None = None,
 ) -> tuple[ShaftSurroundings, tuple[str, ...]]:
     """Return what stands around the throws, as the engine file tells.
@@ -43,8 +43,9 @@ def shaft_surroundings(
         What was assumed.
     """
     throws, per_throw = len(engine_file.throw_angles), len(engine_file.throw.parts.pins)
-    solid = analysis.masses.inertia_about_shaft
-    rods = engine_throw_inertias(engine_file, solid) - solid
+    each = crank_analyses(engine_file, analysis)
+    solids = np.array([own.masses.inertia_about_shaft for own in each])
+    rods = engine_throw_inertias(engine_file, solids) - solids
     at_each = np.repeat(rods / per_throw, per_throw) / engine_file.throw.crank_radius**2
     thrust, damper = engine_file.thrust_bearing, engine_file.axial_damper
     supports = [AxialSupport(thrust.bearing, thrust.stiffness)]
@@ -80,7 +81,7 @@ def _bearings(engine_file: EngineFile, throws: int) -> tuple[MainBearings, Remar
 def _flywheel(engine_file: EngineFile) -> tuple[EndBody, Remarks]:
     given, thickness = engine_file.flywheel, engine_file.shaft_ends.flange_thickness
     if thickness is None:
-        overhang = 0.5 * engine_file.throw.main_journal_length
+        overhang = 0.5 * engine_file.crank_throws[-1].main_journal_length
         where = (
             "at the end of the last main journal (assumed, because no flange is given), "
             f"{show_quantity(overhang, 'm')} beyond its middle"

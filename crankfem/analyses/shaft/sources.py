@@ -3,9 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
+from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.engine.engine_file import EngineFile
 from fem.shaft import ShaftCompliances, shaft_compliances
-from fem.throw_analysis import ThrowAnalysis
+from geometry.throw import CrankThrow
 from regression.formulas.arguments import fold_angle_deg
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.torsional_formulas import torsional_formulas
@@ -19,65 +21,82 @@ NO_NEIGHBOR_DEG = 180.0
 Sources = dict[str, tuple[NDArray[np.float64], str]]
 
 
-def compliances_in_shaft(engine_file: EngineFile, analysis: ThrowAnalysis) -> ShaftCompliances:
+def compliances_in_shaft(engine_file: EngineFile, analysis: Analyses) -> ShaftCompliances:
     """FE compliances of each throw at its place among the engine's cranks."""
-    throws = [analysis.superelement] * len(engine_file.throw_angles)
+    throws = [own.superelement for own in crank_analyses(engine_file, analysis)]
     return shaft_compliances(throws, engine_file.throw_angles)
 
 
 def axial_sources(
     engine_file: EngineFile,
-    analysis: ThrowAnalysis,
+    analysis: Analyses,
     shaft: ShaftCompliances,
     model: ComplianceModel | None,
 ) -> Sources:
     """Axial compliance of each throw [m/N] by source; see `crankfem.analyses.vibration.modes`."""
-    pinned = analysis.axial_compliance("pinned")
+    each = crank_analyses(engine_file, analysis)
+    pinned = np.array([own.axial_compliance("pinned") for own in each])
     sources = _fe_sources(shaft.axial, pinned)
     if model is not None:
-        value = model.of_throw(engine_file.throw)["axial_compliance"].value
-        sources[REGRESSION] = _from_regression(shaft.axial, value, pinned)
+        sources[REGRESSION] = _from_regression(
+            engine_file, model, "axial_compliance", shaft.axial / pinned
+        )
     return sources | _axial_formula_sources(engine_file)
 
 
 def torsional_sources(
     engine_file: EngineFile,
-    analysis: ThrowAnalysis,
+    analysis: Analyses,
     shaft: ShaftCompliances,
     model: ComplianceModel | None,
 ) -> Sources:
     """Torsional compliance of each throw [rad/(N m)] by source."""
-    pinned = analysis.torsional_compliance("pinned")
+    each = crank_analyses(engine_file, analysis)
+    pinned = np.array([own.torsional_compliance("pinned") for own in each])
     sources = _fe_sources(shaft.torsional, pinned)
     if model is not None:
-        value = model.of_throw(engine_file.throw)["torsional_compliance"].value
-        sources[REGRESSION] = _from_regression(shaft.torsional, value, pinned)
+        sources[REGRESSION] = _from_regression(
+            engine_file, model, "torsional_compliance", shaft.torsional / pinned
+        )
     material = engine_file.material
-    count = len(engine_file.throw_angles)
-    for name, formula in torsional_formulas(
-        engine_file.throw,
-        youngs_modulus=material.youngs_modulus,
-        poisson_ratio=material.poisson_ratio,
-    ).items():
-        sources[name] = (np.full(count, formula.value), "the same for every throw")
+    tables = {
+        throw: torsional_formulas(
+            throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
+        )
+        for throw in dict.fromkeys(engine_file.crank_throws)
+    }
+    remark = "the same for every throw" if len(tables) == 1 else "by each throw's own dimensions"
+    for name in tables[engine_file.throw]:
+        values = [tables[throw][name].value for throw in engine_file.crank_throws]
+        sources[name] = (np.array(values), remark)
     return sources
 
 
-def _fe_sources(in_shaft: NDArray[np.float64], pinned: float) -> Sources:
+def _fe_sources(in_shaft: NDArray[np.float64], pinned: NDArray[np.float64]) -> Sources:
     return {
         FE: (in_shaft, "superelements assembled at the crank angles"),
         FE_PINNED: (
-            np.full_like(in_shaft, pinned),
+            pinned,
             "a single throw with ends free to tilt; too soft beside neighbors that hinder the tilt",
         ),
     }
 
 
 def _from_regression(
-    in_shaft: NDArray[np.float64], value: float, pinned: float
+    engine_file: EngineFile, model: ComplianceModel, quantity: str, ratios: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], str]:
+    """Values of the equation for each throw in the shaft; no numbers if a throw is not of its family."""
+    values: dict[CrankThrow, float] = {}
+    for name, throw in engine_file.named_throws.items():
+        try:
+            values[throw] = model.of_throw(throw)[quantity].value
+        except (InputError, KeyError) as error:
+            if len(engine_file.named_throws) == 1:
+                raise
+            reason = str(error) if isinstance(error, InputError) else "it is of another size"
+            return np.full_like(ratios, np.nan), f"says nothing of the throw {name}: {reason}"
     return (
-        value * in_shaft / pinned,
+        np.array([values[throw] for throw in engine_file.crank_throws]) * ratios,
         "the equation's pinned value, times each throw's ratio from the assembled superelements",
     )
 
@@ -87,25 +106,33 @@ def _axial_formula_sources(engine_file: EngineFile) -> Sources:
     angles = np.rad2deg(engine_file.throw_angles)
     gaps = [NO_NEIGHBOR_DEG, *np.abs(np.diff(angles)).tolist(), NO_NEIGHBOR_DEG]
     material = engine_file.material
-    tables = [
-        axial_formulas(
-            engine_file.throw,
-            gap,
-            youngs_modulus=material.youngs_modulus,
-            poisson_ratio=material.poisson_ratio,
-        )
-        for gap in gaps
+    # Of each throw: the angles to its neighbors, and the formulas at both.
+    sides = [
+        [
+            (
+                gap,
+                axial_formulas(
+                    throw,
+                    gap,
+                    youngs_modulus=material.youngs_modulus,
+                    poisson_ratio=material.poisson_ratio,
+                ),
+            )
+            for gap in beside
+        ]
+        for throw, *beside in zip(engine_file.crank_throws, gaps[:-1], gaps[1:], strict=True)
     ]
     sources: Sources = {}
-    for name in tables[0]:
-        values = np.array([table[name].value for table in tables])
+    for name in sides[0][0][1]:
+        values = np.array([[table[name].value for _, table in beside] for beside in sides])
         wrong = {
             round(fold_angle_deg(gap))
-            for gap, table in zip(gaps, tables, strict=True)
+            for beside in sides
+            for gap, table in beside
             if not table[name].valid
         }
         remark = "mean of the formula at the angles to both neighbors; 180 deg at the shaft's ends"
         if wrong:
             remark += f"; does not apply at {', '.join(str(angle) for angle in sorted(wrong))} deg"
-        sources[name] = (0.5 * (values[:-1] + values[1:]), remark)
+        sources[name] = (0.5 * (values[:, 0] + values[:, 1]), remark)
     return sources

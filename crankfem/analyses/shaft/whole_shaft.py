@@ -1,6 +1,6 @@
 """The whole crankshaft of an engine file, from superelements of its throws.
 
-Throws stand at their crank angles, each with the same superelement; cylinders of a V engine act on the
+Throws stand at their crank angles, equal ones with the same superelement; cylinders of a V engine act on the
 pins that the file names.
 """
 
@@ -17,6 +17,7 @@ from crankbase.tables.frames import table_of
 from crankbase.units.number_formats import UNBOUNDED
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
+from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.analyses.shaft.whole_damping import damping_remarks, modal_damping
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.engine_chains import EngineChain
@@ -38,7 +39,6 @@ from dynamics.crankshaft.shaft_throw import ShaftThrow
 from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.response.forced import ForcedResponse
 from fem.craig_bampton import DynamicSuperelement
-from fem.throw_analysis import ThrowAnalysis
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
@@ -165,23 +165,23 @@ class ShaftComparison:
 
 def whole_shaft(
     engine_file: EngineFile,
-    analysis: ThrowAnalysis,
+    analysis: Analyses,
     *,
     superelement: DynamicSuperelement | None = None,
     bearings: MainBearings | None = None,
 ) -> WholeShaft:
-    """Build the whole crankshaft of an engine from the superelement of its throw.
+    """Build the whole crankshaft of an engine from the superelements of its throws.
 
     Parameters
     ----------
     engine_file : EngineFile
         In line or V. Flywheel, free end, dampers, thrust bearing, driven machine and main bearings are
         taken from it.
-    analysis : ThrowAnalysis
-        Of the engine's throw.
+    analysis : ThrowAnalysis or mapping
+        Of the engine's throw, or of each throw by its name.
     superelement : DynamicSuperelement, optional
-        Of the same throw, where it is there already; by default one is built for the highest frequency
-        that the engine excites.
+        Of the one throw that all cranks are, where it is there already; by default one of each throw is
+        built for the highest frequency that the engine excites.
     bearings : MainBearings, optional
         In place of those of the file.
 
@@ -192,17 +192,35 @@ def whole_shaft(
     Raises
     ------
     InputError
-        If end sections of the analysis are not rigid, or values do not fit.
+        If end sections of the analysis are not rigid, values do not fit, or one superelement is given for
+        several throws.
     SolveError
         If the superelement cannot be built.
     """
     highest = highest_exciting_frequency(engine_file)
+    each = crank_analyses(engine_file, analysis)
     if superelement is None:
-        superelement = analysis.dynamic_superelement(highest)
-    throws = shaft_throws(superelement, engine_file.throw, engine_file.throw_angles)
+        built = {
+            id(own): own.dynamic_superelement(highest) for own in {id(o): o for o in each}.values()
+        }
+        elements = [built[id(own)] for own in each]
+    elif len(set(engine_file.crank_throws)) == 1:
+        elements = [superelement] * len(each)
+    else:
+        raise InputError(
+            "superelement: given one for several throws; allowed is none, because each throw has its own."
+        )
+    throws = [
+        throw
+        for own, element, angle in zip(
+            engine_file.crank_throws, elements, engine_file.throw_angles, strict=True
+        )
+        for throw in shaft_throws(element, own, [angle])
+    ]
+    highest = elements[0].highest_frequency
     around, remarks = shaft_surroundings(engine_file, analysis, bearings)
     shaft = assemble_crankshaft(throws, around, turning_sense=engine_file.engine.turning_sense)
-    crankshaft = crankshaft_system(shaft, KEPT_FACTOR * superelement.highest_frequency or None)
+    crankshaft = crankshaft_system(shaft, KEPT_FACTOR * highest or None)
     modes = crankshaft.modes
     remarks += damping_remarks(engine_file)
     if len(set(engine_file.pins)) < len(engine_file.pins):
@@ -217,7 +235,7 @@ def whole_shaft(
         )
     return WholeShaft(
         crankshaft=crankshaft,
-        highest_frequency=superelement.highest_frequency,
+        highest_frequency=highest,
         rotation_ratios=rotation_ratio(
             engine_file.engine.highest_speed, modes.angular_frequencies[modes.rigid :]
         ),

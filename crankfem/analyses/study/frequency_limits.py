@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import (
     engine_axial_chain,
     engine_throw_inertias,
@@ -77,13 +78,20 @@ def engine_frequencies(engine_file: EngineFile) -> EngineFrequencies:
 
     Raises
     ------
+    InputError
+        If the engine has several throws.
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
     from crankfem.analyses.shaft.sources import compliances_in_shaft
-    from fem.analysis import analyze_throw
+    from crankfem.analyses.shaft.throw_analyses import analyze_throws
 
-    analysis = analyze_throw(engine_file.throw, engine_file.material)
+    if len(set(engine_file.crank_throws)) > 1:
+        raise InputError(
+            f"{engine_file.path.name}: given an engine with several throws; allowed is one whose cranks are "
+            "all the same throw, because the search changes that one."
+        )
+    analysis = next(iter(analyze_throws(engine_file).values()))
     shaft = compliances_in_shaft(engine_file, analysis)
     return EngineFrequencies(
         engine_file=engine_file,

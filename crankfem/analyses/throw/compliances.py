@@ -55,7 +55,8 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
                 "notes": sorted(note(text) for text in remarks),
             }
 
-        in_shaft = results["shaft"][kind]
+        cranks = _cranks_of_first(results) or range(1, len(results["shaft"][kind]) + 1)
+        in_shaft = [results["shaft"][kind][crank - 1] for crank in cranks]
         rows = [
             row("finite elements, pinned", fe, "fe pinned", []),
             row("finite elements, mean in the shaft", sum(in_shaft) / len(in_shaft), "fe", []),
@@ -72,6 +73,29 @@ def compliance_tables(results: Mapping[str, Any]) -> Record:
         ranges[kind] = (min(applying), max(applying)) if len(applying) > 1 else None
         tables[kind] = {"unit": unit, "rows": [*rows, *own_rows]}
     return {"tables": tables, "notes": list(numbers), "range": ranges}
+
+
+def further_compliances(results: Mapping[str, Any]) -> dict[str, Record]:
+    """Return the tables of an engine's further throws by name; of them no frequency is told."""
+    return {
+        name: compliance_tables(
+            {
+                "throw": own["throw"],
+                "formulas": own["formulas"],
+                "throws": {name: own},
+                "shaft": results["shaft"],
+                "vibration": {kind: {"sources": []} for kind in UNITS},
+            }
+        )
+        for name, own in list((results.get("throws") or {}).items())[1:]
+    }
+
+
+def _cranks_of_first(results: Mapping[str, Any]) -> list[int]:
+    """The cranks that are the throw whose compliances are shown, from 1; none where all are."""
+    named = results.get("throws")
+    found: list[int] = next(iter(named.values()))["cranks"] if named else []
+    return found
 
 
 def regression_record(

@@ -12,6 +12,7 @@ from crankbase.errors import InputError
 from crankbase.tables.frames import table
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.sources import FE, FE_PINNED
+from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name
 from crankfem.analyses.vibration.engine_limits import engine_limits, limit_findings
 from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.files.engine.engine_file import EngineFile
@@ -27,7 +28,6 @@ from dynamics.checks import FloatArray, within
 from dynamics.critical import engine_orders
 from dynamics.response.forced import forced_response
 from dynamics.response.synthesis import synthesis
-from fem.throw_analysis import ThrowAnalysis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -173,7 +173,7 @@ def assess(
     engine_file: EngineFile,
     axial: ForcedVibration,
     torsional: ForcedVibration,
-    analysis: ThrowAnalysis,
+    analysis: Analyses,
 ) -> Assessment:
     """Hold the forced vibration of an engine against limits, and carry what is uncertain through it.
 
@@ -182,8 +182,8 @@ def assess(
     engine_file : EngineFile
         Its sections [limits] and [ranges] are used where given.
     axial, torsional : ForcedVibration
-    analysis : ThrowAnalysis
-        Of the throw, for the error of its compliances.
+    analysis : ThrowAnalysis or mapping
+        Of the throw, or of each throw by its name, for the largest error of their compliances.
 
     Raises
     ------
@@ -194,6 +194,8 @@ def assess(
     running = (engine.lowest_speed, engine.highest_speed)
     limits, remarks = engine_limits(engine_file)
     findings = limit_findings(engine_file, axial, torsional)
+    analyses = analyses_by_name(engine_file, analysis).values()
+    error = max(own.error_estimate for own in analyses)
     given = engine_file.limits
     rule = (
         BarredRangeRule(engine.rated_speed)
@@ -206,8 +208,8 @@ def assess(
         verdict=replace(verdict, checks=checks),
         limits=limits,
         remarks=remarks,
-        axial=_uncertainty(engine_file, axial, analysis.error_estimate),
-        torsional=_uncertainty(engine_file, torsional, analysis.error_estimate),
+        axial=_uncertainty(engine_file, axial, error),
+        torsional=_uncertainty(engine_file, torsional, error),
     )
 
 

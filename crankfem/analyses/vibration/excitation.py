@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
+from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.analyses.vibration.engine_limits import judged_ends
 from crankfem.analyses.vibration.modes import SourceResult
 from crankfem.files.engine.engine_file import EngineFile
@@ -34,7 +35,6 @@ from dynamics.response.forced import ForcedResponse
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.speed_grid import refined_speeds
 from fem.shaft import ShaftCompliances
-from fem.throw_analysis import ThrowAnalysis
 
 # Speeds below the lowest running one are passed on every start; rules of limits go on above the highest
 # running speed and the rated one.
@@ -259,31 +259,32 @@ def with_propeller(
 
 
 def compared_axial_forces(
+    engine_file: EngineFile,
     forces: CylinderForces,
     compliances: NDArray[np.float64],
     shaft: ShaftCompliances,
-    analysis: ThrowAnalysis,
-    pins: Sequence[int],
+    analysis: Analyses,
 ) -> AxialForceComparison:
     """Return the force c Z / e_n of each throw by itself, beside that in the assembled shaft.
 
     Parameters
     ----------
+    engine_file : EngineFile
     forces : CylinderForces
     compliances : (n,) array
         Of the axial chain [m/N].
     shaft : ShaftCompliances
-    analysis : ThrowAnalysis
-    pins : sequence of int
-        Pin of each cylinder.
+    analysis : ThrowAnalysis or mapping
+        Of the engine's throw, or of each throw by its name.
     """
+    each = crank_analyses(engine_file, analysis)
     return compare_axial_forces(
         forces,
         compliances,
-        np.full_like(compliances, analysis.influence_coefficient("pinned")),
+        [own.influence_coefficient("pinned") for own in each],
         shaft.influence * (compliances / shaft.axial)[:, None],
-        own_compliances=np.full_like(compliances, analysis.axial_compliance("pinned")),
-        pins=pins,
+        own_compliances=[own.axial_compliance("pinned") for own in each],
+        pins=engine_file.pins,
     )
 
 

@@ -13,6 +13,7 @@ from crankbase.errors import InputError
 from crankbase.tables.frames import table_of
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.motion import MOTION
+from crankfem.analyses.shaft.throw_analyses import Analyses
 from crankfem.analyses.vibration.engine_limits import judged_ends, limit_findings
 from crankfem.analyses.vibration.excitation import (
     Frequencies,
@@ -44,7 +45,6 @@ from dynamics.response.power import PowerBalance, power_balance
 from dynamics.response.resonance import Resonance, resonances
 from dynamics.response.series import OrderSeries
 from fem.shaft import ShaftCompliances
-from fem.throw_analysis import ThrowAnalysis
 from geometry.throw import CrankThrow
 
 if TYPE_CHECKING:
@@ -222,7 +222,7 @@ def forced_vibrations(
     axial: Vibration,
     torsional: Vibration,
     shaft: ShaftCompliances,
-    analysis: ThrowAnalysis,
+    analysis: Analyses,
     further: Frequencies = (),
 ) -> tuple[ForcedVibration, ForcedVibration]:
     """Calculate the forced vibration of an engine's chains over its speeds.
@@ -236,7 +236,8 @@ def forced_vibrations(
         Modes of the chains with the chosen compliances.
     shaft : ShaftCompliances
         Of the throws in the shaft.
-    analysis : ThrowAnalysis
+    analysis : ThrowAnalysis or mapping
+        Of the engine's throw, or of each throw by its name.
     further : (m,) array, optional
         Natural frequencies of what else is to be calculated at the same speeds [Hz].
 
@@ -283,7 +284,7 @@ class _Case:
     axial: Vibration
     torsional: Vibration
     shaft: ShaftCompliances
-    analysis: ThrowAnalysis
+    analysis: Analyses
     chains: tuple[DampedChain, ...]
 
 
@@ -315,7 +316,7 @@ def _answers(case: _Case, speeds: FloatArray) -> tuple[ForcedVibration, ForcedVi
             power=power_balance(lengthened),
             resonances=(),
             axial_forces=compared_axial_forces(
-                forces, axial.compliances, case.shaft, case.analysis, engine_file.pins
+                engine_file, forces, axial.compliances, case.shaft, case.analysis
             ),
             running_range=running,
             judged_range=judged,
@@ -328,7 +329,7 @@ def _answers(case: _Case, speeds: FloatArray) -> tuple[ForcedVibration, ForcedVi
             forces=forces,
             response=twisted,
             loads=loads,
-            stress=alternating_stress(loads, _sections(engine_file.throw, cranks)),
+            stress=alternating_stress(loads, _sections(engine_file.crank_throws, cranks)),
             power=power_balance(twisted),
             resonances=(),
             axial_forces=None,
@@ -394,5 +395,12 @@ def _crank_elements(chain: EngineChain) -> int:
     return chain.throw_nodes[-1] + 1
 
 
-def _sections(throw: CrankThrow, chain: EngineChain) -> dict[int, float]:
-    return dict.fromkeys(range(_crank_elements(chain)), nominal_section_modulus(throw))
+def _sections(throws: Sequence[CrankThrow], chain: EngineChain) -> dict[int, float]:
+    """Section modulus of each element of the crankshaft: the weaker one of the throws that it joins."""
+    moduli = [nominal_section_modulus(throw) for throw in throws]
+    found: dict[int, float] = {}
+    for element in range(_crank_elements(chain)):
+        ends = chain.chain.connections[element]
+        own = [moduli[chain.throw_nodes.index(node)] for node in ends if node in chain.throw_nodes]
+        found[element] = min(own)
+    return found

@@ -21,6 +21,7 @@ from crankfem.analyses.shaft.chains import (
 )
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.sources import Sources, axial_sources, torsional_sources
+from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.analyses.vibration.engine_limits import judged_ends
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.chain_modes import Modes
@@ -28,7 +29,6 @@ from dynamics.chains.engine_chains import EngineChain
 from dynamics.checks import FloatArray, whole_number
 from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, vector_sums
 from fem.shaft import ShaftCompliances
-from fem.throw_analysis import ThrowAnalysis
 from regression.models.compliance_model import ComplianceModel
 
 if TYPE_CHECKING:
@@ -249,7 +249,7 @@ class Vibration:
 
 def axial_vibration(
     engine_file: EngineFile,
-    analysis: ThrowAnalysis,
+    analysis: Analyses,
     shaft: ShaftCompliances,
     model: ComplianceModel | None,
 ) -> Vibration:
@@ -258,8 +258,8 @@ def axial_vibration(
     Parameters
     ----------
     engine_file : EngineFile
-    analysis : ThrowAnalysis
-        Of the engine's throw.
+    analysis : ThrowAnalysis or mapping
+        Of the engine's throw, or of each throw by its name.
     shaft : ShaftCompliances
         From `compliances_in_shaft`.
     model : ComplianceModel or None
@@ -271,9 +271,10 @@ def axial_vibration(
         If the source set in the engine file is unknown or unusable.
     """
     sources = axial_sources(engine_file, analysis, shaft, model)
+    masses = [own.mass for own in crank_analyses(engine_file, analysis)]
 
     def chain(compliances: NDArray[np.float64]) -> EngineChain:
-        return engine_axial_chain(engine_file, compliances, analysis.mass)
+        return engine_axial_chain(engine_file, compliances, masses)
 
     forces = shaft.influence / shaft.axial[:, None]
 
@@ -286,13 +287,14 @@ def axial_vibration(
 
 def torsional_vibration(
     engine_file: EngineFile,
-    analysis: ThrowAnalysis,
+    analysis: Analyses,
     shaft: ShaftCompliances,
     model: ComplianceModel | None,
 ) -> Vibration:
     """Calculate the torsional natural frequencies and critical speeds; see `axial_vibration`."""
     sources = torsional_sources(engine_file, analysis, shaft, model)
-    inertias = engine_throw_inertias(engine_file, analysis.masses.inertia_about_shaft)
+    solids = [own.masses.inertia_about_shaft for own in crank_analyses(engine_file, analysis)]
+    inertias = engine_throw_inertias(engine_file, solids)
 
     def chain(compliances: NDArray[np.float64]) -> EngineChain:
         return engine_torsional_chain(engine_file, compliances, inertias)
@@ -320,6 +322,9 @@ def _vibration(
 ) -> Vibration:
     results, unusable = [], []
     for source, (compliances, remark) in sources.items():
+        if np.any(np.isnan(compliances)):
+            unusable.append(f"{source}: {remark.rstrip('.')}")
+            continue
         if not np.all(np.isfinite(compliances)) or np.min(compliances) <= 0.0:
             unusable.append(
                 f"{source}: gives a compliance of {np.min(compliances):.3g}, not above zero"

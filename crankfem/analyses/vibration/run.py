@@ -1,6 +1,6 @@
 """The whole vibration calculation of an engine: modes, forced response, verdict, whole crankshaft."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -11,6 +11,7 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import table
 from crankfem.analyses.shaft.sources import compliances_in_shaft
+from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
 from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     WholeShaft,
@@ -30,7 +31,6 @@ from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders, major_orders
 from dynamics.plots.campbell import draw_campbell
-from fem.analysis import analyze_throw
 from fem.shaft import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
 from regression.models.compliance_model import ComplianceModel
@@ -61,7 +61,8 @@ class EngineVibration:
     Attributes
     ----------
     engine_file : EngineFile
-    analysis : ThrowAnalysis
+    analyses : dict of str to ThrowAnalysis
+        Of each distinct throw by its name; "throw" is that of a file with one.
     shaft : ShaftCompliances
         Of the throws at their places.
     axial, torsional : Vibration
@@ -78,7 +79,7 @@ class EngineVibration:
     """
 
     engine_file: EngineFile
-    analysis: ThrowAnalysis
+    analyses: dict[str, ThrowAnalysis]
     shaft: ShaftCompliances
     axial: Vibration
     torsional: Vibration
@@ -87,6 +88,11 @@ class EngineVibration:
     assessment: Assessment | None
     whole: WholeShaft | None
     comparison: ShaftComparison | None
+
+    @property
+    def analysis(self) -> ThrowAnalysis:
+        """That of the throw, of several that of the one at the free end."""
+        return self.analyses[self.engine_file.throw_names[0]]
 
     @property
     def axial_chain(self) -> Chain:
@@ -208,7 +214,7 @@ class EngineVibration:
 def engine_vibration(
     engine: str | Path | EngineFile,
     *,
-    analysis: ThrowAnalysis | None = None,
+    analysis: Analyses | None = None,
     mechanism: MechanismFile | None = None,
     model: ComplianceModel | None = None,
     coupled: bool = False,
@@ -221,8 +227,8 @@ def engine_vibration(
     engine : path or EngineFile
         Engine file, name of a shipped engine, or the engine as read and perhaps changed
         (`EngineFile.changed`).
-    analysis : ThrowAnalysis, optional
-        Of its throw, where it is there already.
+    analysis : ThrowAnalysis or mapping, optional
+        Of its throw, where it is there already; of several throws a mapping by name.
     mechanism : MechanismFile, optional
         Of the same engine, where it is there already.
     model : ComplianceModel, optional
@@ -246,7 +252,8 @@ def engine_vibration(
     read = engine if isinstance(engine, EngineFile) else load_engine(engine)
     if mechanism is None:
         mechanism = mechanism_of(read)
-    _check_same_engine(read, analysis, mechanism)
+    analyses = None if analysis is None else analyses_by_name(read, analysis)
+    _check_same_engine(read, analyses, mechanism)
     forcing = read.gas is not None or read.gas_map is not None
     harmonics = engine_harmonics(read, mechanism) if forcing else None
     if not forcing and read.limits is not None:
@@ -254,17 +261,17 @@ def engine_vibration(
             "limits: given without gas pressure; allowed are both, because amplitudes need what excites "
             "them: a section [gas] or [gas_map]."
         )
-    if analysis is None:
-        step("Analyzing the throw")
-        analysis = analyze_throw(read.throw, read.material)
+    if analyses is None:
+        step("Analyzing the throw" if len(read.named_throws) == 1 else "Analyzing the throws")
+        analyses = analyze_throws(read)
     step("Calculating vibration")
-    shaft = compliances_in_shaft(read, analysis)
-    axial = axial_vibration(read, analysis, shaft, model)
-    torsional = torsional_vibration(read, analysis, shaft, model)
+    shaft = compliances_in_shaft(read, analyses)
+    axial = axial_vibration(read, analyses, shaft, model)
+    torsional = torsional_vibration(read, analyses, shaft, model)
     lengthened = twisted = assessment = whole = comparison = None
     if coupled:
         step("Calculating the whole crankshaft")
-        whole = whole_shaft(read, analysis)
+        whole = whole_shaft(read, analyses)
     if harmonics is not None:
         modes = None if whole is None else whole.modes
         lengthened, twisted = forced_vibrations(
@@ -273,12 +280,12 @@ def engine_vibration(
             axial,
             torsional,
             shaft,
-            analysis,
+            analyses,
             () if modes is None else modes.frequencies[modes.rigid :],
         )
         if read.ranges is not None:
             step("Sampling what is uncertain")
-        assessment = assess(read, lengthened, twisted, analysis)
+        assessment = assess(read, lengthened, twisted, analyses)
     if whole is not None:
         answer = None if twisted is None else shaft_response(read, whole, twisted.forces)
         comparison = (
@@ -297,7 +304,7 @@ def engine_vibration(
         assessment = replace(assessment, beside=whole_beside(comparison))
     return EngineVibration(
         engine_file=read,
-        analysis=analysis,
+        analyses=analyses,
         shaft=shaft,
         axial=axial,
         torsional=torsional,
@@ -310,7 +317,7 @@ def engine_vibration(
 
 
 def _check_same_engine(
-    engine: EngineFile, analysis: ThrowAnalysis | None, mechanism: MechanismFile
+    engine: EngineFile, analyses: Mapping[str, ThrowAnalysis] | None, mechanism: MechanismFile
 ) -> None:
     """Refuse what was calculated or read of an engine that is another one, or was another one then.
 
@@ -318,14 +325,13 @@ def _check_same_engine(
     ------
     InputError
     """
-    if analysis is not None and (analysis.throw, analysis.material) != (
-        engine.throw,
-        engine.material,
-    ):
-        raise InputError(
-            "analysis: given that of another throw or material; allowed is that of the engine's own, by "
-            "analyze_throw(engine.throw, engine.material), because its compliances are used."
-        )
+    for name, own in (analyses or {}).items():
+        if (own.throw, own.material) != (engine.named_throws[name], engine.material):
+            throw = f"named_throws[{name!r}]" if engine.throws_by_name else "throw"
+            raise InputError(
+                "analysis: given that of another throw or material; allowed is that of the engine's own, by "
+                f"analyze_throw(engine.{throw}, engine.material), because its compliances are used."
+            )
     if (mechanism.gas, mechanism.layout) != (engine.gas, layout_of(engine)):
         raise InputError(
             "mechanism: given one with other cylinders, rods or pressure than the engine's; allowed is its "

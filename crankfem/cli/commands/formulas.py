@@ -10,7 +10,13 @@ import typer
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import GammaOption, JsonOption, QuietOption, UnitsOption
+from crankfem.cli.commands.options import (
+    GammaOption,
+    JsonOption,
+    QuietOption,
+    ThrowOption,
+    UnitsOption,
+)
 from crankfem.cli.console import parse_pairs, print_json
 
 if TYPE_CHECKING:
@@ -21,6 +27,7 @@ if TYPE_CHECKING:
 class _Asked:
     """What the command line asks for."""
 
+    throw: str | None
     gamma: float
     variant: str
     constants: Mapping[str, float]
@@ -39,6 +46,7 @@ def formulas(
             autocompletion=completion.engines,
         ),
     ] = None,
+    throw: ThrowOption = None,
     gamma: GammaOption = None,
     variant: Annotated[
         str | None,
@@ -72,6 +80,11 @@ def formulas(
     shown = parse_output_units(units)
     if (engine is not None) + all_engines + published != 1:
         raise InputError("formulas: give one of ENGINE.toml, --all and --published.")
+    if throw is not None and engine is None:
+        raise InputError(
+            f"--throw: given {throw!r} without ENGINE.toml; allowed is it with one, because its throws have "
+            "names."
+        )
     if published:
         _refuse_beside_published(
             {
@@ -85,6 +98,7 @@ def formulas(
         _published(json)
         return
     asked = _Asked(
+        throw=throw,
         gamma=180.0 if gamma is None else parse_gamma(gamma, quiet),
         variant=variant or "corrected",
         constants=parse_pairs(constant or [], _pure_number, example="k_n=0.4"),
@@ -110,10 +124,10 @@ def _refuse_beside_published(given: Mapping[str, bool]) -> None:
 def _one_throw(engine: str, asked: _Asked) -> None:
     from crankfem.analyses.throw.formula_records import fe_record, formula_records
     from crankfem.cli.tables import formula_tables
-    from crankfem.files.engine.throw_file import load_throw
+    from crankfem.cli.throw_choice import chosen_throw
     from fem.analysis import analyze_throw
 
-    dimensions, material = load_throw(engine)
+    dimensions, material = chosen_throw(engine, asked.throw, asked.quiet)
     gamma, constants = asked.gamma, asked.constants
     records: dict[str, Any] = dict(
         formula_records(dimensions, material, gamma, asked.variant, constants)

@@ -56,9 +56,9 @@ def lookup(
     loaded = ComplianceModel.load(model)
     asked: dict[str, Any] = {}
     if throw is not None:
-        from crankfem.files.engine.throw_file import load_throw
+        from crankfem.cli.throw_choice import chosen_throw
 
-        asked |= loaded.dimensions_of(load_throw(throw)[0])
+        asked |= loaded.dimensions_of(chosen_throw(throw, quiet=quiet)[0])
     asked |= model_dimensions(loaded, dimensions or [])
     angle = None
     if gamma is not None:

@@ -87,6 +87,15 @@ StrictOption = Annotated[
         "--strict", help="End with code 4 if limits are exceeded, with 2 if nothing can be judged."
     ),
 ]
+ThrowOption = Annotated[
+    str | None,
+    typer.Option(
+        "--throw",
+        metavar="NAME",
+        help="Which of several throws, each a section [throws.NAME]; that at the free end by default.",
+        show_default=False,
+    ),
+]
 WorkersOption = Annotated[int, typer.Option(help="Worker processes of the study.")]
 
 

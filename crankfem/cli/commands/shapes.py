@@ -7,7 +7,13 @@ import typer
 
 from crankbase.errors import InputError
 from crankfem.cli import console
-from crankfem.cli.commands.options import EngineArgument, ForceOption, JsonOption, QuietOption
+from crankfem.cli.commands.options import (
+    EngineArgument,
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    ThrowOption,
+)
 from crankfem.cli.console import print_json
 
 
@@ -21,6 +27,7 @@ def export(
             "(mesh), .stl .ply .obj (surface).",
         ),
     ],
+    name: ThrowOption = None,
     part: Annotated[str, typer.Option(help="full, half, quarter, or auto.")] = "full",
     size: Annotated[float, typer.Option(help="Scale of the element sizes; 1 is usual.")] = 1.0,
     shaft: Annotated[bool, typer.Option("--shaft", help="The whole crankshaft (STEP).")] = False,
@@ -32,10 +39,11 @@ def export(
     ] = False,
     force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    quiet: QuietOption = False,
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
-    from crankfem.files.engine.throw_file import load_crankshaft, load_throw
+    from crankfem.cli.throw_choice import chosen_throw
+    from crankfem.files.engine.throw_file import load_crankshaft
     from crankfem.files.reading.data_files import engine_path
     from crankfem.jobs.outputs import check_writable
     from fem.calculix import write_calculix
@@ -44,7 +52,8 @@ def export(
     from geometry.mesher import mesh_isolated
     from geometry.solid_files import ENDINGS, write_step
 
-    throw, material = load_throw(engine)
+    _refuse_beside_shaft(name, shaft)
+    throw, material = chosen_throw(engine, name, quiet or shaft)
     record: dict[str, Any] = {"file": str(file)}
     if calculix and (file.suffix != ".inp" or part != "full"):
         raise InputError(
@@ -86,8 +95,17 @@ def export(
     console.output.print(f"{file} written{mesh_text}; lengths in m.", soft_wrap=True)
 
 
+def _refuse_beside_shaft(name: str | None, shaft: bool) -> None:
+    if name is not None and shaft:
+        raise InputError(
+            f"--throw: given {name!r} with --shaft; allowed is one of the two, because the whole crankshaft "
+            "has all throws."
+        )
+
+
 def draw(
     engine: EngineArgument,
+    name: ThrowOption = None,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -102,7 +120,7 @@ def draw(
     ] = None,
     force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    quiet: QuietOption = False,
 ) -> None:
     """Draw a throw to scale with its dimensions, and picture the solid of throw and crankshaft."""
     from crankfem.analyses.throw.pictures.drawing import check_drawing_ending, write_drawing
@@ -111,21 +129,24 @@ def draw(
         picture_shaft,
         picture_throw,
     )
-    from crankfem.files.engine.throw_file import load_crankshaft, load_throw
+    from crankfem.cli.throw_choice import chosen_throw
+    from crankfem.files.engine.throw_file import load_crankshaft
     from crankfem.files.reading.data_files import engine_path
     from crankfem.jobs.outputs import check_apart, check_writable
 
     source = engine_path(engine)
-    drawing = output or Path(f"{source.stem}-throw.svg")
+    of = "throw" if name is None else f"throw-{name}"
+    drawing = output or Path(f"{source.stem}-{of}.svg")
     check_drawing_ending(drawing)
     for file in filter(None, (picture, shaft)):
         check_picture_ending(file)
     check_apart({"--output": drawing, "--picture": picture, "--shaft": shaft})
     for file in filter(None, (drawing, picture, shaft)):
         check_writable(file, "picture", source)
-    dimensions, _ = load_throw(engine)
+    dimensions, _ = chosen_throw(engine, name, quiet)
     crankshaft = load_crankshaft(engine) if shaft else None
-    files = [write_drawing(dimensions, drawing, _title(engine))]
+    title = _title(engine) if name is None else f"{_title(engine)}, throw {name}"
+    files = [write_drawing(dimensions, drawing, title)]
     if picture:
         files.append(picture_throw(dimensions, picture))
     if shaft and crankshaft:

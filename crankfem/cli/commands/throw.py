@@ -14,6 +14,7 @@ from crankfem.cli.commands.options import (
     JsonOption,
     QuietOption,
     ThrowArgument,
+    ThrowOption,
     UnitsOption,
 )
 from crankfem.cli.console import print_json
@@ -21,6 +22,7 @@ from crankfem.cli.console import print_json
 
 def throw(
     engine: ThrowArgument,
+    name: ThrowOption = None,
     accuracy: Annotated[float, typer.Option(help="Relative accuracy of e_n, 0.001 to 0.1.")] = 0.01,
     pins: Annotated[
         list[str] | None,
@@ -46,7 +48,7 @@ def throw(
     from crankbase.tables.output_units import parse_output_units
     from crankfem.analyses.throw.throw_record import mode_records, throw_record
     from crankfem.cli.tables import tables
-    from crankfem.files.engine.throw_file import load_throw
+    from crankfem.cli.throw_choice import chosen_throw
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
     from fem.analysis import analyze_throw
     from fem.class_modes import MOST_MODES
@@ -59,6 +61,11 @@ def throw(
     if not 0 <= modes <= MOST_MODES:
         raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
     if Path(engine).suffix.lower() in ENDINGS:
+        if name is not None:
+            raise InputError(
+                f"--throw: given {name!r} with a STEP file; allowed is it with a TOML file, for a part is "
+                "one throw."
+            )
         part: Throw = import_throw(engine, pins=pins or ("pin",))
         for remark in part.remarks:
             console.note(remark, quiet)
@@ -68,7 +75,7 @@ def throw(
             raise InputError(
                 f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
             )
-        part, material = load_throw(engine)
+        part, material = chosen_throw(engine, name, quiet)
     analysis = analyze_throw(
         part, material, accuracy, solver=solver, end_sections=cast(Any, end_sections)
     )
@@ -89,6 +96,7 @@ def throw(
 
 def stress(
     engine: EngineArgument,
+    name: ThrowOption = None,
     accuracy: Annotated[
         float, typer.Option(help="Relative accuracy of the largest stresses, 0.02 to 0.2.")
     ] = 0.05,
@@ -99,7 +107,7 @@ def stress(
     force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     units: UnitsOption = None,
     json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    quiet: QuietOption = False,
 ) -> None:
     """Find the stresses at a throw's fillets under unit loads, and their concentration factors."""
     from crankbase.outputs import check_output, protect
@@ -107,14 +115,14 @@ def stress(
     from crankfem.analyses.throw.pictures.stress_picture import picture_name
     from crankfem.analyses.throw.stress import stress_record
     from crankfem.cli.tables.stress_tables import print_stresses
-    from crankfem.files.engine.throw_file import load_throw
+    from crankfem.cli.throw_choice import chosen_throw
     from crankfem.files.reading.data_files import engine_path
     from fem.fillet_stress import fillet_stresses
     from fem.loads import radial_directions
     from fem.unit_loads import unit_loads
 
     shown = parse_output_units(units)
-    part, material = load_throw(engine)
+    part, material = chosen_throw(engine, name, quiet)
     if pictures is not None:
         if not pictures.absolute().parent.is_dir():
             raise InputError(

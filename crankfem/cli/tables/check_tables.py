@@ -29,7 +29,10 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
     print_line(f"Sections: {', '.join(record['sections'])}.")
     if record["arrangement"] is not None:
         _print_arrangement(record["engine"], record["arrangement"], units)
-    if record["shape"] is not None:
+    for name, own in record.get("throws", {}).items():
+        print_shape(own["shape"], units, f"Throw {name}")
+        _print_dimensions(own["dimensions"], units, f"The throw {name} as understood")
+    if record["shape"] is not None and "throws" not in record:
         print_shape(record["shape"], units)
         _print_dimensions(record["dimensions"], units)
     print_notes((f"{remark.rstrip('.')}." for remark in record["remarks"]), units)
@@ -99,10 +102,12 @@ def _digits(unit: OutputUnit) -> int:
     return 5 if unit.wished else 6
 
 
-def _print_dimensions(dimensions: list[Record], units: OutputUnits) -> None:
+def _print_dimensions(
+    dimensions: list[Record], units: OutputUnits, title: str = "The throw as understood"
+) -> None:
     print_table(
         Table(
-            "The throw as understood",
+            title,
             [
                 Column("dimension", words=True),
                 Column("symbol", words=True),

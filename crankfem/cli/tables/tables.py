@@ -96,12 +96,12 @@ def print_profile(seconds: dict[str, float]) -> None:
     )
 
 
-def print_shape(record: Record, units: OutputUnits = SI) -> None:
+def print_shape(record: Record, units: OutputUnits = SI, name: str = "Throw") -> None:
     """Print what the dimensions make."""
     length, volume = units.of("mm"), units.of("dm^3")
     pins = "one pin" if record["pins"] == 1 else f"{record['pins']} pins"
     print_line(
-        f"Throw with {pins}: length {length.with_name(record['length'], 5)}, overlap of journal and pin "
+        f"{name} with {pins}: length {length.with_name(record['length'], 5)}, overlap of journal and pin "
         f"{length.with_name(record['overlap'])}, volume {volume.with_name(record['volume'])}; "
         f"{_PARTS[record['solved_part']]}."
     )

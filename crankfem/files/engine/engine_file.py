@@ -1,7 +1,7 @@
 """Read engine files, and check what their sections say of each other."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +17,27 @@ from crankfem.files.engine.mechanism_cylinders import (
 )
 from crankfem.files.engine.throw_file import ThrowFile
 from crankfem.files.reading.data_files import engine_path, find_table
-from crankfem.files.reading.file_kinds import REQUIRED, describes_a_throw, describes_mechanism
-from crankfem.files.reading.section_changes import changed_section, changes, without_changed
+from crankfem.files.reading.file_kinds import (
+    REQUIRED,
+    check_sections,
+    describes_a_throw,
+    describes_mechanism,
+)
+from crankfem.files.reading.section_changes import (
+    Change,
+    changed_section,
+    changed_throws,
+    changes,
+    without_changed,
+)
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
+from crankfem.files.sections.crank_throws import (
+    PLAIN,
+    first_name,
+    read_throws,
+    throw_names,
+    throws_along_shaft,
+)
 from crankfem.files.sections.engine_sections import (
     Engine,
     Flywheel,
@@ -59,7 +77,7 @@ class EngineFile:
     ----------
     path : Path
     engine, throw, shaft_ends, material, rod, piston, flywheel, thrust_bearing, vibration
-        Its sections.
+        Its sections; of several throws by name, the one at the free end.
     shaft_lines : dict
         Kind, "torsional" or "axial", to the chain of what follows the flywheel, where given.
     shaft, hinged_rods, free_end, damping, torsional_damper, axial_damper, driven, bearings, gas, \
@@ -71,6 +89,8 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
         Field to its source and whether it is assumed, where the file says so.
     sources : dict
         Short name to full citation.
+    throws_by_name : dict
+        The throws of sections [throws.NAME]; empty for a file with one [throw].
 
     Raises
     ------
@@ -109,9 +129,18 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
     records: tuple[InputRecord, ...]
     provenance: dict[str, tuple[str, bool]]
     sources: dict[str, str]
+    throws_by_name: dict[str, CrankThrow] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        check_sizes(self.engine, self.throw, self.rod, self.piston)
+        for name, throw in self.named_throws.items():
+            section = name if name == PLAIN else f"throws.{name}"
+            check_sizes(self.engine, throw, self.rod, self.piston, section)
+        along = throws_along_shaft(self.named_throws, self.throw_names, self.throw_angles)
+        if self.throw != along[0]:
+            raise InputError(
+                "throw: given for an engine with throws by name; allowed is throws={NAME: ...}, because "
+                "each name stands for a throw of its own."
+            )
         bearings = len(self.throw_angles)
         if self.thrust_bearing.bearing > bearings:
             raise InputError(
@@ -135,6 +164,22 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
         return angles_of_throws(self.shaft, self.engine, self.throws)
 
     @property
+    def named_throws(self) -> dict[str, CrankThrow]:
+        """The distinct throws by name; the one of a plain file has the name "throw"."""
+        return dict(self.throws_by_name) or {PLAIN: self.throw}
+
+    @property
+    def throw_names(self) -> tuple[str, ...]:
+        """Name of each crank's throw, from the free end."""
+        return throw_names(self.named_throws, self.shaft, len(self.throw_angles))
+
+    @property
+    def crank_throws(self) -> tuple[CrankThrow, ...]:
+        """Throw of each crank, from the free end."""
+        throws = self.named_throws
+        return tuple(throws[name] for name in self.throw_names)
+
+    @property
     def pins(self) -> tuple[int, ...]:
         """Pin that each cylinder works on, from 0, counted along the shaft."""
         return pins_of(self.engine, self.throw, self.throws, self.hinged_rods)
@@ -153,6 +198,7 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
             By the section's name: the fields that change with their new values in SI units, such as
             ``throw={"web_thickness": 0.046}``; or the whole section, such as ``throw=another``; or None,
             which takes an optional one away. A section that the file lacks is made of its fields.
+            Throws by name are changed so by their names, such as ``throws={"b": {"web_thickness": 0.05}}``.
 
         Returns
         -------
@@ -171,24 +217,47 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
         >>> engine.changed(rod={"length": 0.7}, flywheel={"inertia": 250.0}).rod.length
         0.7
         """
+        given = dict(sections)
+        throws = changed_throws(self.throws_by_name, given.pop("throws", {}))
         made: dict[str, Any] = {
-            name: changed_section(self, name, given) for name, given in sections.items()
+            name: changed_section(self, name, section) for name, section in given.items()
         }
-        told = [
+        told: list[Change] = [
             change
             for name, section in made.items()
             for change in changes(getattr(self, name), section)
         ]
+        for name in dict.fromkeys((*self.throws_by_name, *throws)):
+            before, after = self.throws_by_name.get(name), throws.get(name)
+            told += changes(before, after, f"throws.{name}")
         records, provenance = without_changed(self.records, self.provenance, told)
+        study = self._study_of(throws or {PLAIN: made.get("throw", self.throw)}, made)
+        if throws and "throw" not in made:
+            made["throw"] = throws[first_name(throws, made.get("shaft", self.shaft))]
+        return replace(
+            self,
+            **made,
+            study=study,
+            records=records,
+            provenance=provenance,
+            throws_by_name=throws,
+        )
+
+    def _study_of(
+        self, throws: Mapping[str, CrankThrow], made: Mapping[str, Any]
+    ) -> StudyPlan | None:
+        """The study with its throw and material as changed; without its throw there is none."""
         study = self.study
-        if study is not None and not made.keys().isdisjoint(("throw", "material")):
-            study = replace(
-                study,
-                throw=made.get("throw", self.throw),
-                material=made.get("material", self.material),
-            )
+        if study is None:
+            return None
+        name = next(name for name, own in self.named_throws.items() if own == study.throw)
+        if name not in throws:
+            return None
+        material = made.get("material", self.material)
+        if (throws[name], material) != (study.throw, study.material):
+            study = replace(study, throw=throws[name], material=material)
             plan_designs(study)  # refuses a study of which nothing can be built
-        return replace(self, **made, study=study, records=records, provenance=provenance)
+        return study
 
 
 def load_engine(path: str | Path) -> EngineFile:
@@ -216,13 +285,14 @@ def load_engine(path: str | Path) -> EngineFile:
             f"{content.path.name}: describes a crank mechanism, not a whole engine; add the sections "
             "[flywheel] and [thrust_bearing], or use it with mechanism, harmonics, throw and draw."
         )
-    content.check_sections(REQUIRED)
+    check_sections(content)
     engine = content.required("engine", Engine)
-    throw = content.required("throw", CrankThrow)
+    throws = read_throws(content)
     material = content.model("material", Material) or STEEL
     rod, piston = content.required("rod", Rod), content.required("piston", Piston)
     hinged = content.model("hinged_rods", HingedRods)
     shaft = content.model("shaft", ShaftLayout)
+    first = first_name(throws, shaft)
     thrust = content.required("thrust_bearing", ThrustBearing)
     gas, gas_map = content.model("gas", Gas), content.model("gas_map", GasMap)
     misfire = content.model("misfire", Misfire)
@@ -232,7 +302,7 @@ def load_engine(path: str | Path) -> EngineFile:
         path=content.path,
         engine=engine,
         shaft=shaft,
-        throw=throw,
+        throw=throws[first],
         shaft_ends=content.model("shaft_ends", ShaftEnds) or ShaftEnds(),
         material=material,
         rod=rod,
@@ -258,10 +328,11 @@ def load_engine(path: str | Path) -> EngineFile:
         if torque is None
         else find_table("torque.table", content.path, torque.table),
         two_mass=content.model("two_mass_check", TwoMassInput),
-        study=study_plan(content, throw, material),
+        study=study_plan(content, throws, first, material),
         records=tuple(content.records),
         provenance=content.provenance,
         sources=content.sources,
+        throws_by_name={} if PLAIN in throws else throws,
     )
 
 
@@ -275,14 +346,14 @@ def load_engine_or_throw(path: str | Path) -> EngineFile | ThrowFile:
     content = read_toml(engine_path(path))
     if not describes_a_throw(content):
         return load_engine(path)
-    content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
-    throw = content.required("throw", CrankThrow)
+    check_sections(content, ["throw"])
+    throws = read_throws(content)
     material = content.model("material", Material) or STEEL
     content.model("engine", Engine)
-    content.model("shaft", ShaftLayout)
+    first = first_name(throws, content.model("shaft", ShaftLayout))
     content.model("shaft_ends", ShaftEnds)
-    study_plan(content, throw, material)
-    return ThrowFile(content.path, throw, material, tuple(content.records))
+    study_plan(content, throws, first, material)
+    return ThrowFile(content.path, throws, throws[first], material, tuple(content.records))
 
 
 def _shaft_lines(content: TomlFile) -> dict[str, Chain]:

@@ -10,6 +10,7 @@ from crankfem.files.sections.mechanism_sections import HingedRods, Piston, Rod
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.firing import IN_LINE
 from dynamics.mechanism.rods import ConnectingRod
+from geometry.crankshaft import throw_starts
 from geometry.throw import CrankThrow
 
 # Inertia of a rod beside that of two masses at its pins, from light to heavy ends.
@@ -37,7 +38,7 @@ def angles_of_throws(
         If the section [shaft] has not one for each throw.
     """
     count = max(throws) + 1
-    if layout is None:
+    if layout is None or layout.throw_angles is None:
         return tuple(engine.crank_angles[throws.index(number)] for number in range(count))
     if len(layout.throw_angles) != count:
         raise InputError(
@@ -52,7 +53,8 @@ def pins_of(
 ) -> tuple[int, ...]:
     """Return the pin that each cylinder works on, from 0, counted along the shaft.
 
-    Hinged rods work on the pin of their main rod, rods side by side on one pin.
+    Hinged rods work on the pin of their main rod, rods side by side on one pin. All throws have as many
+    pins as the one given.
     """
     main_of, count = _main_cylinders(engine, hinged), len(throw.parts.pins)
     pins = [0] * len(throws)
@@ -68,7 +70,7 @@ def pins_of(
 
 def engine_cylinders(
     engine: Engine,
-    throw: CrankThrow,
+    crank_throws: Sequence[CrankThrow],
     rod: Rod,
     piston: Piston,
     hinged: HingedRods | None,
@@ -76,6 +78,8 @@ def engine_cylinders(
     throw_angles: Sequence[float],
 ) -> tuple[EngineCylinder, ...]:
     """Return the cylinders with pistons and rods, angles in the sense of rotation.
+
+    Crank by crank are given the throws and their angles; cylinder by cylinder the crank it works on.
 
     Raises
     ------
@@ -85,7 +89,7 @@ def engine_cylinders(
     sense = engine.turning_sense
     banks = [sense * angle for angle in engine.bank_angles or (0.0,) * engine.cylinders]
     main_of = _main_cylinders(engine, hinged)
-    positions = _positions(engine, throw, throws, throw_angles, main_of)
+    positions = _positions(engine, crank_throws, throws, throw_angles, main_of)
     main_rod = _rod(rod)
     made = []
     for place in range(engine.cylinders):
@@ -111,8 +115,10 @@ def engine_cylinders(
     return tuple(made)
 
 
-def check_sizes(engine: Engine, throw: CrankThrow, rod: Rod, piston: Piston) -> None:
-    """Refuse cranks, rods and pin offsets that do not go together.
+def check_sizes(
+    engine: Engine, throw: CrankThrow, rod: Rod, piston: Piston, section: str = "throw"
+) -> None:
+    """Refuse cranks, rods and pin offsets that do not go together; the section is what to call the throw.
 
     Raises
     ------
@@ -121,7 +127,7 @@ def check_sizes(engine: Engine, throw: CrankThrow, rod: Rod, piston: Piston) -> 
     radius = throw.crank_radius
     if not math.isclose(2.0 * radius, engine.stroke, rel_tol=1e-3):
         raise InputError(
-            f"throw.crank_radius: given {show_quantity(radius, 'm')}; allowed is half of engine.stroke, "
+            f"{section}.crank_radius: given {show_quantity(radius, 'm')}; allowed is half of engine.stroke, "
             f"{show_quantity(engine.stroke / 2.0, 'm')}."
         )
     if rod.length <= 1.5 * radius:
@@ -196,7 +202,7 @@ def _rod(section: Rod | HingedRods) -> ConnectingRod:
 
 def _positions(
     engine: Engine,
-    throw: CrankThrow,
+    crank_throws: Sequence[CrankThrow],
     throws: Sequence[int],
     throw_angles: Sequence[float],
     main_of: dict[int, int],
@@ -208,9 +214,9 @@ def _positions(
     InputError
         If the pins do not suffice, or are not where the cranks are.
     """
-    pins = throw.parts.pins
     positions = [0.0] * len(throws)
-    for number in range(max(throws) + 1):
+    for number, start in zip(range(max(throws) + 1), throw_starts(crank_throws), strict=False):
+        pins = crank_throws[number].parts.pins
         on_pin = [
             place for place, own in enumerate(throws) if own == number and place not in main_of
         ]
@@ -232,7 +238,7 @@ def _positions(
                     "cylinder is on which throw, [[throw.further_pins]] gives a throw more pins)."
                 )
             share = 0.5 if len(pins) > 1 else (rank + 0.5) / len(on_pin)
-            positions[place] = number * throw.length + pin.start + share * (pin.end - pin.start)
+            positions[place] = start + pin.start + share * (pin.end - pin.start)
     for place, main in main_of.items():
         positions[place] = positions[main]
     return positions

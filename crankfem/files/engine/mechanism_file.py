@@ -1,6 +1,7 @@
 """The crank mechanism that an engine file describes: pistons, rods, cranks and gas pressure."""
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,8 +19,14 @@ from crankfem.files.engine.mechanism_cylinders import (
 )
 from crankfem.files.engine.throw_file import ThrowFile
 from crankfem.files.reading.data_files import engine_path
-from crankfem.files.reading.file_kinds import REQUIRED, describes_mechanism
+from crankfem.files.reading.file_kinds import check_sections, describes_mechanism
 from crankfem.files.reading.toml_file import InputRecord, read_toml
+from crankfem.files.sections.crank_throws import (
+    PLAIN,
+    read_throws,
+    throw_names,
+    throws_along_shaft,
+)
 from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
 from crankfem.files.sections.pressure_input import cylinder_pressures
@@ -28,7 +35,7 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import GasPressure
 from fem.material import STEEL, Material
 from geometry.balance import unbalance
-from geometry.crankshaft import throw_masses
+from geometry.crankshaft import throw_masses, throw_starts
 from geometry.mass import MassProperties
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
@@ -53,7 +60,9 @@ class MechanismFile:
     rated_speed : float
         [rad/s]
     throw, material
-        Sections of the file.
+        Sections of the file; of several throws the one at the free end.
+    crank_throws : tuple of CrankThrow
+        Throw of each crank, from the free end.
     throw_angles : tuple of float
         Angle of each throw from the first, in the sense of rotation [rad].
     throws : tuple of int
@@ -79,6 +88,7 @@ class MechanismFile:
     pressure: tuple[GasPressure, ...]
     rated_speed: float
     throw: CrankThrow
+    crank_throws: tuple[CrankThrow, ...]
     material: Material
     throw_angles: tuple[float, ...]
     throws: tuple[int, ...]
@@ -92,7 +102,7 @@ class MechanismFile:
     @property
     def bearing_positions(self) -> tuple[float, ...]:
         """Middle of each main bearing along the shaft, one more than throws [m]."""
-        return tuple(number * self.throw.length for number in range(len(self.throw_angles) + 1))
+        return throw_starts(self.crank_throws)
 
 
 def load_mechanism(path: str | Path) -> MechanismFile:
@@ -101,8 +111,8 @@ def load_mechanism(path: str | Path) -> MechanismFile:
     Parameters
     ----------
     path : path
-        The file, or the name of a shipped engine. It needs the sections [engine], [throw], [rod]
-        and [piston]; [gas], [hinged_rods] and [shaft] are read where given.
+        The file, or the name of a shipped engine. It needs the sections [engine], [throw] (or
+        several [throws.NAME]), [rod] and [piston]; [gas], [hinged_rods] and [shaft] are read where given.
 
     Raises
     ------
@@ -112,13 +122,16 @@ def load_mechanism(path: str | Path) -> MechanismFile:
     content = read_toml(engine_path(path))
     if "sliding" in content.sections:
         raise InputError(f"{content.path.name}: describes an elastic hinge; use it with hinge.")
-    content.check_sections(dict.fromkeys(REQUIRED, False) | dict.fromkeys(NEEDED, True))
-    engine, throw = content.required("engine", Engine), content.required("throw", CrankThrow)
+    check_sections(content, NEEDED)
+    engine, throws = content.required("engine", Engine), read_throws(content)
     rod, piston = content.required("rod", Rod), content.required("piston", Piston)
-    check_sizes(engine, throw, rod, piston)
+    for name, throw in throws.items():
+        check_sizes(engine, throw, rod, piston, name if name == PLAIN else f"throws.{name}")
     shaft, hinged = content.model("shaft", ShaftLayout), content.model("hinged_rods", HingedRods)
     content.model("shaft_ends", ShaftEnds)
-    mechanism = _Mechanism(engine, shaft, throw, rod, piston, hinged)
+    angles = angles_of_throws(shaft, engine, throws_of(engine))
+    along = throws_along_shaft(throws, throw_names(throws, shaft, len(angles)), angles)
+    mechanism = _Mechanism(engine, shaft, along, rod, piston, hinged)
     return mechanism.read(
         content.path,
         gas=content.model("gas", Gas),
@@ -160,7 +173,12 @@ def layout_of(engine: EngineFile) -> EngineLayout:
 
 def _mechanism(engine: EngineFile) -> "_Mechanism":
     return _Mechanism(
-        engine.engine, engine.shaft, engine.throw, engine.rod, engine.piston, engine.hinged_rods
+        engine.engine,
+        engine.shaft,
+        engine.crank_throws,
+        engine.rod,
+        engine.piston,
+        engine.hinged_rods,
     )
 
 
@@ -170,7 +188,7 @@ class _Mechanism:
 
     engine: Engine
     shaft: ShaftLayout | None
-    throw: CrankThrow
+    crank_throws: tuple[CrankThrow, ...]
     rod: Rod
     piston: Piston
     hinged: HingedRods | None
@@ -187,7 +205,13 @@ class _Mechanism:
         """Put the cylinders at their places."""
         engine = self.engine
         cylinders = engine_cylinders(
-            engine, self.throw, self.rod, self.piston, self.hinged, self.throws, self.angles
+            engine,
+            self.crank_throws,
+            self.rod,
+            self.piston,
+            self.hinged,
+            self.throws,
+            self.angles,
         )
         return EngineLayout(0.5 * engine.stroke, cylinders, engine.firing_order, engine.strokes)
 
@@ -196,7 +220,7 @@ class _Mechanism:
         remarks = inertia_remarks(self.rod, self.hinged)
         if self.engine.firing_remark is not None:
             remarks.append(self.engine.firing_remark)
-        if side_by_side(self.throw, self.throws, self.hinged):
+        if side_by_side(self.crank_throws[0], self.throws, self.hinged):
             remarks.insert(
                 0,
                 "rods side by side share the pin's length equally, the cylinder with the lower number "
@@ -223,7 +247,8 @@ class _Mechanism:
             layout=layout,
             pressure=() if gas is None else cylinder_pressures(gas, layout, path),
             rated_speed=engine.rated_speed,
-            throw=self.throw,
+            throw=self.crank_throws[0],
+            crank_throws=self.crank_throws,
             material=material,
             throw_angles=tuple(sense * angle for angle in self.angles),
             throws=self.throws,
@@ -248,7 +273,9 @@ def load_any(path: str | Path) -> EngineFile | MechanismFile | ThrowFile:
     return load_engine_or_throw(path)
 
 
-def with_throws(mechanism: MechanismFile, masses: MassProperties | None = None) -> EngineLayout:
+def with_throws(
+    mechanism: MechanismFile, masses: MassProperties | Sequence[MassProperties] | None = None
+) -> EngineLayout:
     """Return the layout with the throws' unbalance and inertia, from their solids.
 
     Each throw stands as two masses in the planes of its ends, which have its static and dynamic
@@ -257,27 +284,45 @@ def with_throws(mechanism: MechanismFile, masses: MassProperties | None = None) 
     Parameters
     ----------
     mechanism : MechanismFile
-    masses : MassProperties, optional
-        Of one throw, where they are known already.
+    masses : MassProperties or sequence of such, optional
+        Of the one throw that all cranks are, or of each crank's, from the free end, where they are known
+        already.
 
     Raises
     ------
+    InputError
+        If there are not masses for each crank.
     MeshError
-        If the throw's solid cannot be built.
+        If a throw's solid cannot be built.
     """
-    if masses is None:
-        masses = throw_masses(mechanism.throw, mechanism.material.density)
-    found, length = unbalance(masses, 0.0), mechanism.throw.length
-    # Real and imaginary part lie along +y and against +x, as in the layout's frame.
-    sense = mechanism.turning_sense
-    static = complex(found.static[1], -sense * found.static[0])
-    far = complex(found.dynamic[1], -sense * found.dynamic[0]) / length
-    rotating = []
-    for number, angle in enumerate(mechanism.throw_angles):
-        for moment, place in ((static - far, number), (far, number + 1)):
-            rotating.append(
-                RotatingMass(abs(moment), float(np.angle(moment)) + angle, place * length)
-            )
-    inertia = mechanism.attached_inertia
-    inertia += len(mechanism.throw_angles) * masses.inertia_about_shaft
+    each, starts = _masses_along(mechanism, masses), mechanism.bearing_positions
+    sense, rotating = mechanism.turning_sense, []
+    for number, (own, throw) in enumerate(zip(each, mechanism.crank_throws, strict=True)):
+        found, angle = unbalance(own, 0.0), mechanism.throw_angles[number]
+        # Real and imaginary part lie along +y and against +x, as in the layout's frame.
+        static = complex(found.static[1], -sense * found.static[0])
+        far = complex(found.dynamic[1], -sense * found.dynamic[0]) / throw.length
+        for moment, place in ((static - far, starts[number]), (far, starts[number + 1])):
+            rotating.append(RotatingMass(abs(moment), float(np.angle(moment)) + angle, place))
+    inertia = mechanism.attached_inertia + math.fsum(own.inertia_about_shaft for own in each)
     return replace(mechanism.layout, rotating=tuple(rotating), shaft_inertia=inertia)
+
+
+def _masses_along(
+    mechanism: MechanismFile, masses: MassProperties | Sequence[MassProperties] | None
+) -> Sequence[MassProperties]:
+    """Mass properties of each crank's throw; of equal throws the solid is built once."""
+    throws = mechanism.crank_throws
+    if masses is None:
+        density = mechanism.material.density
+        found = {throw: throw_masses(throw, density) for throw in dict.fromkeys(throws)}
+        return [found[throw] for throw in throws]
+    if isinstance(masses, MassProperties) and len(set(throws)) == 1:
+        return [masses] * len(throws)
+    if isinstance(masses, MassProperties) or len(masses) != len(throws):
+        given = "one throw" if isinstance(masses, MassProperties) else f"{len(masses)} throws"
+        raise InputError(
+            f"masses: given those of {given}; allowed are those of each of {len(throws)} "
+            "cranks, because their throws differ."
+        )
+    return masses

@@ -5,8 +5,17 @@ from pathlib import Path
 
 from crankbase.errors import InputError
 from crankfem.files.reading.data_files import engine_path
-from crankfem.files.reading.file_kinds import REQUIRED
-from crankfem.files.reading.toml_file import InputRecord, read_toml
+from crankfem.files.reading.file_kinds import check_sections
+from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
+from crankfem.files.sections.crank_throws import (
+    PLAIN,
+    Throws,
+    first_name,
+    read_throws,
+    throw_names,
+    throw_of_name,
+    throws_along_shaft,
+)
 from crankfem.files.sections.engine_sections import Engine, ShaftLayout
 from crankfem.files.study.study_file import study_plan
 from fem.material import STEEL, Material
@@ -16,17 +25,39 @@ from geometry.throw import CrankThrow
 from regression.plans.plan import StudyPlan
 
 
-def load_throw(path: str | Path) -> tuple[CrankThrow, Material]:
-    """Read only the throw and its material from an engine or study file.
+def load_throw(path: str | Path, name: str | None = None) -> tuple[CrankThrow, Material]:
+    """Read only a throw and its material from an engine or study file.
+
+    Parameters
+    ----------
+    path : path
+        The file, or the name of a shipped engine.
+    name : str, optional
+        Of a throw in a file with sections [throws.NAME]; that at the free end by default.
 
     Raises
     ------
     InputError
     """
     content = read_toml(engine_path(path))
-    content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
-    throw = content.required("throw", CrankThrow)
+    check_sections(content, ["throw"])
+    throws = read_throws(content)
+    throw = throw_of_name(throws, name, "throw", _first(content, throws))
     return throw, content.model("material", Material) or STEEL
+
+
+def names_of_throws(path: str | Path) -> tuple[str, ...]:
+    """Return the names of the throws in a file, first that at the free end; "throw" for a plain file.
+
+    Raises
+    ------
+    InputError
+    """
+    content = read_toml(engine_path(path))
+    check_sections(content, ["throw"])
+    throws = read_throws(content)
+    first = _first(content, throws)
+    return (first, *(name for name in throws if name != first))
 
 
 @dataclass(frozen=True)
@@ -36,20 +67,24 @@ class ThrowFile:
     Attributes
     ----------
     path : Path
-    throw, material
-        Its sections.
+    throws : dict
+        Its throws by name; "throw" is that of a plain file.
+    throw : CrankThrow
+        The first of them along the shaft.
+    material : Material
     records : tuple of InputRecord
         Every value with its source.
     """
 
     path: Path
+    throws: dict[str, CrankThrow]
     throw: CrankThrow
     material: Material
     records: tuple[InputRecord, ...]
 
 
 def load_crankshaft(path: str | Path) -> Crankshaft:
-    """Read the whole crankshaft of an engine file: equal throws at their angles, and the ends.
+    """Read the whole crankshaft of an engine file: its throws at their angles, and the ends.
 
     The angles are ``throw_angles`` of the section [shaft], or the crank angles of [engine].
 
@@ -59,10 +94,10 @@ def load_crankshaft(path: str | Path) -> Crankshaft:
         Also if the file has neither.
     """
     content = read_toml(engine_path(path))
-    content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
-    throw = content.required("throw", CrankThrow)
+    check_sections(content, ["throw"])
+    throws = read_throws(content)
     layout = content.model("shaft", ShaftLayout)
-    if layout is not None:
+    if layout is not None and layout.throw_angles is not None:
         angles = layout.throw_angles
     else:
         engine = content.model("engine", Engine)
@@ -71,14 +106,16 @@ def load_crankshaft(path: str | Path) -> Crankshaft:
                 f"{content.path.name}: the angles of the throws are missing; allowed is throw_angles in a "
                 "section [shaft], or crank_angles in [engine]."
             )
-        if throw.further_pins:
+        pins = 1 + max(len(throw.further_pins) for throw in throws.values())
+        if pins > 1:
             raise InputError(
-                f"{content.path.name}: a throw has {1 + len(throw.further_pins)} pins, so the crank angles "
+                f"{content.path.name}: a throw has {pins} pins, so the crank angles "
                 "of [engine] are not those of the throws; give throw_angles in a section [shaft]."
             )
         angles = engine.crank_angles
     ends = content.model("shaft_ends", ShaftEnds) or ShaftEnds()
-    return Crankshaft([throw] * len(angles), angles, ends)
+    names = throw_names(throws, layout, len(angles))
+    return Crankshaft(throws_along_shaft(throws, names, angles), angles, ends)
 
 
 def load_study(path: str | Path) -> StudyPlan:
@@ -89,8 +126,15 @@ def load_study(path: str | Path) -> StudyPlan:
     InputError
     """
     content = read_toml(engine_path(path))
-    content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True, "study": True})
-    throw = content.required("throw", CrankThrow)
-    plan = study_plan(content, throw, content.model("material", Material) or STEEL)
+    check_sections(content, ["throw", "study"])
+    throws = read_throws(content)
+    first = _first(content, throws)
+    plan = study_plan(content, throws, first, content.model("material", Material) or STEEL)
     assert plan is not None  # the section has been made sure of
     return plan
+
+
+def _first(content: TomlFile, throws: Throws) -> str:
+    """Name of the throw at the free end; the section [shaft] of a plain file is not looked at."""
+    layout = None if PLAIN in throws else content.model("shaft", ShaftLayout)
+    return first_name(throws, layout)

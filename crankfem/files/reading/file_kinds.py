@@ -1,11 +1,15 @@
 """What a file of quantities describes, from its sections: a throw, a mechanism, a whole engine."""
 
+from collections.abc import Collection
+
+from crankbase.errors import InputError
 from crankfem.files.reading.toml_file import TomlFile
 
 # Every section of engine files, and whether a whole engine needs it.
 REQUIRED = {
     "engine": True,
     "throw": True,
+    "throws": False,
     "shaft": False,
     "shaft_ends": False,
     "material": False,
@@ -37,10 +41,36 @@ REQUIRED = {
 ENGINE_SECTIONS = ("rod", "piston", "flywheel", "thrust_bearing")
 
 
+def check_sections(content: TomlFile, needed: Collection[str] | None = None) -> None:
+    """Refuse unknown and missing sections; [throws.NAME] may stand in place of [throw].
+
+    Parameters
+    ----------
+    content : TomlFile
+    needed : collection of str, optional
+        Sections that must be there; those of a whole engine by default.
+
+    Raises
+    ------
+    InputError
+    """
+    allowed = {
+        name: required if needed is None else name in needed for name, required in REQUIRED.items()
+    }
+    named = "throws" in content.sections
+    content.check_sections(allowed | {"throw": allowed["throw"] and not named})
+    if named and "throw" in content.sections:
+        raise InputError(
+            "throws: given beside the section [throw]; allowed is one of the two, because every crank is "
+            "the one throw or a named one."
+        )
+
+
 def describes_a_throw(content: TomlFile) -> bool:
-    """Tell whether a file describes a throw, and nothing of an engine around it."""
+    """Tell whether a file describes throws, and nothing of an engine around them."""
     sections = content.sections
-    return "throw" in sections and not any(name in sections for name in ENGINE_SECTIONS)
+    given = "throw" in sections or "throws" in sections
+    return given and not any(name in sections for name in ENGINE_SECTIONS)
 
 
 def describes_mechanism(content: TomlFile) -> bool:

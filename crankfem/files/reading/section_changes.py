@@ -10,6 +10,7 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra
 from crankbase.units.quantity import show_quantity
 from crankfem.files.reading.toml_file import InputRecord
+from geometry.throw import CrankThrow
 
 SOURCE = "changed in Python"
 
@@ -66,10 +67,48 @@ def changed_section(owner: object, name: str, given: object) -> InputModel | Non
     return given
 
 
-def changes(before: InputModel | None, after: InputModel | None) -> tuple[Change, ...]:
-    """Return what differs between two records of one section."""
+def changed_throws(throws: Mapping[str, CrankThrow], given: object) -> dict[str, CrankThrow]:
+    """Return throws by name with what was given for some of them.
+
+    Parameters
+    ----------
+    throws : mapping
+        Empty where the file has one throw without a name.
+    given : mapping
+        Name to a throw, to fields that change [SI] (all fields of a new throw), or to None: taken away.
+
+    Raises
+    ------
+    InputError
+        If throws have no names, or values are impossible.
+    """
+    if not isinstance(given, Mapping) or (given and not throws):
+        raise InputError(
+            f"throws: given {given!r}; allowed are names with changes, in an engine with throws by name; the "
+            "one throw of another is changed by throw={...}."
+        )
+    made = dict(throws)
+    for name, own in given.items():
+        if own is None:
+            made.pop(name, None)
+        elif isinstance(own, CrankThrow):
+            made[name] = own
+        elif isinstance(own, Mapping):
+            made[name] = throws[name].changed(**own) if name in throws else CrankThrow(**own)
+        else:
+            raise InputError(
+                f"throws.{name}: given {own!r}; allowed are fields with their values, a whole CrankThrow, "
+                "or None."
+            )
+    return made
+
+
+def changes(
+    before: InputModel | None, after: InputModel | None, section: str | None = None
+) -> tuple[Change, ...]:
+    """Return what differs between two records of one section, which may have a name of its own."""
     some = after or before
-    return () if some is None else tuple(_changes(type(some).section, before, after))
+    return () if some is None else tuple(_changes(section or type(some).section, before, after))
 
 
 def without_changed(

@@ -97,7 +97,15 @@ class TomlFile:
         """
         if section not in self.sections:
             return None
-        values = self.sections[section]
+        return self.made(section, kind, self.sections[section])
+
+    def made(self, section: str, kind: type[Model], values: Mapping[str, Any]) -> Model:
+        """Validate values as those of a section, and note them.
+
+        Raises
+        ------
+        InputError
+        """
         made = kind.from_text(values, section)
         self._record(section, made, values)
         return made

@@ -152,21 +152,65 @@ class Engine(InputModel):
 
 
 class ShaftLayout(InputModel):
-    """How throws follow each other in a shaft whose throws are not its cylinders one by one.
+    """How throws follow each other in a shaft whose throws are unequal, or not its cylinders one by one.
 
     Raises
     ------
     InputError
-        If an angle is no number.
+        If an angle is no number, or the section says nothing.
     """
 
     section: ClassVar[str] = "shaft"
 
-    throw_angles: tuple[float, ...] = quantity_field(
+    throw_angles: tuple[float, ...] | None = quantity_field(
         "angle of each throw's first pin, throw by throw from the free end; the crank angles of the "
         "engine if not given",
         "rad",
+        default=None,
     )
+    throws: tuple[str, ...] | None = Field(
+        None,
+        description="name of each crank's throw from the free end, of those in the sections [throws.NAME]",
+    )
+
+    @model_validator(mode="after")
+    def _says_something(self) -> Self:
+        if self.throw_angles is None and self.throws is None:
+            raise InputError(
+                f"{self.section}.throw_angles: missing; allowed are throw_angles, throws or both, because "
+                "these are what the section is for."
+            )
+        return self
+
+
+class NamedThrow(InputModel):
+    """What a throw with a name has beside the fields of [throw].
+
+    Raises
+    ------
+    InputError
+        If the throw is turned, but like no other.
+    """
+
+    section: ClassVar[str] = "throws"
+
+    like: str | None = Field(
+        None,
+        description="name of another throw, given in full, whose fields this one has too; those given here "
+        "differ",
+    )
+    reversed: bool = Field(
+        False, description="whether it is that other throw turned end for end, with what differs"
+    )
+
+    @model_validator(mode="after")
+    def _turned_from_another(self) -> Self:
+        if self.reversed and self.like is None:
+            raise InputError(
+                f"{self.section}.reversed: given without like; allowed are both, because a throw that is "
+                "like no other is described as it stands in the shaft."
+            )
+        return self
 
 
 class Flywheel(InputModel):

@@ -28,6 +28,7 @@ WRITTEN_OUT = 1e10
 SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
     (engine_sections.Engine, "required for more than a throw"),
     (CrankThrow, "required"),
+    (engine_sections.NamedThrow, "optional, in place of [throw]; with all fields of [throw] and"),
     (engine_sections.ShaftLayout, "optional"),
     (ShaftEnds, "optional"),
     (Material, "optional, steel by default"),
@@ -53,6 +54,9 @@ SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
     (engine_sections.TorqueTable, "optional"),
     (engine_sections.TwoMassInput, "optional"),
 )
+
+# Sections that have names of the user's own.
+TITLES = {"throws": "[throws.NAME]"}
 
 
 @dataclass(frozen=True)
@@ -89,7 +93,7 @@ def section_tables(section: str | None = None) -> list[SectionTable]:
         table
         for model, need in SECTIONS
         if section in (None, model.section)
-        for table in _tables(model, f"[{model.section}]", need)
+        for table in _tables(model, TITLES.get(model.section, f"[{model.section}]"), need)
     ]
 
 

@@ -7,6 +7,7 @@ from typing import Any
 from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity
 from crankfem.files.reading.toml_file import TomlFile
+from crankfem.files.sections.crank_throws import Throws, throw_of_name
 from crankfem.files.study.design_file import read_design
 from fem.material import Material
 from geometry.throw import CrankThrow
@@ -29,18 +30,23 @@ FIELDS = (
     "constraints",
     "factors",
     "relations",
+    "throw",
 )
 RANGE_KEYS = ("from", "to", "levels", "spacing")
 
 
-def study_plan(content: TomlFile, throw: CrankThrow, material: Material) -> StudyPlan | None:
+def study_plan(
+    content: TomlFile, throws: Throws, default: str, material: Material
+) -> StudyPlan | None:
     """Read the plan of a study; None if the file has no section [study].
 
     Parameters
     ----------
     content : TomlFile
-    throw : CrankThrow
-        Of the same file.
+    throws : mapping
+        Of the same file, by name.
+    default : str
+        Name of the throw that varies where the section names none.
     material : Material
 
     Raises
@@ -56,6 +62,7 @@ def study_plan(content: TomlFile, throw: CrankThrow, material: Material) -> Stud
             close = get_close_matches(name, FIELDS, n=1)
             hint = f"did you mean {close[0]}? " if close else ""
             raise InputError(f"study.{name}: unknown field; {hint}allowed are {', '.join(FIELDS)}.")
+    throw = throw_of_name(throws, _text(values, "throw"), "study.throw", default)
     kind = _kind(values.get("design", "full factorial"))
     factors = _factors(_table(values, "factors"), throw)
     rows = None

@@ -1,0 +1,68 @@
+"""Finite elements of an engine's throws: each distinct one analyzed once, then crank by crank."""
+
+from collections.abc import Mapping
+
+from crankbase.errors import InputError
+from crankfem.files.engine.engine_file import EngineFile
+from fem.analysis import analyze_throw
+from fem.throw_analysis import ThrowAnalysis
+
+# Of the one throw that all cranks are, or of each throw by its name.
+Analyses = ThrowAnalysis | Mapping[str, ThrowAnalysis]
+
+
+def analyze_throws(engine_file: EngineFile) -> dict[str, ThrowAnalysis]:
+    """Analyze the distinct throws of an engine.
+
+    Returns
+    -------
+    dict
+        By their names, those of equal throws the same.
+
+    Raises
+    ------
+    MeshError, SolveError
+        If a throw cannot be meshed or solved.
+    """
+    throws = engine_file.named_throws
+    found = {
+        throw: analyze_throw(throw, engine_file.material)
+        for throw in dict.fromkeys(throws.values())
+    }
+    return {name: found[throw] for name, throw in throws.items()}
+
+
+def analyses_by_name(engine_file: EngineFile, analysis: Analyses) -> dict[str, ThrowAnalysis]:
+    """Return the analyses of an engine's throws by name.
+
+    Raises
+    ------
+    InputError
+        If one is missing, or there are others.
+    """
+    names = tuple(engine_file.named_throws)
+    if isinstance(analysis, Mapping):
+        if set(analysis) != set(names):
+            raise InputError(
+                f"analysis: given those of {', '.join(map(str, analysis)) or 'no throw'}; allowed are those "
+                f"of {', '.join(names)}, because these are the engine's throws."
+            )
+        return {name: analysis[name] for name in names}
+    if len(names) > 1:
+        raise InputError(
+            "analysis: given that of one throw; allowed is a mapping with those of "
+            f"{', '.join(names)}, because the engine has these throws."
+        )
+    return {names[0]: analysis}
+
+
+def crank_analyses(engine_file: EngineFile, analysis: Analyses) -> tuple[ThrowAnalysis, ...]:
+    """Return the analysis of each crank's throw, from the free end.
+
+    Raises
+    ------
+    InputError
+        If that of a throw is missing.
+    """
+    found = analyses_by_name(engine_file, analysis)
+    return tuple(found[name] for name in engine_file.throw_names)

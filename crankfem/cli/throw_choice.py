@@ -1,0 +1,33 @@
+"""Which throw of a file a command takes."""
+
+from crankfem.cli import console
+from crankfem.files.engine.throw_file import load_throw, names_of_throws
+from fem.material import Material
+from geometry.throw import CrankThrow
+
+
+def chosen_throw(
+    engine: str, name: str | None = None, quiet: bool = False
+) -> tuple[CrankThrow, Material]:
+    """Read the throw of a name; without one that at the free end, and say so where there are others.
+
+    Parameters
+    ----------
+    engine : str
+        File, or the name of a shipped engine.
+    name : str, optional
+        As `--throw` gives it.
+    quiet : bool
+        Whether to say nothing.
+
+    Raises
+    ------
+    InputError
+    """
+    if name is None:
+        first, *others = names_of_throws(engine)
+        if others:
+            console.note(
+                f"Note: throw {first} is taken; the file has {', '.join(others)} too.", quiet
+            )
+    return load_throw(engine, name)

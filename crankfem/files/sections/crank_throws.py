@@ -1,0 +1,218 @@
+"""The throws of a file: one for all cranks, or named ones and which of them each crank is."""
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from crankbase.errors import InputError
+from crankbase.units.quantity import show_quantity
+from crankfem.files.reading.toml_file import TomlFile
+from crankfem.files.sections.engine_sections import NamedThrow, ShaftLayout
+from geometry.crankshaft import Crankshaft
+from geometry.throw import CrankThrow
+
+# What the one throw of a plain file is called among throws by name.
+PLAIN = "throw"
+# Names stand in fields, results and the names of files.
+NAME = re.compile(r"[A-Za-z0-9_-]+")
+
+Throws = Mapping[str, CrankThrow]
+
+
+def read_throws(content: TomlFile) -> dict[str, CrankThrow]:
+    """Read the throws of a file by name, as they stand in it; that of the section [throw] is "throw".
+
+    Raises
+    ------
+    InputError
+    """
+    given = content.sections.get("throws")
+    if given is None:
+        return {PLAIN: content.required("throw", CrankThrow)}
+    if not given:
+        raise InputError("throws: given no throw; allowed are sections like [throws.a].")
+    return {name: _named(content, name, given) for name in given}
+
+
+def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple[str, ...]:
+    """Return the name of each crank's throw, from the free end.
+
+    Parameters
+    ----------
+    throws : mapping
+        From `read_throws`.
+    layout : ShaftLayout or None
+    count : int
+        Of cranks.
+
+    Raises
+    ------
+    InputError
+        If names are missing, unknown or left over.
+    """
+    names = None if layout is None else layout.throws
+    if PLAIN in throws:
+        if names is not None:
+            raise InputError(
+                "shaft.throws: given beside the section [throw]; allowed is it with sections like "
+                "[throws.a], because every crank is the one throw otherwise."
+            )
+        return (PLAIN,) * count
+    if names is None:
+        raise InputError(
+            "shaft.throws: missing; the name of each crank's throw must be given from the free end, "
+            f"because the file has throws of the names {', '.join(throws)}."
+        )
+    if len(names) != count:
+        raise InputError(
+            f"shaft.throws: given {len(names)} names; allowed is {count}, because the shaft has so many "
+            "cranks."
+        )
+    for name in names:
+        if name not in throws:
+            raise InputError(
+                f"shaft.throws: given {name!r}; allowed are {', '.join(throws)}, because these throws are "
+                "in the file."
+            )
+    unused = [name for name in throws if name not in names]
+    if unused:
+        raise InputError(
+            f"throws.{unused[0]}: given, but no crank is it; allowed are throws that stand in shaft.throws, "
+            "because another name there may be meant as this one."
+        )
+    return names
+
+
+def first_name(throws: Throws, layout: ShaftLayout | None) -> str:
+    """Return the name of the throw at the free end; where the file has no shaft, of its first throw."""
+    names = () if layout is None else layout.throws or ()
+    return next((name for name in names if name in throws), next(iter(throws)))
+
+
+def throw_of_name(throws: Throws, name: str | None, field: str, default: str) -> CrankThrow:
+    """Return the throw that a field or option asks for, or the one taken by default.
+
+    Raises
+    ------
+    InputError
+        If there is no such throw.
+    """
+    if name is None:
+        return throws[default]
+    if PLAIN in throws:
+        raise InputError(
+            f"{field}: given {name!r}; allowed is it with sections like [throws.a], because the file has "
+            "one throw, without a name."
+        )
+    if name not in throws:
+        raise InputError(
+            f"{field}: given {name!r}; allowed are {', '.join(throws)}, because these throws are in the "
+            "file."
+        )
+    return throws[name]
+
+
+def check_alike(throws: Throws) -> None:
+    """Refuse throws by name that cannot be cranks of one shaft.
+
+    Raises
+    ------
+    InputError
+        If crank radii or numbers of pins differ.
+    """
+    (first, model), *others = throws.items()
+    count = len(model.parts.pins)
+    for name, throw in others:
+        if not math.isclose(throw.crank_radius, model.crank_radius, rel_tol=1e-9):
+            raise InputError(
+                f"throws.{name}.crank_radius: given {show_quantity(throw.crank_radius, 'm')}; allowed is "
+                f"{show_quantity(model.crank_radius, 'm')} as in throws.{first}, because all pistons of an "
+                "engine have one stroke."
+            )
+        if len(throw.parts.pins) != count:
+            raise InputError(
+                f"throws.{name}.further_pins: given {len(throw.parts.pins)} pins in all; allowed is {count} "
+                f"as in throws.{first}, because cylinders are counted along shafts with equally many pins "
+                "on each crank."
+            )
+
+
+def throws_along_shaft(
+    throws: Throws, names: Sequence[str], angles: Sequence[float]
+) -> tuple[CrankThrow, ...]:
+    """Return the throw of each crank, those by name checked to make a shaft.
+
+    Parameters
+    ----------
+    throws : mapping
+    names : sequence of n str
+        From `throw_names`.
+    angles : sequence of n float
+        Of the throws [rad].
+
+    Raises
+    ------
+    InputError
+        If radii, pins, or main journals of neighbors do not fit.
+    """
+    along = tuple(throws[name] for name in names)
+    if PLAIN not in throws:
+        check_alike(throws)
+        _ = Crankshaft(along, angles)  # refuses main journals that neighbors cannot share
+    return along
+
+
+def _named(content: TomlFile, name: str, given: Mapping[str, Any]) -> CrankThrow:
+    """Read a throw by name, with the fields of the one that it is like."""
+    section, values = f"throws.{name}", given[name]
+    if not isinstance(values, Mapping):
+        raise InputError(
+            f"{section}: given {values!r}; allowed is a section [{section}] with the fields of a throw."
+        )
+    if name == PLAIN or not NAME.fullmatch(name):
+        raise InputError(
+            f"throws: given a throw of the name {name!r}; allowed are letters, digits, - and _, and "
+            "another name than throw, because results and pictures are called so."
+        )
+    own = {key: value for key, value in values.items() if key not in NamedThrow.model_fields}
+    beside = {key: value for key, value in values.items() if key not in own}
+    if not beside:
+        return content.made(section, CrankThrow, own)
+    also = content.made(section, NamedThrow, beside)
+    if also.like is None:
+        return content.made(section, CrankThrow, own)
+    full = [
+        other
+        for other, fields in given.items()
+        if isinstance(fields, Mapping) and "like" not in fields
+    ]
+    if also.like not in full:
+        raise InputError(
+            f"{section}.like: given {also.like!r}; allowed is another throw that is given in full"
+            f"{': ' if full else ', but there is none'}{', '.join(full)}."
+        )
+    merged = _with_those_of(content, section, own, f"throws.{also.like}", given[also.like])
+    throw = content.made(section, CrankThrow, merged)
+    return throw.reversed() if also.reversed else throw
+
+
+def _with_those_of(
+    content: TomlFile,
+    section: str,
+    own: Mapping[str, Any],
+    other_section: str,
+    other: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return the fields of a table with those of another that it lacks, which keep their sources."""
+    merged = dict(own)
+    for key, value in other.items():
+        place, origin = f"{section}.{key}", f"{other_section}.{key}"
+        if key not in own:
+            merged[key] = value
+            for field, source in list(content.provenance.items()):
+                if field == origin or field.startswith((f"{origin}.", f"{origin}[")):
+                    content.provenance[place + field.removeprefix(origin)] = source
+        elif isinstance(value, Mapping) and isinstance(own[key], Mapping):
+            merged[key] = _with_those_of(content, place, own[key], origin, value)
+    return merged

@@ -1,0 +1,485 @@
+"""Throws by name: what a file may say of them, and that equal ones are as the one throw of a plain file."""
+
+import json
+from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import crankfem as cf
+from comparing import close
+from crankbase.errors import InputError
+from crankfem.analyses.file_check import check_file
+from crankfem.analyses.mechanism.mechanism_records import mechanism_record
+from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+from crankfem.analyses.shaft.sources import compliances_in_shaft
+from crankfem.analyses.shaft.throw_analyses import crank_analyses
+from crankfem.analyses.study.frequency_limits import engine_frequencies
+from crankfem.analyses.vibration.modes import axial_vibration
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.mechanism_file import load_mechanism
+from crankfem.files.engine.throw_file import (
+    load_crankshaft,
+    load_study,
+    load_throw,
+    names_of_throws,
+)
+from crankfem.files.reading.data_files import engine_path
+from crankfem.report.writing import render_report
+from fem.analysis import analyze_throw
+
+UNEQUAL = Path(__file__).parents[1] / "data" / "unequal-three.toml"
+SHAFT = 'throws = ["heavy", "plain", "plain"]'
+ROUND_OFF = 1e-12
+STUDY = """
+[study]
+throw = "plain"
+accuracy = 0.1
+
+[study.factors]
+web_thickness = ["24 mm", "25 mm", "26 mm"]
+"""
+
+
+@cache
+def unequal_text():
+    return UNEQUAL.read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Write the file of two throws with some of its text changed."""
+
+    def written(*changes, added=""):
+        text = unequal_text()
+        for old, new in changes:
+            assert old in text, old
+            text = text.replace(old, new)
+        path = tmp_path / "changed.toml"
+        path.write_text(text + added, encoding="utf-8")
+        return path
+
+    return written
+
+
+@pytest.fixture(scope="module")
+def both(tmp_path_factory):
+    """A shipped engine as it is, with the analysis of its throw, and with the same throw by name."""
+    folder = tmp_path_factory.mktemp("named")
+    plain = engine_path("yamz-5340").read_text(encoding="utf-8")
+    plain = plain[: plain.index("[torque]")]
+    named = plain.replace("[throw]", "[throws.a]")
+    (folder / "plain.toml").write_text(plain, encoding="utf-8")
+    shaft = '[shaft]\nthrows = ["a", "a", "a", "a"]\n'
+    (folder / "named.toml").write_text(named + shaft, encoding="utf-8")
+    one, other = load_engine(folder / "plain.toml"), load_engine(folder / "named.toml")
+    return one, other, analyze_throw(one.throw, one.material, 0.1)
+
+
+def test_a_plain_file_has_one_throw_for_all_cranks():
+    engine = load_engine("yamz-5340")
+    assert engine.throw_names == ("throw",) * 4
+    assert engine.crank_throws == (engine.throw,) * 4
+    assert engine.named_throws == {"throw": engine.throw}
+    assert names_of_throws("yamz-5340") == ("throw",)
+
+
+def test_each_crank_has_its_throw():
+    engine = load_engine(UNEQUAL)
+    plain, heavy = engine.named_throws["plain"], engine.named_throws["heavy"]
+    assert engine.crank_throws == (heavy, plain, plain)
+    assert engine.throw == heavy
+    assert heavy == plain.changed(
+        pin_length=0.038, main_journal_length=0.036, counterweight=heavy.counterweight
+    )
+    assert load_mechanism(UNEQUAL).crank_throws == engine.crank_throws
+    assert tuple(load_crankshaft(UNEQUAL).throws) == engine.crank_throws
+    assert load_throw(UNEQUAL)[0] == heavy
+    assert load_throw(UNEQUAL, "plain")[0] == plain
+    assert names_of_throws(UNEQUAL) == ("heavy", "plain")
+
+
+def test_what_a_throw_takes_from_another_keeps_its_source():
+    records = {record.field: record for record in load_engine(UNEQUAL).records}
+    taken, own = records["throws.heavy.crank_radius"], records["throws.heavy.pin_length"]
+    assert (taken.source, taken.assumed) == ("drawing", False)
+    assert records["throws.heavy.web_thickness"].assumed
+    assert (own.given, own.source) == ("38 mm", "unequal-three.toml")
+    assert records["throws.heavy.like"].given == "plain"
+
+
+def test_a_part_takes_what_it_lacks_from_the_same_part_of_the_other(write):
+    given = (
+        '[throws.third]\nlike = "heavy"\n[throws.third.counterweight]\nangle = "90 deg"\n[shaft]'
+    )
+    full = unequal_text()[unequal_text().index("[throws.plain]") :].partition("[throws.heavy]")[0]
+    full = full.replace("[throws.plain]\n", "").strip()
+    path = write(
+        ('like = "plain"\npin_length = "38 mm"\nmain_journal_length = "36 mm"', full),
+        ("[shaft]", given),
+        (SHAFT, 'throws = ["heavy", "plain", "third"]'),
+    )
+    heavy, third = (load_engine(path).named_throws[name] for name in ("heavy", "third"))
+    assert third.counterweight.outer_radius == heavy.counterweight.outer_radius
+    assert np.degrees(third.counterweight.angle) == close(90.0)
+
+
+def test_a_throw_is_turned_end_for_end(write):
+    turned = '[throws.turned]\nlike = "heavy"\nreversed = true\n\n[shaft]'
+    path = write(
+        ('like = "plain"\npin_length = "38 mm"\nmain_journal_length = "36 mm"', FULL),
+        ("[throws.heavy.counterweight]", "[throws.heavy.right_web.counterweight]"),
+        ("[shaft]", turned),
+        (SHAFT, 'throws = ["heavy", "plain", "turned"]'),
+    )
+    engine = load_engine(path)
+    assert engine.named_throws["turned"] == engine.named_throws["heavy"].reversed()
+    assert engine.named_throws["turned"] != engine.named_throws["heavy"]
+
+
+FULL = """crank_radius = "64 mm"
+main_journal_diameter = "78 mm"
+pin_diameter = "70 mm"
+web_width = "100 mm"
+web_thickness = "25 mm"
+pin_length = "38 mm"
+main_journal_length = "36 mm"
+fillet_radius = "4 mm"
+"""
+
+# What is changed in the file of two throws, and what the refusal must say.
+REFUSED = {
+    "both": ([("[rod]", f"[throw]\n{FULL}\n[rod]")], r"throws: given beside the section \[throw\]"),
+    "unknown": ([(SHAFT, 'throws = ["heavy", "plane", "plain"]')], r"shaft\.throws: given 'plane'; all"),
+    "unused": ([(SHAFT, 'throws = ["plain", "plain", "plain"]')], r"throws\.heavy: given, but no crank"),
+    "few": ([(SHAFT, 'throws = ["heavy", "plain"]')], r"shaft\.throws: given 2 names; allowed is 3"),
+    "not named": ([(SHAFT, ""), ("[shaft]\n", "")], r"shaft\.throws: missing"),
+    "empty": ([(SHAFT, "")], r"shaft\.throw_angles: missing; allowed are throw_angles, throws or both"),
+    "plain": (
+        [("[throws.plain]", "[throw]"), ('like = "plain"\n', "")],
+        r"throws: given beside the section \[throw\]",
+    ),
+    "radius": (
+        [('pin_length = "38 mm"\n', 'pin_length = "38 mm"\ncrank_radius = "64.01 mm"\n')],
+        r"throws\.heavy\.crank_radius: given 64\.01 mm; allowed is 64 mm as in throws\.plain",
+    ),
+    "stroke": (
+        [('crank_radius = { value = "64 mm", source = "drawing" }', 'crank_radius = "60 mm"')],
+        r"throws\.plain\.crank_radius: given 60 mm; allowed is half of engine\.stroke, 64 mm",
+    ),
+    "pins": (
+        [
+            (
+                "[throws.heavy.counterweight]",
+                '[[throws.heavy.further_pins]]\nangle = "30 deg"\nweb_thickness = "0 mm"\n'
+                "[throws.heavy.counterweight]",
+            )
+        ],
+        r"throws\.heavy\.further_pins: given 2 pins in all; allowed is 1 as in throws\.plain",
+    ),
+    "journals": (
+        [('pin_length = "38 mm"\n', 'pin_length = "38 mm"\nmain_journal_diameter = "80 mm"\n')],
+        r"throws: given main_journal_diameter 80 mm in throw 1 and 78 mm in throw 2; allowed is one",
+    ),
+    "bores": (
+        [
+            (
+                'pin_length = "38 mm"\n',
+                'pin_length = "38 mm"\nmain_journal_bore_offset = "3 mm"\n',
+            ),
+            ('pin_length = "36 mm"\n', 'pin_length = "36 mm"\nmain_journal_bore = "20 mm"\n'),
+        ],
+        r"throws: given main_journal_bore_offset so that the bores of throws 1 and 2 are 3 mm apart",
+    ),
+    "like nothing": ([('like = "plain"', 'like = "plane"')], r"throws\.heavy\.like: given 'plane'; all"),
+    "like itself": ([('like = "plain"', 'like = "heavy"')], r"throws\.heavy\.like: given 'heavy'; allowed"),
+    "like a number": ([('like = "plain"', "like = 3")], r"throws\.heavy\.like: given 3; allowed is text"),
+    "turned alone": (
+        [("[throws.plain]\n", "[throws.plain]\nreversed = true\n")],
+        r"throws\.plain\.reversed: given without like",
+    ),
+    "no table": ([("[throws.plain]\n", "[throws]\nx = 3\n[throws.plain]\n")], r"throws\.x: given 3; all"),
+    "field": ([("web_width", "web_with")], r"throws\.plain\.web_with: unknown field; did you mean web_wi"),
+    "name": (
+        [("[throws.heavy]", '[throws."a b"]'), ("throws.heavy.c", 'throws."a b".c')],
+        r"throws: given a throw of the name 'a b'; allowed are letters",
+    ),
+    "called throw": (
+        [("throws.heavy", "throws.throw"), ('"heavy"', '"throw"')],
+        r"throws: given a throw of the name 'throw'; allowed are letters",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "message"), REFUSED.values(), ids=REFUSED)
+@pytest.mark.parametrize("load", [load_engine, load_mechanism])
+def test_what_throws_by_name_cannot_say(write, load, changes, message):
+    with pytest.raises(InputError, match=rf"^(?:changed\.toml: )?{message}"):
+        load(write(*changes))
+
+
+def test_names_beside_one_throw_are_refused(tmp_path):
+    text = engine_path("yamz-5340").read_text(encoding="utf-8")
+    path = tmp_path / "one.toml"
+    shaft = '[shaft]\nthrows = ["a", "a", "a", "a"]\n'
+    path.write_text(text[: text.index("[torque]")] + shaft, encoding="utf-8")
+    with pytest.raises(InputError, match=r"^shaft\.throws: given beside the section \[throw\]"):
+        load_engine(path)
+
+
+def test_a_study_is_of_the_throw_it_names(write):
+    plan = load_study(write(added=STUDY))
+    engine = load_engine(write(added=STUDY))
+    assert plan.throw == engine.study.throw == engine.named_throws["plain"]
+    first = write(added=STUDY.replace('throw = "plain"\n', ""))
+    assert load_study(first).throw == engine.named_throws["heavy"]
+    with pytest.raises(InputError, match=r"^study\.throw: given 'third'; allowed are plain, heavy"):
+        load_study(write(added=STUDY.replace('"plain"', '"third"')))
+    with pytest.raises(InputError, match=r"^study\.throw: given 'a'; allowed is it with sections"):
+        load_study(_plain_with_study_throw(first.parent))
+
+
+def _plain_with_study_throw(folder):
+    text = engine_path("yamz-5340").read_text(encoding="utf-8")
+    path = folder / "plain.toml"
+    path.write_text(text.replace("[study]\n", '[study]\nthrow = "a"\n'), encoding="utf-8")
+    return path
+
+
+def test_one_of_several_throws_is_changed(write):
+    engine = load_engine(write(added=STUDY))
+    thicker = engine.changed(throws={"plain": {"web_thickness": 0.026}})
+    assert thicker.crank_throws[1] == engine.named_throws["plain"].changed(web_thickness=0.026)
+    assert thicker.crank_throws[0] == engine.crank_throws[0]
+    assert thicker.study.throw == thicker.named_throws["plain"]
+    records = {record.field: record.source for record in thicker.records}
+    assert records["throws.plain.web_thickness"] == "changed in Python"
+    assert records["throws.plain.web_width"] == "changed.toml"
+    other = engine.changed(shaft={"throws": ["plain", "heavy", "heavy"]})
+    assert other.throw == engine.named_throws["plain"]
+    alike = engine.changed(throws={"heavy": None}, shaft={"throws": ["plain"] * 3})
+    assert alike.crank_throws == (engine.named_throws["plain"],) * 3
+    assert alike.study == engine.study
+    for changes, message in (
+        (
+            {"throw": engine.throw.changed(web_width=0.105)},
+            "throw: given for an engine with throws",
+        ),
+        ({"throws": {"plain": 3}}, r"throws\.plain: given 3; allowed are fields"),
+        ({"throws": {"third": engine.throw}}, r"throws\.third: given, but no crank is it"),
+        ({"throws": 3}, "throws: given 3; allowed are names with changes"),
+        ({"shaft": None}, r"shaft\.throws: missing"),
+    ):
+        with pytest.raises(InputError, match=f"^{message}"):
+            engine.changed(**changes)
+    with pytest.raises(
+        InputError, match=r"^throws: given \{.*allowed are names with changes, in an"
+    ):
+        load_engine("yamz-5340").changed(throws={"a": {"web_width": 0.1}})
+
+
+def alike(one, other):
+    """Compare plain records but for what tells of the file; numbers to round-off of their list."""
+    assert type(one) is type(other)
+    if isinstance(one, dict):
+        assert list(one) == list(other)
+        for key in one:
+            alike(one[key], other[key])
+    elif isinstance(one, list) and one and all(isinstance(item, float) for item in one):
+        scale = max(abs(item) for item in one)
+        assert np.allclose(one, other, rtol=ROUND_OFF, atol=ROUND_OFF * scale)
+    elif isinstance(one, list):
+        for left, right in zip(one, other, strict=True):
+            alike(left, right)
+    elif isinstance(one, float):
+        assert other == close(one, rel=ROUND_OFF, abs=0.0)
+    else:
+        assert one == other
+
+
+def test_one_throw_by_name_gives_the_vibration_of_a_plain_file(both):
+    from crankfem.analyses.vibration.records import run_record
+
+    plain, named, analysis = both
+    ours = engine_vibration(named, analysis={"a": analysis}, coupled=True)
+    theirs = engine_vibration(plain, analysis=analysis, coupled=True)
+    alike(*(json.loads(json.dumps(run_record(run))) for run in (theirs, ours)))
+    assert ours.analysis is theirs.analysis is analysis
+
+
+def test_one_throw_by_name_gives_the_mechanism_of_a_plain_file(both):
+    records = []
+    for engine in both[:2]:
+        record = mechanism_record(run_mechanism(engine))
+        del record["assumed"]
+        records.append(json.loads(json.dumps(record)))
+    alike(*records)
+
+
+def test_a_v_engine_with_split_pins_has_throws_by_name_too(tmp_path):
+    text = engine_path("buick-3800").read_text(encoding="utf-8")
+    path = tmp_path / "vee.toml"
+    named = text.replace("[throw]", "[throws.a]").replace("[throw.", "[throws.a.")
+    named += '\n[throws.b]\nlike = "a"\n'
+    path.write_text(
+        named.replace("[shaft]\n", '[shaft]\nthrows = ["a", "b", "a"]\n'), encoding="utf-8"
+    )
+    plain, found = load_mechanism("buick-3800"), load_mechanism(path)
+    assert found.layout == plain.layout
+    assert found.throw_angles == plain.throw_angles
+    assert cf.with_throws(found) == cf.with_throws(plain)
+    assert load_crankshaft(path) == load_crankshaft("buick-3800")
+
+
+def test_analyses_are_those_of_the_engines_throws(both):
+    plain, named, analysis = both
+    with pytest.raises(
+        InputError, match=r"^analysis: given those of b; allowed are those of a, beca"
+    ):
+        engine_vibration(named, analysis={"b": analysis})
+    with pytest.raises(
+        InputError, match=r"^analysis: given that of one throw; allowed is a mapping"
+    ):
+        engine_vibration(UNEQUAL, analysis=analysis)
+    other = named.changed(throws={"a": {"web_width": 0.105}})
+    with pytest.raises(InputError, match=r"allowed is that of the engine's own, by analyze_throw"):
+        engine_vibration(other, analysis={"a": analysis})
+    assert engine_vibration(plain, analysis={"throw": analysis}).analysis is analysis
+
+
+def test_masses_are_those_of_each_crank():
+    mechanism = load_mechanism(UNEQUAL)
+    masses = {throw: cf.throw_masses(throw, 7850.0) for throw in set(mechanism.crank_throws)}
+    along = [masses[throw] for throw in mechanism.crank_throws]
+    assert cf.with_throws(mechanism) == cf.with_throws(mechanism, along)
+    for given, said in ((along[0], "one throw"), (along[:2], "2 throws")):
+        with pytest.raises(InputError, match=rf"^masses: given those of {said}; allowed are those"):
+            cf.with_throws(mechanism, given)
+
+
+def test_a_regression_that_does_not_know_a_throw_is_left_out():
+    engine = load_engine(UNEQUAL)
+    analyses = {
+        name: analyze_throw(throw, engine.material, 0.1)
+        for name, throw in engine.named_throws.items()
+    }
+    shaft = compliances_in_shaft(engine, analyses)
+
+    class Model:
+        """Knows 1e-9 m/N of throws without a counterweight, or of all."""
+
+        def __init__(self, family):
+            self.family = family
+
+        def of_throw(self, throw):
+            if throw not in self.family:
+                raise InputError("counterweight: given one; allowed is none.")
+            return {"axial_compliance": SimpleNamespace(value=1e-9 * (1 + throw.pin_length))}
+
+    known = axial_vibration(engine, analyses, shaft, Model(engine.crank_throws))
+    found = next(own for own in known.others if own.source == "regression")
+    pinned = [own.axial_compliance("pinned") for own in crank_analyses(engine, analyses)]
+    lengths = np.array([throw.pin_length for throw in engine.crank_throws])
+    assert found.compliances == close(1e-9 * (1 + lengths) * shaft.axial / pinned)
+    plain = Model([engine.named_throws["plain"]])
+    unknown = axial_vibration(engine, analyses, shaft, plain)
+    assert "regression" not in [own.source for own in unknown.others]
+    assert unknown.unusable[0].startswith(
+        "regression: says nothing of the throw heavy: counterweight"
+    )
+    formulas = next(own for own in unknown.others if own.source == "Dorey").compliances
+    assert formulas[0] != close(formulas[1], rel=1e-3)
+
+
+def test_a_search_for_one_throw_wants_an_engine_of_one():
+    with pytest.raises(
+        InputError, match=r"^unequal-three\.toml: given an engine with several throws"
+    ):
+        engine_frequencies(load_engine(UNEQUAL))
+
+
+def test_bearings_are_as_long_as_the_throws_beside_them_make_them():
+    record = mechanism_record(run_mechanism(load_engine(UNEQUAL)))
+    assert [own["length"] for own in record["main_bearings"]] == close([0.036, 0.035, 0.034, 0.034])
+    assert [own["length"] for own in record["crankpins"]] == close([0.038, 0.036, 0.036])
+
+
+def test_check_shows_each_throw(call):
+    record = call("check", UNEQUAL, "--json").json()
+    assert list(record["throws"]) == ["plain", "heavy"]
+    assert record["throws"]["heavy"]["shape"]["length"] == close(0.124)
+    text = call("check", UNEQUAL).out
+    assert "Throw plain with one pin: length 120 mm" in text
+    assert "Throw heavy with one pin: length 124 mm" in text
+    assert set(check_file(str(UNEQUAL)).commands) >= {"run", "vibration", "throw", "mechanism"}
+    assert "throws" not in call("check", "yamz-5340", "--json").json()
+
+
+def test_commands_take_the_throw_they_are_told(call):
+    first, told = call("formulas", UNEQUAL, "--no-fe", "--json"), []
+    assert "throw heavy is taken; the file has plain too" in first.err
+    for name in ("heavy", "plain"):
+        answer = call("formulas", UNEQUAL, "--throw", name, "--no-fe", "--json")
+        assert answer.err == ""
+        told.append(answer.json())
+    assert first.json() == told[0] != told[1]
+    assert call("draw", UNEQUAL, "--throw", "plain", "--json").json()["files"] == [
+        "unequal-three-throw-plain.svg"
+    ]
+    assert call("formulas", "yamz-5340", "--no-fe").err == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("throw", UNEQUAL, "--throw", "third"), "throw: given 'third'; allowed are plain, heavy"),
+        (("throw", "yamz-5340", "--throw", "a"), "allowed is it with sections like"),
+        (("throw", "part.step", "--throw", "a"), "--throw: given 'a' with a STEP file"),
+        (("formulas", "--all", "--throw", "a"), "--throw: given 'a' without ENGINE.toml"),
+        (
+            ("export", UNEQUAL, "shaft.step", "--shaft", "--throw", "plain"),
+            "--throw: given 'plain' with --shaft",
+        ),
+    ],
+)
+def test_a_throw_that_cannot_be_told_is_refused(call, arguments, message):
+    answer = call(*arguments)
+    assert answer.code == 2
+    assert message in " ".join(answer.err.split())
+
+
+def test_a_report_shows_each_throw(tmp_path):
+    path = Path(__file__).with_name("report_results.json")
+    results = json.loads(path.read_text(encoding="utf-8"))
+    plain, _ = render_report(results, tmp_path)
+    own = {name: results[name] for name in ("throw", "formulas", "fillets", "fillet_note")}
+    lighter = own | {"throw": own["throw"] | {"mass": 123.456}, "fillets": None}
+    count = len(results["shaft"]["axial"])
+    throws = {
+        "heavy": {"cranks": [1]} | own,
+        "plain": {"cranks": list(range(2, count + 1))} | lighter | {"fillet_note": "it is sharp."},
+    }
+    named, _ = render_report(results | {"throws": throws}, tmp_path)
+    for text in ("Throw plain, cranks 2, 3", "123.5 kg", "Axial compliance of throw heavy,"):
+        assert text in named
+        assert text not in plain
+
+
+@pytest.mark.slow
+def test_an_engine_of_two_throws_runs_to_a_report(call, tmp_path):
+    answer = call("run", UNEQUAL, "--output", tmp_path / "out", "--json")
+    assert answer.code == 0, answer.err
+    results = answer.json()
+    assert {name: own["cranks"] for name, own in results["throws"].items()} == {
+        "heavy": [1],
+        "plain": [2, 3],
+    }
+    masses = [own["throw"]["mass"] for own in results["throws"].values()]
+    assert results["balance"]["mass"] == close(masses[0] + 2.0 * masses[1])
+    assert results["throw"] == results["throws"]["heavy"]["throw"]
+    assert {"drawing", "drawing-plain"} <= set(results["pictures"])
+    report = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "Throw plain, cranks 2, 3" in report

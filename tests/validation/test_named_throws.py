@@ -1,0 +1,182 @@
+"""A shaft of two different throws against a calculation by hand.
+
+Three cranks at 0, 240 and 120 deg (`tests/data/unequal-three.toml`), the first with a counterweight and
+longer, the others without: the shaft is out of balance, and no two throws stand alike. Mass properties and
+the 12 x 12 stiffness of either throw alone are taken as given; everything that is made of them is made once
+more with numpy alone:
+
+- balance: masses at their centers, at the angle and the place of each crank, and moments about the middle;
+- chains: rods as two masses at their pins and half of what moves with the piston at each crank; compliances
+  from both stiffnesses turned to the crank angles and put in a row, with sections held laterally and free to
+  tilt; half of a throw's compliance on either side of its crank;
+- the whole crankshaft: where its sections stand, and its mass by the throws' mass matrices.
+
+Tolerances: both sides are the same linear algebra on systems of 24 unknowns, whose condition number (1e7 in
+SI units) leaves 1e-9 of the round-off; sums of masses and places are exact to 1e-12.
+"""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crankfem.analyses.shaft.shaft_record import shaft_balance_record
+from crankfem.analyses.shaft.whole_shaft import highest_exciting_frequency, whole_shaft
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.mechanism_file import mechanism_of, with_throws
+from fem.analysis import analyze_throw
+from geometry.crankshaft import throw_masses
+
+FILE = Path(__file__).parents[1] / "data" / "unequal-three.toml"
+NAMES = ("heavy", "plain", "plain")
+ANGLES = np.radians([0.0, 240.0, 120.0])
+RADIUS, ROD, ROTATING, PISTON = 0.064, 2.5, 1.75, 1.3
+FREE_END, FLYWHEEL_INERTIA, FLYWHEEL_MASS, THRUST = 0.01, 0.78, 28.0, 2e8
+# Between journals' middles: journal, pin and two webs.
+LENGTHS = {"heavy": 0.036 + 0.038 + 0.050, "plain": 0.034 + 0.036 + 0.050}
+STARTS = np.cumsum([0.0, *(LENGTHS[name] for name in NAMES)])
+EXACT, SOLVED = 1e-12, 1e-9
+
+
+@pytest.fixture(scope="module")
+def engine():
+    return load_engine(FILE)
+
+
+@pytest.fixture(scope="module")
+def analyses(engine):
+    return {
+        name: analyze_throw(throw, engine.material, 0.1)
+        for name, throw in engine.named_throws.items()
+    }
+
+
+@pytest.fixture(scope="module")
+def run(engine, analyses):
+    return engine_vibration(engine, analysis=analyses)
+
+
+@pytest.fixture(scope="module")
+def solids(engine):
+    density = engine.material.density
+    return {name: throw_masses(throw, density) for name, throw in engine.named_throws.items()}
+
+
+def turn(angle):
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+
+
+def by_hand(solids):
+    """Static unbalance, moment about the middle, mass and inertia about the shaft."""
+    static, moment, middle = np.zeros(2), np.zeros(2), STARTS[-1] / 2.0
+    for name, angle, start in zip(NAMES, ANGLES, STARTS[:-1], strict=True):
+        solid = solids[name]
+        along = turn(angle)[:2, :2] @ (solid.mass * solid.center[:2])
+        # Of a throw about the section at its start: products of inertia, z along the shaft.
+        about = solid.mass * solid.center[:2] * solid.center[2] - solid.inertia[:2, 2]
+        static += along
+        moment += turn(angle)[:2, :2] @ about + (start - middle) * along
+    mass = sum(solids[name].mass for name in NAMES)
+    inertia = sum(
+        solids[name].inertia[2, 2] + solids[name].mass * np.sum(solids[name].center[:2] ** 2)
+        for name in NAMES
+    )
+    return static, moment, mass, inertia
+
+
+def test_balance_of_the_crankshaft(engine, solids, figure):
+    static, moment, mass, inertia = by_hand(solids)
+    found = shaft_balance_record(engine)
+    assert np.linalg.norm(static) > 0.05  # kg m: the shaft is out of balance
+    for what, name, wanted, unit in (
+        ("static unbalance", "static", static, "kg m"),
+        ("moment about the middle", "dynamic", moment, "kg m^2"),
+    ):
+        figure(what, complex(*found[name]), complex(*wanted), EXACT, unit)
+    figure("mass", found["mass"], mass, EXACT, "kg")
+    figure("inertia about the shaft", found["inertia_about_shaft"], inertia, EXACT, "kg m^2")
+
+
+def test_balance_of_the_mechanism(engine, solids, figure):
+    """Its masses stand as complex numbers, +y real, in the sense of rotation, which is against +z here."""
+    static, moment, _, inertia = by_hand(solids)
+    mechanism = mechanism_of(engine)
+    assert mechanism.turning_sense in (1, -1)
+    layout, sense = with_throws(mechanism), mechanism.turning_sense
+    sizes = np.array([own.static_moment for own in layout.rotating])
+    places = np.array([own.position for own in layout.rotating])
+    turned = sizes * np.exp(1j * np.array([own.angle for own in layout.rotating]))
+    wanted = static[1] - 1j * sense * static[0]
+    figure("static unbalance of its rotating masses", turned.sum(), wanted, EXACT, "kg m")
+    about = np.sum(turned * (places - STARTS[-1] / 2.0))
+    wanted = moment[1] - 1j * sense * moment[0]
+    figure("their moment about the middle", about, wanted, EXACT, "kg m^2")
+    attached = FREE_END + FLYWHEEL_INERTIA
+    figure("inertia of its shaft", layout.shaft_inertia, inertia + attached, EXACT, "kg m^2")
+    figure("main bearings along the shaft", mechanism.bearing_positions[1:], STARTS[1:], EXACT, "m")
+
+
+def in_a_row(analyses):
+    """Lengthening and twist of each throw under an axial force and a torque through all of them."""
+    size = 6 * (len(NAMES) + 1)
+    stiffness = np.zeros((size, size))
+    for place, (name, angle) in enumerate(zip(NAMES, ANGLES, strict=True)):
+        whole = np.kron(np.eye(4), turn(angle))
+        part = slice(6 * place, 6 * place + 12)
+        stiffness[part, part] += whole @ analyses[name].stiffness @ whole.T
+    held = [6 * section + axis for section in range(len(NAMES) + 1) for axis in (0, 1)] + [2, 5]
+    free = np.setdiff1d(np.arange(size), held)
+    motions = np.zeros((size, 2))
+    loads = np.zeros((size, 2))
+    loads[[size - 4, size - 1], [0, 1]] = 1.0
+    motions[free] = np.linalg.solve(stiffness[np.ix_(free, free)], loads[free])
+    return np.diff(motions[2::6, 0]), np.diff(motions[5::6, 1])
+
+
+def test_the_axial_chain(run, analyses, figure):
+    lengthening, _ = in_a_row(analyses)
+    halves = np.array([analyses[name].mass for name in NAMES]) / 2.0
+    masses = np.array([*halves, 0.0]) + np.array([0.0, *halves])
+    masses[-1] += FLYWHEEL_MASS
+    chain = run.axial_chain
+    figure(
+        "stiffness of the throws in the shaft", chain.stiffness, 1.0 / lengthening, SOLVED, "N/m"
+    )
+    figure("masses at the sections", chain.inertia, masses, EXACT, "kg")
+    matrix = np.diag([0.0] * len(NAMES) + [THRUST])
+    for place, spring in enumerate(1.0 / lengthening):
+        matrix[place : place + 2, place : place + 2] += spring * np.array([[1, -1], [-1, 1]])
+    root = np.sqrt(masses)
+    squares = np.linalg.eigvalsh(matrix / np.outer(root, root))
+    frequencies = np.sqrt(squares) / (2.0 * math.pi)
+    figure("natural frequencies", run.axial.chosen.elastic_frequencies, frequencies, SOLVED, "Hz")
+
+
+def test_the_torsional_chain(run, analyses, figure):
+    _, twist = in_a_row(analyses)
+    moving = (ROD - ROTATING + PISTON) / 2.0
+    rods = (ROTATING + moving) * RADIUS**2
+    cranks = [analyses[name].masses.inertia_about_shaft + rods for name in NAMES]
+    joined = np.array([0.0, *twist]) / 2.0 + np.array([*twist, 0.0]) / 2.0
+    chain = run.torsional_chain
+    wanted = [FREE_END, *cranks, FLYWHEEL_INERTIA]
+    figure("inertias", chain.inertia, wanted, EXACT, "kg m^2")
+    figure("stiffness between the cranks", chain.stiffness, 1.0 / joined, SOLVED, "N m/rad")
+
+
+def test_the_whole_crankshaft(engine, analyses, figure):
+    """Sections stand where throws end; moved along itself it has the mass of throws and flywheel."""
+    shaft = whole_shaft(engine, analyses).crankshaft.shaft
+    figure("sections along the shaft", shaft.positions[1:], STARTS[1:], EXACT, "m")
+    wanted = np.tile([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], len(NAMES) + 1)
+    # The shortest vector of unknowns that moves the sections so leaves the shapes of the inside at rest.
+    along = np.linalg.pinv(shaft.sections) @ wanted
+    assert np.allclose(shaft.sections @ along, wanted)
+    highest = highest_exciting_frequency(engine)
+    own = {name: analyses[name].dynamic_superelement(highest).mass for name in analyses}
+    # uz of both ends; the mesh has a little less than the solid.
+    mass = sum(own[name][np.ix_([2, 8], [2, 8])].sum() for name in NAMES) + FLYWHEEL_MASS
+    figure("mass along the shaft", along @ shaft.mass @ along, mass, SOLVED, "kg")
