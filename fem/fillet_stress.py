@@ -98,7 +98,7 @@ def fillet_stresses(
     ...     main_journal_length=0.120, pin_length=0.139, web_width=0.300, web_thickness=0.068,
     ...     fillet_radius=0.012,
     ... )
-    >>> found = cf.fillet_stresses(throw)
+    >>> found = cf.compliance.fillet_stresses(throw)
     >>> pin = next(p for p in found.peaks if p.load.kind == "bending" and p.fillet.journal.is_pin)
     >>> print(f"{pin.fillet.name}: {pin.factor:.1f}")
     pin, left web: 2.7
