@@ -6,11 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.summaries import summarized
 from geometry.mesh import ThrowMesh
 from geometry.mesh_checks import SolidProperties
 from geometry.shapes import element_quadrature
 
 
+@summarized("mass [kg]", "center [m]", "inertia [kg m^2]")
 @dataclass(frozen=True)
 class MassProperties:
     """Mass properties of a throw in the throw frame.

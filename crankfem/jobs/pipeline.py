@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from crankbase.summaries import summarized
 from crankfem.analyses.about import repeat_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.study.studies import fitted
@@ -39,6 +40,7 @@ from fem.throw_analysis import ThrowAnalysis
 from regression.runs.study import check_workers, run_plan
 
 
+@summarized("folder", "report", "results")
 @dataclass(frozen=True)
 class RunResult:
     """Where a run has put things, and its numbers.

@@ -4,11 +4,13 @@ import cmath
 import math
 from dataclasses import dataclass
 
+from crankbase.summaries import summarized
 from dynamics.checks import nonnegative_number
 from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout
 
 
+@summarized("reciprocating [kg]", "rotating [kg]", "lateral [kg m]")
 @dataclass(frozen=True)
 class MovingMasses:
     """The masses of one cylinder's moving parts, as the inertia forces see them.

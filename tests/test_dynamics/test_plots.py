@@ -1123,6 +1123,15 @@ def test_a_missing_library_is_named_with_its_command(monkeypatch):
         pandas()
 
 
+@pytest.mark.parametrize("name", [*CASES, *TABLES, *GRIDS])
+def test_results_show_themselves_briefly(name):
+    own = {**GRIDS, **TABLES, **CASES}[name][0]()
+    text = repr(own)
+    assert text.startswith(f"{type(own).__name__}(")
+    assert len(text) <= 400
+    assert own._repr_html_().count("<tr>") >= 2
+
+
 # Public classes of dynamics that neither draw nor tabulate, by the reason.
 LEFT_OUT = {
     "input that is given, not found": """
