@@ -8,11 +8,11 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 # Their doctests mesh and solve.
-SLOW = {"fem.analysis", "fem.fillet_stress", "fem.shaft"}
+SLOW = {"crankfem.compliance", "fem.analysis", "fem.fillet_stress", "fem.shaft"}
 
 
 def modules():
-    for name in ("crankfem", "geometry", "fem", "regression", "dynamics"):
+    for name in ("crankfem", "geometry", "fem", "regression", "dynamics", "crankbase"):
         package = importlib.import_module(name)
         yield name
         for found in pkgutil.walk_packages(package.__path__, f"{name}."):
