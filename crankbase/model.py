@@ -1,8 +1,10 @@
 """The base of all validated input: pydantic models whose errors are one clear sentence each."""
 
-from collections.abc import Mapping
+import inspect
+import re
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from typing import Any, ClassVar, Self, get_args, get_origin
+from typing import TYPE_CHECKING, Any, ClassVar, Self, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
@@ -10,6 +12,11 @@ from pydantic.fields import FieldInfo
 from crankbase.errors import InputError, quoted
 from crankbase.units.quantity import parse_quantity, show_quantity
 from crankbase.units.units import DISPLAY_UNITS
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
 
 
 def quantity_field(
@@ -62,7 +69,36 @@ def part_kind(info: FieldInfo) -> type["InputModel"] | None:
     )
 
 
-class InputModel(BaseModel):
+def _fields_and_methods(names: Iterable[str]) -> list[str]:
+    """Leave out what all models of pydantic have: it is of no use to those who describe an engine."""
+    usual, pydantics = dir(object), {*dir(BaseModel)}
+    return [
+        name for name in names if name in usual or not (name in pydantics or name.startswith("__"))
+    ]
+
+
+class _ShowsFields(ModelMetaclass):
+    """Leaves pydantic's own names out of what `help` and completion show of a class."""
+
+    def __dir__(self) -> list[str]:
+        return _fields_and_methods(super().__dir__())
+
+
+class _Kind:
+    """What a field holds, in the words in which a signature shows it: ``float [m]``."""
+
+    def __init__(self, info: FieldInfo) -> None:
+        kind = re.sub(r"\b(?:\w+\.)+(?=[A-Z])", "", inspect.formatannotation(info.annotation))
+        kind = re.sub(r"Annotated\[(\w+), [^\[\]]*\]", r"\1", kind)
+        unit = field_extra(info, "unit")
+        first, *others = kind.split(" | ")
+        self.text = " | ".join((f"{first} [{unit}]", *others)) if unit else kind
+
+    def __repr__(self) -> str:
+        return self.text
+
+
+class InputModel(BaseModel, metaclass=_ShowsFields):
     """A frozen record of input in SI units that refuses unknown, missing and impossible values.
 
     Raises
@@ -75,6 +111,7 @@ class InputModel(BaseModel):
     section: ClassVar[str] = ""
 
     def __init__(self, **values: Any) -> None:
+        """Take and check the values of the fields, by name, in SI units."""
         for name, value in values.items():
             info = type(self).model_fields.get(name)
             unit = None if info is None else field_extra(info, "unit")
@@ -88,6 +125,50 @@ class InputModel(BaseModel):
             super().__init__(**values)
         except ValidationError as error:
             raise InputError(_sentence(type(self), error)) from None
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        cls.__signature__ = inspect.Signature(
+            [
+                inspect.Parameter(
+                    name,
+                    inspect.Parameter.KEYWORD_ONLY,
+                    default=inspect.Parameter.empty
+                    if info.is_required()
+                    else info.get_default(call_default_factory=True),
+                    annotation=_Kind(info),
+                )
+                for name, info in cls.model_fields.items()
+            ]
+        )
+
+    def __dir__(self) -> Iterable[str]:
+        return _fields_and_methods(super().__dir__())
+
+    def _given(self) -> dict[str, Any]:
+        """Return what was given, not left to its default, in the fields' order."""
+        given = self.model_fields_set
+        return {name: getattr(self, name) for name in type(self).model_fields if name in given}
+
+    def __repr__(self) -> str:
+        """Show what was given, as much of it as a few lines hold."""
+        from crankbase.summaries import text_of
+
+        parts = [f"{name}={value!r}" for name, value in self._given().items()]
+        return text_of(type(self).__name__, parts)
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        """Show what was given as a table."""
+        from crankbase.summaries import html_of
+
+        fields = type(self).model_fields
+        rows = {
+            name: f"{value!r} {field_extra(fields[name], 'unit') or ''}".rstrip()
+            for name, value in self._given().items()
+        }
+        return html_of(type(self).__name__, rows)
 
     def changed(self, **values: Any) -> Self:
         """Return a record with some values changed, checked like a new one.
@@ -107,8 +188,7 @@ class InputModel(BaseModel):
         InputError
             If a field is unknown, or the values are impossible together.
         """
-        given = {name: getattr(self, name) for name in self.model_fields_set}
-        return type(self)(**given | values)
+        return type(self)(**self._given() | values)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return a copy; with new values it is the record that `changed` returns."""

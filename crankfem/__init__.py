@@ -1,14 +1,12 @@
 """crankfem: axial and torsional vibration of crankshafts, from crank-throw dimensions to a verdict.
 
-Everything a user needs has a name here; the packages behind it are internal. Names are loaded when
-first used, so that looking a compliance up does not load a mesher. The stub beside this file declares
-them all, once.
+What most work begins with has a name here, all else one in a topic, such as `cf.chains.with_damper`;
+the packages behind them are internal. Names are loaded when first used, so that looking a compliance
+up does not load a mesher. The stubs, here and in the topics' folders, declare them all, once.
 """
 
-from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 PACKAGES = ("crankbase", "geometry", "fem", "regression", "dynamics")
 
@@ -40,34 +38,7 @@ def _check_packages() -> None:
 
 _check_packages()
 
+# Only now is it sure that this is our own one.
+from crankbase.public_names import handed_out  # noqa: E402
 
-@cache
-def _homes() -> dict[str, tuple[str, str]]:
-    """Return each public name with its home and its name there, as the stub says."""
-    import ast
-
-    stub = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
-    return {
-        alias.asname or alias.name: (str(statement.module), alias.name)
-        for statement in stub.body
-        if isinstance(statement, ast.ImportFrom)
-        for alias in statement.names
-    }
-
-
-def __getattr__(name: str) -> Any:
-    if name == "__all__":
-        return sorted(_homes())
-    # Python asks for names of its own, such as __path__; the stub is not read for them.
-    if name.startswith("__") or name not in _homes():
-        raise AttributeError(f"module 'crankfem' has no attribute {name!r}")
-    from importlib import import_module
-
-    home, name_there = _homes()[name]
-    value = getattr(import_module(home), name_there)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *_homes()})
+__getattr__, __dir__ = handed_out(__name__, __file__)

@@ -96,8 +96,8 @@ throw = engine.throw.changed(pin_fillet_radius=0.010)
 Each section takes its changed fields in SI units, a whole section, or None to be left out (throws by name
 are changed so: `throws={"heavy": {"web_thickness": 0.03}}`); everything is
 checked as a file is, and `cf.engine_vibration(damped)` calculates the engine as changed. The records of a
-file (throws, webs, materials, sections) have the same method. `cf.mechanism_of(engine)` is the mechanism of
-an engine as it is, for `cf.run_mechanism`.
+file (throws, webs, materials, sections) have the same method. `cf.engines.mechanism_of(engine)` is the
+mechanism of an engine as it is, for `cf.run_mechanism`.
 """
 
 STUDY = """

@@ -18,7 +18,7 @@ def draw_hodographs() -> None:
     """Write the first- and second-order inertia forces of one throw with hinged rods."""
     engine = load_mechanism(ENGINE).layout
     speed = 1000 * math.pi / 30
-    cf.plot_hinged_rods(HERE / "hodograph_8chn26-26.svg", engine, speed, cylinders=[1, 5])
+    cf.pictures.plot_hinged_rods(HERE / "hodograph_8chn26-26.svg", engine, speed, cylinders=[1, 5])
 
 
 def draw_loads(path: Path) -> None:
@@ -27,24 +27,26 @@ def draw_loads(path: Path) -> None:
     inertia = 0.86 * 4.2 * 0.097 * (length - 0.097)
     rod = cf.ConnectingRod(length, 4.2, 0.097, inertia, 0.009)
     engine = cf.EngineLayout(0.070, [cf.EngineCylinder(bore, 3.4, rod)], [1])
-    drive = cf.SliderCrank(0.070, length)
-    cycle = cf.usual_gas_cycle(15.2, intake_pressure=1.0e5, exhaust_pressure=1.05e5)
+    drive = cf.mechanism.SliderCrank(0.070, length)
+    cycle = cf.gas.usual_gas_cycle(15.2, intake_pressure=1.0e5, exhaust_pressure=1.05e5)
     area = math.pi / 4 * bore**2
-    motored = cf.gas_cycle(cycle, lambda a: drive.piston(a).place.real, area, heat=0.0)
+    motored = cf.gas.gas_cycle(cycle, lambda a: drive.piston(a).place.real, area, heat=0.0)
     angles = np.radians(np.arange(0, 720, 1.0))
-    gas = cf.gas_forces(engine, angles, motored.pressure)
+    gas = cf.gas.gas_forces(engine, angles, motored.pressure)
     models: tuple[RodModelName, ...] = ("two-mass", "three-mass", "rigid")
-    forces = [cf.mechanism_forces(engine, angles, speed, gas, model=model) for model in models]
-    loads = [cf.crankpin_loads(found)[0] for found in forces]
+    forces = [
+        cf.mechanism.mechanism_forces(engine, angles, speed, gas, model=model) for model in models
+    ]
+    loads = [cf.mechanism.crankpin_loads(found)[0] for found in forces]
     title = "crankpin load, 8ChN 13/14, rod 225 mm, motored, 2100 1/min"
-    cf.plot_polar_loads(path, loads, labels=models, title=title)
+    cf.pictures.plot_polar_loads(path, loads, labels=models, title=title)
 
 
 def main() -> None:
     """Write the drawing of a throw, the picture of a whole crankshaft, loads and hodographs."""
     throw, _ = cf.load_throw(ENGINE)
     write_drawing(throw, HERE / "drawing.svg", "8ChN 26/26")
-    cf.picture_shaft(cf.load_crankshaft(ENGINE), HERE / "crankshaft.png")
+    cf.pictures.picture_shaft(cf.load_crankshaft(ENGINE), HERE / "crankshaft.png")
     draw_loads(HERE / "loads_13_14.svg")
     draw_hodographs()
 

@@ -25,11 +25,13 @@ def draw_run_up() -> None:
     phases = np.exp(-1j * np.outer(orders, firing + 0.4))
     torque[:, :, 2:8] = (900.0 / (1.0 + orders[:, None] ** 1.5) * phases)[:, None]
     excitation = cf.OrderExcitation(orders, speeds, torque)
-    run = cf.transient_motion(chain, excitation, cf.SpeedCurve.ramp(120.0, 260.0, duration=4.0))
+    run = cf.transient.transient_motion(
+        chain, excitation, cf.transient.SpeedCurve.ramp(120.0, 260.0, duration=4.0)
+    )
     constant = np.linspace(120.0, 260.0, 141)
-    steady = [cf.steady_motion(chain, excitation, float(speed)) for speed in constant]
+    steady = [cf.transient.steady_motion(chain, excitation, float(speed)) for speed in constant]
     amplitudes = np.array([one.torque_amplitude[7] for one in steady])
-    cf.plot_transient(
+    cf.pictures.plot_transient(
         HERE / "transient_run_up.svg",
         run,
         7,
@@ -38,7 +40,7 @@ def draw_run_up() -> None:
     )
 
 
-def slow_six() -> tuple[cf.EngineLayout, cf.GasPressure, cf.EngineChain]:
+def slow_six() -> tuple[cf.EngineLayout, cf.gas.GasPressure, cf.chains.EngineChain]:
     """Return a slow two-stroke six with heavy pistons, its gas and its chain; values are invented."""
     rod = cf.ConnectingRod(2.4, 1500.0, 0.9, 1100.0)
     order = [1, 5, 3, 4, 2, 6]
@@ -59,22 +61,22 @@ def slow_six() -> tuple[cf.EngineLayout, cf.GasPressure, cf.EngineChain]:
     inertia[:6] += throw_inertia_curves(engine, list(range(6))).mean
     names = [*(f"cylinder {number}" for number in range(1, 7)), "flywheel", "propeller"]
     chain = cf.Chain(inertia, [4e8] * 5 + [5e8, 4e7], names=names)
-    gas = cf.gas_pressure(angles, compressed + burnt, strokes=2)
-    return engine, gas, cf.EngineChain(chain, "torsional", throw_nodes=tuple(range(6)))
+    gas = cf.gas.gas_pressure(angles, compressed + burnt, strokes=2)
+    return engine, gas, cf.chains.EngineChain(chain, "torsional", throw_nodes=tuple(range(6)))
 
 
 def draw_secondary_resonance() -> None:
     """Draw order 8 where order 6 is critical, by the mean inertia and by the varying one."""
     engine, gas, chain = slow_six()
     speeds = np.linspace(66.0, 84.0, 37) / RPM
-    forces = cf.cylinder_forces(engine, speeds, 12, gas)
-    by_gas = cf.cylinder_forces(engine, speeds, 12, gas, inertia=False)
-    turning = cf.turning_chain(engine, chain, by_gas, magnifier=30.0)
-    mean = cf.forced_response(turning.system.system, cf.torque_excitation(forces, chain))
+    forces = cf.excitation.cylinder_forces(engine, speeds, 12, gas)
+    by_gas = cf.excitation.cylinder_forces(engine, speeds, 12, gas, inertia=False)
+    turning = cf.transient.turning_chain(engine, chain, by_gas, magnifier=30.0)
+    mean = cf.forced_response(turning.system.system, cf.excitation.torque_excitation(forces, chain))
     varying = np.array(
-        [cf.steady_cycle(turning, float(speed)).phasors([8.0])[0] for speed in speeds]
+        [cf.transient.steady_cycle(turning, float(speed)).phasors([8.0])[0] for speed in speeds]
     )
-    cf.plot_transient_over_speed(
+    cf.pictures.plot_transient_over_speed(
         HERE / "transient_secondary.svg",
         speeds,
         {

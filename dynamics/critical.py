@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.units import RPM
 from dynamics.checks import (
@@ -25,6 +26,7 @@ FULL_SUM_TOLERANCE = 1e-6
 HIGHEST_ORDER = 1e5
 
 
+@summarized("mode", "frequency [Hz]", "order", "speed [rad/s]", "speed_rpm [1/min]")
 @dataclass(frozen=True)
 class CriticalSpeed:
     """A speed at which one order of the excitation meets one natural frequency.

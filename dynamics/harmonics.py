@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.checks import FloatArray, finite_array, finite_vector, positive_number, read_only
 from dynamics.cycle import checked_strokes, cycle_degrees, cycle_fault, mean_step, order_step
@@ -24,6 +25,7 @@ ROUND_OFF_SHARE = 1e-13
 ROOM = 1.0 + 1e-9
 
 
+@summarized("orders", "amplitude", "mean", "strokes", "samples")
 @dataclass(frozen=True, eq=False)
 class Harmonics:
     """The harmonics of samples over one cycle: y = mean + sum of M_k sin(order x + a_k).

@@ -9,6 +9,7 @@ import numpy as np
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.checks import FloatArray, read_only
 from dynamics.cycle import (
@@ -50,6 +51,7 @@ TABLE = TableKind(
 )
 
 
+@summarized("torque [N m]", "crank_angle_deg [deg]", "strokes", "source")
 @dataclass(frozen=True, eq=False)
 class TorqueTable:
     """The torque of one throw, evenly sampled over one cycle, closing sample left out.

@@ -20,7 +20,7 @@ def analyze_throw(
     *,
     solver: str = "auto",
     end_sections: EndSections = "rigid",
-    mesher: Mesher = mesh_isolated,
+    mesher: Mesher | None = None,
 ) -> ThrowAnalysis:
     """Compute a throw's superelement, compliances, reactions and masses by finite elements.
 
@@ -40,7 +40,7 @@ def analyze_throw(
         Equation solver.
     end_sections : {"rigid", "averaged"}
         Rigid discs, or sections of which only the mean motion is given; the two bound the truth.
-    mesher : callable
+    mesher : callable, optional
         How to mesh: throw, size factor, part and size map to ThrowMesh. By default gmsh runs in a
         process of its own, which a crash or a hang cannot leave.
 
@@ -68,7 +68,7 @@ def analyze_throw(
     1.26e-09 m/N
     """
     problem = Problem(material, solver, end_sections, Stopwatch())
-    level = solve_to(throw, accuracy, problem, mesher)
+    level = solve_to(throw, accuracy, problem, mesher or mesh_isolated)
     classes = tuple(
         level.condense(symmetry, problem) for symmetry in symmetry_classes(level.mesh.part)
     )
@@ -94,7 +94,7 @@ def analyze_axial(
     *,
     solver: str = "auto",
     end_sections: EndSections = "rigid",
-    mesher: Mesher = mesh_isolated,
+    mesher: Mesher | None = None,
 ) -> AxialAnalysis:
     """Compute a throw's axial compliance e_n and influence coefficient c alone, pinned and guided.
 
@@ -105,7 +105,7 @@ def analyze_axial(
     AxialAnalysis
     """
     problem = Problem(material, solver, end_sections, Stopwatch())
-    level = solve_to(throw, accuracy, problem, mesher)
+    level = solve_to(throw, accuracy, problem, mesher or mesh_isolated)
     return AxialAnalysis(
         throw=throw,
         material=material,

@@ -24,6 +24,7 @@ from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import BLUE, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError, quoted
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
 from fem.plots.over_angle import ANGLES_DEG, LABELS, SHOWN, Compliance, angle_axis
 from fem.superelement import Superelement
@@ -37,6 +38,13 @@ if TYPE_CHECKING:
 SYMMETRIC = 1e-6
 
 
+@summarized(
+    "in_line [m/N]",
+    "opposite [m/N]",
+    "ratio",
+    "influence_in_line [m/N]",
+    "influence_opposite [m/N]",
+)
 @dataclass(frozen=True)
 class AngleLaw:
     """Axial compliance and influence coefficient of a throw over the angle to its neighbors.

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from fem.class_compliances import axial_answers
 from fem.condensation import CondensedClass
@@ -13,6 +14,13 @@ from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw
 
 
+@summarized(
+    "axial_compliance [m/N]",
+    "influence_coefficient [m/N]",
+    "error_estimate",
+    "accuracy",
+    "mesh.unknowns",
+)
 @dataclass(frozen=True)
 class AxialAnalysis:
     """A throw's axial compliance alone, several times cheaper than the whole analysis.

@@ -26,6 +26,7 @@ from crankbase.choices import is_number
 from crankbase.drawing.diagram_style import GRAY, new_axes
 from crankbase.errors import InputError, quoted
 from crankbase.stopwatch import Stopwatch
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from fem.assembly import symmetric_product
 from fem.class_modes import (
@@ -54,6 +55,7 @@ Array = NDArray[np.float64]
 CUTOFF_FACTOR = 1.5
 
 
+@summarized("frequencies [Hz]", "stiffness", "highest_frequency [Hz]")
 @dataclass(frozen=True)
 class DynamicSuperelement:
     """A throw condensed to 12 motions of its end sections and m amplitudes of shapes of its inside.

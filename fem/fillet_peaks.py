@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
 from fem.fillet_surface import FilletSurface
 from fem.fillets import Fillet
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+@summarized(
+    "fillet: fillet.name", "load: load.kind", "factor", "von_mises_factor", "error_estimate"
+)
 @dataclass(frozen=True)
 class FilletPeak:
     """The largest stresses at one fillet under one unit load.
@@ -68,6 +72,7 @@ class FilletPeak:
         return self.von_mises / self.nominal
 
 
+@summarized("peaks", "error_estimate", "accuracy", "sharp_corners")
 @dataclass(frozen=True)
 class FilletStresses:
     """Stresses at the fillets of a throw.

@@ -57,7 +57,7 @@ def fillet_stresses(
     *,
     solver: str = "auto",
     end_sections: EndSections = "rigid",
-    mesher: Mesher = mesh_isolated,
+    mesher: Mesher | None = None,
 ) -> FilletStresses:
     """Compute the stresses at a throw's fillets under unit loads by finite elements.
 
@@ -76,7 +76,7 @@ def fillet_stresses(
     end_sections : {"rigid", "averaged"}
         Whether end sections move as rigid discs, or may warp and only their mean motions are given. It
         matters at the main journals' fillets, all the more the shorter the journals.
-    mesher : callable
+    mesher : callable, optional
         How to mesh; by default gmsh runs in a process of its own.
 
     Returns
@@ -98,21 +98,22 @@ def fillet_stresses(
     ...     main_journal_length=0.120, pin_length=0.139, web_width=0.300, web_thickness=0.068,
     ...     fillet_radius=0.012,
     ... )
-    >>> found = cf.fillet_stresses(throw)
+    >>> found = cf.compliance.fillet_stresses(throw)
     >>> pin = next(p for p in found.peaks if p.load.kind == "bending" and p.fillet.journal.is_pin)
     >>> print(f"{pin.fillet.name}: {pin.factor:.1f}")
     pin, left web: 2.7
     """
     _check(throw, material, accuracy)
+    mesh_with = mesher or mesh_isolated
     fillets = throw_fillets(throw.parts)
     loads = unit_loads(radial_directions(throw))
 
     def solved(sizes: SizeMap, fineness: float) -> _Level:
-        mesh = mesher(throw, 1.0, "auto", sizes)
+        mesh = mesh_with(throw, 1.0, "auto", sizes)
         loaded = solve_unit_loads(mesh, loads, material, solver, end_sections)
         return _Level.judged(loaded, fillets, fineness)
 
-    level = solved(*_first_sizes(throw, fillets, mesher))
+    level = solved(*_first_sizes(throw, fillets, mesh_with))
     errors = np.full((len(fillets), len(loads)), np.inf)
     wanted = max(FINE, (1.0 + 1e-9) * SCATTER / accuracy)
     for _ in range(MOST_MESHES - 1):

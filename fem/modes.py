@@ -11,6 +11,7 @@ from crankbase.choices import is_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.errors import InputError, quoted
 from crankbase.stopwatch import Stopwatch
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from fem.class_modes import (
     MOST_MODES,
@@ -40,6 +41,7 @@ SHIFT_SHARE = 0.3
 NO_STIFFNESS = 1e-6
 
 
+@summarized("frequencies [Hz]", "symmetries", "solver")
 @dataclass(frozen=True)
 class ThrowModes:
     """Elastic modes of a throw that nothing supports, by ascending frequency.

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.summaries import summarized
 from fem.condensation import CondensedClass
 from fem.loads import NodalLoads
 from fem.superelement import Superelement
@@ -16,6 +17,7 @@ from fem.throw_frames import motion_table
 Array = NDArray[np.float64]
 
 
+@summarized("displacement", "rotation")
 @dataclass(frozen=True)
 class Motion:
     """Mean motion of a section or of a pin, in the throw frame.
@@ -32,6 +34,12 @@ class Motion:
     rotation: Array
 
 
+@summarized(
+    "lengthening [m]",
+    "left: left.displacement [m]",
+    "right: right.displacement [m]",
+    "pin: pin.displacement [m]",
+)
 @dataclass(frozen=True)
 class PinResponse:
     """Response of an axially free throw to a load on a pin.

@@ -12,6 +12,7 @@ from crankbase.drawing.bars import draw_groups, draw_matrix
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import shown_unit, write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
 from fem.superelement import RZ, UX, UY, UZ, Superelement
 
@@ -31,6 +32,7 @@ SHOWN: Mapping[str, tuple[str, str]] = {
 }
 
 
+@summarized("axial [m/N]", "torsional [rad/(N m)]", "influence [m/N]")
 @dataclass(frozen=True)
 class ShaftCompliances:
     """What each throw contributes at its place in a shaft.

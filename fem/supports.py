@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from crankbase.choices import is_number
 from crankbase.errors import InputError, quoted
+from crankbase.summaries import summarized
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotation
 from fem.throw_frames import load_table
 
@@ -60,6 +61,7 @@ TABLE_SUPPORTS: Mapping[str, Support] = {
 }
 
 
+@summarized("force [N]", "moment [N m]")
 @dataclass(frozen=True)
 class EndReaction:
     """Force [N] and moment [N m] on one end section, each (3,), in the throw frame."""
@@ -68,6 +70,12 @@ class EndReaction:
     moment: Array
 
 
+@summarized(
+    "left force: left.force [N]",
+    "left moment: left.moment [N m]",
+    "right force: right.force [N]",
+    "right moment: right.moment [N m]",
+)
 @dataclass(frozen=True)
 class Reactions:
     """What supports (and under `Neighbors` the adjoining throws) exert on a throw's end sections."""

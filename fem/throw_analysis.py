@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
+from crankbase.summaries import summarized
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle
 from fem.condensation import CondensedClass
 from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
@@ -47,6 +48,15 @@ if TYPE_CHECKING:
 NO_FORCE = (0.0, 0.0, 0.0)
 
 
+@summarized(
+    "axial_compliance [m/N]",
+    "torsional_compliance [rad/(N m)]",
+    "influence_coefficient [m/N]",
+    "mass [kg]",
+    "error_estimate",
+    "accuracy",
+    "mesh.unknowns",
+)
 @dataclass(frozen=True)
 class ThrowAnalysis:
     """A throw's elastic and mass properties, from one mesh and one superelement.

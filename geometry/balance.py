@@ -5,9 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.summaries import summarized
 from geometry.mass import MassProperties
 
 
+@summarized("static [kg m]", "dynamic [kg m^2]", "about [m]")
 @dataclass(frozen=True)
 class Unbalance:
     """What a turning part does to its bearings: at the angular speed w, force w^2 `static`.

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError, MeshError
+from crankbase.summaries import summarized
 from crankbase.units.quantity import show_quantity
 from geometry.balance import Unbalance, unbalance
 from geometry.gmsh_session import gmsh_errors, gmsh_session
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+@summarized("throws", "crank_angles [rad]", "length [m]")
 @dataclass(frozen=True)
 class Crankshaft:
     """A crankshaft of throws in a row.

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from geometry.isolated import IsolatedProcess, ProcessLostError, shared_process
 from geometry.parts import Cylinder
 from geometry.sizes import (
@@ -52,6 +53,7 @@ class ImportedPin:
     end: float
 
 
+@summarized("path", "length [m]", "pins", "volume [m^3]", "remarks")
 @dataclass(frozen=True)
 class ImportedThrow:
     """A throw whose shape is in a STEP file.

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from geometry.mesh import ThrowMesh
 from geometry.mesh_checks import SolidProperties
 from geometry.shapes import element_quadrature
@@ -15,6 +16,7 @@ from geometry.shapes import element_quadrature
 LARGEST_DENSITY = 1e6
 
 
+@summarized("mass [kg]", "center [m]", "inertia [kg m^2]")
 @dataclass(frozen=True)
 class MassProperties:
     """Mass properties of a throw in the throw frame.

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError, MeshError
 from crankbase.stopwatch import Stopwatch
+from crankbase.summaries import summarized
 from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.mending import mend
 from geometry.mesh_checks import (
@@ -70,6 +71,7 @@ LADDER = (
 )
 
 
+@summarized("part", "length [m]", "unknowns", "size_factor", "mended_elements")
 @dataclass(frozen=True)
 class ThrowMesh:
     """A mesh of a throw or of the part of it that its symmetry leaves.

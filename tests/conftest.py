@@ -1,3 +1,4 @@
+import inspect
 import os
 import signal
 import subprocess
@@ -26,6 +27,26 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if item.get_closest_marker("further") is not None:
             item.add_marker("slow")
+
+
+@pytest.fixture(scope="session")
+def public():
+    """All that crankfem and its topics hand out, by its whole name, such as "crankfem.chains.Gear"."""
+    import crankfem as cf
+
+    found = {f"crankfem.{name}": getattr(cf, name) for name in cf.__all__}
+    topics = {name: one for name, one in found.items() if inspect.ismodule(one)}
+    return {name: one for name, one in found.items() if name not in topics} | {
+        f"{topic}.{name}": getattr(one, name)
+        for topic, one in topics.items()
+        for name in one.__all__
+    }
+
+
+@pytest.fixture(scope="session")
+def public_classes(public):
+    """The classes among them, by their own names."""
+    return {name.rpartition(".")[2]: one for name, one in public.items() if inspect.isclass(one)}
 
 
 @pytest.fixture(scope="session")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from crankbase.outputs import files_of_a_run, protected
+from crankbase.summaries import summarized
 from crankfem.analyses.about import repeat_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.shaft.throw_analyses import analyze_throws
@@ -43,6 +44,7 @@ from regression.runs.store import ResultStore
 from regression.runs.study import check_workers, run_plan
 
 
+@summarized("folder", "report", "results")
 @dataclass(frozen=True)
 class RunResult:
     """Where a run has put things, and its numbers.

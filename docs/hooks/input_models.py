@@ -62,6 +62,9 @@ def _default(value: Any) -> Any:
     """Return what stands in the place of a field that is not given; None where it must be."""
     if not isinstance(value, griffe.ExprCall):
         return value
+    first = value.arguments[0] if value.arguments else None
+    if str(value.function) == "Field" and not isinstance(first, griffe.ExprKeyword):
+        return first
     given = {one.name: one.value for one in value.arguments if isinstance(one, griffe.ExprKeyword)}
     if "default" in given:
         return given["default"]

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.quantity import show_quantity
 from dynamics.assessment.limits import (
@@ -113,6 +114,7 @@ class ExceededRange:
     cut_off: bool
 
 
+@summarized("low [rad/s]", "high [rad/s]", "allowed", "peaks", "limits")
 @dataclass(frozen=True)
 class BarredRange:
     """A range of speeds to be passed quickly, or a proposal that cannot be accepted.

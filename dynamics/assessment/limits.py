@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import show_quantity
 from dynamics.checks import (
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 Values = Callable[[FloatArray], FloatArray]
 
 
+@summarized("low [rad/s]", "high [rad/s]")
 @dataclass(frozen=True, eq=False)
 class LimitCurve:
     """A permitted value over the speed, within the range of speeds in which it is stated.
@@ -70,6 +72,16 @@ class LimitCurve:
         return permitted
 
 
+@summarized(
+    "quantity",
+    "applies_to",
+    "unit",
+    "continuous.low [rad/s]",
+    "continuous.high [rad/s]",
+    "source",
+    "assumed",
+    "remark",
+)
 @dataclass(frozen=True, eq=False)
 class VibrationLimit:
     """What a quantity may reach, all the time and while a barred range is passed.
@@ -175,6 +187,7 @@ def constant_curve(value: float, low: float = 0.0, high: float = np.inf) -> Limi
     return LimitCurve(lambda speeds: np.full(speeds.shape, value), low, high)
 
 
+@summarized("name", "speeds [rad/s]", "peak")
 @dataclass(frozen=True, eq=False)
 class AmplitudeCurve:
     """An amplitude over the speed, to be held against a limit.

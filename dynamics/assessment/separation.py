@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.quantity import show_quantity
 from dynamics.assessment.limits import checked_running_range, shown_range
@@ -20,6 +21,7 @@ from dynamics.checks import FloatArray, nonnegative_vector, positive_vector
 USUAL_MARGIN = 0.10
 
 
+@summarized("mode", "order", "nominal [rad/s]", "low [rad/s]", "high [rad/s]", "margin")
 @dataclass(frozen=True)
 class CriticalRange:
     """Where the critical speed of one mode and order may lie, and its distance from running speeds.

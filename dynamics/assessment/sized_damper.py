@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Literal
 from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import BLUE, RED, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 Damper = ViscousDamper | RubberDamper | AxialDamper
 
 
+@summarized("damper", "used", "used_without", "reached", "sizes")
 @dataclass(frozen=True, eq=False)
 class SizedDamper:
     """What an optimization of a damper found.

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
 from dynamics.checks import FloatArray, positive_vector
@@ -45,6 +46,7 @@ ALL_DAMPING = "all damping"
 DAMPINGS = ("damping", "loss_factor", "ground_damping", "dashpots")
 
 
+@summarized("name", "kind", "low", "high", "places")
 @dataclass(frozen=True)
 class Spread:
     """A range of factors on one kind of value, at all places or at some that change together.

@@ -11,6 +11,7 @@ from scipy.stats import qmc
 from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.assessment.spreads import FIELDS, Spread, places_of, scaled_chain, scales_of
 from dynamics.chains.chain import Chain
@@ -27,6 +28,7 @@ HEAVY = ("inertia", "distributed_inertia")
 DEFAULT_SAMPLES, DEFAULT_SEED = 200, 0
 
 
+@summarized("values", "nominal", "spreads")
 @dataclass(frozen=True, eq=False)
 class Samples:
     """Results for many possible systems.

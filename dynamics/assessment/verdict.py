@@ -10,6 +10,7 @@ from crankbase.drawing.curves import ORDER_COLORS
 from crankbase.drawing.diagram_style import BLUE, GRAY, ORANGE, RED, new_axes, with_gaps
 from crankbase.drawing.legends import legend_below, legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table, table_of
 from crankbase.units.quantity import show_quantity
 from crankbase.units.units import RPM
@@ -39,6 +40,9 @@ WORST_DRAWN = 5
 Status = Literal["fine", "barred range needed", "not acceptable"]
 
 
+@summarized(
+    "limit.name", "worst_value", "permitted", "worst_speed [rad/s]", "used", "passed", "remarks"
+)
 @dataclass(frozen=True, eq=False)
 class LimitCheck:
     """One curve held against one limit.
@@ -184,6 +188,7 @@ class LimitCheck:
         }
 
 
+@summarized("status", "checks", "barred", "running_range [rad/s]")
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """What limits say of an engine's vibration.

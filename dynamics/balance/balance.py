@@ -12,6 +12,7 @@ from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.balance.cylinder_forces import (
     PlacedForce,
@@ -52,6 +53,13 @@ class Resultant:
     moment: Hodograph
 
 
+@summarized(
+    "order",
+    "force: force.major [N]",
+    "moment: moment.major [N m]",
+    "force_balanced",
+    "moment_balanced",
+)
 @dataclass(frozen=True)
 class OrderBalance:
     """The inertia forces of one order and their moments.
@@ -103,6 +111,7 @@ class OrderBalance:
         return self.moment.major <= BALANCED * self.moment_scale
 
 
+@summarized("speed [rad/s]", "model", "rows", "about [m]")
 @dataclass(frozen=True)
 class Balance:
     """The balance of an engine at one speed.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.balance.cylinder_forces import reciprocating_forces
 from dynamics.balance.hodograph import Hodograph, hodograph_sum
@@ -52,6 +53,7 @@ def hodograph_change(hodograph: Hodograph, reference: Hodograph) -> HodographCha
     return HodographChange(major, minor, turn)
 
 
+@summarized("order", "curves")
 @dataclass(frozen=True)
 class HingedRodEffects:
     """Inertia forces of one order [N], with rods side by side and hinged, and what makes it up.

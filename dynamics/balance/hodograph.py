@@ -13,6 +13,7 @@ from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.checks import ComplexArray, FloatArray, finite_array, whole_number
 from dynamics.engine.orders import checked_orders
@@ -28,6 +29,7 @@ ROUND_OFF = 1e-12
 FOLD = 1e-9
 
 
+@summarized("order", "major", "minor", "sense", "angle [rad]")
 @dataclass(frozen=True)
 class Hodograph:
     """One order of a plane vector: F(phi) = P exp(i k phi) + Q exp(-i k phi), an ellipse.

@@ -4,11 +4,13 @@ import cmath
 import math
 from dataclasses import dataclass
 
+from crankbase.summaries import summarized
 from dynamics.checks import nonnegative_number
 from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout
 
 
+@summarized("reciprocating [kg]", "rotating [kg]", "lateral [kg m]")
 @dataclass(frozen=True)
 class MovingMasses:
     """The masses of one cylinder's moving parts, as the inertia forces see them.
@@ -55,7 +57,7 @@ def moving_masses(engine: EngineLayout) -> tuple[MovingMasses, ...]:
     >>> from dynamics.mechanism.rods import ConnectingRod
     >>> rod = ConnectingRod(length=0.5, mass=10.0, center_distance=0.15, inertia=0.3)
     >>> moving_masses(EngineLayout(0.1, [EngineCylinder(0.2, 7.0, rod)], [1]))
-    (MovingMasses(reciprocating=10.0, rotating=7.0, lateral=0.0),)
+    (MovingMasses(reciprocating 10 kg, rotating 7 kg, lateral 0 kg m),)
     """
     reciprocating = [cylinder.piston_mass for cylinder in engine.cylinders]
     rotating = [0.0] * len(engine.cylinders)

@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import RubberDamper, ViscousDamper
 from dynamics.chains.editing import find_node
@@ -18,6 +19,7 @@ from dynamics.checks import positive_number, whole_number
 STANDS_STILL = 1e-3
 
 
+@summarized("tuning", "damping_ratio", "loss_factor", "magnifier")
 @dataclass(frozen=True)
 class AbsorberOptimum:
     """The best absorber on a main inertia with a spring to ground and without damping.

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.chains.chain_modes import Modes, collected, elastic_modes, scaled
 from dynamics.chains.links import (
     Dashpot,
@@ -27,6 +28,7 @@ RESIDUAL_LIMIT = 1e-10
 DAMPING_UNIT = "N m s/rad (torsional) or N s/m (axial)"
 
 
+@summarized("inertia", "stiffness", "connections", "gears", "dashpots", "loss_factor")
 @dataclass(frozen=True, init=False, eq=False)
 class Chain:
     """Inertias with springs between them: in a row, with branches, and with gears.

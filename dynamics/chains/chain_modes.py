@@ -8,6 +8,7 @@ import numpy as np
 
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
 from dynamics.checks import FloatArray, read_only, whole_number
 from dynamics.plots.coordinates import name_axis
@@ -24,6 +25,7 @@ ZERO_DISPLACEMENT = 1e-11
 EQUAL_DISPLACEMENT = 1e-9
 
 
+@summarized("frequencies [Hz]", "rigid")
 @dataclass(frozen=True, eq=False)
 class Modes:
     """Natural frequencies and mode shapes of a chain of n inertias, ascending.

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import (
@@ -33,6 +34,7 @@ Kind = Literal["axial", "torsional"]
 FREE_END, FLYWHEEL = "free end", "flywheel"
 
 
+@summarized("kind", "chain.inertia", "chain.stiffness", "throw_nodes")
 @dataclass(frozen=True, eq=False)
 class EngineChain:
     """A chain of an engine, and which of its nodes are throws or sections of the crankshaft.

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.chains.attachments import Propeller
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_bodies import Coupling, RigidBody
@@ -15,6 +16,7 @@ Piece = ShaftCone | Coupling | RigidBody | Propeller
 Spreading = Literal["consistent", "lumped"]
 
 
+@summarized("name", "length [m]", "mass [kg]", "polar_inertia [kg m^2]", "pieces")
 @dataclass(frozen=True)
 class ShaftLine:
     """Pieces of shaft, couplings, bodies and a propeller in a row, from left to right.

@@ -3,12 +3,14 @@
 import math
 from dataclasses import dataclass
 
+from crankbase.summaries import summarized
 from crankbase.units.units import RPM
 from dynamics.checks import positive_number
 from dynamics.cycle import order_step
 from dynamics.harmonics import Harmonics
 
 
+@summarized("stiffness [N m/rad]", "frequency [Hz]", "order", "resonant_speed [rad/s]")
 @dataclass(frozen=True, eq=False)
 class TwoMassCheck:
     """Natural frequency of two inertias on a shaft, and the speed at which one order meets it.

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.checks import FloatArray, nonnegative_vector
 from dynamics.crankshaft.rigid_motions import rigid_motions, rings_of
 from dynamics.crankshaft.shaft_throw import RZ, UX, UY, UZ, ShaftThrow
@@ -21,6 +22,7 @@ PIN_MOTIONS = ("tangential", "radial", "axial")
 SECTION_MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 
 
+@summarized("section_count", "mass", "rigid", "positions [m]")
 @dataclass(frozen=True, eq=False)
 class AssembledShaft:
     """A crankshaft by its matrices.

@@ -9,6 +9,7 @@ import numpy as np
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table, table_of
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.checks import FloatArray, positive_number
@@ -36,6 +37,9 @@ RESPONSE_LIMIT = 0.10
 SEARCHED = 2.0
 
 
+@summarized(
+    "kind", "chain_frequency [Hz]", "shaft_frequency [Hz]", "difference", "share", "likeness"
+)
 @dataclass(frozen=True)
 class ModeMatch:
     """A mode of a chain and the mode of the whole shaft that is most like it.
@@ -95,6 +99,7 @@ class ModeMatch:
         }
 
 
+@summarized("kind", "speeds [rad/s]", "chain", "shaft", "difference")
 @dataclass(frozen=True, eq=False)
 class ResponseMatch:
     """Amplitude of the free end by a chain and by the whole shaft.
@@ -166,6 +171,7 @@ class ResponseMatch:
         )
 
 
+@summarized("kind", "suffices", "reasons", "modes")
 @dataclass(frozen=True)
 class ChainVerdict:
     """Whether a chain suffices in place of the whole shaft.

@@ -12,6 +12,7 @@ from crankbase.drawing.curves import Curves, Series, draw_curves
 from crankbase.drawing.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.checks import ComplexArray, FloatArray
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+@summarized("orders", "speeds [rad/s]")
 @dataclass(frozen=True, eq=False)
 class CoupledResponse:
     """Steady vibration of a whole crankshaft by orders, with both kinds of force kept apart.
@@ -157,6 +159,7 @@ class CoupledResponse:
         )
 
 
+@summarized("point", "both", "orders", "speeds [rad/s]")
 @dataclass(frozen=True, eq=False)
 class SplitMotion:
     """Motion of a point [m or rad], by tangential forces, by radial forces, by both.

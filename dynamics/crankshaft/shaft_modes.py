@@ -9,6 +9,7 @@ from crankbase.choices import check_not_given
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
 from dynamics.checks import FloatArray, is_whole, positive_number, positive_vector, whole_number
 from dynamics.crankshaft.assembly import AssembledShaft
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 PURE = 0.95
 
 
+@summarized("frequencies [Hz]", "rigid", "names")
 @dataclass(frozen=True, eq=False)
 class ShaftModes:
     """Natural modes, ascending: rigid motions first, then all elastic modes.

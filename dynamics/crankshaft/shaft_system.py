@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankbase.choices import check_choice
+from crankbase.summaries import summarized
 from dynamics.checks import FloatArray, positive_number
 from dynamics.crankshaft.assembly import AssembledShaft
 from dynamics.crankshaft.shaft_modes import ShaftModes, crankshaft_modes
@@ -15,6 +16,7 @@ from dynamics.response.linear_system import LinearSystem, natural_modes
 INDEPENDENT = 1e-10
 
 
+@summarized("modes.frequencies [Hz]", "kept", "highest_frequency [Hz]")
 @dataclass(frozen=True, eq=False)
 class CrankshaftSystem:
     """A whole crankshaft, ready for forced vibration.

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.checks import FloatArray, finite_array, positive_number, read_only
 
 # Motions of a section: displacements, then rotations.
@@ -14,6 +15,7 @@ UX, UY, UZ, RX, RY, RZ = range(6)
 SYMMETRIC = 1e-8
 
 
+@summarized("length [m]", "crank_angle [rad]", "stiffness", "pins")
 @dataclass(frozen=True, eq=False)
 class ShaftThrow:
     """A throw by its matrices, in its own frame, and where it stands.

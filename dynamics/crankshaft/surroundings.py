@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.checks import FloatArray, nonnegative_number, positive_number, whole_number
 from dynamics.crankshaft.shaft_throw import RX, RY, UX, UY
 
@@ -159,6 +160,7 @@ class TorsionalRing:
             )
 
 
+@summarized("bearings", "axial_supports", "loss_factor")
 @dataclass(frozen=True)
 class ShaftSurroundings:
     """All that stands around the throws.

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.checks import finite_array, is_whole, nonnegative_number, positive_number
 from dynamics.mechanism.rods import ConnectingRod
 
@@ -42,6 +43,14 @@ class SlavePin:
         return complex(self.radius * math.cos(self.angle), self.radius * math.sin(self.angle))
 
 
+@summarized(
+    "bore [m]",
+    "piston_mass [kg]",
+    "crank_angle [rad]",
+    "bank_angle [rad]",
+    "position [m]",
+    "pin_offset [m]",
+)
 @dataclass(frozen=True)
 class EngineCylinder:
     """One cylinder with its piston and rod, and where it stands.

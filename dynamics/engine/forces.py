@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.checks import (
     ComplexArray,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+@summarized("speed [rad/s]", "model", "gas [N]", "torque [N m]")
 @dataclass(frozen=True, eq=False)
 class MechanismForces:
     """Forces over shaft angles, cylinder by cylinder: arrays of shape (n, m) [N].

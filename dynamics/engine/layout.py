@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.checks import finite_array, nonnegative_number, positive_number
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass
@@ -24,6 +25,7 @@ TRIED_ANGLES = 720
 SAME_PLACE = 1e-9
 
 
+@summarized("cylinders", "crank_radius [m]", "firing_order", "strokes")
 @dataclass(frozen=True)
 class EngineLayout:
     """The mechanism of a whole engine.

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.checks import ComplexArray, FloatArray, finite_vector, positive_number
 from dynamics.cycle import cycle_degrees, cycle_fault
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 FEWEST_ANGLES = 3
 
 
+@summarized("name", "maximum [N]", "maximum_angle [rad]", "mean [N]", "angles")
 @dataclass(frozen=True, eq=False)
 class LoadDiagram:
     """The force on one bearing over a working cycle.

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crankbase.summaries import summarized
 from dynamics.checks import FloatArray, finite_array
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
@@ -23,6 +24,7 @@ SEARCH_ANGLES = 360
 NEWTON_STEPS = 8
 
 
+@summarized("piston.place [m]")
 @dataclass(frozen=True, eq=False)
 class CylinderMotion:
     """Motion of one cylinder's parts in its own frame, s + i n, over shaft angles.

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from crankbase.drawing.diagram_style import COLORS, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.checks import ComplexArray, FloatArray, finite_array, is_whole, whole_number
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+@summarized("orders", "speeds [rad/s]", "alone [N]", "in_shaft [N]")
 @dataclass(frozen=True, eq=False)
 class AxialForceComparison:
     """Axial force of each throw by order and speed, found two ways.

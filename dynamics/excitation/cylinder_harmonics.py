@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.checks import (
     ComplexArray,
     FloatArray,
@@ -34,6 +35,7 @@ TURN = 2.0 * math.pi
 INERTIA_SAMPLES = 720
 
 
+@summarized("orders", "crank_radius [m]", "throws", "takes_load", "remarks")
 @dataclass(frozen=True, eq=False)
 class CylinderHarmonics:
     """Tangential and radial force of every cylinder by orders, for any speed and load.

@@ -11,6 +11,7 @@ from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.checks import (
     ComplexArray,
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+@summarized("orders", "speeds [rad/s]", "tangential [N]", "radial [N]", "power [W]", "remarks")
 @dataclass(frozen=True, eq=False)
 class CylinderForces:
     """Force of each cylinder on its crankpin, by order and speed.

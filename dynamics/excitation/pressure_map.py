@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_below, write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.checks import (
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 LIGHTEST, LEGEND_COLUMNS = 0.85, 4
 
 
+@summarized("speeds [rad/s]", "loads", "method", "samples", "remarks")
 @dataclass(frozen=True, eq=False)
 class PressureMap:
     """Pressure diagrams at points of speed and load, and what lies between them.

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import speed_ratios
 from dynamics.checks import (
@@ -23,6 +24,14 @@ from dynamics.places import node_index
 from dynamics.response.excitation import OrderExcitation, checked_speeds
 
 
+@summarized(
+    "blades",
+    "rated_speed [rad/s]",
+    "rated_thrust [N]",
+    "rated_torque [N m]",
+    "thrust_shares",
+    "torque_shares",
+)
 @dataclass(frozen=True, eq=False)
 class PropellerForces:
     """Mean thrust and torque of a propeller, and how they vary over a turn.

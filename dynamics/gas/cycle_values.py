@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.checks import nonnegative_number, positive_number
 from dynamics.cycle import checked_strokes
 
@@ -19,6 +20,16 @@ SHORTEST_BLOW_DOWN = 5.0
 BOTTOM = math.pi
 
 
+@summarized(
+    "strokes",
+    "compression_ratio",
+    "intake_pressure [Pa]",
+    "exhaust_pressure [Pa]",
+    "heat_capacity_ratio",
+    "combustion_start [rad]",
+    "combustion_duration [rad]",
+    "assumed",
+)
 @dataclass(frozen=True)
 class GasCycle:
     """Parameters of the cycle model: compression, Wiebe heat release, expansion, gas exchange.

@@ -10,6 +10,7 @@ from crankbase.choices import check_choice, is_number
 from crankbase.drawing.diagram_style import BLUE, new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.checks import FloatArray
 from dynamics.cycle import even_angles
@@ -46,6 +47,13 @@ SEARCH_PLACES = 43
 Solved = Literal["combustion_start", "combustion_duration"]
 
 
+@summarized(
+    "mean_effective_pressure [Pa]",
+    "compression_pressure [Pa]",
+    "pressure.peak_pressure [Pa]",
+    "work [J]",
+    "heat [J]",
+)
 @dataclass(frozen=True, eq=False)
 class GasCycleResult:
     """A calculated cycle.

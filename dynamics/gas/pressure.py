@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.checks import FloatArray, finite_array, finite_vector, positive_vector, read_only
 from dynamics.cycle import checked_strokes, cycle_degrees, cycle_fault, first_not_increasing
@@ -38,6 +39,15 @@ EVEN = 1e-6
 REPEATED = 3
 
 
+@summarized(
+    "peak_pressure [Pa]",
+    "peak_angle [rad]",
+    "lowest [Pa]",
+    "strokes",
+    "angles",
+    "source",
+    "remarks",
+)
 @dataclass(frozen=True, eq=False)
 class GasPressure:
     """The absolute pressure in one cylinder, sampled evenly over one working cycle.

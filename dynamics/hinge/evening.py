@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.checks import positive_number
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
@@ -25,6 +26,7 @@ TRIED_PRESSURES, PRESSURE_STEP = 41, 1e-10
 STANDING = 100.0
 
 
+@summarized("pressure [Pa]", "ratio", "fluctuation", "unchanged", "moment_residual", "fitted_ratio")
 @dataclass(frozen=True)
 class BestPressure:
     """The start pressure of a spring that evens a crank's speed most, the guides being given.

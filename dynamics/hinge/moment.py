@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import show_quantity
 from dynamics.checks import FloatArray, finite_vector, positive_number, read_only, whole_number
@@ -32,6 +33,7 @@ SAMPLES = 1440
 FEWEST_SAMPLES = 72
 
 
+@summarized("speed [rad/s]", "load [N m]", "moment [N m]", "stored_energy [J]", "closing_error")
 @dataclass(frozen=True, eq=False)
 class HingeMoment:
     """The hinge moment for one running point of an engine; arrays of shape (m,) over one turn.

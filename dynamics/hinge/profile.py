@@ -10,6 +10,7 @@ from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table
 from crankbase.units.quantity import show_quantity
 from dynamics.checks import ComplexArray, FloatArray, nonnegative_number, positive_number, read_only
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 STEEP = np.pi / 6.0
 
 
+@summarized("name", "met", "value", "limit", "unit")
 @dataclass(frozen=True)
 class ProfileCheck:
     """One condition of a guide that can be made.
@@ -78,6 +80,7 @@ class ProfileCheck:
         }
 
 
+@summarized("radius [m]", "speed [rad/s]", "checks", "remarks")
 @dataclass(frozen=True, eq=False)
 class HingeProfile:
     """Path of the rollers' centers in the turning guides; arrays of shape (m,) over one turn.

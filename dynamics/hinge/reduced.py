@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.checks import FloatArray, finite_vector
 from dynamics.engine.forces import rod_models
 from dynamics.engine.motions import cylinder_motion, reduced_inertia
@@ -16,6 +17,7 @@ Kinematics = Literal["exact", "series", "printed"]
 KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
 
 
+@summarized("inertia [kg m^2]", "travel_rate [m]", "weight_moment [N m]")
 @dataclass(frozen=True, eq=False)
 class ReducedCrank:
     """What an engine of one degree of freedom shows its crank, arrays of shape (m,).

@@ -9,6 +9,7 @@ import numpy as np
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import show_quantity
 from crankbase.units.units import RPM
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 STEPS = 2880
 
 
+@summarized("mean_speed [rad/s]", "fluctuation", "flywheel [kg m^2]", "gain", "angles")
 @dataclass(frozen=True, eq=False)
 class SteadyHingeTurn:
     """One turn of a crank that repeats.

@@ -10,9 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.checks import ComplexArray, FloatArray
 
 
+@summarized("place [m]", "first", "second")
 @dataclass(frozen=True, eq=False)
 class PointMotion:
     """A moving point.
@@ -48,6 +50,7 @@ class PointMotion:
         return PointMotion(turn * self.place, turn * self.first, turn * self.second)
 
 
+@summarized("angle", "first", "second")
 @dataclass(frozen=True, eq=False)
 class TurnMotion:
     """The angle through which a body turns, in the sense of rotation of the crank.

@@ -7,6 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.checks import finite_array, positive_number
 
 RodModelName = Literal["rigid", "three-mass", "two-mass with inertia", "two-mass"]
@@ -102,6 +103,7 @@ class ConnectingRod:
         return _MAKERS[name](self)
 
 
+@summarized("name", "length [m]", "mass [kg]", "center", "inertia [kg m^2]")
 @dataclass(frozen=True)
 class RodModel:
     """Point masses on a rod, with an inertia of their own where the model has one.

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.checks import FloatArray, nonnegative_vector, one_for_each, positive_number
 from dynamics.places import node_index, values_at_nodes
@@ -22,6 +23,7 @@ UNIT = "N m s/rad (torsional) or N s/m (axial)"
 PASSIVE = "it is that of a passive element"
 
 
+@summarized("chain.inertia", "chain.stiffness", "record")
 @dataclass(frozen=True, eq=False)
 class DampedChain:
     """A chain with all of its damping.

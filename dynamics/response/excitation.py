@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.checks import (
     ComplexArray,
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 ROOM = 1e-12
 
 
+@summarized("orders", "speeds [rad/s]", "forces")
 @dataclass(frozen=True, eq=False)
 class OrderExcitation:
     """Forces on the nodes of a system, by order and speed.

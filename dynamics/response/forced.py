@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
 from dynamics.checks import ComplexArray, FloatArray
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+@summarized("orders", "speeds [rad/s]", "amplitude", "names", "method")
 @dataclass(frozen=True, eq=False)
 class ForcedResponse:
     """Steady vibration by orders: the motion at the shaft angle phi is Re sum_k X_k exp(i k phi).

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh, qr
 
+from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
 from dynamics.checks import (
@@ -23,6 +24,7 @@ MAGNIFIER_SOURCE = (
 )
 
 
+@summarized("natural [rad/s]", "rigid")
 @dataclass(frozen=True, eq=False)
 class LinearSystem:
     """M x'' + C x' + K x = f, with K + i H in place of K for harmonic motion.

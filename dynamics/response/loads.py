@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from crankbase.choices import check_choice
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
 from dynamics.checks import ComplexArray, FloatArray, finite_array, positive_vector
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+@summarized("elastic.orders", "elastic.speeds [rad/s]", "elastic.names")
 @dataclass(frozen=True, eq=False)
 class ElementLoads:
     """Loads [N m or N] by order and speed; each is a series that can be summed over the cycle.

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.checks import ComplexArray, FloatArray
 from dynamics.plots.coordinates import name_axis, orders_and_speeds
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 NO_HEAT = 1e-10
 
 
+@summarized("power_in [W]", "dissipated [W]", "error", "orders", "speeds [rad/s]")
 @dataclass(frozen=True, eq=False)
 class PowerBalance:
     """Mean power over the cycle [W] by order and speed; inf where the vibration is unbounded.

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from dynamics.checks import ComplexArray, FloatArray
 from dynamics.critical import critical_speeds
@@ -19,6 +20,16 @@ from dynamics.response.harmonic import NO_WORK, UNDAMPED, harmonic_answer
 IN_PHASE = 0.99
 
 
+@summarized(
+    "mode",
+    "order",
+    "frequency [Hz]",
+    "speed [rad/s]",
+    "amplitude",
+    "magnifier",
+    "kind",
+    "in_running_range",
+)
 @dataclass(frozen=True)
 class Resonance:
     """A speed at which an order excites an elastic mode at its natural frequency.

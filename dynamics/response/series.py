@@ -12,6 +12,7 @@ from crankbase.drawing.curves import Curves
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.checks import (
     ComplexArray,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+@summarized("orders", "speeds [rad/s]", "amplitude", "names")
 @dataclass(frozen=True, eq=False)
 class OrderSeries:
     """Values by order, speed and place: y = Re sum_k Y_k exp(i k phi) at the shaft angle phi.

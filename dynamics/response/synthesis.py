@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.checks import ComplexArray, FloatArray
 from dynamics.places import place_number
@@ -38,6 +39,7 @@ NEWTON_STEPS = 6
 BATCH = 2**22
 
 
+@summarized("speeds [rad/s]", "amplitude", "plain_sum", "period [rad]")
 @dataclass(frozen=True, eq=False)
 class Synthesis:
     """Vibration with all orders together, at each speed and place.

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.checks import FloatArray, nonnegative_number
 from dynamics.engine.forces import MechanismForces, mechanism_forces
@@ -26,6 +27,12 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 
+@summarized(
+    "number",
+    "firing_angle [rad]",
+    "tangential: tangential.amplitude [N]",
+    "radial: radial.amplitude [N]",
+)
 @dataclass(frozen=True, eq=False)
 class PinForceHarmonics:
     """Harmonics of one cylinder's force on its crankpin, by its cause [N].

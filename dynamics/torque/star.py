@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.checks import FloatArray, finite_array, finite_vector, positive_vector, read_only
 from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
@@ -28,6 +29,7 @@ Kind = Literal["major", "minor", "balanced"]
 SAME_DIRECTION = 1e-6
 
 
+@summarized("order", "kind", "share", "resultant")
 @dataclass(frozen=True, eq=False)
 class Star:
     """The harmonics of one order of all cylinders as vectors.

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE, new_axes
 from crankbase.drawing.legends import legend_above, write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.checks import FloatArray, is_whole, nonnegative_number, read_only
 from dynamics.engine.forces import mechanism_forces
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
 NO_MEAN = 1e-12
 
 
+@summarized(
+    "speed [rad/s]", "mean [N m]", "total [N m]", "power [W]", "nonuniformity", "energy_error"
+)
 @dataclass(frozen=True, eq=False)
 class EngineTorque:
     """Torque on the shaft over one working cycle, positive when it drives.

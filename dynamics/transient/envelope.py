@@ -10,6 +10,7 @@ from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.checks import FloatArray, whole_number
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+@summarized("turns", "time [s]", "speed [rad/s]", "motion", "torque")
 @dataclass(frozen=True, eq=False)
 class Envelope:
     """Half of the way between the extremes within each window of whole turns.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
 from dynamics.checks import (
@@ -46,6 +47,7 @@ MOST_NUMBERS = 2e8
 SAME_STEP = 1e-11
 
 
+@summarized("time [s]", "shaft_speed [rad/s]", "torque", "complete", "force_error", "notes")
 @dataclass(frozen=True, eq=False)
 class TransientMotion:
     """How a chain or system moved.

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from dynamics.checks import (
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 
+@summarized("times [s]", "speeds [rad/s]", "duration [s]")
 @dataclass(frozen=True, eq=False)
 class SpeedCurve:
     """The speed over time, straight between the values given; the angle is its integral.

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.quantity import show_quantity
 from dynamics.chains.chain import Chain
@@ -43,6 +44,7 @@ FINER = 4
 NO_DRIVE = 1e-9
 
 
+@summarized("speed [rad/s]", "turns", "amplitude", "torque_amplitude", "unbounded", "note")
 @dataclass(frozen=True, eq=False)
 class SteadyMotion:
     """Vibration that repeats every cycle at a constant speed.

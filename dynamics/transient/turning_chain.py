@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.checks import FloatArray
 from dynamics.engine.layout import EngineLayout
@@ -23,6 +24,7 @@ EVEN = 1e-9
 LEAST_SIZE = 1e-8
 
 
+@summarized("throws", "even", "load")
 @dataclass(frozen=True, eq=False)
 class TurningChain:
     """Matrices and curves of M(theta) theta'' + ... = torques, on the q unknowns of a chain.

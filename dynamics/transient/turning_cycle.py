@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.quantity import show_quantity
 from dynamics.checks import ComplexArray, FloatArray, positive_number, whole_number
@@ -35,6 +36,9 @@ DIFFERENCE = 1e-3
 NO_CHANGE = 1e-9
 
 
+@summarized(
+    "mean_speed [rad/s]", "turns", "load [N m]", "torque", "energy_error", "closing_error", "note"
+)
 @dataclass(frozen=True, eq=False)
 class TurningCycle:
     """One cycle of steady running.

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.checks import (
     MOST_TURNS,
@@ -41,6 +42,7 @@ ENERGIES = ("kinetic_energy", "strain_energy", "gas_work", "load_work", "damping
 Load = Callable[[float, float], float]
 
 
+@summarized("time [s]", "speed [rad/s]", "turns", "complete", "energy_error", "notes")
 @dataclass(frozen=True, eq=False)
 class TurningRun:
     """How a shaft turned by itself.

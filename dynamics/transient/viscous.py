@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.checks import positive_number
 from dynamics.response.linear_system import LinearSystem, chain_system
@@ -15,6 +16,7 @@ LossAs = Literal["viscous", "modal"]
 LOSS_AS = ("viscous", "modal")
 
 
+@summarized("system.natural", "note")
 @dataclass(frozen=True, eq=False)
 class ViscousSystem:
     """A linear system that can be followed through time.

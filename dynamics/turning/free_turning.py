@@ -11,6 +11,7 @@ from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from dynamics.checks import (
@@ -61,6 +62,7 @@ class WorkShare:
     work: FloatArray
 
 
+@summarized("time [s]", "angle [rad]", "speed [rad/s]", "energy_error", "stopped", "remark")
 @dataclass(frozen=True, eq=False)
 class FreeTurning:
     """How an engine turned by itself.

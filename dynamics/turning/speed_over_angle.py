@@ -10,6 +10,7 @@ import numpy as np
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from dynamics.checks import (
@@ -54,6 +55,7 @@ OUTER = (5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0)
 STOPPED_SHARE = 1e-9
 
 
+@summarized("mean_speed [rad/s]", "fluctuation", "speed [rad/s]", "stopped_at [rad]")
 @dataclass(frozen=True, eq=False)
 class SpeedOverAngle:
     """How a shaft turned over given angles.

@@ -8,6 +8,7 @@ import numpy as np
 
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.checks import FloatArray, finite_array, positive_number, turns_followed, whole_number
 from dynamics.cycle import even_angles
 from dynamics.turning.given_functions import checked_inertia, checked_moment
@@ -37,6 +38,7 @@ TRIALS = 100
 STOPPED = 1e3
 
 
+@summarized("load [N m]", "turning.mean_speed [rad/s]", "turning.fluctuation")
 @dataclass(frozen=True, eq=False)
 class SteadyTurning:
     """Turning whose speed repeats, under a constant load.

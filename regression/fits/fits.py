@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from regression.fits.checked_runs import checked_runs, checked_sizes
 from regression.fits.determined_terms import determined_terms, is_indicator
@@ -31,6 +32,16 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+@summarized(
+    "form",
+    "coefficient_count",
+    "largest_error",
+    "largest_heldout_error",
+    "q_squared",
+    "runs",
+    "heldout_runs",
+    keeps_text=True,
+)
 @dataclass(frozen=True, eq=False)
 class Fit:
     """A fitted form and its errors. Errors are relative to the true response, 0.01 for 1 %.

@@ -2,7 +2,10 @@
 
 from dataclasses import dataclass
 
+from crankbase.summaries import summarized
 
+
+@summarized("value", "unit", "valid", "remarks", "source", "variant")
 @dataclass(frozen=True)
 class FormulaValue:
     """The result of one published formula for one crank throw.

@@ -4,6 +4,7 @@ import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from crankbase.summaries import summarized
 from regression.models.angle import between_values
 from regression.models.error_band import ErrorBand
 from regression.models.outside import Outside
@@ -12,6 +13,7 @@ from regression.models.response_model import ResponseModel
 NO_BAND = "none holds outside the range of the fit"
 
 
+@summarized("value", "unit", "support", "lower", "upper", "inside", "remarks", keeps_text=True)
 @dataclass(frozen=True)
 class Lookup:
     """One value from a compliance model, with all that is known about it.

@@ -22,6 +22,7 @@ from crankbase.drawing.bars import draw_groups
 from crankbase.drawing.diagram_style import RED, new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import show_quantity
 from geometry.throw import CrankThrow
@@ -71,6 +72,7 @@ class LimitCheck:
     active: bool
 
 
+@summarized("minimized", "value", "unit", "factors", "limits", "remarks", keeps_text=True)
 @dataclass(frozen=True)
 class Optimum:
     """The best throw under limits.

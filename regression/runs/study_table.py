@@ -11,6 +11,7 @@ from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, shown_unit, write_title
 from crankbase.errors import InputError
 from crankbase.model import field_extra
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
@@ -67,6 +68,7 @@ class StudyRow:
     source: str = ""
 
 
+@summarized("study: plan.key", "designs: values", "responses", "failures", "excluded")
 @dataclass(frozen=True)
 class StudyTable:
     """Results of a study as arrays.

@@ -58,7 +58,7 @@ def reference(throw):
 def judged(throw, accuracy, truth):
     """An analysis at this accuracy against the truth."""
     begin = time.perf_counter()
-    found = cf.analyze_axial(throw, accuracy=accuracy)
+    found = cf.compliance.analyze_axial(throw, accuracy=accuracy)
     return {
         "seconds": time.perf_counter() - begin,
         "unknowns": found.mesh.unknowns,

@@ -1,5 +1,10 @@
+import doctest
+import importlib
+import inspect
 import pkgutil
 import sys
+from collections import Counter
+from pathlib import Path
 
 import pytest
 
@@ -11,16 +16,54 @@ HEAVY = (
 )
 
 
-def test_every_public_name_is_there_once():
-    assert [name for name in cf.__all__ if getattr(cf, name, None) is None] == []
-    assert len(set(cf.__all__)) == len(cf.__all__)
-    assert set(cf.__all__) <= set(dir(cf))
+TOPICS = {name: one for name in cf.__all__ if inspect.ismodule(one := getattr(cf, name))}
+
+
+@pytest.mark.parametrize("package", [cf, *TOPICS.values()], ids=lambda one: one.__name__)
+def test_every_public_name_is_there(package):
+    assert len(set(package.__all__)) == len(package.__all__)
+    for name in package.__all__:
+        assert getattr(package, name) is not None
+        assert name in dir(package)
+
+
+def test_every_public_thing_has_one_place():
+    packages = [cf, *TOPICS.values()]
+    names = Counter(name for one in packages for name in one.__all__)
+    assert [name for name, count in names.items() if count > 1] == []
+    things = Counter(id(getattr(one, name)) for one in packages for name in one.__all__)
+    assert max(things.values()) == 1
+
+
+def test_the_top_is_small_and_its_topics_are_its_folders():
+    assert len(cf.__all__) - len(TOPICS) <= 70
+    folder = Path(cf.__file__).parent
+    assert set(TOPICS) == {path.parent.name for path in folder.glob("*/__init__.pyi")}
+    for one in TOPICS.values():
+        assert one is importlib.import_module(one.__name__)
 
 
 def test_no_module_of_the_package_takes_a_public_name():
     """Importing a submodule would put it in the place of the name."""
     modules = {found.name for found in pkgutil.iter_modules(cf.__path__)}
-    assert not modules & set(cf.__all__)
+    assert modules & set(cf.__all__) == set(TOPICS)
+
+
+@pytest.mark.parametrize("name", TOPICS)
+def test_a_topic_shows_the_way_in(name):
+    """That its example runs is tested with all others in docstrings."""
+    (example,) = doctest.DocTestFinder(recurse=False).find(TOPICS[name])
+    assert 3 <= len(example.examples) <= 8
+    assert any(name in one.source for one in example.examples)
+
+
+def test_all_ways_to_a_name_of_a_topic(spawn):
+    code = (
+        "from crankfem.chains import with_damper; from crankfem import chains; import crankfem as cf; "
+        "assert cf.chains is chains and cf.chains.with_damper is with_damper is chains.with_damper"
+    )
+    answer = python(spawn, code)
+    assert answer.code == 0, answer.err
 
 
 def test_the_promised_names():
@@ -47,6 +90,8 @@ def test_the_promised_names():
 def test_an_unknown_name():
     with pytest.raises(AttributeError, match="module 'crankfem' has no attribute 'magic'"):
         cf.magic  # noqa: B018
+    with pytest.raises(AttributeError, match=r"module 'crankfem\.chains' has no attribute 'magic'"):
+        cf.chains.magic  # noqa: B018
 
 
 def python(spawn, code, **options):
@@ -61,6 +106,7 @@ def python(spawn, code, **options):
         "import crankfem as cf; cf.Chain([0.1, 0.78], [9e5]).modes(); cf.harmonics([0, 1, 0, -1])",
         "import crankfem as cf; cf.ComplianceModel",
         "import crankfem as cf; cf.axial_formulas, cf.torsional_formulas",
+        "from crankfem import chains, formulas, limits; chains.with_gear, limits.given_limit",
     ],
 )
 def test_light_work_loads_no_heavy_library(spawn, code):

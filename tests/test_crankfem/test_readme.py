@@ -7,12 +7,12 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 # Their doctests mesh and solve.
-SLOW = {"fem.analysis", "fem.fillet_stress", "fem.shaft"}
+SLOW = {"crankfem.compliance", "fem.analysis", "fem.fillet_stress", "fem.shaft"}
 
 
 def modules():
     """Yield name and source file of every module."""
-    for name in ("crankfem", "geometry", "fem", "regression", "dynamics"):
+    for name in ("crankfem", "geometry", "fem", "regression", "dynamics", "crankbase"):
         for path in sorted((ROOT / name).rglob("*.py")):
             parts = path.relative_to(ROOT).with_suffix("").parts
             yield ".".join(parts).removesuffix(".__init__"), path

@@ -78,52 +78,49 @@ def _figures_closed():
     pyplot.close("all")
 
 
-def public_classes():
-    found = {name: getattr(cf, name) for name in cf.__all__}
-    return {
+def test_every_public_result_draws_itself_or_says_why_not(public_classes):
+    own = {
         name: one
-        for name, one in found.items()
-        if inspect.isclass(one) and one.__module__.partition(".")[0] in PACKAGES
+        for name, one in public_classes.items()
+        if one.__module__.partition(".")[0] in PACKAGES
     }
-
-
-def test_every_public_result_draws_itself_or_says_why_not():
     depicted = {
         name
-        for name, one in public_classes().items()
+        for name, one in own.items()
         if any(hasattr(one, method) for method in ("plot", "to_pandas", "to_xarray"))
     }
-    missing = set(public_classes()) - depicted - set(DEPICTED_ELSEWHERE)
+    missing = set(own) - depicted - set(DEPICTED_ELSEWHERE)
     assert not missing
     assert not depicted & set(DEPICTED_ELSEWHERE)
-    assert set(DEPICTED_ELSEWHERE) <= set(public_classes())
+    assert set(DEPICTED_ELSEWHERE) <= set(own)
 
 
-def said_of_classes():
+def said_of_classes(public):
     """Of each class in the table of the page on plots, whether it draws, tabulates, makes a grid."""
+    kinds = {name.rpartition(".")[2]: one for name, one in public.items()}
     page = Path(__file__).parents[2] / "docs/plots.md"
     said = {}
     for line in page.read_text(encoding="utf-8").splitlines():
         if line.startswith("| `"):
             first, *cells = (cell.strip() for cell in line.strip("|").split("|"))
             for name in re.findall(r"`(\w+)`", first):
-                assert name in cf.__all__, name
+                assert name in kinds, name
                 assert name not in said, f"{name} has two rows"
                 said[name] = tuple(bool(cell) for cell in cells)
-    return {name: own for name, own in said.items() if inspect.isclass(getattr(cf, name))}
+    return {name: own for name, own in said.items() if inspect.isclass(kinds[name])}
 
 
-def test_the_table_of_results_is_true():
-    classes = {name: one for name in cf.__all__ if inspect.isclass(one := getattr(cf, name))}
+def test_the_table_of_results_is_true(public, public_classes):
     methods = ("plot", "to_pandas", "to_xarray")
-    has = {name: tuple(hasattr(one, own) for own in methods) for name, one in classes.items()}
-    assert said_of_classes() == {name: own for name, own in has.items() if any(own)}
+    has = {
+        name: tuple(hasattr(one, own) for own in methods) for name, one in public_classes.items()
+    }
+    assert said_of_classes(public) == {name: own for name, own in has.items() if any(own)}
 
 
-def test_all_plots_take_axes_first():
-    for name in cf.__all__:
-        one = getattr(cf, name)
-        if inspect.isclass(one) and hasattr(one, "plot"):
+def test_all_plots_take_axes_first(public_classes):
+    for name, one in public_classes.items():
+        if hasattr(one, "plot"):
             _, axes, *others = inspect.signature(one.plot).parameters.values()
             assert (axes.name, axes.default) == ("axes", None), name
             named = {one.name for one in others if one.kind is not one.POSITIONAL_OR_KEYWORD}

@@ -78,7 +78,7 @@ def engine():
 
 def turned(times, **changes):
     settings = {"gas": gas, "load": load, "gravity": GRAVITY} | changes
-    return cf.turn_freely(engine(), 0.0, 10.0, float(times[-1]), times=times, **settings)
+    return cf.torque.turn_freely(engine(), 0.0, 10.0, float(times[-1]), times=times, **settings)
 
 
 def test_torque_at_the_start(figure):

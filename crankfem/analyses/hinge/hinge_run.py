@@ -9,6 +9,7 @@ import numpy as np
 from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankfem.files.hinge.hinge_file import HingeFile
 from dynamics.hinge.evening import BestPressure, best_pressure, flywheel_for
@@ -48,6 +49,7 @@ class OtherSpeed:
     flywheel_with_hinge: float
 
 
+@summarized("file.name", "moment.load [N m]", "moment.moment [N m]", "flywheel [kg m^2]", "others")
 @dataclass(frozen=True, eq=False)
 class HingeRun:
     """All results for a hinge file.

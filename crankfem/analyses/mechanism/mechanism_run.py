@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from crankbase.choices import check_choice, check_not_given
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of, with_throws
@@ -63,6 +64,14 @@ class CylinderWork:
     mean_effective_pressure: float
 
 
+@summarized(
+    "mechanism.name",
+    "speed [rad/s]",
+    "torque: torque.mean [N m]",
+    "torque.power [W]",
+    "crankpins",
+    "bearings",
+)
 @dataclass(frozen=True, eq=False)
 class MechanismRun:
     """Forces in an engine's mechanism over one cycle at constant speed.

@@ -13,6 +13,7 @@ import numpy as np
 
 from crankbase.choices import check_choice, check_not_given
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
 from crankbase.units.number_formats import UNBOUNDED
 from crankfem.analyses.shaft.motion import MOTION
@@ -53,6 +54,7 @@ LEAST_FREQUENCY = 200.0
 FREE_END = "section 0 uz"
 
 
+@summarized("modes.frequencies [Hz]", "highest_frequency [Hz]", "rotation_ratios", "remarks")
 @dataclass(frozen=True, eq=False)
 class WholeShaft:
     """The whole crankshaft of an engine, its modes, and what was assumed for it.
@@ -95,6 +97,7 @@ class WholeShaft:
         return self.modes.to_pandas()
 
 
+@summarized("verdicts")
 @dataclass(frozen=True, eq=False)
 class ShaftComparison:
     """Coupled vibration of the whole shaft beside the uncoupled chains of the same engine.

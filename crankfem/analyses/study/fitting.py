@@ -14,6 +14,7 @@ from crankbase.drawing.bars import draw_rows
 from crankbase.drawing.diagram_style import math_symbol, new_axes
 from crankbase.drawing.legends import shown_unit, write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table as frame
 from crankfem.analyses.about import program_version
 from fem.responses import RESPONSES
@@ -49,6 +50,16 @@ SUPPORTS = {
 MAIN_SUPPORT = "_pinned"
 
 
+@summarized(
+    "response",
+    "unit",
+    "support",
+    "chosen.form",
+    "chosen.largest_error",
+    "chosen.largest_heldout_error",
+    "fits",
+    "reason",
+)
 @dataclass(frozen=True, eq=False)
 class ResponseFits:
     """All forms fitted to one response, and the one chosen by the held-out error.

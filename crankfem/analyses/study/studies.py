@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from crankbase.choices import check_choice, check_not_given
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.summaries import summarized
 from crankfem.analyses.study.fit_diagrams import (
     draw_fit_elasticities,
     draw_fit_errors,
@@ -34,6 +35,7 @@ SHOWN: tuple[Shown, ...] = ("parity", "errors", "response", "effects", "elastici
 OF_A_FORM: tuple[Shown, ...] = ("parity", "errors", "effects")
 
 
+@summarized("study: table.plan.key", "designs: table.values", "fits", keeps_text=True)
 @dataclass(frozen=True)
 class StudyResult:
     """A study's table, its fits by response, and the model made of the chosen ones."""

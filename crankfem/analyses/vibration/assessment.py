@@ -9,6 +9,7 @@ from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.sources import FE, FE_PINNED
@@ -43,6 +44,7 @@ FE_ERROR = {
 }
 
 
+@summarized("kind", "spreads", "nominal [Hz]", "lowest [Hz]", "highest [Hz]")
 @dataclass(frozen=True, eq=False)
 class Uncertainty:
     """How far natural frequencies and amplitudes of one kind may be off.
@@ -131,6 +133,7 @@ class Uncertainty:
         )
 
 
+@summarized("verdict.status", "limits", "remarks")
 @dataclass(frozen=True, eq=False)
 class Assessment:
     """Verdict and uncertainty of an engine's vibration.

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from crankbase.choices import check_choice, check_not_given
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.motion import MOTION
@@ -56,6 +57,7 @@ EITHER = "rad or m"
 FORCED: tuple[Forced, ...] = ("amplitude", "load", "stress", "power", "axial forces")
 
 
+@summarized("kind", "response.orders", "response.speeds [rad/s]", "resonances", "remarks")
 @dataclass(frozen=True, eq=False)
 class ForcedVibration:
     """One kind of forced vibration (axial or torsional) of an engine.

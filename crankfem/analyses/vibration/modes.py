@@ -13,6 +13,7 @@ from crankbase.drawing.bars import draw_rows
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankfem.analyses.shaft.chains import (
     engine_axial_chain,
@@ -140,6 +141,7 @@ class CriticalDot:
     unbounded: bool = False
 
 
+@summarized("kind", "chosen.elastic_frequencies [Hz]", "criticals", "unusable")
 @dataclass(frozen=True)
 class Vibration:
     """One kind of vibration (axial or torsional) of an engine.

@@ -9,6 +9,7 @@ from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankfem.analyses.shaft.sources import compliances_in_shaft
 from crankfem.analyses.shaft.throw_analyses import Analyses, analyses_by_name, analyze_throws
@@ -54,6 +55,12 @@ SHOWN: tuple[Shown, ...] = (
 LIMITS = {"amplitude": "{kind}_amplitude", "stress": "crankshaft_stress"}
 
 
+@summarized(
+    "engine: engine_file.engine.name",
+    "axial: axial.chosen.elastic_frequencies [Hz]",
+    "torsional: torsional.chosen.elastic_frequencies [Hz]",
+    "verdict: assessment.verdict.status",
+)
 @dataclass(frozen=True, eq=False)
 class EngineVibration:
     """Vibration of an engine, by its uncoupled chains and by its whole crankshaft.
@@ -218,7 +225,7 @@ def engine_vibration(
     mechanism: MechanismFile | None = None,
     model: ComplianceModel | None = None,
     coupled: bool = False,
-    step: Callable[[str], None] = lambda _: None,
+    step: Callable[[str], None] | None = None,
 ) -> EngineVibration:
     """Calculate the vibration of an engine.
 
@@ -249,6 +256,7 @@ def engine_vibration(
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     """
+    tell = step or (lambda _: None)
     read = engine if isinstance(engine, EngineFile) else load_engine(engine)
     if mechanism is None:
         mechanism = mechanism_of(read)
@@ -262,15 +270,15 @@ def engine_vibration(
             "them: a section [gas] or [gas_map]."
         )
     if analyses is None:
-        step("Analyzing the throw" if len(read.named_throws) == 1 else "Analyzing the throws")
+        tell("Analyzing the throw" if len(read.named_throws) == 1 else "Analyzing the throws")
         analyses = analyze_throws(read)
-    step("Calculating vibration")
+    tell("Calculating vibration")
     shaft = compliances_in_shaft(read, analyses)
     axial = axial_vibration(read, analyses, shaft, model)
     torsional = torsional_vibration(read, analyses, shaft, model)
     lengthened = twisted = assessment = whole = comparison = None
     if coupled:
-        step("Calculating the whole crankshaft")
+        tell("Calculating the whole crankshaft")
         whole = whole_shaft(read, analyses)
     if harmonics is not None:
         modes = None if whole is None else whole.modes
@@ -284,7 +292,7 @@ def engine_vibration(
             () if modes is None else modes.frequencies[modes.rigid :],
         )
         if read.ranges is not None:
-            step("Sampling what is uncertain")
+            tell("Sampling what is uncertain")
         assessment = assess(read, lengthened, twisted, analyses)
     if whole is not None:
         answer = None if twisted is None else shaft_response(read, whole, twisted.forces)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import parse_quantity
 from crankfem.analyses.shaft.chains import magnifier_of
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 SHORTEST, LONGEST = 0.1, 600.0  # s
 
 
+@summarized("duration [s]", "largest [N m]", "steady [N m]", "worst")
 @dataclass(frozen=True, eq=False)
 class RunUp:
     """A run-up from the lowest speed calculated to the highest running speed.

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
 from crankfem.files.chain.chain_build import Section, chain_of
 from crankfem.files.chain.chain_sections import AxialChainSection, TorsionalChainSection
@@ -26,6 +27,7 @@ KINDS: dict[str, type[Section]] = {
 }
 
 
+@summarized("name", "kind", "path", "chain.inertia", "chain.stiffness")
 @dataclass(frozen=True)
 class ChainFile:
     """A chain file, read and checked.

@@ -16,6 +16,7 @@ import re
 from dataclasses import dataclass, field
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankbase.units.quantity import parse_quantity
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import Dashpot, Gear
@@ -31,6 +32,7 @@ NODE_WORDS = ("ground damping", "ground")
 LINK_WORDS = ("inertia", "damping", "loss", "dashpot", "gear", "from", "to")
 
 
+@summarized("name", "kind", "chain.inertia", "chain.stiffness")
 @dataclass(frozen=True)
 class ChainText:
     """A chain read from text.

@@ -7,6 +7,7 @@ from typing import Any
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel
+from crankbase.summaries import summarized
 from crankbase.units.quantity import show_quantity
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.mechanism_cylinders import (
@@ -69,6 +70,7 @@ from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 from regression.plans.plan import StudyPlan, plan_designs
 
 
+@summarized("engine.name", "path", "engine.rated_speed [rad/s]", "pins")
 @dataclass(frozen=True)
 class EngineFile:
     """An engine file, read and checked.

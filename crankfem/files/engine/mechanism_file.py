@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from crankfem.files.engine.engine_file import EngineFile, load_engine_or_throw
 from crankfem.files.engine.mechanism_cylinders import (
     angles_of_throws,
@@ -43,6 +44,9 @@ from geometry.throw import CrankThrow
 NEEDED = ("engine", "throw", "rod", "piston")
 
 
+@summarized(
+    "name", "path", "rated_speed [rad/s]", "layout.cylinders", "throw_angles [rad]", "remarks"
+)
 @dataclass(frozen=True)
 class MechanismFile:
     """The mechanism of an engine file, read and checked.

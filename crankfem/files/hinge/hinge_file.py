@@ -7,6 +7,7 @@ from typing import TypeVar
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel
+from crankbase.summaries import summarized
 from crankbase.units.quantity import show_quantity
 from crankfem.files.hinge.hinge_sections import (
     Comparison,
@@ -32,6 +33,7 @@ from dynamics.mechanism.rods import ConnectingRod
 SAME_SPEED = 1e-6
 
 
+@summarized("name", "path", "design_speed [rad/s]", "speeds [rad/s]")
 @dataclass(frozen=True)
 class HingeFile:
     """A hinge file, read and checked.

@@ -1,0 +1,170 @@
+"""How results show themselves: a text of one to three lines, and a small table in notebooks."""
+
+import textwrap
+from collections.abc import Callable, Mapping, Sized
+from html import escape
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+T = TypeVar("T")
+
+WIDTH = 100
+# Lines of a text, its first and last included.
+LINES = 3
+# So many values are shown one by one.
+FEW = 4
+# So long may a text be, and one of several.
+LONGEST = 60
+BRIEF = 24
+# Stands for a space at which no line ends.
+TIED = "\u00a0"
+
+
+def summarized(*items: str, keeps_text: bool = False) -> Callable[[type[T]], type[T]]:
+    """Give a class of results a short `__repr__`, and `_repr_html_` for notebooks.
+
+    Parameters
+    ----------
+    *items : str
+        What matters, as "attribute [unit]": where it is found, with its SI unit. An attribute of an
+        attribute is named "mesh.unknowns", and its last name is shown, or what is put before it as
+        in "left: left.force [N]"; a method is called without arguments. What is None is left out,
+        and all that an attribute has where that is None.
+    keeps_text : bool, optional
+        Whether the class says in a text of its own what it is.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> @summarized("mesh.unknowns", "mass [kg]", "speeds [rad/s]")
+    ... class Analysis:
+    ...     mesh, mass = SimpleNamespace(unknowns=21340), 312.4567
+    ...     speeds = np.linspace(10.0, 50.0, 60)
+    >>> Analysis()
+    Analysis(unknowns 21340, mass 312.5 kg, speeds 10 to 50 rad/s (60))
+    """
+    declared = tuple(_declared(item) for item in items)
+
+    def rows(result: object) -> dict[str, str]:
+        texts = ((label, _value(_at(result, path), unit)) for label, path, unit in declared)
+        return {label: text for label, text in texts if text}
+
+    def __repr__(self: object) -> str:  # noqa: N807 - these become methods
+        return text_of(type(self).__name__, [f"{name} {text}" for name, text in rows(self).items()])
+
+    def _repr_html_(self: object) -> str:
+        return html_of(type(self).__name__, rows(self))
+
+    def decorate(cls: type[T]) -> type[T]:
+        if not keeps_text:
+            cls.__repr__ = __repr__  # type: ignore[method-assign]
+        cls._repr_html_ = _repr_html_  # type: ignore[attr-defined]
+        return cls
+
+    return decorate
+
+
+def text_of(name: str, parts: list[str]) -> str:
+    """Return "name(part, part)" in few lines; what does not fit any more is counted.
+
+    Examples
+    --------
+    >>> text_of("Sum", ["a 1", "b 2"])
+    'Sum(a 1, b 2)'
+    """
+    for kept in range(len(parts), -1, -1):
+        more = [f"and {len(parts) - kept} more"] if kept < len(parts) else []
+        tied = [part.replace(" ", TIED) for part in parts[:kept] + more]
+        whole = f"{name}({', '.join(tied)})"
+        lines = textwrap.wrap(
+            whole, WIDTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+        )
+        if len(lines) <= LINES:
+            break
+    return "\n".join(lines).replace(TIED, " ")
+
+
+def html_of(name: str, rows: Mapping[str, str]) -> str:
+    """Return a small table: the name above, a row for each value.
+
+    Examples
+    --------
+    >>> html_of("Sum", {"a": "< 1"})
+    '<table><caption>Sum</caption><tr><th>a</th><td>&lt; 1</td></tr></table>'
+    """
+    body = "".join(
+        f"<tr><th>{escape(label)}</th><td>{escape(_short(text))}</td></tr>"
+        for label, text in rows.items()
+    )
+    return f"<table><caption>{escape(name)}</caption>{body}</table>"
+
+
+def _declared(item: str) -> tuple[str, str, str]:
+    """Return label, path and unit."""
+    place, _, unit = item.partition(" [")
+    label, named, path = place.rpartition(": ")
+    return label if named else path.rpartition(".")[2], path, unit.removesuffix("]")
+
+
+def _at(value: Any, path: str) -> Any:
+    for name in path.split("."):
+        if value is not None:
+            value = getattr(value, name)
+    return value
+
+
+def _value(value: Any, unit: str) -> str:
+    """Write a value with its unit; "" where there is none."""
+    if callable(value):
+        value = value()
+    if value is None:
+        return ""
+    if isinstance(value, np.ndarray) and value.size > FEW:
+        return _many(value, unit)
+    if isinstance(value, tuple | list | np.ndarray):
+        items = list(value)
+        if len(items) > FEW or not all(_is_brief(item) for item in items):
+            return str(len(items))
+        listed = ", ".join(_plain(item) for item in items) or "none"
+        text = f"({listed})" if len(items) > 1 else listed
+    elif not _is_plain(value) and isinstance(value, Sized):
+        return str(len(value))
+    else:
+        text = _plain(value)
+    return f"{text} {unit}".rstrip()
+
+
+def _many(values: np.ndarray[Any, Any], unit: str) -> str:
+    """Write the range of an array and how many numbers it holds, by its axes."""
+    size = " x ".join(str(length) for length in values.shape)
+    finite = values[np.isfinite(values)] if np.issubdtype(values.dtype, np.number) else values[:0]
+    if not finite.size:
+        return size
+    if np.iscomplexobj(finite):
+        reach = f"up to {_plain(float(np.abs(finite).max()))}"
+    else:
+        ends = dict.fromkeys(_plain(float(end)) for end in (finite.min(), finite.max()))
+        reach = " to ".join(ends)
+    return f"{f'{reach} {unit}'.rstrip()} ({size})"
+
+
+def _is_plain(value: object) -> bool:
+    return isinstance(value, bool | int | float | complex | str | Path | np.generic)
+
+
+def _is_brief(value: object) -> bool:
+    return _is_plain(value) and len(str(value)) <= BRIEF
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    if isinstance(value, float | complex):
+        return f"{value:.4g}"
+    return _short(str(value))
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3].rstrip()}..."

@@ -1,0 +1,11 @@
+"""Balance: its parts by order, counterweights, hodographs, hinged rods; `cf.balance` does the whole.
+
+>>> import crankfem as cf
+>>> ellipse = cf.balances.Hodograph(order=2, forward=300.0, backward=100.0)
+>>> ellipse.major, ellipse.minor, ellipse.sense
+(400.0, 200.0, 1)
+"""
+
+from crankbase.public_names import handed_out
+
+__getattr__, __dir__ = handed_out(__name__, __file__)

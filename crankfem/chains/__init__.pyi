@@ -1,0 +1,34 @@
+"""Public names of this topic and their homes."""
+
+from crankfem.files.chain.chain_file import ChainFile as ChainFile
+from crankfem.files.chain.chain_text import ChainText as ChainText
+from crankfem.files.chain.chain_text import read_chain_text as read_chain_text
+from crankfem.files.chain.chain_text import write_chain_text as write_chain_text
+from dynamics.chains.attachments import DrivenMachine as DrivenMachine
+from dynamics.chains.attachments import Propeller as Propeller
+from dynamics.chains.editing import add_node as add_node
+from dynamics.chains.editing import join_chains as join_chains
+from dynamics.chains.editing import with_damper as with_damper
+from dynamics.chains.editing import with_dashpot as with_dashpot
+from dynamics.chains.editing import with_element as with_element
+from dynamics.chains.editing import with_gear as with_gear
+from dynamics.chains.editing import with_ground as with_ground
+from dynamics.chains.editing import with_inertia as with_inertia
+from dynamics.chains.editing import with_names as with_names
+from dynamics.chains.engine_chains import EngineChain as EngineChain
+from dynamics.chains.links import Dashpot as Dashpot
+from dynamics.chains.links import Gear as Gear
+from dynamics.chains.shaft_bodies import Coupling as Coupling
+from dynamics.chains.shaft_bodies import RigidBody as RigidBody
+from dynamics.chains.shaft_elements import ShaftCone as ShaftCone
+from dynamics.chains.shaft_elements import ShaftMaterial as ShaftMaterial
+from dynamics.chains.shaft_elements import shaft_cylinder as shaft_cylinder
+from dynamics.chains.shaft_elements import shaft_flange as shaft_flange
+from dynamics.chains.shaft_line import ShaftLine as ShaftLine
+from dynamics.chains.throw_inertias import throw_inertia as throw_inertia
+from dynamics.chains.throw_inertias import throw_inertias as throw_inertias
+from dynamics.chains.two_mass import TwoMassCheck as TwoMassCheck
+from dynamics.chains.two_mass import two_mass_check as two_mass_check
+from dynamics.critical import CriticalSpeed as CriticalSpeed
+from dynamics.critical import critical_speeds as critical_speeds
+from dynamics.critical import engine_orders as engine_orders

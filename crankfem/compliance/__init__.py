@@ -1,0 +1,14 @@
+"""Compliance and stress by finite elements: axial alone, whole shafts, fillets, natural modes.
+
+`cf.analyze_throw` does most of it for one throw; here is what lies beside it.
+
+>>> import crankfem as cf
+>>> throw, _ = cf.load_throw("6chn25-34")
+>>> found = cf.compliance.analyze_axial(throw, accuracy=0.05)
+>>> print(f"{found.axial_compliance('guided'):.1e} m/N")
+2.5e-10 m/N
+"""
+
+from crankbase.public_names import handed_out
+
+__getattr__, __dir__ = handed_out(__name__, __file__)

@@ -1,0 +1,13 @@
+"""The whole crankshaft of superelements: modes, response, and how far a chain suffices.
+
+Begin with `whole_shaft(engine, analysis)`: its throws are those of `cf.analyze_throw`.
+
+>>> from crankfem import crankshaft
+>>> flywheel = crankshaft.EndBody(mass=900.0, polar_inertia=250.0, overhang=0.1)
+>>> flywheel.diametral
+125.0
+"""
+
+from crankbase.public_names import handed_out
+
+__getattr__, __dir__ = handed_out(__name__, __file__)

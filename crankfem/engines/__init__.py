@@ -1,0 +1,12 @@
+"""Engines: what the vibration of one is made of, and the mechanism that its file describes.
+
+>>> import crankfem as cf
+>>> engine = cf.load_engine("6chn25-34")
+>>> mechanism = cf.engines.mechanism_of(engine)
+>>> len(mechanism.layout.cylinders), round(mechanism.rated_speed, 1)
+(6, 52.4)
+"""
+
+from crankbase.public_names import handed_out
+
+__getattr__, __dir__ = handed_out(__name__, __file__)

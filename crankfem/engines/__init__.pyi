@@ -1,0 +1,7 @@
+"""Public names of this topic and their homes."""
+
+from crankfem.analyses.vibration.assessment import Assessment as Assessment
+from crankfem.analyses.vibration.assessment import Uncertainty as Uncertainty
+from crankfem.analyses.vibration.forced import ForcedVibration as ForcedVibration
+from crankfem.analyses.vibration.modes import Vibration as Vibration
+from crankfem.files.engine.mechanism_file import mechanism_of as mechanism_of

@@ -1,0 +1,14 @@
+"""Gas: pressure over the crank angle, measured or of a cycle model, and what it does.
+
+>>> import numpy as np
+>>> import crankfem as cf
+>>> angle = np.radians(np.arange(-360.0, 360.0, 4.0))
+>>> given = 1.5e5 + 60e5 * np.exp(-(((angle - 0.2) / 0.4) ** 2))
+>>> gas = cf.gas.gas_pressure(angle, given, strokes=4)
+>>> print(f"{gas.peak_pressure / 1e5:.1f} bar at {np.degrees(gas.peak_angle):.0f} deg")
+61.5 bar at 12 deg
+"""
+
+from crankbase.public_names import handed_out
+
+__getattr__, __dir__ = handed_out(__name__, __file__)

@@ -1,0 +1,12 @@
+"""Hinges: the pneumatic one that evens a crank's speed, its moment, guides and flywheel.
+
+>>> import crankfem as cf
+>>> spring = cf.hinges.GasSpring(piston_area=0.02, height=0.3, pressure=6e5)
+>>> file = cf.hinges.load_hinge("crosshead-30-100")
+>>> round(file.engine.crank_radius, 3)
+0.5
+"""
+
+from crankbase.public_names import handed_out
+
+__getattr__, __dir__ = handed_out(__name__, __file__)

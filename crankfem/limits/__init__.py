@@ -1,0 +1,13 @@
+"""Limits: with their sources, barred ranges, critical ranges, what uncertain values do.
+
+>>> import crankfem as cf
+>>> limit = cf.limits.given_limit(
+...     "torque", 2000.0, "N m", applies_to="coupling", source="maker's data sheet"
+... )
+>>> limit.name
+'torque of coupling'
+"""
+
+from crankbase.public_names import handed_out
+
+__getattr__, __dir__ = handed_out(__name__, __file__)

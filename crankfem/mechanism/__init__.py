@@ -1,0 +1,12 @@
+"""Mechanism: motion of pistons and rods, forces by equilibrium, loads of pins and bearings.
+
+>>> import numpy as np
+>>> import crankfem as cf
+>>> drive = cf.mechanism.SliderCrank(crank_radius=0.070, rod_length=0.265, pin_offset=0.002)
+>>> drive.piston(np.radians([0.0, 90.0])).place.real.round(4)
+array([0.335 , 0.2561])
+"""
+
+from crankbase.public_names import handed_out
+
+__getattr__, __dir__ = handed_out(__name__, __file__)

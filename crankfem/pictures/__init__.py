@@ -1,0 +1,18 @@
+"""Pictures: drawings and diagrams written to files; most results draw themselves with `plot()`.
+
+>>> import tempfile
+>>> from pathlib import Path
+>>> import crankfem as cf
+>>> file = cf.load_mechanism("6chn25-34")
+>>> with tempfile.TemporaryDirectory() as folder:
+...     path = Path(folder) / "balance.svg"
+...     cf.pictures.plot_balance(path, cf.balance(file.layout, file.rated_speed))
+...     path.exists()
+True
+
+`picture_throw` and `picture_shaft` show solids, `picture_stresses` their stresses.
+"""
+
+from crankbase.public_names import handed_out
+
+__getattr__, __dir__ = handed_out(__name__, __file__)

@@ -1,0 +1,12 @@
+"""Torque: stars of its harmonics, forces of one cylinder on its pin, a crank left to turn.
+
+>>> import crankfem as cf
+>>> file = cf.load_mechanism("6chn25-34")
+>>> third, half = cf.torque.star_diagram(file.layout, [3.0, 3.5])
+>>> third.kind, round(third.share, 6)  # all six cylinders pull one way
+('major', 1.0)
+"""
+
+from crankbase.public_names import handed_out
+
+__getattr__, __dir__ = handed_out(__name__, __file__)
