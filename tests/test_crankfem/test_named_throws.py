@@ -20,7 +20,7 @@ from crankfem.analyses.study.frequency_limits import engine_frequencies
 from crankfem.analyses.vibration.modes import axial_vibration
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.engine.mechanism_file import load_mechanism
+from crankfem.files.engine.mechanism_file import load_mechanism, with_throws
 from crankfem.files.engine.throw_file import (
     load_crankshaft,
     load_study,
@@ -330,7 +330,7 @@ def test_a_v_engine_with_split_pins_has_throws_by_name_too(tmp_path):
     plain, found = load_mechanism("buick-3800"), load_mechanism(path)
     assert found.layout == plain.layout
     assert found.throw_angles == plain.throw_angles
-    assert cf.with_throws(found) == cf.with_throws(plain)
+    assert with_throws(found) == with_throws(plain)
     assert load_crankshaft(path) == load_crankshaft("buick-3800")
 
 
@@ -352,12 +352,12 @@ def test_analyses_are_those_of_the_engines_throws(both):
 
 def test_masses_are_those_of_each_crank():
     mechanism = load_mechanism(UNEQUAL)
-    masses = {throw: cf.throw_masses(throw, 7850.0) for throw in set(mechanism.crank_throws)}
+    masses = {throw: cf.throws.throw_masses(throw, 7850.0) for throw in set(mechanism.crank_throws)}
     along = [masses[throw] for throw in mechanism.crank_throws]
-    assert cf.with_throws(mechanism) == cf.with_throws(mechanism, along)
+    assert with_throws(mechanism) == with_throws(mechanism, along)
     for given, said in ((along[0], "one throw"), (along[:2], "2 throws")):
         with pytest.raises(InputError, match=rf"^masses: given those of {said}; allowed are those"):
-            cf.with_throws(mechanism, given)
+            with_throws(mechanism, given)
 
 
 def test_a_regression_that_does_not_know_a_throw_is_left_out():
