@@ -7,16 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.errors import InputError
-from crankbase.tables.frames import Row
-from crankbase.units.units import RPM
-from dynamics.checks import (
+from crankbase.checks.arrays import (
     FloatArray,
     finite_vector,
     nonnegative_vector,
     positive_number,
     positive_vector,
 )
+from crankbase.errors import InputError
+from crankbase.tables.frames import Row
+from crankbase.units.units import RPM
 from dynamics.cycle import cycle_degrees, order_step
 
 # A vector sum counts as full within this share of its largest possible value.

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray
 from dynamics.cycle import first_not_increasing
 
 # Text of a file that a message quotes.

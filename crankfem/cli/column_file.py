@@ -4,7 +4,7 @@ import csv
 from collections.abc import Mapping
 from pathlib import Path
 
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
 
 
 def write_columns(path: Path, columns: Mapping[str, FloatArray], heading: str = "") -> None:

@@ -8,12 +8,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    nonnegative_number,
+    positive_number,
+    read_only,
+)
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_below, write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
-from dynamics.checks import FloatArray, finite_array, nonnegative_number, positive_number, read_only
 from dynamics.cycle import even_angles
 from dynamics.excitation.engine_load import Load, load_at, per_minute
 from dynamics.excitation.grid_weights import SAME, Method, axis_weights, distinct, nearest

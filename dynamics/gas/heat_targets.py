@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from crankbase.checks.arrays import nonnegative_number
 from crankbase.errors import InputError
-from dynamics.checks import nonnegative_number
 from dynamics.gas.pressure import HIGHEST_PEAK
 from dynamics.gas.sampled_cycle import CycleSamples
 

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, finite_array, positive_number
+from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
-from dynamics.checks import FloatArray, finite_array, positive_number, whole_number
 from dynamics.plots.coordinates import name_axis, time_axis
 from dynamics.plots.over_time import RunCurve, plot_run
 from dynamics.transient.envelope import Envelope, envelope_over

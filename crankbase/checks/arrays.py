@@ -1,8 +1,6 @@
-"""Checks of numbers and arrays that come from outside, each failing with one clear sentence."""
+"""Checks of arrays of SI values, and of single values that may be arrays without a dimension."""
 
 import math
-import operator
-from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,7 +19,7 @@ def finite_array(field: str, values: ArrayLike) -> FloatArray:
     InputError
         If a value is not a real number, not finite, or the rows are of unequal length.
     """
-    raw = _regular_array(field, values, "iuf", "real numbers only")
+    raw = regular_array(field, values, "iuf", "real numbers only")
     array = np.array(raw, dtype=np.float64)
     if not np.all(np.isfinite(array)):
         place = np.argwhere(~np.isfinite(array))[0]
@@ -94,30 +92,6 @@ def nonnegative_number(field: str, value: float, unit: str, reason: str) -> floa
     return _bounded_number(field, value, unit, reason, zero_allowed=True)
 
 
-def is_whole(value: object) -> bool:
-    """Tell whether a value is a whole number by its type: neither True nor 2.0 names a cylinder."""
-    return isinstance(value, int | np.integer) and not isinstance(value, bool)
-
-
-def whole_number(field: str, given: int, least: int, reason: str) -> int:
-    """Return a whole number.
-
-    Raises
-    ------
-    InputError
-        If it is no whole number, or below `least`.
-    """
-    try:
-        number = None if isinstance(given, bool) else operator.index(given)
-    except TypeError:
-        number = None
-    if number is None or number < least:
-        raise InputError(
-            f"{field}: given {given!r}; allowed are whole numbers of {least} or more, because {reason}."
-        )
-    return number
-
-
 def one_for_each(
     field: str,
     values: ArrayLike,
@@ -163,11 +137,11 @@ def complex_array(field: str, values: ArrayLike) -> ComplexArray:
     InputError
         If a value is no number, or the rows are of unequal length.
     """
-    raw = _regular_array(field, values, "iufc", "real and complex numbers")
+    raw = regular_array(field, values, "iufc", "real and complex numbers")
     return np.array(raw, dtype=np.complex128)
 
 
-def _regular_array(field: str, values: ArrayLike, kinds: str, allowed: str) -> NDArray[np.generic]:
+def regular_array(field: str, values: ArrayLike, kinds: str, allowed: str) -> NDArray[np.generic]:
     """Return values as an array of one of numpy's kinds of numbers.
 
     Raises
@@ -188,69 +162,6 @@ def _regular_array(field: str, values: ArrayLike, kinds: str, allowed: str) -> N
             "because text and other types carry no value in SI units."
         )
     return raw
-
-
-def checked_limits(
-    limits: Mapping[str, ArrayLike] | None, speed_count: int
-) -> dict[str, FloatArray]:
-    """Return limits that are drawn over speeds, each with a value at every speed.
-
-    Parameters
-    ----------
-    limits : mapping of str to float or array_like of shape (S,), or None
-        In SI; inf where none is stated.
-    speed_count : int
-        S.
-
-    Raises
-    ------
-    InputError
-        If it is no mapping, or a limit is neither a number nor one for each speed, below zero or not
-        a number.
-    """
-    if limits is None:
-        return {}
-    if not isinstance(limits, Mapping):
-        raise InputError(
-            f"limits: given {limits!r}; allowed is a mapping of names to limits, because each is drawn "
-            "with its name."
-        )
-    found = {}
-    for name, values in limits.items():
-        field = f"limits[{name!r}]"
-        array = np.array(_regular_array(field, values, "iuf", "real numbers only"), dtype=float)
-        if array.shape not in ((), (speed_count,)):
-            raise InputError(
-                f"{field}: given an array of shape {array.shape}; allowed is one number, or "
-                f"{speed_count}, because a limit is constant or has a value at each speed."
-            )
-        if not np.all(array >= 0.0):
-            worst = float(array[~(array >= 0.0)].flat[0])
-            raise InputError(
-                f"{field}: given {worst:g}; allowed are numbers of zero or more, inf where no limit is "
-                "stated, because amplitudes are compared with it."
-            )
-        found[str(name)] = np.array(np.broadcast_to(array, (speed_count,)))
-    return found
-
-
-def checked_barred(barred: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return barred ranges of speed [rad/s].
-
-    Raises
-    ------
-    InputError
-        If one is no pair of finite numbers of zero or more, the lower first.
-    """
-    if isinstance(barred, str) or not isinstance(barred, Sequence | np.ndarray):
-        raise InputError(
-            f"barred: given {barred!r}; allowed are pairs of speeds in rad/s, because each range is shaded."
-        )
-    reason = "a range from one to the other is shaded"
-    return [
-        checked_range(f"barred[{place}]", ends, "rad/s", reason)
-        for place, ends in enumerate(barred)
-    ]
 
 
 def checked_range(field: str, ends: object, unit: str, reason: str) -> tuple[float, float]:

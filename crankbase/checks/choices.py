@@ -1,0 +1,63 @@
+"""Words and names that are allowed, and what a wrong one may have been meant for."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+from crankbase.errors import InputError
+
+
+def check_choice(option: str, given: object, allowed: Iterable[str], because: str) -> None:
+    """Refuse what is none of the words allowed.
+
+    Raises
+    ------
+    InputError
+        If it is no word, or none of these.
+    """
+    words = list(allowed)
+    if not isinstance(given, str) or given not in words:
+        raise InputError(
+            f"{option}: given {given!r}; allowed are {', '.join(words)}, because {because}."
+        )
+
+
+def check_not_given(option: str, given: object, shown: str, because: str) -> None:
+    """Refuse an option that what is shown has no use for.
+
+    Raises
+    ------
+    InputError
+        If it is given, that is, neither None nor empty.
+    """
+    empty = given is None or (isinstance(given, tuple | list | dict | set) and not given)
+    if not empty:
+        raise InputError(
+            f"{option}: given {given!r} with {shown!r}; allowed is none, because {because}."
+        )
+
+
+def did_you_mean(given: str, names: Iterable[str], cutoff: float = 0.6, form: str = "{}") -> str:
+    """Return "did you mean NAME? " of the closest name, or nothing if none is close.
+
+    Parameters
+    ----------
+    given : str
+    names : iterable of str
+    cutoff : float
+        How close it must be, 0 to 1.
+    form : str
+        How a name is written, such as ``"[{}]"``.
+
+    Examples
+    --------
+    >>> did_you_mean("lenght", ["length", "mass"])
+    'did you mean length? '
+    """
+    close = get_close_matches(given, list(names), n=1, cutoff=cutoff)
+    return f"did you mean {form.format(close[0])}? " if close else ""
+
+
+def allowed_names(given: str, names: Iterable[str]) -> str:
+    """Return which names are allowed in place of an unknown one, the one that may be meant first."""
+    known = list(names)
+    return f"{did_you_mean(given, known)}allowed are {', '.join(known)}"
