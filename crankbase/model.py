@@ -6,6 +6,8 @@ from typing import Any, ClassVar, Self, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
+from crankbase.checks.choices import allowed_names
+from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity, show_quantity
 from crankbase.units.units import DISPLAY_UNITS
@@ -134,7 +136,9 @@ class InputModel(BaseModel):
         converted: dict[str, Any] = {}
         for key, text in values.items():
             if key not in cls.model_fields:
-                raise InputError(f"{prefix}{key}: unknown field; {_allowed_names(cls, key)}.")
+                raise InputError(
+                    f"{prefix}{key}: unknown field; {allowed_names(key, cls.model_fields)}."
+                )
             info = cls.model_fields[key]
             unit, part = field_extra(info, "unit"), part_kind(info)
             if part is not None:
@@ -180,15 +184,6 @@ def field_extra(info: FieldInfo, key: str) -> Any:
     return extra.get(key) if isinstance(extra, dict) else None
 
 
-def _allowed_names(model: type[BaseModel], given: str) -> str:
-    import difflib
-
-    names = list(model.model_fields)
-    close = difflib.get_close_matches(given, names, n=1)
-    hint = f"did you mean {close[0]}? " if close else ""
-    return f"{hint}allowed are {', '.join(names)}"
-
-
 def _sentence(model: type[InputModel], error: ValidationError) -> str:
     """Turn pydantic's first finding into one sentence for people."""
     first = error.errors()[0]
@@ -206,15 +201,14 @@ def _sentence(model: type[InputModel], error: ValidationError) -> str:
         info = model.model_fields[name]
         return f"{field}: missing; {_describe(info)} must be given{_allowed_range(info)}."
     if first["type"] == "extra_forbidden":
-        return f"{field}: unknown field; {_allowed_names(model, name)}."
+        return f"{field}: unknown field; {allowed_names(name, model.model_fields)}."
     known = model.model_fields.get(name)
     if known is None:
         return f"{field}: given {given!r}; {first['msg']}."
     unit = field_extra(known, "unit")
-    if unit is not None and isinstance(given, int | float) and not isinstance(given, bool):
+    shown = repr(given)
+    if unit is not None and is_number(given):
         shown = show_quantity(float(given), unit)
-    else:
-        shown = repr(given)
     if first["type"] == "literal_error":
         expected = str(first["ctx"]["expected"]).replace("'", "")
         return f"{field}: given {given!r}; allowed is {expected}."

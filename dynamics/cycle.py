@@ -21,7 +21,7 @@ def checked_strokes(strokes: int) -> int:
     InputError
         For any other value.
     """
-    if isinstance(strokes, bool) or strokes not in (2, 4):
+    if strokes not in (2, 4):
         raise InputError(
             f"strokes: given {strokes!r}; allowed are 2 and 4, because the cycle takes one or two "
             "crankshaft revolutions."

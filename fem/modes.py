@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.scalars import is_number, whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.errors import InputError
 from crankbase.stopwatch import Stopwatch
@@ -194,30 +195,17 @@ def rigid_count(symmetry: SymmetryClass) -> int:
     return int(np.count_nonzero(symmetry.central_motions))
 
 
-def is_number(given: object) -> bool:
-    """Whether something is a real number."""
-    return isinstance(given, int | float | np.number) and not isinstance(
-        given, bool | np.complexfloating
-    )
-
-
 def _check_wish(count: int | None, highest_frequency: float | None) -> None:
     if (count is None) == (highest_frequency is None):
         raise InputError(
             f"count, highest_frequency: given {count!r} and {highest_frequency!r}; allowed is one of "
             "them, because each alone says how many modes there are."
         )
-    if count is not None and (
-        isinstance(count, bool)
-        or not isinstance(count, int | np.integer)
-        or not 1 <= count <= MOST_MODES
-    ):
-        raise InputError(
-            f"count: given {count!r}; allowed is a whole number from 1 to {MOST_MODES}, because higher "
-            "modes have waves shorter than a throw's details."
-        )
+    if count is not None:
+        reason = "higher modes have waves shorter than a throw's details"
+        whole_within("count", count, 1, MOST_MODES, reason)
     if highest_frequency is not None and not (
-        is_number(highest_frequency) and 0.0 < highest_frequency < np.inf
+        is_number(highest_frequency) and highest_frequency > 0.0
     ):
         raise InputError(
             f"highest_frequency: given {highest_frequency!r}; allowed is a finite frequency above 0 Hz, "

@@ -1,6 +1,5 @@
 """What a throw does under each named support: compliances, influence coefficient, reactions."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -8,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotation
 from fem.throw_frames import load_table
@@ -45,7 +45,7 @@ class Neighbors:
     def __post_init__(self) -> None:
         for name in ("left_deg", "right_deg"):
             value = getattr(self, name)
-            if not isinstance(value, int | float) or not math.isfinite(value):
+            if not is_number(value):
                 raise InputError(
                     f"Neighbors.{name}: given {value!r}; allowed is a finite angle in degrees."
                 )

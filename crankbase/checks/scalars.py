@@ -37,6 +37,20 @@ def is_within(value: object, low: float, high: float) -> TypeGuard[float]:
     return is_number(value) and low <= value <= high
 
 
+def whole_within(field: str, given: object, low: int, high: int, reason: str) -> int:
+    """Return a whole number from `low` to `high`.
+
+    Raises
+    ------
+    InputError
+        If it is none.
+    """
+    if not is_whole_within(given, low, high):
+        allowed = f"is {low}" if low == high else f"are the whole numbers {low} to {high}"
+        raise InputError(f"{field}: given {given!r}; allowed {allowed}, because {reason}.")
+    return int(given)
+
+
 def whole_number(field: str, given: int, least: int, reason: str) -> int:
     """Return a whole number.
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from crankbase.checks.arrays import nonnegative_number
+from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from dynamics.gas.pressure import HIGHEST_PEAK
 from dynamics.gas.sampled_cycle import CycleSamples
@@ -82,12 +83,6 @@ def idle_heat(mean_pressure: float) -> InputError:
         f"mean_effective_pressure: given {in_mega(mean_pressure)}; allowed is what a later combustion "
         "gives, because the heat of this one is all released too early to do work."
     )
-
-
-def is_number(value: float) -> bool:
-    """Tell whether it is one finite real number."""
-    raw = np.asarray(value)
-    return raw.ndim == 0 and raw.dtype.kind in "iuf" and bool(np.isfinite(raw))
 
 
 def at_least(pressure: float) -> str:

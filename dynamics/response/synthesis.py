@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.scalars import whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
-from dynamics.places import place_number
 from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import draw_over_speed, over_speed
@@ -90,7 +90,7 @@ class Synthesis:
             If there is no such place or quantity.
         """
         count = int(np.prod(self.amplitude.shape[1:]))
-        number = place_number("place", place, count, "the sum was taken at that many places")
+        number = whole_within("place", place, 0, count - 1, "the sum was taken at that many places")
         drawn = shown(quantity, "SI")
         total, plain = (
             values.reshape(len(self.speeds), -1)[:, number]

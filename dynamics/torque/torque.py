@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number, read_only
-from crankbase.checks.scalars import is_whole
+from crankbase.checks.scalars import whole_within
 from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE, new_axes
 from crankbase.drawing.legends import legend_above, write_title
-from crankbase.errors import InputError
 from crankbase.tables.frames import grid
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import Pressure
@@ -211,12 +210,8 @@ class EngineTorque:
         )
 
     def _checked_throw(self, throw: int) -> int:
-        if not is_whole(throw) or not 1 <= throw <= len(self.throws):
-            raise InputError(
-                f"throw: given {throw!r}; allowed is 1 to {len(self.throws)}, because the shaft has that "
-                "many throws."
-            )
-        return throw - 1
+        reason = "the shaft has that many throws"
+        return whole_within("throw", throw, 1, len(self.throws), reason) - 1
 
 
 def engine_torque(

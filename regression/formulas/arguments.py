@@ -1,23 +1,9 @@
 """Arguments that all formulas share: the angle between neighboring cranks, and the moduli."""
 
 import math
-from numbers import Real
 
+from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
-
-
-def is_number(value: object) -> bool:
-    """Whether this is one finite real number; True and False are none.
-
-    Examples
-    --------
-    >>> is_number(1), is_number(0.5), is_number("1"), is_number(True), is_number(math.nan)
-    (True, True, False, False, False)
-    """
-    try:
-        return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
-    except OverflowError:  # a whole number larger than any float
-        return False
 
 
 def fold_angle_deg(gamma_deg: float) -> float:

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
-from regression.formulas.arguments import is_number
 
 
 @dataclass(frozen=True)

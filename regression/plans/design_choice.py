@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, fields
 
+from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
 from regression.plans.designs_factorial import ROMAN
 from regression.plans.designs_surface import FACES
@@ -67,7 +68,7 @@ class DesignChoice:
                     f"study.{option.name}: given {value!r} with the design {self.kind!r}; allowed is "
                     f"it with {' and '.join(takers)} only."
                 )
-        if "runs" in OPTIONS[self.kind] and not _whole(self.runs, 1, LARGEST_DESIGN):
+        if "runs" in OPTIONS[self.kind] and not is_whole_within(self.runs, 1, LARGEST_DESIGN):
             given = "missing" if self.runs is None else f"given {self.runs!r}"
             raise InputError(
                 f"study.runs: {given}; allowed with {self.kind!r} is a whole number from 1 to "
@@ -87,7 +88,3 @@ class DesignChoice:
             raise InputError(f"study.face: given {self.face!r}; allowed are {', '.join(FACES)}.")
         if self.kind == "file" and not self.rows:
             raise InputError("study.file: given no row; allowed is a table of one run or more.")
-
-
-def _whole(value: object, low: int, high: int) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and low <= value <= high

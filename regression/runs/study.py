@@ -3,12 +3,12 @@
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
-from numbers import Integral
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
 from regression.plans.plan import (
     MODEL_VERSION,
@@ -51,8 +51,7 @@ def check_workers(workers: int) -> None:
     ------
     InputError
     """
-    whole = isinstance(workers, Integral) and not isinstance(workers, bool)
-    if not whole or not 1 <= workers <= 256:
+    if not is_whole_within(workers, 1, 256):
         raise InputError(
             f"workers: given {workers!r}; allowed is 1 to 256 processes, as a whole number."
         )

@@ -12,9 +12,9 @@ from typing import Any
 
 import psutil
 
+from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from crankbase.processes import end_child, signal_name, start_child
-from regression.formulas.arguments import is_number
 
 # Seconds that a design may take at 1 % accuracy before its worker counts as hanging.
 TIME_LIMIT = 300.0

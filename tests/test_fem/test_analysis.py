@@ -84,7 +84,7 @@ def test_pin_that_the_throw_has_not(analysis, pin):
         lambda: analysis.influence_coefficient(pin=pin),
     ):
         with pytest.raises(
-            InputError, match=r"^pin: given .*; allowed is 0, for the throw has one"
+            InputError, match=r"^pin: given .*; allowed is 0, because the throw has one"
         ):
             call()
 
