@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, fields
 
+from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
 from regression.plans.designs_factorial import ROMAN
@@ -56,10 +57,7 @@ class DesignChoice:
     rows: tuple[tuple[float, ...], ...] | None = None
 
     def __post_init__(self) -> None:
-        if self.kind not in OPTIONS:
-            raise InputError(
-                f"study.design: given {self.kind!r}; allowed are {', '.join(OPTIONS)}."
-            )
+        check_choice("study.design", self.kind, OPTIONS, "these are the designs that are known")
         for option in fields(self):
             value = getattr(self, option.name)
             takers = [kind for kind, options in OPTIONS.items() if option.name in options]
@@ -79,12 +77,17 @@ class DesignChoice:
                 f"study.resolution: given {self.resolution!r}; allowed are "
                 f"{', '.join(ROMAN.values())} (3 to 8)."
             )
+        if self.generators is not None and not isinstance(self.generators, str):
+            raise InputError(
+                f"study.generators: given {self.generators!r}; allowed is text in quotes, like "
+                '"a b c abc".'
+            )
         if self.resolution is not None and self.generators is not None:
             raise InputError(
                 "study.generators: given beside study.resolution; allowed is one of the two, because "
                 "generators fix the resolution."
             )
-        if self.face is not None and self.face not in FACES:
-            raise InputError(f"study.face: given {self.face!r}; allowed are {', '.join(FACES)}.")
+        if self.face is not None:
+            check_choice("study.face", self.face, FACES, "these say where its star points stand")
         if self.kind == "file" and not self.rows:
             raise InputError("study.file: given no row; allowed is a table of one run or more.")

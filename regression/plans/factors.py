@@ -8,7 +8,7 @@ from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 
-from crankbase.checks.choices import did_you_mean
+from crankbase.checks.choices import check_choice, did_you_mean
 from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
@@ -135,10 +135,7 @@ class Factor:
             If a spacing is unknown, or is logarithmic over a range that reaches zero.
         """
         field = f"study.factors.{name}"
-        if spacing not in SPACINGS:
-            raise InputError(
-                f"{field}.spacing: given {spacing!r}; allowed are {', '.join(SPACINGS)}."
-            )
+        check_choice(f"{field}.spacing", spacing, SPACINGS, "these are the ways to spread levels")
         if not is_whole_within(levels, 2, 1000):
             raise InputError(
                 f"{field}.levels: given {levels!r}; allowed is a whole number from 2 to 1000."

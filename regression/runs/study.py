@@ -14,7 +14,6 @@ from regression.plans.plan import (
     MODEL_VERSION,
     PlannedStudy,
     StudyPlan,
-    plan_designs,
     planned_design,
 )
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome
@@ -35,7 +34,6 @@ __all__ = [
     "StudyTable",
     "check_workers",
     "import_results",
-    "plan_designs",
     "read_study",
     "run_plan",
 ]
@@ -104,7 +102,7 @@ def run_plan(
         from regression.runs.dask_cluster import check_address
 
         check_address(dask)
-    planned = plan_designs(plan)
+    planned = plan.planned
     unique = {design.key: design.inputs for design in planned.designs}
     with ResultStore(store) as results:
         _register(results, plan, planned)
@@ -262,7 +260,7 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
         raise InputError(f"import: given {str(path)!r}, which is a folder; allowed is a file.")
     if not path.is_file():
         raise InputError(f"import: given {str(path)!r}; there is no such file.")
-    planned = plan_designs(plan)
+    planned = plan.planned
     if not is_database(path):
         rows = read_rows(path, plan)
         with ResultStore(store) as results:
@@ -317,7 +315,7 @@ def _as_registered(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
 
     They are those of the plan, unless a later release of numpy or scipy draws other points.
     """
-    planned = plan_designs(plan)
+    planned = plan.planned
     registered = results.study_designs(plan.key)
     if not registered or [key for _, key, _ in registered] == [d.key for d in planned.designs]:
         return planned

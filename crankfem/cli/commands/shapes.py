@@ -1,7 +1,7 @@
 """A throw as drawing, picture, solid or mesh."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -9,6 +9,9 @@ from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands.options import EngineArgument, JsonOption, QuietOption
 from crankfem.cli.console import print_json
+
+if TYPE_CHECKING:
+    from crankfem.files.reading.toml_file import TomlFile
 
 
 def export(
@@ -35,13 +38,15 @@ def export(
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
     from crankfem.files.engine.throw_file import load_crankshaft, load_throw
+    from crankfem.files.reading.file_kinds import engine_sections
     from fem.calculix import write_calculix
     from geometry.mesh_files import ENDINGS as MESH_ENDINGS
     from geometry.mesh_files import SOLID_ENDINGS, SURFACE_ENDINGS, write_mesh
     from geometry.mesher import mesh_isolated
     from geometry.solid_files import ENDINGS, write_step
 
-    throw, material = load_throw(engine)
+    content = engine_sections(engine)
+    throw, material = load_throw(content)
     console.check_folder(file)
     record: dict[str, Any] = {"file": str(file)}
     if calculix and (file.suffix != ".inp" or part != "full"):
@@ -52,7 +57,7 @@ def export(
     if shaft or file.suffix.lower() in ENDINGS:
         if size != 1.0:
             raise InputError(f"--size: given {size:g}; allowed only for meshes, not for solids.")
-        write_step(load_crankshaft(engine) if shaft else throw, file, part)
+        write_step(load_crankshaft(content) if shaft else throw, file, part)
     else:
         if file.suffix.lower() not in MESH_ENDINGS:
             raise InputError(
@@ -108,6 +113,7 @@ def draw(
     )
     from crankfem.files.engine.throw_file import load_crankshaft, load_throw
     from crankfem.files.reading.data_files import engine_path
+    from crankfem.files.reading.file_kinds import engine_sections
 
     name = engine_path(engine).stem
     drawing = output or Path(f"{name}-throw.svg")
@@ -116,9 +122,10 @@ def draw(
         check_picture_ending(file)
     for file in filter(None, (drawing, picture, shaft)):
         console.check_folder(file)
-    dimensions, _ = load_throw(engine)
-    crankshaft = load_crankshaft(engine) if shaft else None
-    files = [write_drawing(dimensions, drawing, _title(engine))]
+    content = engine_sections(engine)
+    dimensions, _ = load_throw(content)
+    crankshaft = load_crankshaft(content) if shaft else None
+    files = [write_drawing(dimensions, drawing, _title(content))]
     if picture:
         files.append(picture_throw(dimensions, picture))
     if shaft and crankshaft:
@@ -130,11 +137,7 @@ def draw(
         console.output.print(f"{file} written.", soft_wrap=True)
 
 
-def _title(engine: str) -> str:
+def _title(content: "TomlFile") -> str:
     """Return the engine's name, or its file's where that says none."""
-    from crankfem.files.reading.data_files import engine_path
-    from crankfem.files.reading.toml_file import read_toml
-
-    path = engine_path(engine)
-    name = read_toml(path).sections.get("engine", {}).get("name")
-    return name if isinstance(name, str) and name.strip() else path.stem
+    name = content.sections.get("engine", {}).get("name")
+    return name if isinstance(name, str) and name.strip() else content.path.stem

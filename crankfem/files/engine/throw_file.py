@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from crankbase.errors import InputError
-from crankfem.files.reading.data_files import engine_path
-from crankfem.files.reading.file_kinds import REQUIRED
-from crankfem.files.reading.toml_file import InputRecord, read_toml
+from crankfem.files.reading.file_kinds import REQUIRED, engine_sections
+from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.engine_sections import Engine, ShaftLayout
 from crankfem.files.study.study_file import study_plan
 from fem.material import STEEL, Material
@@ -16,14 +15,14 @@ from geometry.throw import CrankThrow
 from regression.plans.plan import StudyPlan
 
 
-def load_throw(path: str | Path) -> tuple[CrankThrow, Material]:
+def load_throw(path: str | Path | TomlFile) -> tuple[CrankThrow, Material]:
     """Read only the throw and its material from an engine or study file.
 
     Raises
     ------
     InputError
     """
-    content = read_toml(engine_path(path))
+    content = engine_sections(path)
     content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
     throw = content.required("throw", CrankThrow)
     return throw, content.model("material", Material) or STEEL
@@ -48,7 +47,7 @@ class ThrowFile:
     records: tuple[InputRecord, ...]
 
 
-def load_crankshaft(path: str | Path) -> Crankshaft:
+def load_crankshaft(path: str | Path | TomlFile) -> Crankshaft:
     """Read the whole crankshaft of an engine file: equal throws at their angles, and the ends.
 
     The angles are ``throw_angles`` of the section [shaft], or the crank angles of [engine].
@@ -58,7 +57,7 @@ def load_crankshaft(path: str | Path) -> Crankshaft:
     InputError
         Also if the file has neither.
     """
-    content = read_toml(engine_path(path))
+    content = engine_sections(path)
     content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True})
     throw = content.required("throw", CrankThrow)
     layout = content.model("shaft", ShaftLayout)
@@ -81,14 +80,14 @@ def load_crankshaft(path: str | Path) -> Crankshaft:
     return Crankshaft([throw] * len(angles), angles, ends)
 
 
-def load_study(path: str | Path) -> StudyPlan:
+def load_study(path: str | Path | TomlFile) -> StudyPlan:
     """Read the plan of a study from a file with the sections [throw] and [study].
 
     Raises
     ------
     InputError
     """
-    content = read_toml(engine_path(path))
+    content = engine_sections(path)
     content.check_sections(dict.fromkeys(REQUIRED, False) | {"throw": True, "study": True})
     throw = content.required("throw", CrankThrow)
     plan = study_plan(content, throw, content.model("material", Material) or STEEL)
