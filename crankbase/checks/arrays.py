@@ -157,8 +157,9 @@ def regular_array(field: str, values: ArrayLike, kinds: str, allowed: str) -> ND
             "because every value is used at its place."
         ) from None
     if raw.dtype.kind not in kinds:
+        given = f"values of type {raw.dtype.name}" if raw.ndim else repr(values)
         raise InputError(
-            f"{field}: given values of type {raw.dtype.name}; allowed are {allowed}, "
+            f"{field}: given {given}; allowed are {allowed}, "
             "because text and other types carry no value in SI units."
         )
     return raw

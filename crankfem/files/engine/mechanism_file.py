@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import EngineFile, load_engine_or_throw
 from crankfem.files.engine.mechanism_cylinders import (
     angles_of_throws,
@@ -110,8 +109,6 @@ def load_mechanism(path: str | Path | TomlFile) -> MechanismFile:
         With one sentence that names the field, what was given and what is allowed.
     """
     content = engine_sections(path)
-    if "sliding" in content.sections:
-        raise InputError(f"{content.path.name}: describes an elastic hinge; use it with hinge.")
     content.check_sections(dict.fromkeys(REQUIRED, False) | dict.fromkeys(NEEDED, True))
     engine, throw = content.required("engine", Engine), content.required("throw", CrankThrow)
     rod, piston = content.required("rod", Rod), content.required("piston", Piston)

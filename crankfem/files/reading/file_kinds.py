@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+from crankbase.errors import InputError
 from crankfem.files.reading.data_files import (
     chain_path,
     engine_path,
@@ -61,11 +62,12 @@ def engine_sections(source: str | Path | TomlFile) -> TomlFile:
     Raises
     ------
     InputError
-        If the file cannot be read, or is not TOML.
+        If the file cannot be read, is not TOML, or describes an elastic hinge.
     """
-    if isinstance(source, TomlFile):
-        return replace(source, records=[])
-    return read_toml(engine_path(source))
+    content = source if isinstance(source, TomlFile) else read_toml(engine_path(source))
+    if describes_a_hinge(content):
+        raise InputError(f"{content.path.name}: describes an elastic hinge; use it with hinge.")
+    return replace(content, records=[])
 
 
 def any_sections(given: str) -> TomlFile | None:
@@ -95,7 +97,8 @@ def describes_a_chain(content: TomlFile) -> bool:
 
 def describes_a_hinge(content: TomlFile) -> bool:
     """Tell whether a file describes an elastic hinge."""
-    return not HINGE_SECTIONS.isdisjoint(content.sections)
+    sections = content.sections
+    return "throw" not in sections and not HINGE_SECTIONS.isdisjoint(sections)
 
 
 def describes_a_throw(content: TomlFile) -> bool:
