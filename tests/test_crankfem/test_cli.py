@@ -142,7 +142,7 @@ def test_strict_ends_by_the_verdict(call, monkeypatch, status, option):
     code, sentence = VERDICTS[status]
     judged = {"status": status, "sentence": "The verdict."}
     monkeypatch.setattr("crankfem.analyses.vibration.run.engine_vibration", lambda *_, **__: None)
-    for name in ("vibration.records.run_record", "vibration_tables.print_run"):
+    for name in ("analyses.vibration.records.run_record", "cli.tables.vibration_tables.print_run"):
         made = {"assessment": judged}
         monkeypatch.setattr(f"crankfem.{name}", lambda *_, made=made, **__: made)
     answer = call("vibration", "6chn25-34", "--strict", option)
