@@ -7,18 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.errors import InputError
-from crankbase.tables.frames import Row
-from crankbase.units.units import RPM
-from dynamics.checks import (
+from crankbase.checks.arrays import (
     FloatArray,
     finite_vector,
     nonnegative_vector,
     positive_number,
     positive_vector,
-    within,
 )
+from crankbase.errors import InputError
+from crankbase.tables.frames import Row
+from crankbase.units.units import RPM
 from dynamics.cycle import cycle_degrees, order_step
+from dynamics.running_limits import within
 
 # A vector sum counts as full within this share of its largest possible value.
 FULL_SUM_TOLERANCE = 1e-6

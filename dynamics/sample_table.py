@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError, shortened
 from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
-from dynamics.checks import FloatArray
 from dynamics.cycle import first_not_increasing
 
 

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.choices import check_choice
+from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import BLUE, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError, quoted

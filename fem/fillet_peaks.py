@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.choices import check_choice
+from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.tables.frames import grid, table
 from fem.fillet_surface import FilletSurface

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.choices import is_number
+from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotation
 from fem.throw_frames import load_table

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.choices import check_choice
+from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq, minimize, minimize_scalar
 
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
 
 Ranges = Sequence[tuple[float, float]]
 # Points of the first look at the range of a setting, of later ones about the last best setting, and

@@ -7,21 +7,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
-from crankbase.errors import InputError
-from crankbase.tables.frames import table
-from crankbase.units.quantity import show_quantity
-from dynamics.checks import (
+from crankbase.checks.arrays import (
     FloatArray,
     nonnegative_number,
     positive_number,
     positive_vector,
     read_only,
-    within,
 )
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
+from crankbase.units.quantity import show_quantity
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import draw_named_curves
+from dynamics.running_limits import within
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

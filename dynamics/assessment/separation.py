@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, nonnegative_vector, positive_vector
 from crankbase.tables.frames import Row
 from crankbase.units.quantity import show_quantity
 from dynamics.assessment.limits import checked_running_range, shown_range
 from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import frequency_bounds
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray, nonnegative_vector, positive_vector
 
 # Share of the excitation's frequency by which a torsional natural frequency should differ from it: as
 # recommended by API 617, quoted by Q. Wang, T. D. Feese, B. C. Pettinato, Torsional natural frequencies:

@@ -12,10 +12,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, positive_vector
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
-from dynamics.checks import FloatArray, positive_vector
 
 Kind = Literal[
     "compliance",

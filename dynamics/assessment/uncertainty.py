@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.stats import qmc
 
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
 from dynamics.assessment.spreads import FIELDS, Spread, places_of, scaled_chain, scales_of
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray, whole_number
 from dynamics.places import place_number
 from dynamics.plots.coordinates import name_axis, number_axis
 

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.choices import check_choice
+from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array
+from crankbase.checks.choices import check_choice
+from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import table
-from dynamics.checks import ComplexArray, FloatArray, finite_array, whole_number
 from dynamics.engine.orders import checked_orders
 from dynamics.plots.hodographs import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
 

@@ -4,7 +4,7 @@ import cmath
 import math
 from dataclasses import dataclass
 
-from dynamics.checks import nonnegative_number
+from crankbase.checks.arrays import nonnegative_number
 from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout
 

@@ -6,6 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import (
+    FloatArray,
+    nonnegative_vector,
+    one_for_each,
+    positive_vector,
+    read_only,
+)
 from crankbase.errors import InputError
 from dynamics.chains.chain_modes import Modes, collected, elastic_modes, scaled
 from dynamics.chains.links import (
@@ -19,7 +26,6 @@ from dynamics.chains.links import (
     speed_ratios,
 )
 from dynamics.chains.tails import with_accurate_tails
-from dynamics.checks import FloatArray, nonnegative_vector, one_for_each, positive_vector, read_only
 from dynamics.places import values_at_nodes
 
 # Residual that the modes must keep, relative to the largest eigenvalue; round-off leaves 1e-14.

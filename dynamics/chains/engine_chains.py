@@ -7,6 +7,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import (
+    FloatArray,
+    nonnegative_number,
+    one_for_each,
+    positive_number,
+    positive_vector,
+)
+from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.chain import Chain
@@ -17,14 +25,6 @@ from dynamics.chains.dampers import (
     check_torsional,
 )
 from dynamics.chains.editing import add_node, join_chains, with_damper, with_ground
-from dynamics.checks import (
-    FloatArray,
-    nonnegative_number,
-    one_for_each,
-    positive_number,
-    positive_vector,
-    whole_number,
-)
 from dynamics.places import node_index, values_at_nodes
 
 PASSIVE = "damping takes energy away"

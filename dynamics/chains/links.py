@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.arrays import FloatArray, finite_vector, positive_number
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, finite_vector, positive_number
 from dynamics.places import node_index
 
 Pairs = tuple[tuple[int, int], ...]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
 
 # Below this share of the largest mass-normalized displacement, an end of the shape is recomputed.
 TAIL_SHARE = 1e-5

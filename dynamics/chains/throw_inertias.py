@@ -6,8 +6,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.errors import InputError
-from dynamics.checks import (
+from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
     nonnegative_number,
@@ -15,6 +14,7 @@ from dynamics.checks import (
     one_for_each,
     positive_number,
 )
+from crankbase.errors import InputError
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.choices import check_choice
+from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.choices import check_choice
 from crankbase.drawing.curves import Curves, Series, draw_curves
 from crankbase.drawing.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
-from dynamics.checks import ComplexArray, FloatArray
 from dynamics.crankshaft.pin_excitation import PinForces, shaft_excitation
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
 from dynamics.crankshaft.shaft_throw import RX, RY, RZ, UX, UY, UZ
 from dynamics.crankshaft.surroundings import ShaftSurroundings, TorsionalRing
 

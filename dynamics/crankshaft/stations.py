@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
 from dynamics.crankshaft.shaft_throw import RX, RY, RZ, UX, UY, UZ, ShaftThrow
 from dynamics.crankshaft.surroundings import EndBody, ShaftSurroundings
 

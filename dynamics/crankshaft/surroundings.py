@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, nonnegative_number, positive_number
+from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, nonnegative_number, positive_number, whole_number
 from dynamics.crankshaft.shaft_throw import RX, RY, UX, UY
 
 

@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE, new_axes
-from crankbase.drawing.legends import legend_inside, write_title
-from crankbase.errors import InputError
-from crankbase.tables.frames import grid
-from dynamics.checks import (
+from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     finite_array,
     finite_vector,
-    is_whole,
     turning_speeds,
 )
+from crankbase.checks.scalars import is_whole
+from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE, new_axes
+from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import CylinderMotion, cylinder_motion

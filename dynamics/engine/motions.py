@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dynamics.checks import FloatArray, finite_array
+from crankbase.checks.arrays import FloatArray, finite_array
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.rod_foot import crank_angle_from_axis, hinged_foot

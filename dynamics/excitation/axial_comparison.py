@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array
+from crankbase.checks.scalars import is_whole, whole_number
 from crankbase.drawing.diagram_style import COLORS, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
-from dynamics.checks import ComplexArray, FloatArray, finite_array, is_whole, whole_number
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.on_chains import axial_throw_forces
 from dynamics.plots.coordinates import number_axis, orders_and_speeds

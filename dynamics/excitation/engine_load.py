@@ -6,9 +6,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    nonnegative_number,
+    positive_number,
+)
 from crankbase.errors import InputError
 from crankbase.units.units import RPM
-from dynamics.checks import FloatArray, finite_array, nonnegative_number, positive_number
 
 # A number, one for each speed, or a function of the speeds [rad/s].
 Load = float | ArrayLike | Callable[[FloatArray], ArrayLike]

@@ -8,12 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_below, write_title
-from crankbase.errors import InputError
-from crankbase.tables.frames import grid
-from crankbase.units.units import RPM
-from dynamics.checks import (
+from crankbase.checks.arrays import (
     FloatArray,
     finite_vector,
     nonnegative_number,
@@ -21,6 +16,11 @@ from dynamics.checks import (
     read_only,
     turning_speeds,
 )
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import legend_below, write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import grid
+from crankbase.units.units import RPM
 from dynamics.cycle import even_angles
 from dynamics.excitation.engine_load import Load, load_at, per_minute
 from dynamics.excitation.grid_weights import SAME, Method, axis_weights, distinct, nearest

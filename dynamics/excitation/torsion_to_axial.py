@@ -3,9 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.errors import InputError
-from dynamics.chains.engine_chains import EngineChain
-from dynamics.checks import (
+from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     finite_array,
@@ -13,6 +11,8 @@ from dynamics.checks import (
     positive_number,
     positive_vector,
 )
+from crankbase.errors import InputError
+from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.on_chains import axial_section_forces
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import ForcedResponse

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_vector
+from crankbase.checks.arrays import FloatArray, finite_vector
 from dynamics.gas.cycle_values import GasCycle
 from dynamics.gas.cylinder_volume import CylinderVolume
 

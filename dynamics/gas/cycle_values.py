@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from crankbase.checks.arrays import nonnegative_number, positive_number
 from crankbase.errors import InputError
-from dynamics.checks import nonnegative_number, positive_number
 from dynamics.cycle import checked_strokes
 
 DEGREE = math.pi / 180.0

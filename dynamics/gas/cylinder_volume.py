@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, finite_array, positive_number
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, finite_array, positive_number
 
 Position = Callable[[FloatArray], FloatArray]
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, finite_vector, positive_number
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, finite_vector, positive_number
 from dynamics.cycle import checked_strokes
 
 

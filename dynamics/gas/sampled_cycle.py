@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
 from dynamics.gas.closed_cycle import motored_pressure, rise_per_heat
 from dynamics.gas.cycle_values import BOTTOM, GasCycle
 from dynamics.gas.cylinder_volume import CylinderVolume

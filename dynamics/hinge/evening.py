@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crankbase.checks.arrays import positive_number
 from crankbase.errors import InputError
-from dynamics.checks import positive_number
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
 from dynamics.hinge.running import (

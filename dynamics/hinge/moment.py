@@ -8,12 +8,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_vector,
+    positive_number,
+    read_only,
+)
+from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import table
 from crankbase.units.quantity import show_quantity
-from dynamics.checks import FloatArray, finite_vector, positive_number, read_only, whole_number
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.periodic import TURN, antiderivative, periodic_spline, turn_integral

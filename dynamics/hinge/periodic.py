@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
 from dynamics.cycle import even_angles
 
 if TYPE_CHECKING:

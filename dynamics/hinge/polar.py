@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.errors import InputError
-from dynamics.checks import ComplexArray, FloatArray
 
 
 def polar_curvature(radius: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:

@@ -6,8 +6,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, finite_vector
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, finite_vector
 from dynamics.engine.forces import rod_models
 from dynamics.engine.motions import cylinder_motion, reduced_inertia
 from dynamics.hinge.crosshead import CrossheadEngine

@@ -6,13 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from crankbase.checks.arrays import (
+    FloatArray,
+    nonnegative_number,
+    positive_number,
+    read_only,
+)
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import table
 from crankbase.units.quantity import show_quantity
 from crankbase.units.units import RPM
-from dynamics.checks import FloatArray, nonnegative_number, positive_number, read_only
 from dynamics.cycle import even_angles
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.periodic import TURN, periodic_spline

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.errors import InputError
-from dynamics.checks import ComplexArray, FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from crankbase.checks.arrays import finite_array, positive_number
 from crankbase.errors import InputError
-from dynamics.checks import finite_array, positive_number
 
 RodModelName = Literal["rigid", "three-mass", "two-mass with inertia", "two-mass"]
 ROD_MODELS: tuple[RodModelName, ...] = get_args(RodModelName)

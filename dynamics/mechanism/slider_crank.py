@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import finite_array, finite_vector, positive_number
 from crankbase.errors import InputError
-from dynamics.checks import finite_array, finite_vector, positive_number
 from dynamics.mechanism.motion import (
     PointMotion,
     TurnMotion,

@@ -6,7 +6,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from dynamics.checks import ComplexArray, FloatArray
+from crankbase.checks.arrays import ComplexArray, FloatArray
 
 Coordinate: TypeAlias = tuple[Any, str, str]
 

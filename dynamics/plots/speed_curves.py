@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.curves import (
     Band,
     Curves,
@@ -18,7 +19,6 @@ from crankbase.drawing.curves import (
 from crankbase.drawing.diagram_style import COLORS, with_gaps
 from crankbase.drawing.legends import legend_below, legend_inside
 from crankbase.units.units import RPM
-from dynamics.checks import FloatArray
 from dynamics.plots.quantities import SPEED_LABEL, Shown
 
 if TYPE_CHECKING:

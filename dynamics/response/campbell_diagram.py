@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import checked_range, nonnegative_vector, positive_vector
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
-from dynamics.checks import checked_range, nonnegative_vector, positive_vector
 from dynamics.plots.campbell import draw_campbell
 from dynamics.response.resonance import Resonance
 

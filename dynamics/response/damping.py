@@ -6,9 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import (
+    FloatArray,
+    nonnegative_vector,
+    one_for_each,
+    positive_number,
+)
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray, nonnegative_vector, one_for_each, positive_number
 from dynamics.places import node_index, values_at_nodes
 from dynamics.response.linear_system import (
     DEFAULT_MAGNIFIER,

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
-from dynamics.checks import ComplexArray, FloatArray
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import MAIN_ORDERS

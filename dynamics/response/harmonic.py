@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray, positive_vector
 from crankbase.errors import InputError
-from dynamics.checks import ComplexArray, FloatArray, positive_vector
 from dynamics.response.linear_system import LinearSystem
 
 Method = Literal["modal", "direct"]

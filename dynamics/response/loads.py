@@ -7,11 +7,16 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.choices import check_choice
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_array,
+    positive_vector,
+)
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
-from dynamics.checks import ComplexArray, FloatArray, finite_array, positive_vector
 from dynamics.places import place_of
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, shown

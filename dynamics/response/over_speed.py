@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dynamics.checks import ComplexArray, FloatArray
+from crankbase.checks.arrays import ComplexArray, FloatArray
 
 
 @dataclass(frozen=True, eq=False)

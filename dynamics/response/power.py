@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.tables.frames import grid
-from dynamics.checks import ComplexArray, FloatArray
 from dynamics.plots.coordinates import name_axis, orders_and_speeds
 from dynamics.plots.quantities import KILO
 from dynamics.plots.speed_curves import draw_named_curves

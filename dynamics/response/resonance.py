@@ -7,9 +7,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.errors import InputError
 from crankbase.tables.frames import Row
-from dynamics.checks import ComplexArray, FloatArray
 from dynamics.critical import critical_speeds
 from dynamics.places import place_of
 from dynamics.response.forced import ForcedResponse

@@ -8,23 +8,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray, finite_vector
+from crankbase.checks.scalars import whole_number
 from crankbase.drawing.curves import Curves
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
-from dynamics.checks import (
-    ComplexArray,
-    FloatArray,
-    checked_barred,
-    checked_limits,
-    finite_vector,
-    whole_number,
-)
 from dynamics.places import place_of
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, Shown, shown
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_over_speed, over_speed
+from dynamics.response.drawn_limits import checked_barred, checked_limits
 from dynamics.response.excitation import at_angles, checked_speed_index
 from dynamics.response.synthesis import Synthesis, synthesis
 

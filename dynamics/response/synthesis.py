@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
-from dynamics.checks import ComplexArray, FloatArray
 from dynamics.places import place_number
 from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import Quantity, shown

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from crankbase.choices import check_choice
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.choices import check_choice
+from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
-from dynamics.checks import FloatArray, whole_number
 from dynamics.places import node_index
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.coordinates import time_axis

@@ -6,7 +6,7 @@ from math import factorial
 import numpy as np
 from scipy.linalg import expm
 
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
 from dynamics.response.linear_system import LinearSystem
 
 # Forces are taken at so many Gauss points of each step; between them they are a polynomial.

@@ -8,13 +8,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
-from dynamics.checks import (
-    FloatArray,
-    positive_number,
-)
 from dynamics.plots.coordinates import name_axis, time_axis
 from dynamics.plots.over_time import RunCurve, plot_run
 from dynamics.response.excitation import OrderExcitation

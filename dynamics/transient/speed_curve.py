@@ -7,20 +7,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
-from crankbase.errors import InputError
-from crankbase.tables.frames import table
-from crankbase.units.units import RPM
-from dynamics.checks import (
+from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
     finite_vector,
     positive_number,
     positive_vector,
     read_only,
-    whole_number,
 )
+from crankbase.checks.scalars import whole_number
+from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
+from crankbase.errors import InputError
+from crankbase.tables.frames import table
+from crankbase.units.units import RPM
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import SPEED_LABEL
 

@@ -6,9 +6,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.checks import FloatArray
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.mechanism.rods import RodModelName

@@ -6,9 +6,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import positive_number
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from dynamics.checks import positive_number
 from dynamics.response.linear_system import LinearSystem, chain_system
 
 LossAs = Literal["viscous", "modal"]

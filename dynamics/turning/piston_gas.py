@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
 from dynamics.engine.gas_forces import Pressure, gas_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import piston_ends

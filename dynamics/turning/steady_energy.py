@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
 
 # A shaft that has less than this share of the swing of energy left at its slowest is taken as not
 # coming round.

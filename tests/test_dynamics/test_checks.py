@@ -6,24 +6,22 @@ import numpy as np
 import pytest
 
 from comparing import close
+from crankbase.checks.arrays import (
+    HIGHEST_SPEED,
+    LARGEST,
+    SMALLEST,
+    finite_array,
+    nonnegative_number,
+    positive_number,
+    positive_vector,
+    turning_speeds,
+)
 from crankbase.errors import InputError
 from dynamics.assessment.limit_rules import crankshaft_limit, propulsion_shaft_limit
 from dynamics.assessment.limits import LimitCurve, axial_force_limit, given_limit
 from dynamics.balance.balance import balance
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_elements import ShaftCone
-from dynamics.checks import (
-    HIGHEST_SPEED,
-    LARGEST,
-    SMALLEST,
-    at_most,
-    finite_array,
-    nonnegative_number,
-    positive_number,
-    positive_vector,
-    turning_speeds,
-    within,
-)
 from dynamics.crankshaft.surroundings import AxialSupport
 from dynamics.critical import critical_speeds, engine_orders
 from dynamics.engine.cylinder import EngineCylinder
@@ -38,6 +36,7 @@ from dynamics.excitation.propeller import PropellerForces, propeller_excitation
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.response.excitation import OrderExcitation
+from dynamics.running_limits import at_most, within
 from dynamics.torque.pin_harmonics import pin_force_harmonics
 from dynamics.torque.star import star_diagram
 from dynamics.torque.torque import engine_torque

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from crankbase.choices import check_choice
+from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.errors import InputError
 from crankbase.tables.frames import table

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from crankbase.checks.arrays import FloatArray
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.checks import FloatArray
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from crankbase.choices import check_choice, check_not_given
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.errors import InputError
 from crankbase.tables.frames import table_of
 from crankbase.units.number_formats import UNBOUNDED
@@ -20,7 +21,6 @@ from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
 from crankfem.analyses.shaft.whole_damping import damping_remarks, modal_damping
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.checks import FloatArray
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
     FREQUENCY_LIMIT,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.choices import check_choice, check_not_given
+from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.drawing.bars import draw_rows
 from crankbase.drawing.diagram_style import math_symbol, new_axes
 from crankbase.drawing.legends import shown_unit, write_title

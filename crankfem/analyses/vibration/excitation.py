@@ -17,7 +17,6 @@ from crankfem.files.sections.excitation_input import (
     motored_for_misfire,
 )
 from dynamics.chains.engine_chains import EngineChain, Kind
-from dynamics.checks import within
 from dynamics.critical import engine_orders
 from dynamics.excitation.axial_comparison import AxialForceComparison, compare_axial_forces
 from dynamics.excitation.combined import combined_excitation
@@ -33,6 +32,7 @@ from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.speed_grid import refined_speeds
+from dynamics.running_limits import within
 from fem.shaft import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
 

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from crankbase.tables.frames import table
 from crankbase.units.quantity import parse_quantity
 from crankfem.analyses.shaft.chains import magnifier_of
 from crankfem.analyses.vibration.run import EngineVibration
-from dynamics.checks import FloatArray
 from dynamics.transient.envelope import Envelope
 from dynamics.transient.picking import axis_names
 from dynamics.transient.run import TransientMotion, transient_motion

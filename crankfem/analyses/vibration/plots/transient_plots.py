@@ -7,10 +7,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import finite_vector
 from crankbase.drawing.diagram_style import figure
 from crankbase.errors import InputError
 from crankfem.analyses.titles import add_title
-from dynamics.checks import finite_vector
 from dynamics.plots.over_time import draw_speed
 from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.transient.picking import Moving

@@ -1,8 +1,6 @@
-"""Words and numbers that an option may be."""
+"""Words and names that are allowed, and what a wrong one may have been meant for."""
 
-import math
 from collections.abc import Iterable
-from numbers import Real
 
 from crankbase.errors import InputError, quoted
 
@@ -35,17 +33,3 @@ def check_not_given(option: str, given: object, shown: str, because: str) -> Non
         raise InputError(
             f"{option}: given {quoted(given)} with {shown!r}; allowed is none, because {because}."
         )
-
-
-def is_number(value: object) -> bool:
-    """Whether this is one finite real number; True and False are none.
-
-    Examples
-    --------
-    >>> is_number(1), is_number(0.5), is_number("1"), is_number(True), is_number(math.nan)
-    (True, True, False, False, False)
-    """
-    try:
-        return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
-    except OverflowError:  # a whole number larger than any float
-        return False
