@@ -12,6 +12,7 @@ import math
 import tempfile
 from pathlib import Path
 
+from crankbase.outputs import replacing_files
 from crankfem.analyses.study.fitting import fit_study
 from crankfem.analyses.study.plots.fit_plots import plot_parity, plot_response
 from geometry.throw import CrankThrow
@@ -114,7 +115,8 @@ def main() -> None:
     if given.plots:
         for name, plot in (("27", plot_parity), ("36", plot_response)):
             found = fit_study(tables[name])["axial_compliance"]
-            plot(given.plots / f"paper_study_{name}.svg", tables[name], found)
+            with replacing_files():
+                plot(given.plots / f"paper_study_{name}.svg", tables[name], found)
     for name, table in tables.items():
         found = fits(table)
         taken = choose(found, float(table.errors[COLUMNS[0]].std()))

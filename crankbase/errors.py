@@ -1,8 +1,80 @@
 """The errors that a user of crankfem meets: each one is a single clear sentence."""
 
+import re
+
+# Of what was given a message quotes at most so many characters, its beginning and its end.
+LONGEST_QUOTE = 80
+# A whole message is longer only by its list of what is allowed.
+LONGEST_MESSAGE = 4000
+CUT = " ... "
+# Where a quoted text or a list may begin; an apostrophe within a word begins none.
+_GIVEN = re.compile(
+    r"(?<!\w)(?:'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\")|\bgiven (\w*[\[({])", re.DOTALL
+)
+_NESTED = re.compile(r"'(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"|[\[({]|[\])}]", re.DOTALL)
+# The parts of a path are cut each for itself: what is told of a file must lead to it.
+_WORD = re.compile(rf"[^\s/]{{{LONGEST_QUOTE + 1},}}")
+
+
+def shortened(text: str, most: int = LONGEST_QUOTE) -> str:
+    """Return a text of at most so many characters: its beginning and its end, if it is longer.
+
+    Examples
+    --------
+    >>> shortened("given " * 100, 30)
+    'given given given ... n given '
+    """
+    if len(text) <= most:
+        return text
+    end = (most - len(CUT)) // 3
+    return text[: most - len(CUT) - end] + CUT + text[-end:]
+
+
+def quoted(value: object) -> str:
+    """Write a value as Python does, cut to what a message quotes; a number of any size can be written."""
+    try:
+        return shortened(repr(value))
+    except ValueError:  # Python writes no integers of thousands of digits
+        return "a number of thousands of digits"
+
+
+def with_short_quotes(message: str) -> str:
+    """Return a message in which every quoted text, list and word is cut to what a message quotes."""
+    if len(message) <= LONGEST_QUOTE:
+        return message
+    pieces, place = [], 0
+    while (found := _GIVEN.search(message, place)) is not None:
+        begin, end = found.span()
+        if found[1]:
+            begin, end = found.start(1), _closing(message, found.end(1))
+        pieces += [message[place:begin], shortened(message[begin:end])]
+        place = end
+    pieces.append(message[place:])
+    words = _WORD.sub(lambda word: shortened(word[0]), "".join(pieces))
+    return shortened(words, LONGEST_MESSAGE)
+
+
+def _closing(message: str, place: int) -> int:
+    """Return where the list ends that begins before `place`."""
+    depth = 1
+    for found in _NESTED.finditer(message, place):
+        depth += {"[": 1, "(": 1, "{": 1, "]": -1, ")": -1, "}": -1}.get(found[0], 0)
+        if depth == 0:
+            return found.end()
+    return place
+
 
 class InputError(ValueError):
-    """Input that cannot be used; the message names the field, the value, the allowed range and why."""
+    """Input that cannot be used; the message names the field, the value, the allowed range and why.
+
+    Parameters
+    ----------
+    message : str
+        What it quotes is cut to 80 characters, however long what was given is.
+    """
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(with_short_quotes(message))
 
 
 class MissingLibraryError(ImportError):

@@ -8,7 +8,7 @@ from pydantic.fields import FieldInfo
 
 from crankbase.checks.choices import allowed_names
 from crankbase.checks.scalars import is_number
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from crankbase.units.quantity import parse_quantity, show_quantity
 from crankbase.units.units import DISPLAY_UNITS
 
@@ -82,7 +82,7 @@ class InputModel(BaseModel):
             if unit is not None and isinstance(value, str | bool):
                 prefix = f"{self.section}." if self.section else ""
                 raise InputError(
-                    f"{prefix}{name}: given {value!r}; allowed is a number in {unit or 'no unit'}, "
+                    f"{prefix}{name}: given {quoted(value)}; allowed is a number in {unit or 'no unit'}, "
                     "for in Python quantities are SI numbers."
                 )
         try:
@@ -170,11 +170,11 @@ def _parts_from_text(kind: type[InputModel], info: FieldInfo, value: object, nam
     if field_extra(info, "many"):
         if not isinstance(value, list) or not all(isinstance(item, Mapping) for item in value):
             raise InputError(
-                f"{name}: given {value!r}; allowed is a list of tables, each under [[{name}]]."
+                f"{name}: given {quoted(value)}; allowed is a list of tables, each under [[{name}]]."
             )
         return tuple(kind.from_text(item, f"{name}[{place}]") for place, item in enumerate(value))
     if not isinstance(value, Mapping):
-        raise InputError(f"{name}: given {value!r}; allowed is a table [{name}].")
+        raise InputError(f"{name}: given {quoted(value)}; allowed is a table [{name}].")
     return kind.from_text(value, name)
 
 
@@ -204,15 +204,18 @@ def _sentence(model: type[InputModel], error: ValidationError) -> str:
         return f"{field}: unknown field; {allowed_names(name, model.model_fields)}."
     known = model.model_fields.get(name)
     if known is None:
-        return f"{field}: given {given!r}; {first['msg']}."
+        return f"{field}: given {quoted(given)}; {first['msg']}."
     unit = field_extra(known, "unit")
-    shown = repr(given)
+    shown = quoted(given)
     if unit is not None and is_number(given):
         shown = show_quantity(float(given), unit)
     if first["type"] == "literal_error":
         expected = str(first["ctx"]["expected"]).replace("'", "")
-        return f"{field}: given {given!r}; allowed is {expected}."
+        return f"{field}: given {quoted(given)}; allowed is {expected}."
     allowed = _range(known) if unit is not None else ""
+    bound = _BOUNDS.get(first["type"])
+    if unit is None and bound is not None:
+        allowed = bound.format(**first.get("ctx", {}))
     if first["type"] in _KINDS:
         allowed = f"{_KINDS[first['type']]}, {allowed}".removesuffix(", ")
     return f"{field}: given {shown}; allowed is {allowed} for {_describe(known)}."
@@ -225,6 +228,12 @@ _KINDS = {
     "int_type": "a whole number",
     "string_type": "text",
     "tuple_type": "a list",
+}
+# And about the numbers in them; a field with a unit tells its range.
+_BOUNDS = {
+    "finite_number": "a finite number",
+    "greater_than_equal": "a number of {ge:g} or more",
+    "less_than_equal": "a number of {le:g} or less",
 }
 
 

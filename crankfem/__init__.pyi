@@ -3,6 +3,7 @@
 from crankbase.errors import InputError as InputError
 from crankbase.errors import MeshError as MeshError
 from crankbase.errors import MissingLibraryError as MissingLibraryError
+from crankbase.outputs import replacing_files as replacing_files
 from crankbase.tables.frames import table_of as table_of
 from crankfem.analyses.hinge.hinge_run import HingeRun as HingeRun
 from crankfem.analyses.hinge.hinge_run import run_hinge as run_hinge

@@ -251,4 +251,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with cf.replacing_files():
+        main()

@@ -92,5 +92,6 @@ def _twist(motion: np.ndarray) -> np.ndarray:
 
 
 if __name__ == "__main__":
-    draw_run_up()
-    draw_secondary_resonance()
+    with cf.replacing_files():
+        draw_run_up()
+        draw_secondary_resonance()

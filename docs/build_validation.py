@@ -1,6 +1,6 @@
 """Write docs/validation.md from docs/validation-figures.json and from what the tests say of themselves.
 
-Figures: ``pytest tests/validation --figures docs/validation-figures.json`` (files can be run one by
+Figures: ``pytest tests/validation -m "" --figures docs/validation-figures.json`` (files can be run one by
 one, the figures of the others stay). Then ``python docs/build_validation.py``; a test compares.
 """
 
@@ -44,7 +44,7 @@ To run it again (some five minutes on two cores; without CalculiX its cases are 
 
 ```sh
 apt-get install calculix-ccx
-pytest tests/validation --figures docs/validation-figures.json
+pytest tests/validation -m "" --figures docs/validation-figures.json
 python docs/build_validation.py
 ```
 """

@@ -18,9 +18,11 @@ from crankbase.errors import InputError
 from crankbase.tables.frames import Row
 from crankbase.units.units import RPM
 from dynamics.cycle import cycle_degrees, order_step
+from dynamics.running_limits import within
 
 # A vector sum counts as full within this share of its largest possible value.
 FULL_SUM_TOLERANCE = 1e-6
+HIGHEST_ORDER = 1e5
 
 
 @dataclass(frozen=True)
@@ -82,10 +84,15 @@ def engine_orders(strokes: int, highest: float) -> FloatArray:
     Raises
     ------
     InputError
-        If strokes is neither 2 nor 4, or `highest` lies below the lowest order.
+        If strokes is neither 2 nor 4, or `highest` lies below the lowest order or above 1e5.
     """
     step = order_step(strokes)
     limit = positive_number("highest", highest, "", "orders count cycles per revolution")
+    if limit > HIGHEST_ORDER:
+        raise InputError(
+            f"highest: given {limit:g}; allowed is up to {HIGHEST_ORDER:g}, because no cycle is known so "
+            "finely that higher orders are more than noise."
+        )
     count = math.floor(limit / step * (1.0 + 1e-12))
     if count == 0:
         raise InputError(
@@ -132,7 +139,7 @@ def critical_speeds(
     for mode, frequency in enumerate(natural.tolist()):
         for order in excited.tolist():
             speed = 2.0 * math.pi * frequency / order
-            if low <= speed <= high:
+            if within(speed, low, high):
                 found.append(CriticalSpeed(mode, frequency, order, speed))
     return tuple(sorted(found, key=lambda item: (item.speed, item.mode, item.order)))
 

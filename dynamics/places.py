@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number, nonnegative_vector
 from crankbase.checks.scalars import is_whole_within
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 
 
 def node_index(field: str, node: SupportsIndex, count: int) -> int:
@@ -24,9 +24,9 @@ def node_index(field: str, node: SupportsIndex, count: int) -> int:
     try:
         index = operator.index(node)
     except TypeError:
-        raise InputError(f"{field}: given {node!r}; {allowed}.") from None
+        raise InputError(f"{field}: given {quoted(node)}; {allowed}.") from None
     if not 0 <= index < count:
-        raise InputError(f"{field}: given {index}; {allowed}.")
+        raise InputError(f"{field}: given {quoted(index)}; {allowed}.")
     return index
 
 
@@ -58,7 +58,7 @@ def values_at_nodes(
     if isinstance(values, Mapping):
         array = np.zeros(count)
         for node, value in values.items():
-            name = f"{field}[{node!r}]"
+            name = f"{field}[{quoted(node)}]"
             array[node_index(name, node, count)] = nonnegative_number(name, value, unit, reason)
         return array
     array = nonnegative_vector(field, values, unit, reason)
@@ -92,6 +92,6 @@ def place_of(field: str, given: object, names: Sequence[str], what: str, reason:
     if is_whole_within(given, 0, len(names) - 1):
         return int(given)
     raise InputError(
-        f"{field}: given {given!r}; allowed are the whole numbers 0 to {len(names) - 1} and the names of "
-        f"{what}, because {reason}."
+        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {len(names) - 1} and the "
+        f"names of {what}, because {reason}."
     )

@@ -7,11 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.errors import InputError
+from crankbase.errors import InputError, shortened
+from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
 from dynamics.cycle import first_not_increasing
-
-# Text of a file that a message quotes.
-LONGEST_QUOTE = 80
 
 
 @dataclass(frozen=True)
@@ -87,6 +85,7 @@ def read_sample_rows(path: Path, kind: TableKind) -> SampleRows:
     InputError
         With file and line, if the file cannot be read, or the header or a number is wrong.
     """
+    check_file_size(path, LARGEST_TABLE_FILE, f"a {kind.name}")
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
@@ -155,15 +154,10 @@ def _header(path: Path, number: int, line: str, kind: TableKind) -> tuple[str, s
     names = [name.strip() for name in line.split(",")]
     if len(names) != 2 or names[0] not in kind.angle_names or names[1] not in kind.value_names:
         raise InputError(
-            f'{path}, line {number}: given the header "{_cut(line)}"; allowed is {kind.headers}, because '
-            f"{kind.header_reason}."
+            f'{path}, line {number}: given the header "{shortened(line)}"; allowed is {kind.headers}, '
+            f"because {kind.header_reason}."
         )
     return names[0], names[1]
-
-
-def _cut(text: str) -> str:
-    """Cut text of a file to a length that a message can hold."""
-    return text if len(text) <= LONGEST_QUOTE else f"{text[: LONGEST_QUOTE - 3]}..."
 
 
 def _sample(
@@ -172,7 +166,7 @@ def _sample(
     cells = [cell.strip() for cell in line.split(",")]
     if len(cells) != 2:
         raise InputError(
-            f'{path}, line {number}: given "{_cut(line)}"; allowed are two numbers with a comma between '
+            f'{path}, line {number}: given "{shortened(line)}"; allowed are two numbers with a comma between '
             f"them and decimal points, because the header is {names[0]},{names[1]}."
         )
     values: list[float] = []
@@ -183,7 +177,7 @@ def _sample(
             value = math.nan
         if not math.isfinite(value):
             raise InputError(
-                f'{path}, line {number}: {name}: given "{_cut(cell)}"; allowed are finite numbers, '
+                f'{path}, line {number}: {name}: given "{shortened(cell)}"; allowed are finite numbers, '
                 f"because {kind.sample_reason}."
             )
         values.append(value)

@@ -13,6 +13,7 @@ The influence coefficient c follows the same law. rho = 1 makes it linear in cos
 factors of most published formulas are; throws have rho of 1.7 to 3.3.
 """
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -23,7 +24,7 @@ from crankbase.checks.arrays import finite_array
 from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import BLUE, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from crankbase.tables.frames import grid, table
 from fem.plots.over_angle import ANGLES_DEG, LABELS, SHOWN, Compliance, angle_axis
 from fem.superelement import Superelement
@@ -49,6 +50,11 @@ class AngleLaw:
         rho, stiffness against tilting across the crank plane divided by that in it.
     influence_in_line, influence_opposite : float
         c_0 and c_180 [m/N].
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, or a compliance or the ratio not above zero.
     """
 
     in_line: float
@@ -56,6 +62,15 @@ class AngleLaw:
     ratio: float
     influence_in_line: float
     influence_opposite: float
+
+    def __post_init__(self) -> None:
+        for name in ("in_line", "opposite", "ratio", "influence_in_line", "influence_opposite"):
+            value, signed = getattr(self, name), name.startswith("influence")
+            if not math.isfinite(value) or not (signed or value > 0.0):
+                kind = "finite number" if signed else "finite number above zero"
+                raise InputError(
+                    f"{name}: given {value:g}; allowed is a {kind}, as every throw has it."
+                )
 
     def share(self, gamma_deg: ArrayLike) -> NDArray[np.float64]:
         """How far the throw is from in line (0) to opposite (1) at these angles [deg].
@@ -194,8 +209,8 @@ def _row_of_angles(gamma_deg: ArrayLike) -> NDArray[Any]:
         angles = np.zeros((0, 0))
     if angles.ndim != 1 or not angles.size:
         raise InputError(
-            f"gamma_deg: given {gamma_deg!r}; allowed are one or more angles in a row, because the table "
-            "has a row for each."
+            f"gamma_deg: given {quoted(gamma_deg)}; allowed are one or more angles in a row, because the "
+            "table has a row for each."
         )
     return angles
 

@@ -24,7 +24,7 @@ from scipy.linalg import block_diag
 
 from crankbase.checks.scalars import is_number, whole_within
 from crankbase.drawing.diagram_style import GRAY, new_axes
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from crankbase.stopwatch import Stopwatch
 from crankbase.tables.frames import table
 from fem.assembly import symmetric_product
@@ -226,12 +226,12 @@ def dynamic_superelement(
     """
     if not (is_number(highest_frequency) and highest_frequency >= 0.0):
         raise InputError(
-            f"highest_frequency: given {highest_frequency!r}; allowed is a finite frequency from 0 Hz, "
+            f"highest_frequency: given {quoted(highest_frequency)}; allowed is a finite frequency from 0 Hz, "
             "because modes are kept in proportion to it."
         )
     if not (is_number(cutoff_factor) and cutoff_factor >= 1.0):
         raise InputError(
-            f"cutoff_factor: given {cutoff_factor!r}; allowed is a finite number from 1, because modes "
+            f"cutoff_factor: given {quoted(cutoff_factor)}; allowed is a finite number from 1, because modes "
             "below the highest frequency must not be missing."
         )
     _check_classes(mesh, classes)

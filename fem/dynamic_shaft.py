@@ -107,7 +107,7 @@ def _checked_matrix(name: str, given: Array) -> Array:
     """
     try:
         matrix = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         matrix = np.empty(0)
     if matrix.ndim != 2 or len(matrix) != matrix.shape[1] or not np.all(np.isfinite(matrix)):
         raise InputError(

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.scalars import whole_within
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from fem.condensation import CondensedClass
 from fem.loads import Distribution, NodalLoads, pin_load, pin_surfaces
 from fem.pin_response import equivalent_load
@@ -27,11 +27,11 @@ def checked_vector(name: str, given: ArrayLike, unit: str) -> NDArray[np.float64
     """
     try:
         vector = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         vector = np.empty(0)
     if vector.shape != (3,) or not np.all(np.abs(vector) <= LARGEST_LOAD):
         raise InputError(
-            f"{name}: given {given!r}; allowed are three finite numbers [{unit}], none beyond "
+            f"{name}: given {quoted(given)}; allowed are three finite numbers [{unit}], none beyond "
             f"{LARGEST_LOAD:g}."
         )
     return vector

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from crankbase.checks.scalars import is_number, whole_within
 from crankbase.drawing.diagram_style import new_axes
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from crankbase.stopwatch import Stopwatch
 from crankbase.tables.frames import table
 from fem.class_modes import (
@@ -198,8 +198,8 @@ def rigid_count(symmetry: SymmetryClass) -> int:
 def _check_wish(count: int | None, highest_frequency: float | None) -> None:
     if (count is None) == (highest_frequency is None):
         raise InputError(
-            f"count, highest_frequency: given {count!r} and {highest_frequency!r}; allowed is one of "
-            "them, because each alone says how many modes there are."
+            f"count, highest_frequency: given {quoted(count)} and {quoted(highest_frequency)}; allowed is "
+            "one of them, because each alone says how many modes there are."
         )
     if count is not None:
         reason = "higher modes have waves shorter than a throw's details"
@@ -208,8 +208,8 @@ def _check_wish(count: int | None, highest_frequency: float | None) -> None:
         is_number(highest_frequency) and highest_frequency > 0.0
     ):
         raise InputError(
-            f"highest_frequency: given {highest_frequency!r}; allowed is a finite frequency above 0 Hz, "
-            "because a free throw has modes of any height."
+            f"highest_frequency: given {quoted(highest_frequency)}; allowed is a finite frequency above 0 "
+            "Hz, because a free throw has modes of any height."
         )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.scalars import is_number
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotation
 from fem.throw_frames import load_table
 
@@ -47,7 +47,7 @@ class Neighbors:
             value = getattr(self, name)
             if not is_number(value):
                 raise InputError(
-                    f"Neighbors.{name}: given {value!r}; allowed is a finite angle in degrees."
+                    f"Neighbors.{name}: given {quoted(value)}; allowed is a finite angle in degrees."
                 )
 
 

@@ -344,11 +344,11 @@ class ThrowAnalysis:
         InputError
             If the quantity is none of these.
         """
-        one = self.superelement
+        one, values = self.superelement, self.over_angle(quantity)
         bounds = {name: compliance(one, quantity, name) for name in ("guided", "pinned")}
         error = self.error_estimate if quantity == "axial_compliance" else None
         axes = new_axes(axes)
-        draw_compliance(axes, self.over_angle(quantity), bounds, quantity, error)
+        draw_compliance(axes, values, bounds, quantity, error)
         write_title(axes, "Throw by finite elements")
         return axes
 

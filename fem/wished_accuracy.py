@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from crankbase.checks.scalars import is_number
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class AccuracyRange:
         """
         if not is_number(given) or not self.least <= given <= self.most:
             raise InputError(
-                f"{field}: given {given!r}; allowed is a number from {self}, the relative error of "
+                f"{field}: given {quoted(given)}; allowed is a number from {self}, the relative error of "
                 f"{self.error_of}."
             )
         return float(given)

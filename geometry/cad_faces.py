@@ -73,7 +73,11 @@ def opened_part(path: str) -> Iterator[tuple[Any, int]]:
             option.setString(UNIT_OPTION, "MM")
             option.setNumber(SCALE_OPTION, 1e-3)
             made = gmsh.model.occ.importShapes(path, highestDimOnly=True)
-        except Exception as error:  # gmsh raises bare Exception
+        except Exception as error:
+            if (
+                type(error) is not Exception
+            ):  # which gmsh raises; any other kind is not the file's fault
+                raise
             raise InputError(f"{path}: given a file that cannot be read: {error}.") from None
         finally:
             option.setString(UNIT_OPTION, before[0])

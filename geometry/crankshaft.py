@@ -17,6 +17,7 @@ from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.isolated import ProcessLostError, shared_process
 from geometry.mass import (
     MassProperties,
+    check_density,
     cylinder_mass_properties,
     solid_mass_properties,
     together,
@@ -130,6 +131,8 @@ class Crankshaft:
 
         Raises
         ------
+        InputError
+            If the density is not above zero, or no number.
         MeshError
             If a throw's solid cannot be built.
         """
@@ -191,9 +194,12 @@ def throw_masses(throw: CrankThrow, density: float) -> MassProperties:
 
     Raises
     ------
+    InputError
+        If the density is not above zero, or no number.
     MeshError
         If the solid cannot be built.
     """
+    check_density(density)
     try:
         solid = shared_process().call(
             "geometry.crankshaft:throw_solid", throw, time_limit=TIME_LIMIT

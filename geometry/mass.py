@@ -6,9 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.scalars import is_number
+from crankbase.errors import InputError
 from geometry.mesh import ThrowMesh
 from geometry.mesh_checks import SolidProperties
 from geometry.shapes import element_quadrature
+
+# [kg/m^3] No body is denser by far.
+LARGEST_DENSITY = 1e6
 
 
 @dataclass(frozen=True)
@@ -42,6 +47,20 @@ class MassProperties:
         return MassProperties(self.mass, center, turn @ self.inertia @ turn.T)
 
 
+def check_density(density: object) -> None:
+    """Refuse a density that no body has.
+
+    Raises
+    ------
+    InputError
+    """
+    if not is_number(density) or not 0.0 < density <= LARGEST_DENSITY:
+        raise InputError(
+            f"density: given {density!r}; allowed are numbers above 0 and up to {LARGEST_DENSITY:g} in "
+            "kg/m^3, because every body has mass."
+        )
+
+
 def together(parts: Sequence[MassProperties]) -> MassProperties:
     """Mass properties of several parts as one rigid body."""
     mass = sum(part.mass for part in parts)
@@ -57,6 +76,7 @@ def cylinder_mass_properties(
     diameter: float, start: float, end: float, density: float
 ) -> MassProperties:
     """Mass properties of a solid cylinder about the shaft axis from `start` to `end` [m]."""
+    check_density(density)
     length = end - start
     mass = density * np.pi / 4.0 * diameter**2 * length
     across = mass * (diameter**2 / 16.0 + length**2 / 12.0)
@@ -77,6 +97,11 @@ def mass_properties(mesh: ThrowMesh, density: float) -> MassProperties:
     Returns
     -------
     MassProperties
+
+    Raises
+    ------
+    InputError
+        If the density is not above zero, or no number.
     """
     return solid_mass_properties(mesh.solid, mesh.part, mesh.length, density)
 
@@ -106,6 +131,7 @@ def _whole(
     density: float,
 ) -> MassProperties:
     """Mirror a part's integrals, and turn second moments into inertia."""
+    check_density(density)
     # About a point on the planes of symmetry, so that mirrored products cancel.
     origin = np.array([0.0, 0.0, length / 2.0])
     second = second + volume * np.outer(center - origin, center - origin)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError, MissingLibraryError
+from crankbase.outputs import written
 from geometry.facets import flat_triangles, six_node_triangles
 from geometry.gmsh_session import gmsh_session
 from geometry.mesh import GMSH_TO_SKFEM, ThrowMesh
@@ -51,21 +52,22 @@ def write_mesh(
     Raises
     ------
     InputError
-        If the ending is unknown, or the file cannot be written.
+        If the ending is unknown, or the file cannot be written or is somebody else's.
     MissingLibraryError
         If the format needs a package that is not installed.
     """
     path = Path(path)
     ending = check_ending(path)
     try:
-        if ending == ".msh":
-            _write_msh(mesh, path)
-        elif ending in SURFACE_ENDINGS:
-            _meshio().Mesh(
-                mesh.points, [("triangle", flat_triangles(mesh).astype(np.int32))]
-            ).write(path)
-        else:
-            _write_solid(mesh, path, point_data or {})
+        with written(path, "mesh") as part:
+            if ending == ".msh":
+                _write_msh(mesh, part)
+            elif ending in SURFACE_ENDINGS:
+                _meshio().Mesh(
+                    mesh.points, [("triangle", flat_triangles(mesh).astype(np.int32))]
+                ).write(part)
+            else:
+                _write_solid(mesh, part, point_data or {})
     except ImportError as error:
         package = error.name or str(error)
         raise MissingLibraryError(

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 from crankbase.errors import InputError, MeshError
+from crankbase.outputs import write_text
 from crankbase.processes import scratch_folder
 from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.gmsh_session import gmsh_errors, gmsh_session
@@ -63,7 +64,7 @@ def write_step(solid: CrankThrow | Crankshaft, path: str | Path, part: str = "fu
     except ProcessLostError as error:
         raise MeshError(f"the solid could not be built: {error}.") from None
     try:
-        path.write_text(text, encoding="ascii")
+        write_text(path, text, "solid")
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
     return path

@@ -2,6 +2,7 @@
 
 from pydantic.fields import FieldInfo
 
+from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.units.quantity import show_quantity
 from geometry.throw import CrankThrow
@@ -18,6 +19,8 @@ DEFAULTS = {
 # Two numbers are one dimension if they differ by less than this share: "98 mm" read from text and
 # 0.098 may differ in the last digit.
 SAME = 1e-9
+# Of the range in which a field is declared.
+ENDS = ("minimum", "maximum")
 
 
 def declaration(name: str) -> FieldInfo | None:
@@ -46,6 +49,24 @@ def field_unit(name: str) -> str | None:
     info = declaration(name)
     unit = None if info is None else field_extra(info, "unit")
     return None if unit is None else str(unit)
+
+
+def check_dimension(field: str, name: str, value: float) -> None:
+    """Refuse a number that a throw's field, or one of its parts', cannot have; others may be any.
+
+    Raises
+    ------
+    InputError
+    """
+    info = declaration(name)
+    low, high = (None if info is None else field_extra(info, f"{end}_si") for end in ENDS)
+    if (low is None or low <= value) and (high is None or value <= high):
+        return
+    bounds = [f"{show(name, low)} or more"] if low is not None else []
+    bounds += [f"{show(name, high)} or less"] if high is not None else []
+    raise InputError(
+        f"{field}: given {show(name, value)}; allowed is {' and '.join(bounds)}, as for every throw."
+    )
 
 
 def show(name: str, value: float, unit: str | None = None) -> str:

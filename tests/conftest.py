@@ -9,37 +9,23 @@ import psutil
 import pytest
 from hypothesis import settings
 
-# Dense matrices are small here: the threads of numpy's own library wait for each other, and with other
-# processes beside them for much longer than they work. Read when numpy is first loaded, also by children.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# Matrices are small here: the threads of numpy's and of the solver's library wait for each other, and with
+# other processes beside them for much longer than they work. Read when those are first loaded, also by
+# children.
+for library in ("MKL", "OMP", "OPENBLAS"):
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 # Tests never measure time: an example that takes long on a busy machine is no fault.
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
 
-_approx = pytest.approx
 
-
-def _relative_approx(expected, rel=None, abs=None, nan_ok=False):  # noqa: A002 - pytest's name
-    """Compare as pytest does, without its absolute tolerance of 1e-12 where none is asked for.
-
-    Compliances are near 1e-9 m/N: a tolerance of 1e-12 there passes errors of 0.1 %, whatever `rel` says.
-    """
-    if abs is None:
-        rel, abs = 1e-6 if rel is None else rel, 0.0  # noqa: A001
-    return _approx(expected, rel=rel, abs=abs, nan_ok=nan_ok)
-
-
-pytest.approx = _relative_approx
-
-# Constants of fem.fillet_stress with which meshes are as coarse as can be.
-COARSE_STRESSES = {"BULK": 2.5, "COARSE": 1.0, "COARSEST": 0.5, "FINE": 1.5, "MOST_MESHES": 2}
-
-
-@pytest.fixture(scope="session")
-def coarse_stresses():
-    """What to set in fem.fillet_stress where nothing depends on how accurate stresses are."""
-    return COARSE_STRESSES
+@pytest.hookimpl(tryfirst=True)  # before tests are chosen by their marks
+def pytest_collection_modifyitems(items):
+    """Let -m 'not slow' leave out the further tests, too."""
+    for item in items:
+        if item.get_closest_marker("further") is not None:
+            item.add_marker("slow")
 
 
 @pytest.fixture(scope="session")

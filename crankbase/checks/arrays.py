@@ -5,10 +5,16 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
+
+# Squares and quotients of numbers beyond these are none that a computer has.
+LARGEST, SMALLEST = 1e60, 1e-60
+# [rad/s] A speed above this is a slip: the rim of a shaft of half a meter would outrun light.
+HIGHEST_SPEED = 1e9
+_SPEED_UNIT = "rad/s"
 
 
 def finite_array(field: str, values: ArrayLike) -> FloatArray:
@@ -17,17 +23,52 @@ def finite_array(field: str, values: ArrayLike) -> FloatArray:
     Raises
     ------
     InputError
-        If a value is not a real number, not finite, or the rows are of unequal length.
+        If a value is not a real number, not finite, larger than 1e60, or the rows are of unequal length.
     """
     raw = regular_array(field, values, "iuf", "real numbers only")
     array = np.array(raw, dtype=np.float64)
-    if not np.all(np.isfinite(array)):
-        place = np.argwhere(~np.isfinite(array))[0]
-        index = "".join(f"[{number}]" for number in place)
-        raise InputError(
-            f"{field}{index}: given {array[tuple(place)]}; allowed are finite numbers, "
-            "because a missing or infinite value would spread to every result."
-        )
+    check_sizes(field, array)
+    return array
+
+
+def check_sizes(field: str, array: FloatArray | ComplexArray, largest: float = LARGEST) -> None:
+    """Refuse numbers that are not finite, or larger than can be calculated with.
+
+    Parameters
+    ----------
+    field : str
+    array : ndarray of any shape
+    largest : float, optional
+
+    Raises
+    ------
+    InputError
+    """
+    with np.errstate(over="ignore"):  # of complex numbers
+        wrong = ~(np.abs(array) <= largest)
+    if not np.any(wrong):
+        return
+    place = np.argwhere(wrong)[0]
+    index = "".join(f"[{number}]" for number in place)
+    value = array[tuple(place)]
+    why = (
+        f"numbers of up to {largest:g}, because larger ones leave what a computer can calculate"
+        if np.isfinite(value)
+        else "finite numbers, because a missing or infinite value would spread to every result"
+    )
+    raise InputError(f"{field}{index}: given {value}; allowed are {why}.")
+
+
+def turning_speeds(field: str, speeds: ArrayLike) -> FloatArray:
+    """Return speeds of a shaft that may turn either way [rad/s], as an array of any shape.
+
+    Raises
+    ------
+    InputError
+        As `finite_array`, and if a speed is higher than 1e9 rad/s.
+    """
+    array = finite_array(field, speeds)
+    check_sizes(field, array, HIGHEST_SPEED)
     return array
 
 
@@ -180,7 +221,7 @@ def checked_range(field: str, ends: object, unit: str, reason: str) -> tuple[flo
     if raw.shape == (2,) and raw.dtype.kind in "iuf" and 0.0 <= raw[0] < raw[1] < math.inf:
         return float(raw[0]), float(raw[1])
     raise InputError(
-        f"{field}: given {ends!r}; allowed are two finite numbers in {unit}, the lower first, because "
+        f"{field}: given {quoted(ends)}; allowed are two finite numbers in {unit}, the lower first, because "
         f"{reason}."
     )
 
@@ -212,6 +253,7 @@ def _bounded_vector(
             f"{field}[{first}]: given {_with_unit(array[first], unit)}; "
             f"{_allowed(unit, reason, zero_allowed=zero_allowed)}."
         )
+    _check_magnitudes(field, array, unit, zero_allowed=zero_allowed)
     return array
 
 
@@ -221,8 +263,25 @@ def _bounded_number(
     allowed = _allowed(unit, reason, zero_allowed=zero_allowed)
     raw = np.asarray(value)
     if raw.ndim != 0 or raw.dtype.kind not in "iuf":
-        raise InputError(f"{field}: given {value!r}; {allowed}.")
+        given = f"an array of shape {raw.shape}" if raw.ndim else quoted(value)
+        raise InputError(f"{field}: given {given}; {allowed}.")
     number = float(raw)
     if not math.isfinite(number) or number < 0.0 or (number == 0.0 and not zero_allowed):
         raise InputError(f"{field}: given {_with_unit(number, unit)}; {allowed}.")
+    _check_magnitudes(field, np.array(number), unit, zero_allowed=zero_allowed)
     return number
+
+
+def _check_magnitudes(field: str, array: FloatArray, unit: str, *, zero_allowed: bool) -> None:
+    """Refuse numbers so large or small that their squares and quotients are none that a computer has."""
+    largest = HIGHEST_SPEED if unit == _SPEED_UNIT else LARGEST
+    least = 0.0 if zero_allowed else SMALLEST
+    refused = (array > largest) | (array < least)
+    if not np.any(refused):
+        return
+    place = tuple(np.argwhere(refused)[0])
+    index = "".join(f"[{number}]" for number in place)
+    raise InputError(
+        f"{field}{index}: given {_with_unit(array[place], unit)}; allowed are numbers of "
+        f"{least:g} to {_with_unit(largest, unit)}, because others leave what a computer can calculate."
+    )

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 
 
 def check_choice(option: str, given: object, allowed: Iterable[str], because: str) -> None:
@@ -17,7 +17,7 @@ def check_choice(option: str, given: object, allowed: Iterable[str], because: st
     words = list(allowed)
     if not isinstance(given, str) or given not in words:
         raise InputError(
-            f"{option}: given {given!r}; allowed are {', '.join(words)}, because {because}."
+            f"{option}: given {quoted(given)}; allowed are {', '.join(words)}, because {because}."
         )
 
 
@@ -32,7 +32,7 @@ def check_not_given(option: str, given: object, shown: str, because: str) -> Non
     empty = given is None or (isinstance(given, tuple | list | dict | set) and not given)
     if not empty:
         raise InputError(
-            f"{option}: given {given!r} with {shown!r}; allowed is none, because {because}."
+            f"{option}: given {quoted(given)} with {shown!r}; allowed is none, because {because}."
         )
 
 

@@ -5,7 +5,10 @@ import operator
 from numbers import Integral, Real
 from typing import TypeGuard
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
+
+# No samples, steps, cycles or places are as many.
+MOST_COUNTED = 10_000_000
 
 
 def is_number(value: object) -> TypeGuard[float]:
@@ -32,11 +35,6 @@ def is_whole_within(value: object, low: int, high: int) -> TypeGuard[int]:
     return is_whole(value) and low <= value <= high
 
 
-def is_within(value: object, low: float, high: float) -> TypeGuard[float]:
-    """Whether this is a number from `low` to `high`."""
-    return is_number(value) and low <= value <= high
-
-
 def whole_within(field: str, given: object, low: int, high: int, reason: str) -> int:
     """Return a whole number from `low` to `high`.
 
@@ -47,7 +45,7 @@ def whole_within(field: str, given: object, low: int, high: int, reason: str) ->
     """
     if not is_whole_within(given, low, high):
         allowed = f"is {low}" if low == high else f"are the whole numbers {low} to {high}"
-        raise InputError(f"{field}: given {given!r}; allowed {allowed}, because {reason}.")
+        raise InputError(f"{field}: given {quoted(given)}; allowed {allowed}, because {reason}.")
     return int(given)
 
 
@@ -57,7 +55,7 @@ def whole_number(field: str, given: int, least: int, reason: str) -> int:
     Raises
     ------
     InputError
-        If it is no whole number, or below `least`.
+        If it is no whole number, below `least`, or more than anything is counted to.
     """
     try:
         number = None if isinstance(given, bool) else operator.index(given)
@@ -65,6 +63,11 @@ def whole_number(field: str, given: int, least: int, reason: str) -> int:
         number = None
     if number is None or number < least:
         raise InputError(
-            f"{field}: given {given!r}; allowed are whole numbers of {least} or more, because {reason}."
+            f"{field}: given {quoted(given)}; allowed are whole numbers of {least} or more, because {reason}."
+        )
+    if number > MOST_COUNTED:
+        raise InputError(
+            f"{field}: given {quoted(given)}; allowed is up to {MOST_COUNTED}, because more can be neither "
+            "calculated nor kept."
         )
     return number

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
+from crankbase.outputs import check_output, written
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,7 +54,7 @@ def figure(path: Path, columns: int = 1, width: float = 7.2, height: float = 4.2
     Raises
     ------
     InputError
-        If the file is not called .svg, or has no folder.
+        If the file is not called .svg, has no folder, or is somebody else's.
     """
     path = Path(path)
     if path.suffix.lower() != ".svg" or not path.parent.is_dir():
@@ -61,6 +62,7 @@ def figure(path: Path, columns: int = 1, width: float = 7.2, height: float = 4.2
             f"path: given {path}; allowed is a file name that ends in .svg in a folder that is there, "
             "because diagrams are written as SVG."
         )
+    check_output(path, "picture")
     import matplotlib as mpl
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
@@ -70,7 +72,8 @@ def figure(path: Path, columns: int = 1, width: float = 7.2, height: float = 4.2
         FigureCanvasSVG(made)
         axes = made.subplots(1, columns)
         yield axes
-        made.savefig(path, metadata={"Date": None})
+        with written(path, "picture") as part:
+            made.savefig(part, metadata={"Date": None})
 
 
 def new_axes(axes: "Axes | None" = None, *, width: float = 7.2, height: float = 4.2) -> "Axes":

@@ -12,7 +12,7 @@ from typing import Any
 
 from crankbase.errors import InputError
 from crankbase.units.number_formats import UNBOUNDED
-from crankbase.units.quantity import POWER, show_quantity, unit_registry
+from crankbase.units.quantity import NoUnitError, one_of_unit, show_quantity
 from crankbase.units.units import DISPLAY_UNITS, POWER_OF_TEN, UNITS
 
 SYSTEMS = {"si": "", "imperial": "in, lbf, ksi, lb, hp"}
@@ -198,23 +198,21 @@ def _parsed(name: str) -> tuple[Kind, float]:
     """Return kind of a unit and its size in SI."""
     try:
         if not name or re.match(r"\d", name.removeprefix("1/")):
-            raise ValueError("a number or nothing")
-        one = unit_registry().Quantity(1.0, unit_registry().parse_units(POWER.sub(r"\1^\2", name)))
-        root = one.to_root_units()
-        kind, size = _kind(root), float(one.to_base_units().magnitude)
-        shifted = not one._is_multiplicative
-    except Exception:  # pint raises a dozen kinds for text that is no unit
+            raise NoUnitError("a number or nothing")
+        one = one_of_unit(name)
+    except NoUnitError:
         raise InputError(
             f"--units: given {name!r}, which is no unit; allowed are units with commas between them, like "
             '"in, lbf, ksi", or one of imperial and SI.'
         ) from None
+    kind, shifted = _kind(one.to_root_units()), not one._is_multiplicative
     if shifted or kind not in _printed_kinds():
         raise InputError(
             f"--units: given {name!r}, of a kind that is never printed; allowed are units of length, "
             "force, torque, stress, mass, inertia, compliance, angle, speed, frequency, power, energy and "
             "time."
         )
-    return kind, size
+    return kind, float(one.to_base_units().magnitude)
 
 
 def _kind(root: Any) -> Kind:
@@ -224,7 +222,7 @@ def _kind(root: Any) -> Kind:
 
 @cache
 def _kind_of_si(unit: str) -> Kind:
-    return _kind(unit_registry().Quantity(1.0, unit_registry().parse_units(unit)).to_root_units())
+    return _kind(one_of_unit(unit).to_root_units())
 
 
 @cache

@@ -5,10 +5,13 @@ import re
 from functools import cache
 from typing import Any
 
-from crankbase.checks.scalars import is_number
-from crankbase.errors import InputError
+from crankbase.checks.scalars import is_number, is_whole
+from crankbase.errors import InputError, quoted, shortened
+from crankbase.text_limits import LARGEST_POWER, LONGEST_QUANTITY
 from crankbase.units.units import DISPLAY_UNITS, POWER_OF_TEN
 
+# Size in SI of the smallest unit, so that its inverse is a number too.
+SMALLEST_UNIT = 1e-300
 # Units that large numbers are shown a thousandfold in.
 THOUSANDFOLD, KILO_FROM = ("N", "N m", "W"), 1e4
 
@@ -17,6 +20,17 @@ THOUSANDFOLD, KILO_FROM = ("N", "N m", "W"), 1e4
 NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.ASCII)
 # "g/cm3" is meant as g/cm^3.
 POWER = re.compile(r"([A-Za-z])([2-4])\b")
+# What pint may see of a unit, as it spells units itself: names, ones and brackets with exponents, multiplied
+# and divided. Anything else it would calculate first, however long that takes.
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)"
+_EXPONENT = rf"(?:\*\*\s*(?:(?P<power>{_NUMBER})|\(\s*(?P<root>{_NUMBER})\s*(?:/\s*\d+\s*)?\)))?"
+_FACTOR = re.compile(rf"(?<![\w.])[^\W\d]\w*\s*{_EXPONENT}")
+_BRACKET = re.compile(rf"\(\s*1\s*(?:[*/]\s*1\s*)*\)\s*{_EXPONENT}")
+_PRODUCT = re.compile(r"\s*(?:1(?:\.0*)?\s*(?:[*/]\s*1(?:\.0*)?\s*)*)?")
+
+
+class NoUnitError(ValueError):
+    """Text that is no unit."""
 
 
 @cache
@@ -27,6 +41,58 @@ def unit_registry() -> Any:
     registry: Any = pint.UnitRegistry()
     registry.define("@alias revolution = rev")
     return registry
+
+
+def one_of_unit(text: str) -> Any:
+    """Return the pint quantity 1 of a unit written as text; one without unit for empty text.
+
+    Raises
+    ------
+    NoUnitError
+        If the text is no unit that pint knows, is too long, has exponents that nobody writes, or is of
+        a size that is no number.
+    """
+    registry = unit_registry()
+    spelled = _spelled(text)
+    from pint.errors import PintError
+
+    try:
+        one = registry.Quantity(1.0, registry.parse_units(spelled))
+        size = float(one.to_root_units().magnitude)
+    except (PintError, OverflowError):
+        raise NoUnitError(text) from None
+    if not SMALLEST_UNIT <= size <= 1.0 / SMALLEST_UNIT:
+        raise NoUnitError("too small or large for a number")
+    return one
+
+
+def _spelled(text: str) -> str:
+    """Spell a unit as pint does before it calculates, and refuse what is no product of powers.
+
+    Raises
+    ------
+    NoUnitError
+    """
+    from pint.util import string_preprocessor
+
+    if len(text) > LONGEST_QUANTITY:
+        raise NoUnitError("too long")
+    spelled = POWER.sub(r"\1^\2", text)
+    for step in (*unit_registry().preprocessors, string_preprocessor):
+        spelled = step(spelled)
+    powers = 1.0
+
+    def one(found: re.Match[str]) -> str:
+        nonlocal powers
+        powers *= max(1.0, abs(float(found["power"] or found["root"] or 1.0)))
+        return "1"
+
+    left, more = _FACTOR.sub(one, spelled), 1
+    while more:
+        left, more = _BRACKET.subn(one, left)
+    if powers > LARGEST_POWER or _PRODUCT.fullmatch(left) is None:
+        raise NoUnitError("no product of powers")
+    return spelled
 
 
 def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> float:
@@ -66,7 +132,7 @@ def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> fl
     if not isinstance(text, str):
         raise InputError(
             f"{given}, a bare number that could be in any unit; "
-            f'write it with its unit, like "{text} {shown}"{limits}.'
+            f'write it with its unit, like "{_shown(text)} {shown}"{limits}.'
         )
     value = _evaluate(text, unit, shown, given, limits)
     if not math.isfinite(value):
@@ -75,7 +141,7 @@ def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> fl
 
 
 def _shown(text: object) -> str:
-    return repr(text) if isinstance(text, str) else str(text)
+    return quoted(text) if isinstance(text, str | int) else shortened(str(text))
 
 
 def _evaluate(text: str, unit: str, shown: str, given: str, limits: str) -> float:
@@ -84,13 +150,13 @@ def _evaluate(text: str, unit: str, shown: str, given: str, limits: str) -> floa
             f"{given}, in which the comma could mean two things; write a decimal point and no "
             f'separators, like "1.5 {shown}"{limits}.'
         )
-    found = NUMBER_AND_UNIT.fullmatch(text)
+    # A text that long is no quantity, and would take long to look at.
+    found = NUMBER_AND_UNIT.fullmatch(text) if len(text) <= LONGEST_QUANTITY else None
     try:
         if found is None:
-            raise ValueError("no number in front")
-        number, rest = float(found[1]), found[2]
-        one = unit_registry().Quantity(1.0, unit_registry().parse_units(POWER.sub(r"\1^\2", rest)))
-    except Exception:  # pint raises a dozen kinds for text that is no unit
+            raise NoUnitError("no number in front")
+        number, one = float(found[1]), one_of_unit(found[2])
+    except NoUnitError:
         raise InputError(
             f"{given}, which is not one number with one unit; "
             f'write for example "1.5 {shown}"{limits}.'
@@ -100,15 +166,17 @@ def _evaluate(text: str, unit: str, shown: str, given: str, limits: str) -> floa
             f"{given}, a bare number that could be in any unit; "
             f'write it with its unit, like "{text.strip()} {shown}"{limits}.'
         )
-    if unit == "rad/s" and one.check("1/[time]") and not _names_an_angle(one):
-        # "500 1/min" and "8.3 Hz" mean revolutions in this field.
-        return _scaled(number, float(one.to("1/s").magnitude)) * 2.0 * math.pi
+    turning = unit == "rad/s" and one.check("1/[time]") and not _names_an_angle(one)
+    from pint.errors import PintError
+
     try:
-        return _scaled(number, float(one.to(unit).magnitude))
-    except Exception:  # pint's DimensionalityError, and offset units such as degC
+        # "500 1/min" and "8.3 Hz" mean revolutions in a field of speeds.
+        size = float(one.to("1/s" if turning else unit).magnitude)
+    except PintError:  # of another dimension, or an offset unit such as degC
         raise InputError(
             f"{given}, which is no {_kind(unit)}; write it in {shown} or a like unit{limits}."
         ) from None
+    return _scaled(number, size) * (2.0 * math.pi if turning else 1.0)
 
 
 def _scaled(number: float, factor: float) -> float:
@@ -122,10 +190,10 @@ def _names_an_angle(quantity: Any) -> bool:
 
 
 def _pure_number(text: object, given: str, limits: str) -> float:
-    if isinstance(text, float) and not math.isfinite(text):
-        raise InputError(f"{given}, which is not finite{limits}.")
-    if not is_number(text):
+    if not isinstance(text, float) and not is_whole(text):
         raise InputError(f"{given}; write a plain number without a unit{limits}.")
+    if not is_number(text):  # also a whole number of hundreds of digits
+        raise InputError(f"{given}, which is not finite{limits}.")
     return float(text)
 
 

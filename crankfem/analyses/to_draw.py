@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from crankbase.outputs import check_output
+
 
 @dataclass(frozen=True)
 class ToDraw:
@@ -22,8 +24,13 @@ class ToDraw:
 
 
 def draw_all(pictures: Iterable[ToDraw]) -> list[Path]:
-    """Draw pictures one after another and return their files; the first that fails ends it."""
-    made = []
+    """Draw pictures one after another and return their files; the first that fails ends it.
+
+    None is drawn if one of the files is somebody else's.
+    """
+    pictures, made = list(pictures), []
+    for picture in pictures:
+        check_output(picture.path, "picture")
     for picture in pictures:
         picture.draw(picture.path)
         made.append(picture.path)

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from crankbase.checks.arrays import FloatArray
+from crankbase.outputs import written
 
 
 def write_columns(path: Path, columns: Mapping[str, FloatArray], heading: str = "") -> None:
@@ -17,7 +18,7 @@ def write_columns(path: Path, columns: Mapping[str, FloatArray], heading: str = 
     heading : str, optional
         What the first line says after a number sign; no such line if empty.
     """
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with written(path, "table") as part, part.open("w", encoding="utf-8", newline="") as file:
         if heading:
             file.write(f"# {heading}\n")
         writer = csv.writer(file, lineterminator="\n")

@@ -3,12 +3,10 @@
 import json
 import os
 import sys
-import tempfile
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
-from pathlib import Path
 from typing import NoReturn
 
 from rich.console import Console
@@ -17,7 +15,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.progress import TimeElapsedColumn as Elapsed
 from rich.table import Table as RichTable
 
-from crankbase.errors import InputError
+from crankbase.errors import (
+    InputError,
+    with_short_quotes,
+)
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Table
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
@@ -85,87 +86,6 @@ def print_notes(remarks: Iterable[str], units: OutputUnits = SI) -> None:
         print_line(units.text(f"Note: {remark}"))
 
 
-def check_folder(file: Path) -> None:
-    """Refuse a file in a folder that is not there, before anything is computed for it.
-
-    Raises
-    ------
-    InputError
-    """
-    if not file.parent.is_dir():
-        raise InputError(f"{file}: cannot be written; there is no folder {file.parent}.")
-
-
-def check_outputs(csv: Path | None, pictures: str | None, *inputs: Path) -> Path | None:
-    """Refuse outputs of --csv and --pictures that cannot be, before anything is computed for them.
-
-    Parameters
-    ----------
-    csv : Path or None
-    pictures : str or None
-        As it stands on the command line.
-    *inputs : Path
-        Files that the command reads.
-
-    Returns
-    -------
-    Path or None
-        The folder of the pictures, which is made if it is not there.
-
-    Raises
-    ------
-    InputError
-        If `csv` is a folder, in no folder, a file that may not be changed or one of the inputs; if
-        `pictures` is empty, a file stands in its way, or files cannot be written there.
-    """
-    if csv is not None:
-        _check_table_file(csv, inputs)
-    return None if pictures is None else _picture_folder(pictures)
-
-
-def _check_table_file(file: Path, inputs: tuple[Path, ...]) -> None:
-    if file.is_dir():
-        raise InputError(
-            f"--csv {file}: cannot be written, because it is a folder; name a file in it."
-        )
-    check_folder(file)
-    if not file.exists():
-        return
-    if any(path.exists() and file.samefile(path) for path in inputs):
-        raise InputError(
-            f"--csv {file}: cannot be written, because this command reads that file; name another."
-        )
-    if not os.access(file, os.W_OK):
-        raise InputError(f"--csv {file}: cannot be written, because the file may not be changed.")
-
-
-def _picture_folder(text: str) -> Path:
-    if not text.strip():
-        raise InputError(
-            '--pictures: given ""; allowed is a folder, because pictures are files in it.'
-        )
-    folder = Path(text)
-    reason = None
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except (FileExistsError, NotADirectoryError):
-        reason = "a file stands in its way"
-    except OSError as error:
-        reason = f"the system says: {error.strerror or error}"
-    if reason is not None:
-        raise InputError(f"--pictures {text}: cannot be made a folder, because {reason}.")
-    try:
-        # Rights alone do not tell what a file system takes.
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise InputError(
-            f"--pictures {text}: files cannot be written there, because the system says: "
-            f"{error.strerror or error}."
-        ) from None
-    return folder
-
-
 @contextmanager
 def clear_errors() -> Iterator[None]:
     """End with one sentence and an exit code instead of a traceback.
@@ -229,7 +149,8 @@ def _end_unread() -> NoReturn:
 
 
 def _stop(message: str, code: int) -> NoReturn:
-    errors.print(f"[bold red]Error:[/] {escape(message)}", soft_wrap=True, highlight=False)
+    message = escape(with_short_quotes(message))
+    errors.print(f"[bold red]Error:[/] {message}", soft_wrap=True, highlight=False)
     raise SystemExit(code)
 
 

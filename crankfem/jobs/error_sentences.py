@@ -1,5 +1,6 @@
 """What is said of an error that ends a command or costs a picture, and the exit code for it."""
 
+import errno
 import sys
 
 from crankbase.errors import InputError, MeshError, MissingLibraryError, RenderError
@@ -32,7 +33,8 @@ def told(error: Exception) -> tuple[str, int]:
         return "The machine has not enough memory for this.", EXIT_FAILED
     if isinstance(error, OSError):
         # What was named cannot be used, or the machine cannot do it.
-        code = EXIT_INPUT if isinstance(error, NAMED_WRONGLY) else EXIT_FAILED
+        misnamed = isinstance(error, NAMED_WRONGLY) or error.errno == errno.ENAMETOOLONG
+        code = EXIT_INPUT if misnamed else EXIT_FAILED
         return f"{error.filename or 'file'}: {error.strerror or error}.", code
     if isinstance(error, ImportError):
         return f"{str(error).rstrip('.')}.", EXIT_FAILED

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from crankbase.outputs import files_of_a_run, protected
 from crankfem.analyses.about import repeat_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.study.studies import fitted
@@ -22,6 +23,7 @@ from crankfem.jobs.run_files import (
     PICTURES,
     REPORT,
     STORE,
+    check_folder,
     make_folder,
     replace_last_run,
     write_results,
@@ -36,6 +38,7 @@ from crankfem.report.writing import write_report
 from fem.analysis import analyze_throw
 from fem.fillet_peaks import FilletStresses
 from fem.throw_analysis import ThrowAnalysis
+from regression.runs.store import ResultStore
 from regression.runs.study import check_workers, run_plan
 
 
@@ -68,7 +71,9 @@ def run_engine(
     """Run the main job on an engine file.
 
     Everything is computed before the folder is touched: a run that fails or is stopped before that
-    leaves what the last one has put there. Then all of it but the store of the study gives way.
+    leaves what the last one has put there. Then all of it but the store of the study gives way. Files
+    that no run has put there stay, and end the run before it computes where they stand in its way; see
+    `replacing_files`.
 
     Parameters
     ----------
@@ -89,7 +94,7 @@ def run_engine(
     Raises
     ------
     InputError
-        If the engine file or the folder cannot be used.
+        If the engine file or the folder cannot be used, or a file of somebody else's stands there.
     MeshError, SolveError
         If the throw cannot be meshed or solved.
     OSError
@@ -100,8 +105,15 @@ def run_engine(
     check_workers(workers)
     inputs = engine if isinstance(engine, RunInputs) else read_inputs(engine)
     path = inputs.engine_file.path
-    folder = make_folder(Path(f"{path.stem}-results" if output is None else output))
-    with Renderings() as renderings:
+    folder = Path(f"{path.stem}-results" if output is None else output)
+    read, study = inputs.paths, inputs.engine_file.study is not None
+    check_folder(folder, study=study, inputs=read)
+    if study and (folder / STORE).exists():
+        ResultStore(
+            folder / STORE
+        ).close()  # which refuses what is no store, before anything is computed
+    make_folder(folder)
+    with Renderings() as renderings, files_of_a_run(), protected(*read):
         computed = _compute(inputs, folder / STORE, workers, told, renderings)
         found = run_results(computed) | {"repeat": repeat_record(inputs.files, told.seconds)}
         replace_last_run(folder, found)
@@ -118,8 +130,10 @@ def run_engine(
         "repeat": repeat_record(inputs.files, told.seconds),
     }
     told.step("Writing the report")
-    write_results(folder, found)
-    return RunResult(folder, write_report(found, folder / PICTURES, folder / REPORT), found)
+    with protected(*read):
+        write_results(folder, found)
+        report = write_report(found, folder / PICTURES, folder / REPORT)
+    return RunResult(folder, report, found)
 
 
 def _compute(
@@ -142,7 +156,7 @@ def _compute(
     study = None
     if engine_file.study is not None:
         told.step("Running the study")
-        study = fitted(run_plan(engine_file.study, store, workers, told.design))
+        study = fitted(run_plan(engine_file.study, store, workers, told.design, note=told.note))
     vibration = engine_vibration(
         engine_file,
         analysis=analysis,

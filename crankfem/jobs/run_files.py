@@ -2,22 +2,145 @@
 
 A run computes everything before it touches what the last one has left. Then it takes all of that away
 but the store of the study, which it continues, and puts its own results there in one step; pictures
-and report follow, and only what the new results name is ever shown.
+and report follow, and only what the new results name is ever shown. What runs have written is listed in
+the folder, see `crankbase.outputs`; nothing else is ever replaced or taken away.
 """
 
 import json
 import tempfile
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from crankbase.errors import InputError
+from crankbase.outputs import (
+    Kind,
+    check_output,
+    files_listed,
+    files_of_a_run,
+    is_listed,
+    is_plain,
+    list_as_written,
+    protected,
+    write_text,
+    written,
+)
+from regression.models.model_file import is_model
 
 RESULTS, REPORT, MODEL, STORE = "results.json", "report.html", "model.json", "study.sqlite"
 MESH_FILE, PICTURES = "throw.vtu", "pictures"
-# Kinds of pictures that results name, and nothing else is taken away from the folder of pictures.
-KINDS = ("pictures", "interactive")
+# Kinds of pictures that results name, and how their files end.
+ENDINGS: dict[str, tuple[Kind, tuple[str, ...]]] = {
+    "pictures": ("picture", (".svg", ".png")),
+    "interactive": ("plot", (".json",)),
+}
+# What files of pictures are called, but for their endings; a file so called stands in a run's way.
+PICTURED = frozenset(
+    f"{first}{last}"
+    for first, endings in {
+        "": (
+            *("drawing", "throw_mesh", "throw_deformed", "throw_view", "piston_forces", "balance"),
+            *("hinged_rods", "response", "parity", "effects", "residuals", "torque", "formulas"),
+            *("angles", "stress-radial", "stress-torsion", "shaft_modes", "shaft_shares"),
+            "axial_split",
+        ),
+        "crankpin_": ("polar", "developed"),
+        "main_bearing_": ("polar", "developed"),
+        "axial_": ("modes", "campbell", "amplitude", "stress"),
+        "torsional_": ("modes", "campbell", "amplitude", "stress"),
+    }.items()
+    for last in endings
+)
+# Of what earlier releases wrote: the start of a report, and of a mesh by the package that writes it.
+REPORT_MARKS = (b"<!DOCTYPE html>", b": crankshaft vibration</title>")
+MESH_MARKS = (b"<VTKFile", b"created by meshio")
+START = 2000  # bytes in which they stand
+
+
+def check_folder(folder: Path, *, study: bool, inputs: tuple[Path, ...] = ()) -> None:
+    """Refuse a folder in which files of somebody else's stand in a run's way.
+
+    What a run of an earlier release has left there is listed first.
+
+    Parameters
+    ----------
+    folder : Path
+        There or not.
+    study : bool
+        Whether the run has a study, and so writes a model.
+    inputs : tuple of Path
+        What the run reads.
+
+    Raises
+    ------
+    InputError
+        That names the first of them and says why it may not be replaced.
+    """
+    if not folder.is_dir():
+        return
+    pictures = folder / PICTURES
+    if pictures.is_symlink():
+        raise InputError(
+            f"{pictures}: is a link; allowed is a folder of the run's own, because what is written there "
+            "would go elsewhere."
+        )
+    list_older_run(folder)
+    files: list[tuple[Path, Kind]] = [
+        (folder / RESULTS, "results"),
+        (folder / REPORT, "report"),
+        (folder / MESH_FILE, "mesh"),
+    ]
+    if study:
+        files.append((folder / MODEL, "model"))
+    for kind, endings in ENDINGS.values():
+        for path in sorted(pictures.glob("*")):
+            if path.stem in PICTURED and path.suffix in endings:
+                files.append((path, kind))
+    with files_of_a_run(), protected(*inputs):
+        for path, kind in files:
+            check_output(path, kind)
+
+
+def list_older_run(folder: Path) -> None:
+    """List what a run of an earlier release has left in a folder: it kept no list.
+
+    Only files are taken for a run's whose content says so, and pictures that its results name.
+    """
+    results = folder / RESULTS
+    if is_listed(results) or not is_plain(results):
+        return
+    try:
+        found = json.loads(results.read_text(encoding="utf-8"))
+        if found["about"]["program"] != "crankfem" or not {"throw", "formulas"} <= found.keys():
+            return
+        named = list(_named(folder / PICTURES, found))
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
+        return
+    for path, kind in named:
+        list_as_written(path, kind)
+    for name, kind, marks in ((REPORT, "report", REPORT_MARKS), (MESH_FILE, "mesh", MESH_MARKS)):
+        if is_plain(folder / name) and _begins_with(folder / name, marks):
+            list_as_written(folder / name, kind)
+    if is_plain(folder / MODEL) and is_model(folder / MODEL):
+        list_as_written(folder / MODEL, "model")
+    list_as_written(results, "results")
+
+
+def _named(place: Path, results: Mapping[str, Any]) -> Iterator[tuple[Path, Kind]]:
+    """The pictures and plots that results name."""
+    if place.is_symlink():
+        return
+    for key, (kind, endings) in ENDINGS.items():
+        for name in results.get(key, {}).values():
+            path = place / name
+            if path.name == name and path.suffix in endings and is_plain(path):
+                yield path, kind
+
+
+def _begins_with(path: Path, marks: tuple[bytes, ...]) -> bool:
+    with path.open("rb") as file:
+        start = file.read(START)
+    return all(mark in start for mark in marks)
 
 
 def make_folder(folder: Path) -> Path:
@@ -42,31 +165,10 @@ def make_folder(folder: Path) -> Path:
     return folder
 
 
-def write_whole(path: Path, text: str) -> Path:
-    """Write a text file in one step: there is the old one, or the new one, but never a part of it.
-
-    Returns
-    -------
-    Path
-        `path`.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written; it names `path`.
-    """
-    part = _write_beside(path, text)
-    try:
-        part.replace(path)
-    except OSError as error:
-        _forget(part)
-        raise _named(error, path) from error
-    return path
-
-
 def write_results(folder: Path, results: Mapping[str, Any]) -> Path:
-    """Write results.json in one step; errors as of `write_whole`."""
-    return write_whole(folder / RESULTS, results_text(results))
+    """Write results.json in one step; errors as of `crankbase.outputs.write_text`."""
+    with files_of_a_run():
+        return write_text(folder / RESULTS, results_text(results), "results")
 
 
 def replace_last_run(folder: Path, results: Mapping[str, Any]) -> None:
@@ -82,55 +184,21 @@ def replace_last_run(folder: Path, results: Mapping[str, Any]) -> None:
 
     Raises
     ------
+    InputError
+        If results.json is somebody else's.
     OSError
         If a file cannot be written or taken away.
     """
-    part = _write_beside(folder / RESULTS, results_text(results))
-    try:
+    text = results_text(results)
+    with files_of_a_run(), written(folder / RESULTS, "results") as part:
+        part.write_text(text, encoding="utf-8")
         # The report first: without it, nobody takes what is left for a whole run.
-        (folder / REPORT).unlink(missing_ok=True)
-        for picture in _pictures_of(folder):
-            picture.unlink(missing_ok=True)
-        for name in (MODEL, MESH_FILE):
-            (folder / name).unlink(missing_ok=True)
-        part.replace(folder / RESULTS)
-    except OSError:
-        _forget(part)
-        raise
+        left = sorted(files_listed(folder), key=lambda path: path.name != REPORT)
+        for path in (*left, *files_listed(folder / PICTURES)):
+            if path.name != RESULTS:
+                path.unlink(missing_ok=True)
 
 
 def results_text(results: Mapping[str, Any]) -> str:
     """Return the text of results.json."""
     return json.dumps(results, indent=1, allow_nan=False) + "\n"
-
-
-def _pictures_of(folder: Path) -> list[Path]:
-    """The pictures and plots that the results in a folder name, if they are those of a run."""
-    try:
-        results = json.loads((folder / RESULTS).read_text(encoding="utf-8"))
-        names = [name for kind in KINDS for name in results.get(kind, {}).values()]
-        # A name, and no way out of the folder.
-        return [folder / PICTURES / name for name in names if Path(name).name == name]
-    except (OSError, ValueError, TypeError, AttributeError):
-        return []
-
-
-def _write_beside(path: Path, text: str) -> Path:
-    """Write a text beside the file that it is to replace."""
-    part = path.with_name(f"{path.name}.part")
-    try:
-        part.write_text(text, encoding="utf-8")
-    except OSError as error:
-        _forget(part)
-        raise _named(error, path) from error
-    return part
-
-
-def _forget(part: Path) -> None:
-    with suppress(OSError):
-        part.unlink(missing_ok=True)
-
-
-def _named(error: OSError, path: Path) -> OSError:
-    """The same error, of the file that the user knows."""
-    return OSError(error.errno, error.strerror, str(path))

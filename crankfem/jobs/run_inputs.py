@@ -6,9 +6,8 @@ from pathlib import Path
 from crankfem.analyses.about import file_records
 from crankfem.analyses.record import Record
 from crankfem.files.engine.engine_file import EngineFile, load_engine
-from crankfem.files.engine.input_files import mechanism_inputs
+from crankfem.files.engine.input_files import engine_tables
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
-from crankfem.files.reading.data_files import find_table
 from dynamics.torque_table import TorqueTable, read_torque_table
 
 
@@ -23,6 +22,8 @@ class RunInputs:
         Of the same file.
     torque : TorqueTable or None
         The table that the file names.
+    paths : tuple of Path
+        Of all files that were read.
     files : list of dict
         All files that were read, as `file_records` makes them, before anything was computed: what is
         changed on disk while a run computes is not what it was made from.
@@ -31,6 +32,7 @@ class RunInputs:
     engine_file: EngineFile
     mechanism: MechanismFile
     torque: TorqueTable | None
+    paths: tuple[Path, ...]
     files: list[Record]
 
     @property
@@ -54,18 +56,6 @@ def read_inputs(engine: str | Path) -> RunInputs:
     torque, table = None, engine_file.torque_table
     if table is not None:
         torque = read_torque_table(table, strokes=engine_file.engine.strokes)
-    tables = [
-        *mechanism_inputs(mechanism)[1:],
-        *_map_tables(engine_file),
-        *([] if table is None else [table]),
-    ]
-    return RunInputs(engine_file, mechanism, torque, file_records(engine_file.path, tables))
-
-
-def _map_tables(engine_file: EngineFile) -> list[Path]:
-    """Pressure tables at the points of a map of the gas."""
-    points = () if engine_file.gas_map is None else engine_file.gas_map.points
-    return [
-        find_table("gas_map.points.pressure_table", engine_file.path, point.pressure_table)
-        for point in points
-    ]
+    tables = engine_tables(engine_file, mechanism)
+    paths = (engine_file.path, *tables)
+    return RunInputs(engine_file, mechanism, torque, paths, file_records(paths[0], tables))

@@ -1,10 +1,9 @@
 """Pictures of a run: one that cannot be made costs itself alone, and is told."""
 
 import os
-import shutil
 import traceback
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -12,6 +11,7 @@ from types import TracebackType
 from typing import Protocol, Self
 
 from crankbase.errors import MissingLibraryError, RenderError
+from crankbase.outputs import copy_file
 from crankbase.processes import scratch_folder
 from crankfem.analyses.to_draw import ToDraw
 from crankfem.jobs.error_sentences import TRACEBACK, told
@@ -71,9 +71,6 @@ class Pictures:
             path = picture.path
             if self.tried(f"picture {path.stem}", partial(picture.draw, path)):
                 self.static[path.stem] = path.name
-            else:
-                with suppress(OSError):
-                    path.unlink(missing_ok=True)
 
     def plot(self, what: str, plots: Callable[[], Iterable[Path]]) -> None:
         """Make the interactive plots of one thing."""
@@ -158,7 +155,7 @@ class Renderings:
 def _move(job: _Job, folder: Path) -> None:
     job.renderer.wait()
     for name in job.files.values():
-        shutil.move(job.folder / name, folder / name)
+        copy_file(job.folder / name, folder / name, "picture")
 
 
 def _throw(error: Exception) -> None:

@@ -1,6 +1,7 @@
 """The figures of a report: static pictures and, where there are some, interactive plots beside them."""
 
 import base64
+import errno
 import json
 import re
 import struct
@@ -10,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup
+
+from crankbase.outputs import is_plain
 
 MEDIA_TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
 POINT = 96.0 / 72.0  # [pixel]
@@ -44,14 +47,14 @@ def load_figures(results: Mapping[str, Any], folder: Path) -> tuple[dict[str, Fi
     results : mapping
         Content of results.json: "pictures" and, in newer ones, "interactive".
     folder : Path
-        Where the files are.
+        Where the files are, inside that of the run; nothing from elsewhere is read.
 
     Returns
     -------
     figures : dict
         Name to figure; of a figure of two files the one that can be read.
     unread : list of str
-        Names of the files that are missing, or are no pictures.
+        Names of the files that are missing, are no pictures, or lie elsewhere.
     """
     pictures, plots = results["pictures"], results.get("interactive", {})
     found, unread = {}, []
@@ -59,17 +62,31 @@ def load_figures(results: Mapping[str, Any], folder: Path) -> tuple[dict[str, Fi
         own = Figure()
         if name in pictures:
             try:
-                own = _picture(folder / pictures[name])
+                own = _picture(_own_file(folder, pictures[name]))
             except (OSError, KeyError, struct.error):
                 unread.append(pictures[name])
         if name in plots:
             try:
-                own = replace(own, plot=_plot(folder / plots[name]))
+                own = replace(own, plot=_plot(_own_file(folder, plots[name])))
             except (OSError, ValueError):
                 unread.append(plots[name])
         if own.source is not None or own.plot is not None:
             found[name] = own
     return found, unread
+
+
+def _own_file(folder: Path, name: str) -> Path:
+    """Return the path of a file that lies in the folder itself, and is no link out of it.
+
+    Raises
+    ------
+    OSError
+        If it does not; results that somebody else has made may name any file.
+    """
+    path = folder / name
+    if path.name != name or "\\" in name or folder.is_symlink() or not is_plain(path):
+        raise FileNotFoundError(errno.ENOENT, "is no file of the run's", str(path))
+    return path
 
 
 def script_text(text: str) -> Markup:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from crankbase.outputs import files_of_a_run, write_text
 from crankfem.analyses.mechanism.load_tables import bearing_table
 from crankfem.analyses.throw.compliances import compliance_tables
 from crankfem.analyses.vibration.tables import (
@@ -19,7 +20,6 @@ from crankfem.analyses.vibration.tables import (
     resonance_table,
     whole_table,
 )
-from crankfem.jobs.run_files import write_whole
 from crankfem.report.figures import load_figures
 from crankfem.report.numbers import FILTERS
 from crankfem.report.summary import summary
@@ -62,10 +62,18 @@ def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path
 
     Raises
     ------
+    InputError
+        If the file is there and no run has written it.
     OSError
-        If the file cannot be written.
+        If it cannot be written.
     """
-    return write_whole(path, render_report(results, pictures)[0])
+    return write_report_text(path, render_report(results, pictures)[0])
+
+
+def write_report_text(path: Path, text: str) -> Path:
+    """Write the report of a run in one step; errors as of `crankbase.outputs.write_text`."""
+    with files_of_a_run():
+        return write_text(path, text, "report")
 
 
 def render_report(results: Mapping[str, Any], pictures: Path) -> tuple[str, str | None]:

@@ -184,6 +184,7 @@ TOPICS = (
             "crankfem.analyses.throw.pictures",
             "crankfem.analyses.vibration.plots",
             "crankfem.analyses.vibration.vibration_pictures",
+            "crankbase.outputs",
             "crankbase.tables.frames",
         ),
     ),

@@ -17,6 +17,7 @@ from dynamics.assessment.limits import (
     shown_range,
     usage,
 )
+from dynamics.running_limits import at_most, within
 
 BARRED_SOURCE = (
     "IACS unified requirement M68 (Rev.3, February 2021); Korean Register, Rules for Steel Ships "
@@ -190,7 +191,7 @@ def exceeded_ranges(
     speeds, used = curve.speeds, usage(limit, curve)
     found = []
     for first, last in _runs(used > 1.0):
-        if speeds[first] > highest:
+        if not at_most(speeds[first], highest):
             break
         found.append(
             ExceededRange(
@@ -271,16 +272,16 @@ def _barred(
     low, high = min(item.low for item in group), max(item.high for item in group)
     names = tuple(dict.fromkeys(item.limit.name for item in group))
     refusals, remarks = [], []
-    if low <= running_range[0] and running_range[1] <= high:
+    if at_most(low, running_range[0]) and at_most(running_range[1], high):
         refusals.append("it leaves no speed to run at")
     end = min(rule.highest_by(item.limit) for item in group)
-    if high > end:
+    if not at_most(high, end):
         refusals.append(
             f"it reaches {high / rule.rated_speed:.2f} of the rated speed, and nothing may be barred "
             f"above {end / rule.rated_speed:.2f}"
         )
     for limit, curve in findings:
-        inside = (low <= curve.speeds) & (curve.speeds <= high)
+        inside = within(curve.speeds, low, high)
         values = curve.values[inside]
         if not values.size or limit.name not in names:
             continue
@@ -327,7 +328,7 @@ def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
         )
     highest = max(group, key=lambda item: item.high)
     if highest.high > last.exceeded.high:
-        peak = max(own for own in highest.exceeded.peaks if own <= rule.rated_speed)
+        peak = max(own for own in highest.exceeded.peaks if at_most(own, rule.rated_speed))
         said.append(f"it ends at (18 - r) n/16 above the peak at n = {_speed(peak)}")
     if len(said) > 1:
         said.append(f"r is n over the rated speed of {_speed(rule.rated_speed)}")
@@ -344,7 +345,7 @@ def _amount(value: float, unit: str) -> str:
 
 def _widened(found: ExceededRange, rule: BarredRangeRule) -> tuple[float, float]:
     """Return a range widened to the rule's bounds about its peaks below the rated speed."""
-    ends = [rule.bounds(peak) for peak in found.peaks if peak <= rule.rated_speed]
+    ends = [rule.bounds(peak) for peak in found.peaks if at_most(peak, rule.rated_speed)]
     return (
         min([found.low, *(low for low, _ in ends)]),
         max([found.high, *(high for _, high in ends)]),
@@ -373,11 +374,11 @@ def _crossing(speeds: FloatArray, used: FloatArray, place: int, step: int) -> fl
 def _peaks_to(speeds: FloatArray, used: FloatArray, highest: float) -> tuple[float, ...]:
     """Return the speeds of the local maxima up to a speed, and of the one to which that is a flank."""
     peaks = _peaks(speeds, used)
-    within = tuple(peak for peak in peaks if peak <= highest)
-    beyond = peaks[len(within) :]
-    place = int(np.count_nonzero(speeds <= highest))
+    inside = tuple(peak for peak in peaks if at_most(peak, highest))
+    beyond = peaks[len(inside) :]
+    place = int(np.count_nonzero(at_most(speeds, highest)))
     rises = beyond and used[place] > used[place - 1]
-    return (*within, beyond[0]) if rises else within
+    return (*inside, beyond[0]) if rises else inside
 
 
 def _peaks(speeds: FloatArray, used: FloatArray) -> tuple[float, ...]:

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import (
     FloatArray,
+    nonnegative_number,
     positive_number,
     positive_vector,
     read_only,
@@ -20,6 +21,7 @@ from crankbase.tables.frames import table
 from crankbase.units.quantity import show_quantity
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import draw_named_curves
+from dynamics.running_limits import within
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,16 +39,31 @@ class LimitCurve:
     values : callable
         Speeds (S,) [rad/s] to permitted values (S,).
     low, high : float
-        Speeds from and to which the value is stated [rad/s]; all by default.
+        Speeds from and to which the value is stated [rad/s], both counting; all by default.
+
+    Raises
+    ------
+    InputError
+        If `low` is negative, or not below `high`.
     """
 
     values: Values
     low: float = 0.0
     high: float = np.inf
 
+    def __post_init__(self) -> None:
+        low = nonnegative_number("low", self.low, "rad/s", "the limit is stated from there")
+        if self.high == np.inf:
+            return
+        if not positive_number("high", self.high, "rad/s", "the limit is stated up to there") > low:
+            raise InputError(
+                f"high: given {self.high:g} rad/s; allowed is more than the {low:g} rad/s of low, because "
+                "the limit is stated between them."
+            )
+
     def at(self, speeds: FloatArray) -> FloatArray:
         """Return the permitted values (S,); inf at speeds for which none is stated."""
-        stated = (self.low <= speeds) & (speeds <= self.high)
+        stated = within(speeds, self.low, self.high)
         # A rule's formula may mean nothing outside its range, so it is not asked there.
         permitted = np.full(speeds.shape, np.inf)
         permitted[stated] = self.values(speeds[stated])
@@ -134,9 +151,12 @@ def given_limit(
     """
     field = f"limit on {quantity} of {applies_to}"
     kept = positive_number(field, value, unit, "every engine vibrates")
-    if passing is not None and not passing >= kept:
+    passed = None
+    if passing is not None:
+        passed = positive_number(field, passing, unit, "every engine vibrates")
+    if passed is not None and passed < kept:
         raise InputError(
-            f"{field}: given {passing:g} {unit} while a barred range is passed; allowed are finite "
+            f"{field}: given {passed:g} {unit} while a barred range is passed; allowed are finite "
             f"numbers of {kept:g} {unit} or more, because what may be kept may be passed."
         )
     return VibrationLimit(
@@ -144,9 +164,7 @@ def given_limit(
         applies_to=applies_to,
         unit=unit,
         continuous=constant_curve(kept),
-        passing=None
-        if passing is None
-        else constant_curve(positive_number(field, passing, unit, "every engine vibrates")),
+        passing=None if passed is None else constant_curve(passed),
         source=source,
         assumed=assumed,
     )

@@ -28,6 +28,7 @@ from dynamics.assessment.limits import (
 )
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.plots.speed_curves import draw_barred, set_speed_axis
+from dynamics.running_limits import at_most, within
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -265,7 +266,7 @@ class Verdict:
         if others := len(self.checks) - len(worst):
             axes.plot([], [], " ", label=f"and {others} more, used less")
         axes.axhline(100.0, color=RED, linestyle="--", linewidth=1.2, label="permitted")
-        if end > highest:
+        if not at_most(end, highest):
             label = "highest running speed"
             axes.axvline(RPM * highest, color=GRAY, linestyle=":", linewidth=1.2, label=label)
         axes.set_xlabel(SPEED_LABEL)
@@ -327,8 +328,8 @@ def judge(
     low, high = checked_running_range(running_range)
     checks = [_check(limit, curve, (low, high)) for limit, curve in findings]
     ranges = barred_ranges(findings, rule, (low, high))
-    barred = tuple(one for one in ranges if one.high >= low)
-    below = tuple(one for one in ranges if one.high < low)
+    barred = tuple(one for one in ranges if at_most(low, one.high))
+    below = tuple(one for one in ranges if not at_most(low, one.high))
     refused = any(not one.allowed for one in ranges)
     status: Status = "not acceptable" if refused else "barred range needed" if barred else "fine"
     noted = [f"{check.curve.name}: {text}" for check in checks for text in check.remarks]
@@ -348,7 +349,7 @@ def _check(
     limit: VibrationLimit, curve: AmplitudeCurve, running_range: tuple[float, float]
 ) -> LimitCheck:
     low, high = running_range
-    if curve.speeds[0] > low or curve.speeds[-1] < high:
+    if not (at_most(curve.speeds[0], low) and at_most(high, curve.speeds[-1])):
         raise InputError(
             f"speeds of {curve.name}: given {shown_range(curve.speeds[0], curve.speeds[-1])}; allowed "
             f"are speeds that cover the running range of {shown_range(low, high)}, because every "
@@ -356,7 +357,7 @@ def _check(
         )
     end = judged_to(limit, running_range)
     used, permitted = usage(limit, curve), limit.continuous.at(curve.speeds)
-    judged = np.isfinite(permitted) & (low <= curve.speeds) & (curve.speeds <= end)
+    judged = np.isfinite(permitted) & within(curve.speeds, low, end)
     if not np.any(judged):
         raise InputError(
             f"limit on {limit.name}: given for {shown_range(limit.continuous.low, limit.continuous.high)}"
@@ -365,11 +366,11 @@ def _check(
         )
     worst = int(np.argmax(np.where(judged, used, -np.inf)))
     remarks = []
-    if limit.continuous.high < high:
+    if not at_most(high, limit.continuous.high):
         remarks.append(
             f"not judged above {show_quantity(limit.continuous.high, 'rad/s', 4)}, where the limit ends"
         )
-    if curve.speeds[-1] < end:
+    if not at_most(end, curve.speeds[-1]):
         remarks.append(
             f"the limit goes on to {show_quantity(end, 'rad/s', 4)}, the calculation to "
             f"{show_quantity(float(curve.speeds[-1]), 'rad/s', 4)}"

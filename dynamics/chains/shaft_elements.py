@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
-from crankbase.checks.arrays import nonnegative_number, positive_number
+from crankbase.checks.arrays import SMALLEST, nonnegative_number, positive_number
 from crankbase.errors import InputError
 
 Motion = Literal["torsional", "axial"]
@@ -189,11 +189,10 @@ class ShaftCone:
         first, last, bore = self.left_diameter, self.right_diameter, self.bore
         if self.bore_shape == "proportional":
             return self.length / (first * last * (1.0 - (bore / first) ** 2))
-        widening = last - first
-        if widening == 0.0 or bore == 0.0:
+        twice = 2.0 * bore * (last - first)
+        if abs(twice) < SMALLEST:  # the logarithm's limit
             return self.length / (first * last - bore**2)
-        argument = 2.0 * bore * widening / ((last + bore) * (first - bore))
-        return self.length / (2.0 * bore * widening) * math.log1p(argument)
+        return self.length / twice * math.log1p(twice / ((last + bore) * (first - bore)))
 
     def _inverse_fourth_powers(self) -> float:
         """Return the integral of 1 / (D^4 - d^4) along the piece."""

@@ -112,7 +112,7 @@ class AxialSupport:
 
     def __post_init__(self) -> None:
         whole_number("axial support section", self.section, 0, "sections are counted from 0")
-        if not math.isinf(self.stiffness) or self.stiffness < 0.0:
+        if self.stiffness != math.inf:
             nonnegative_number(
                 "axial support stiffness", self.stiffness, "N/m", "it does not push the shaft away"
             )

@@ -12,6 +12,7 @@ from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
     finite_vector,
+    turning_speeds,
 )
 from crankbase.checks.scalars import whole_within
 from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE, new_axes
@@ -224,7 +225,7 @@ def mechanism_forces(
             "shaft_angles: given none; allowed are one or more, because forces are those at an angle."
         )
     shape = (len(engine.cylinders), angles.size)
-    turning = over_angles("speed", speed, angles)
+    turning = over_angles("speed", turning_speeds("speed", speed), angles)
     gaining = over_angles("crank_acceleration", crank_acceleration, angles)
     pressing, rubbing = _forces("gas", gas, shape), _forces("friction", friction, shape)
     side = np.zeros(shape)

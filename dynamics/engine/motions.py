@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
+from crankbase.checks.arrays import FloatArray, finite_array
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.rod_foot import crank_angle_from_axis, hinged_foot
@@ -56,7 +56,13 @@ def cylinder_motion(engine: EngineLayout, number: int, shaft_angles: FloatArray)
         Of the cylinder, from 1.
     shaft_angles : ndarray of shape (m,)
         [rad]
+
+    Raises
+    ------
+    InputError
+        If an angle is no finite number.
     """
+    shaft_angles = finite_array("shaft_angles", shaft_angles)
     cylinder = engine.cylinders[number - 1]
     if cylinder.slave_pin is None:
         angles = crank_angle_from_axis(cylinder, shaft_angles)
@@ -99,7 +105,13 @@ def reduced_inertia(
         I [kg m^2], shaft and flywheel included.
     ndarray of shape (m,)
         dI/dphi [kg m^2/rad].
+
+    Raises
+    ------
+    InputError
+        If an angle is no finite number.
     """
+    shaft_angles = finite_array("shaft_angles", shaft_angles)
     inertia = np.full(shaft_angles.shape, float(engine.shaft_inertia))
     derivative = np.zeros(shaft_angles.shape)
     for number, (cylinder, model) in enumerate(zip(engine.cylinders, models, strict=True), start=1):

@@ -14,6 +14,7 @@ from crankbase.checks.arrays import (
     finite_vector,
     nonnegative_number,
     read_only,
+    turning_speeds,
 )
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
@@ -75,8 +76,10 @@ class CylinderHarmonics:
         Raises
         ------
         InputError
-            If a speed or load lies outside a pressure map, or a load is given and none is needed.
+            If a speed is no finite number or too high, a speed or load lies outside a pressure map,
+            or a load is given and none is needed.
         """
+        speeds = np.atleast_1d(turning_speeds("speeds", speeds))
         if load is not None and not self.takes_load:
             raise InputError(
                 "load: given without a pressure map; allowed is none, because a single diagram "
@@ -120,7 +123,7 @@ class CylinderHarmonics:
             single = cast(float, speed)
             running = np.array([nonnegative_number("speed", single, "rad/s", "the shaft turns")])
         else:
-            running = over_angles("speed", speed, angles)
+            running = over_angles("speed", turning_speeds("speed", speed), angles)
         turning = np.exp(1j * np.outer(angles, np.concatenate(([0.0], self.orders))))
         found = self.phasors(running, load)
         if running.size == 1:

@@ -10,10 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import (
     FloatArray,
-    finite_array,
+    finite_vector,
     nonnegative_number,
     positive_number,
     read_only,
+    turning_speeds,
 )
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_below, write_title
@@ -28,6 +29,7 @@ from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import MEGA
+from dynamics.response.excitation import checked_speeds
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,6 +60,12 @@ class PressureMap:
         Along either axis: cubic spline, or straight lines.
     load_of_speed : ndarray of shape (a,) or None
         Load of each speed's only diagram, where there is one.
+
+    Raises
+    ------
+    InputError
+        If speeds are not above zero and ascending, a load is no finite number, or there is not a
+        diagram for each point.
     """
 
     speeds: FloatArray
@@ -65,6 +73,16 @@ class PressureMap:
     diagrams: tuple[GasPressure, ...]
     method: Method
     load_of_speed: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        speeds = checked_speeds(self.speeds)
+        loads = None if self.loads is None else finite_vector("loads", self.loads)
+        points = speeds.size * (1 if loads is None else loads.size)
+        if len(self.diagrams) != points:
+            raise InputError(
+                f"diagrams: given {len(self.diagrams)}; allowed are {points}, because each point of speed "
+                "and load has one."
+            )
 
     @property
     def strokes(self) -> int:
@@ -102,7 +120,7 @@ class PressureMap:
             If a speed or load lies outside the map, which is never extended, or a load is missing
             or too many.
         """
-        asked = np.atleast_1d(finite_array("speeds", speeds))
+        asked = np.atleast_1d(turning_speeds("speeds", speeds))
         along = axis_weights("speed", self.speeds, asked, self.method)
         if self.loads is None or (self.loads.size == 1 and load is None):
             if self.loads is None and load is not None:

@@ -13,6 +13,7 @@ from crankbase.checks.arrays import (
     finite_vector,
     nonnegative_vector,
     positive_number,
+    turning_speeds,
 )
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
@@ -105,7 +106,7 @@ class PropellerForces:
         return self._law(speeds, self.rated_torque)
 
     def _law(self, speeds: ArrayLike, rated: float) -> FloatArray:
-        return np.asarray(rated * (finite_array("speeds", speeds) / self.rated_speed) ** 2)
+        return np.asarray(rated * (turning_speeds("speeds", speeds) / self.rated_speed) ** 2)
 
 
 def propeller_excitation(
@@ -154,8 +155,8 @@ def propeller_excitation(
             f'kind: given {kind!r}; allowed are "torsional" and "axial", because a propeller has torque '
             "and thrust."
         )
-    turning = _own_ratio(chain, place) if ratio is None else float(ratio)
-    if not np.isfinite(turning) or turning == 0.0:
+    turning = _own_ratio(chain, place) if ratio is None else float(finite_array("ratio", ratio))
+    if turning == 0.0:
         raise InputError(
             f"ratio: given {turning:g}; allowed is a finite number other than zero, because the "
             "propeller turns."

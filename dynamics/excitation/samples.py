@@ -1,5 +1,7 @@
 """Phasors of what is sampled evenly over a cycle, and which orders the samples resolve."""
 
+from typing import cast
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -82,5 +84,5 @@ def asked_orders(orders: ArrayLike | float, strokes: int) -> FloatArray:
         If they are not above zero and ascending.
     """
     if np.ndim(orders) == 0:
-        return engine_orders(strokes, float(np.asarray(orders)))
+        return engine_orders(strokes, cast(float, orders))
     return checked_orders(orders)

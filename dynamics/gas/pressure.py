@@ -38,6 +38,8 @@ WIDEST_GAP = 10.0
 FINEST_STEP, COARSEST_STEP = 0.1, 1.0
 # [deg] Angles moved less than this to their even places are taken as even without a remark.
 SILENT_SHIFT = 1e-6
+# The first sample lies within a step from the top, but for rounding [steps].
+EVEN = 1e-6
 # Samples repeated beyond either end of the cycle: slopes look at two neighbors on each side.
 REPEATED = 3
 
@@ -46,7 +48,8 @@ REPEATED = 3
 class GasPressure:
     """The absolute pressure in one cylinder, sampled evenly over one working cycle.
 
-    Made by `gas_pressure`, which checks; read by `read_pressure_table`; calculated by `gas_cycle`.
+    Made by `gas_pressure`, which makes samples even; read by `read_pressure_table`; calculated by
+    `gas_cycle`.
 
     Parameters
     ----------
@@ -61,6 +64,11 @@ class GasPressure:
         Where the samples come from.
     remarks : tuple of str
         What was done to them on the way, a sentence each.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, a pressure is not positive, or the angles are not such.
     """
 
     angles: FloatArray
@@ -68,6 +76,22 @@ class GasPressure:
     strokes: int
     source: str = ""
     remarks: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        cycle = cycle_degrees(checked_strokes(self.strokes))
+        angles = finite_vector("angles", self.angles)
+        values = positive_vector("pressure", self.pressure, "Pa", "it is absolute pressure")
+        _check_samples(np.degrees(angles), values, cycle)
+        step = math.radians(cycle) / angles.size
+        placed = -EVEN * step <= angles[0] < (1.0 + EVEN) * step
+        if cycle_fault(np.degrees(angles), cycle) is not None or not placed:
+            raise InputError(
+                f"angles: given {angles.size} from {math.degrees(angles[0]):g} to "
+                f"{math.degrees(angles[-1]):g} deg that are not even or do not begin at the top; allowed "
+                "are even steps from there over the cycle, which gas_pressure makes of others."
+            )
+        object.__setattr__(self, "angles", read_only(angles))
+        object.__setattr__(self, "pressure", read_only(values))
 
     @property
     def cycle(self) -> float:
@@ -206,19 +230,14 @@ def gas_pressure(
     cycle = cycle_degrees(checked_strokes(strokes))
     given = np.degrees(finite_vector("angles", angles))
     values = positive_vector("pressure", pressure, "Pa", "it is absolute pressure")
-    if given.size != values.size:
-        raise InputError(
-            f"angles: given {given.size} angles for {values.size} pressures; allowed is one angle "
-            "for each pressure, because together they are the samples."
-        )
-    _check_cover(given, cycle)
+    _check_samples(given, values, cycle)
     even = cycle_fault(given, cycle) is None
     places, values, remark = (
         _placed(given, values, cycle) if even else _resampled(given, values, cycle)
     )
     return GasPressure(
-        angles=read_only(np.radians(places)),
-        pressure=read_only(values),
+        angles=np.radians(places),
+        pressure=values,
         strokes=int(strokes),
         source=source,
         remarks=remarks + ((remark,) if remark else ()),
@@ -239,6 +258,16 @@ def widest_gap(angles_deg: FloatArray, cycle_deg: float) -> tuple[int, float]:
     gaps = np.concatenate([[seam], np.diff(angles_deg)])
     index = int(np.argmax(gaps))
     return index, float(gaps[index])
+
+
+def _check_samples(angles: FloatArray, values: FloatArray, cycle: float) -> None:
+    """Refuse samples of which angles [deg] and values do not belong together."""
+    if angles.size != values.size:
+        raise InputError(
+            f"angles: given {angles.size} angles for {values.size} pressures; allowed is one angle "
+            "for each pressure, because together they are the samples."
+        )
+    _check_cover(angles, cycle)
 
 
 def _check_cover(angles: FloatArray, cycle: float) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, checked_range, regular_array
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 
 
 def checked_limits(
@@ -31,7 +31,7 @@ def checked_limits(
         return {}
     if not isinstance(limits, Mapping):
         raise InputError(
-            f"limits: given {limits!r}; allowed is a mapping of names to limits, because each is drawn "
+            f"limits: given {quoted(limits)}; allowed is a mapping of names to limits, because each is drawn "
             "with its name."
         )
     found = {}
@@ -63,7 +63,8 @@ def checked_barred(barred: Sequence[tuple[float, float]]) -> list[tuple[float, f
     """
     if isinstance(barred, str) or not isinstance(barred, Sequence | np.ndarray):
         raise InputError(
-            f"barred: given {barred!r}; allowed are pairs of speeds in rad/s, because each range is shaded."
+            f"barred: given {quoted(barred)}; allowed are pairs of speeds in rad/s, because each "
+            "range is shaded."
         )
     reason = "a range from one to the other is shaded"
     return [

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
+    check_sizes,
     complex_array,
     finite_vector,
     positive_vector,
@@ -71,12 +72,7 @@ class OrderExcitation:
                 f"forces: given an array of shape {forces.shape}; allowed is ({orders.size}, "
                 f"{speeds.size}, n), because there is one for each order, speed and node."
             )
-        if not np.all(np.isfinite(forces)):
-            order, speed, node = np.argwhere(~np.isfinite(forces))[0].tolist()
-            raise InputError(
-                f"forces[{order}, {speed}, {node}]: given {forces[order, speed, node]}; allowed are "
-                "finite numbers, because a missing or infinite value would spread to every result."
-            )
+        check_sizes("forces", forces)
         forces.setflags(write=False)
         object.__setattr__(self, "orders", read_only(orders))
         object.__setattr__(self, "speeds", read_only(speeds))

@@ -16,6 +16,8 @@ from dynamics.transient.speed_curve import SpeedCurve
 
 # Times closer than this share of a step are one.
 SAME_TIME = 1e-6
+# In a piece of time; far more than fit in memory.
+MOST_STEPS = 1e15
 
 
 @dataclass(frozen=True)
@@ -137,7 +139,8 @@ def even_pieces(acting: ActingForces, longest: float) -> list[Piece]:
             edges.append(time)
     pieces = []
     for start, end in pairwise([*edges, last]):
-        steps = max(1, math.ceil((end - start) / longest * (1.0 - 1e-12)))
+        count = min((end - start) / longest * (1.0 - 1e-12), MOST_STEPS)
+        steps = max(1, math.ceil(count))
         pieces.append(Piece(start, (end - start) / steps, steps))
     return pieces
 

@@ -15,6 +15,7 @@ from crankbase.errors import InputError
 from crankbase.tables.frames import grid
 from dynamics.plots.coordinates import name_axis, time_axis
 from dynamics.plots.over_time import RunCurve, plot_run
+from dynamics.running_limits import MOST_TURNS, run_time, too_many_turns
 from dynamics.transient.envelope import Envelope, envelope_over
 from dynamics.transient.order_forces import cycle_turns
 from dynamics.transient.picking import Moving, axis_names, pick, units_of
@@ -206,7 +207,7 @@ def turn_under_gas(
     start_speed : float
         [rad/s]
     duration : float
-        [s]
+        At most a day [s], and 20,000 turns.
     load : float or callable, optional
         Moment that brakes at the load's node [N m], or a callable (shaft speed [rad/s], time [s]) ->
         moment: a governor is load = mean + gain (speed - wanted speed).
@@ -232,7 +233,9 @@ def turn_under_gas(
         the load gives no finite moment.
     """
     speed = positive_number("start_speed", start_speed, "rad/s", "the shaft turns forward")
-    end = positive_number("duration", duration, "s", "time runs forward")
+    end = run_time("duration", duration)
+    if speed * end > 2.0 * np.pi * MOST_TURNS:
+        raise too_many_turns("duration", end, speed * end / (2.0 * np.pi))
     told = whole_number("samples_per_turn", samples_per_turn, 4, "they show the motion")
     check_method(method)
     braking = _checked_load(load)
@@ -249,6 +252,8 @@ def turn_under_gas(
             last = in_turn[place + 1][0] if place + 1 < len(in_turn) else end
             time = begins
             while time < last and not stopped:
+                if len(done) > MOST_TURNS:
+                    raise too_many_turns("duration", end, MOST_TURNS)
                 until, passed, rows, stopped = _turn(state, time, last, now, method, told)
                 done.append((passed, rows))
                 time, now = until, rows[-1]

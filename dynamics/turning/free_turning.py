@@ -12,7 +12,6 @@ from crankbase.checks.arrays import (
     finite_array,
     finite_vector,
     nonnegative_number,
-    positive_number,
     read_only,
 )
 from crankbase.checks.choices import check_choice
@@ -27,6 +26,7 @@ from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rods import RodModelName
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import KILO
+from dynamics.running_limits import MOST_TURNS, run_time, too_many_turns
 from dynamics.turning.piston_gas import Gas
 from dynamics.turning.shaft_moments import Resistance, ShaftMoments, shaft_moments
 
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 # Of the integration, relative; absolute ones are this share of a radian, start speed and energy.
 TOLERANCE = 1e-11
 SHARES = ("gas", "load", "friction", "gravity")
+# Times the most turns that can be followed: what is refused before it is tried.
+UNSTOPPED = 5.0
 # A stroke's end closer ahead than this is behind [rad].
 PASSED = 1e-9
 
@@ -190,7 +192,7 @@ def turn_freely(
     start_speed : float
         Zero or above [rad/s].
     duration : float
-        [s]
+        At most a day [s], and 20,000 turns.
     gas : GasPressure, sequence of n GasPressure, or callable, optional
         Pressures as `gas_forces` takes them, or a callable (number, position, direction, angle) ->
         force on that cylinder's piston towards the shaft [N]: number from 1, position from 0 at the
@@ -244,7 +246,10 @@ def turn_freely(
     """
     first = float(finite_array("start_angle", start_angle))
     speed = nonnegative_number("start_speed", start_speed, "rad/s", "the engine turns forward")
-    end = positive_number("duration", duration, "s", "time goes on")
+    end = run_time("duration", duration)
+    # It may stop long before; but no friction stops it from there.
+    if speed * end > 2.0 * math.pi * UNSTOPPED * MOST_TURNS:
+        raise too_many_turns("duration", end, speed * end / (2.0 * math.pi))
     moments = shaft_moments(engine, gas, load, friction, gravity, model, crankcase_pressure)
     told = _told_times(times, samples, end)
     states, stop_time = _integrated(moments, (first, speed), end, told)
@@ -261,13 +266,16 @@ def _integrated(
     """
     time, state = 0.0, np.array([*start, *[0.0] * len(SHARES)])
     scales = _scales(moments, start)
+    last = start[0] + 2.0 * math.pi * MOST_TURNS
     ends = moments.stroke_ends() if moments.gas.turns_at_ends else np.zeros(0)
     kept = [state[:, np.newaxis][:, : int(told[0] == 0.0)]]
     while True:
         angle = float(state[0])
         limit = _next_end(ends, angle)
         middle = angle + 0.5 * (min(limit, angle + 2.0 * math.pi) - angle)
-        found = _stroke(moments, moments.directions(middle), (time, end), state, limit, scales)
+        found = _stroke(
+            moments, moments.directions(middle), (time, end), state, limit, last, scales
+        )
         reached = float(found.t[-1])
         # Closed at the end: the next stroke begins after it.
         asked = told[(told > time) & (told <= reached)]
@@ -307,13 +315,16 @@ def _stroke(
     span: tuple[float, float],
     state: FloatArray,
     limit: float,
+    last: float,
     scales: FloatArray,
 ) -> Any:
-    """Integrate angle, speed and the four works until the time is over or an angle is reached."""
+    """Integrate angle, speed and the four works until the time is over or an angle reached; to `last`."""
     from scipy.integrate import solve_ivp
 
     def slope(_: float, state: FloatArray) -> list[float]:
         angle, speed = float(state[0]), float(state[1])
+        if not angle <= last:
+            raise too_many_turns("duration", span[1], MOST_TURNS)
         shares, inertia, inertia_slope = moments.at(angle, speed, directions)
         acceleration = (math.fsum(shares) - 0.5 * inertia_slope * speed**2) / inertia
         return [speed, acceleration, *(share * speed for share in shares)]

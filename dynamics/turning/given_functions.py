@@ -2,7 +2,7 @@
 
 import math
 
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 
 
 def checked_moment(field: str, given: float, speed: float, angle: float) -> float:
@@ -27,11 +27,11 @@ def checked_moment(field: str, given: float, speed: float, angle: float) -> floa
     """
     try:
         moment = float(given)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         moment = math.nan
     if not math.isfinite(moment):
         raise InputError(
-            f"{field}: given a moment of {given} N m at {speed:.6g} rad/s and a shaft angle of "
+            f"{field}: given a moment of {quoted(given)} N m at {speed:.6g} rad/s and a shaft angle of "
             f"{math.degrees(angle):.6g} deg; allowed are finite numbers, because the speed follows from "
             "the moments."
         )
@@ -48,12 +48,12 @@ def checked_inertia(given: float, angle: float, least: float = 0.0) -> float:
     """
     try:
         inertia = float(given)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         inertia = math.nan
     if not least < inertia < math.inf:
         raise InputError(
-            f"inertia: given {given} kg m^2 at a shaft angle of {math.degrees(angle):.6g} deg; allowed "
-            "are finite numbers clearly above zero, because a shaft without inertia has no speed that "
-            "follows from the moments."
+            f"inertia: given {quoted(given)} kg m^2 at a shaft angle of {math.degrees(angle):.6g} deg; "
+            "allowed are finite numbers clearly above zero, because a shaft without inertia has no speed "
+            "that follows from the moments."
         )
     return inertia

@@ -20,6 +20,7 @@ from crankbase.errors import InputError
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from dynamics.plots.angle_curves import draw_over_angle
+from dynamics.running_limits import turns_followed
 from dynamics.turning.given_functions import checked_inertia, checked_moment
 
 if TYPE_CHECKING:
@@ -179,7 +180,7 @@ def speed_over_angle(
     """
     first = float(finite_array("start_angle", start_angle))
     speed = positive_number("start_speed", start_speed, "rad/s", "the angle must grow")
-    length = 2.0 * math.pi * positive_number("turns", turns, "", "the shaft turns forward")
+    length = 2.0 * math.pi * turns_followed("turns", turns)
     per_turn = whole_number("samples", samples, 1, "results are told so often per turn")
     count = max(1, round(per_turn * turns))
     angles = np.linspace(first, first + length, count + 1)

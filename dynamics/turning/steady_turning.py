@@ -11,6 +11,7 @@ from crankbase.checks.scalars import whole_number
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from dynamics.cycle import even_angles
+from dynamics.running_limits import turns_followed
 from dynamics.turning.given_functions import checked_inertia, checked_moment
 from dynamics.turning.speed_over_angle import (
     Inertia,
@@ -128,7 +129,7 @@ def steady_turning(
     from scipy.optimize import fsolve
 
     wanted = positive_number("mean_speed", mean_speed, "rad/s", "the shaft turns")
-    period = 2.0 * math.pi * positive_number("turns", turns, "", "the shaft turns forward")
+    period = 2.0 * math.pi * turns_followed("turns", turns)
     first = float(finite_array("start_angle", start_angle))
     told = whole_number("samples", samples, 1, "results are told so often per turn")
     guess, start_energy, comes_round = _beginning(inertia, moment, wanted, first, period)

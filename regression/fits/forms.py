@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from regression.fits.terms import Term, code, expand, natural_shift, polynomial_terms
 
@@ -160,7 +161,7 @@ class FittedForm:
             "coefficients": self.coefficients,
         }
         for name, given in numbers.items():
-            if not all(math.isfinite(value) for value in given):
+            if not all(is_number(value) for value in given):
                 raise InputError(f"{name}: given {list(given)}; all numbers must be finite.")
         if not all(value > 0.0 for value in self.half_range):
             raise InputError(

@@ -3,7 +3,7 @@
 import math
 
 from crankbase.checks.scalars import is_number
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 
 
 def fold_angle_deg(gamma_deg: float) -> float:
@@ -22,7 +22,7 @@ def checked_angle_deg(gamma_deg: float) -> float:
     """
     if not is_number(gamma_deg):
         raise InputError(
-            f"gamma_deg: given {gamma_deg!r}; allowed is a finite angle in deg between "
+            f"gamma_deg: given {quoted(gamma_deg)}; allowed is a finite angle in deg between "
             "neighboring cranks, because it is folded to 0 to 180 deg."
         )
     return fold_angle_deg(gamma_deg)
@@ -38,12 +38,12 @@ def shear_modulus(youngs_modulus: float, poisson_ratio: float) -> float:
     """
     if not (is_number(youngs_modulus) and youngs_modulus > 0.0):
         raise InputError(
-            f"youngs_modulus: given {youngs_modulus!r}; allowed is a positive number of Pa, "
+            f"youngs_modulus: given {quoted(youngs_modulus)}; allowed is a positive number of Pa, "
             "because a throw without stiffness has no compliance."
         )
     if not (is_number(poisson_ratio) and -1.0 < poisson_ratio <= 0.5):
         raise InputError(
-            f"poisson_ratio: given {poisson_ratio!r}; allowed is above -1 up to 0.5, the range of "
+            f"poisson_ratio: given {quoted(poisson_ratio)}; allowed is above -1 up to 0.5, the range of "
             "an isotropic material."
         )
     return youngs_modulus / (2.0 * (1.0 + poisson_ratio))

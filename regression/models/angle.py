@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import finite_array
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from regression.formulas.arguments import fold_angle_deg
 
 
@@ -34,7 +34,7 @@ def fold_angle(gamma_deg: ArrayLike) -> Any:
     angles = finite_array("gamma_deg", gamma_deg)
     if not angles.size:
         raise InputError(
-            f"gamma_deg: given {gamma_deg!r}; allowed are one or more angles in degrees, because each "
+            f"gamma_deg: given {quoted(gamma_deg)}; allowed are one or more angles in degrees, because each "
             "has an answer."
         )
     if angles.ndim == 0:

@@ -27,6 +27,8 @@ from regression.models.outside import Outside, OutsideRangeWarning
 from regression.models.question import Answer
 from regression.models.ready_model import ReadyModel, column_ranges
 from regression.models.response_model import ResponseModel
+from regression.records import above_zero
+from regression.throw_values import check_dimension
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,8 +96,9 @@ class ComplianceModel(InputModel):
     Raises
     ------
     InputError
-        If a field is missing or unknown, a dimension is both fixed and a factor, or an equation's
-        column is none of the model's factors.
+        If a field is missing or unknown, a dimension is both fixed and a factor, or one that no throw
+        has, an equation's column is none of the model's factors, or its values are none that the
+        response can have.
 
     Examples
     --------
@@ -128,6 +131,14 @@ class ComplianceModel(InputModel):
                     f"fixed: given {both[0]}, which is a factor of {name}; a dimension either "
                     "varies or is fixed."
                 )
+            if above_zero(name) and not response.largest_value > 0.0:
+                raise InputError(
+                    f"coefficients of {name}: given ones whose equation is {response.largest_value:g} "
+                    "or less in all of its range; allowed are those of a response above zero, as every "
+                    "throw has it."
+                )
+        for name, value in self.fixed.items():
+            check_dimension(f"fixed.{name}", name, value)
         for name, (low, high) in self.ranges.items():
             if not low < high or name in self.fixed:
                 raise InputError(
@@ -516,7 +527,7 @@ class ComplianceModel(InputModel):
     # ----------------------------------------------------------------------------------- file
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the model as a JSON file; an existing file is replaced in one step.
+        """Write the model as a JSON file; an existing model is replaced in one step.
 
         Parameters
         ----------
@@ -526,7 +537,7 @@ class ComplianceModel(InputModel):
         Raises
         ------
         InputError
-            If the path is that of a folder.
+            If the path is that of a folder, or of a file that is no such model; see `replacing_files`.
         OSError
             If the file cannot be written.
         """

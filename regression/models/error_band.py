@@ -13,12 +13,15 @@ is unknown. Hence::
 m is the largest of a number of designs, not a bound; nor does the band hold outside the range.
 """
 
+import math
 from dataclasses import dataclass
 
 from regression.models.response_model import ResponseModel
 
 # Smaller relative errors are rounding, and not told by their value.
 LEAST_SAID = 1e-5
+# A larger factor is the same as none: errors of nearly 100 %, or estimates beyond all measure.
+_OPEN = 1e30
 # Compliances of a force at its own place; an influence coefficient is none.
 _TOO_SMALL = ("axial_compliance", "torsional_compliance")
 
@@ -78,7 +81,7 @@ def error_band(name: str, response: ResponseModel) -> ErrorBand:
     f = response.largest_fe_error or 0.0
     one_sided = name.startswith(_TOO_SMALL)
     lower = (1.0 if one_sided else max(0.0, 1.0 - f)) / (1.0 + m)
-    upper = (1.0 + f) / (1.0 - m) if m < 1.0 else None
+    upper = (1.0 + f) / (1.0 - m) if m < 1.0 else math.inf
     designs = f"{response.heldout_runs} held-out designs"
     if held_out is None:
         designs = f"the {response.runs} fitted runs themselves, without held-out designs too small an error"
@@ -91,4 +94,4 @@ def error_band(name: str, response: ResponseModel) -> ErrorBand:
         + (", by which they are too small" if one_sided else " either way")
     )
     text = f"largest error {100.0 * m:.2g} % at {designs}; {elements}"
-    return ErrorBand(lower, upper, text)
+    return ErrorBand(lower, upper if upper < _OPEN else None, text)

@@ -189,7 +189,7 @@ def _checked_numbers(
         if raw.dtype.kind not in "iuf":
             raise TypeError
         array = raw.astype(np.float64, copy=False)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name}: given {value!r}; {allowed}.") from None
     if array.size == 0:
         raise InputError(f"{name}: given an empty array; {allowed}.")

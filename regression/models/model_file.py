@@ -3,12 +3,13 @@
 import hashlib
 import json
 import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from crankbase.errors import InputError
+from crankbase.outputs import write_text
+from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
 from regression.fits.terms import polynomial_terms
 
 FILE_FORMAT = "crankfem compliance model"
@@ -19,7 +20,7 @@ _WANTED = "allowed is a compliance model file as crankfem saves it"
 
 
 def write_model(content: Mapping[str, object], path: str | os.PathLike[str]) -> None:
-    """Write a model's content; an existing file is replaced in one step.
+    """Write a model's content; an existing model is replaced in one step.
 
     Parameters
     ----------
@@ -30,7 +31,7 @@ def write_model(content: Mapping[str, object], path: str | os.PathLike[str]) -> 
     Raises
     ------
     InputError
-        If the path is that of a folder.
+        If the path is that of a folder, or of a file that is no such model.
     OSError
         If the file cannot be written.
     """
@@ -44,18 +45,17 @@ def write_model(content: Mapping[str, object], path: str | os.PathLike[str]) -> 
         "checksum": checksum(content),
         **content,
     }
-    target = Path(path)
     text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    write_text(Path(path), text, "model", recognized=is_model)
+
+
+def is_model(path: Path) -> bool:
+    """Whether a file is a model that crankfem saved, and unchanged since then."""
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        # Temporary files are private; a model is meant to be read.
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, target)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+        read_model(path)
+    except InputError:
+        return False
+    return True
 
 
 def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
@@ -72,6 +72,7 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
         cut since it was written.
     """
     shown = os.fspath(path)
+    check_file_size(Path(path), LARGEST_TABLE_FILE, "a compliance model")
     try:
         text = Path(path).read_text(encoding="utf-8")
     except OSError as error:
@@ -86,6 +87,8 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
         raise InputError(
             f"{shown}: given a file that is not complete JSON ({error}); {_WANTED}."
         ) from None
+    except ValueError:  # Python reads no integers of thousands of digits
+        raise InputError(f"{shown}: given a number of thousands of digits; {_WANTED}.") from None
     if not isinstance(record, dict) or record.get("format") != FILE_FORMAT:
         raise InputError(f"{shown}: given a file of another kind; {_WANTED}.")
     content = dict(record)

@@ -5,6 +5,7 @@ a few comparisons and multiplications. Everything else (arrays, what lies outsid
 the long way, which says what is the matter.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -21,6 +22,7 @@ from regression.models.evaluator import PIECE, CompiledEquation, compile_equatio
 from regression.models.family import Family, Given
 from regression.models.outside import Outside, edges, outside, worst
 from regression.models.response_model import IS, ResponseModel
+from regression.records import above_zero
 
 # Ratios that did not vary in a study agree with it within this (of 1, or of the ratio if larger): a
 # throw scaled by hand is rounded, and so small a part changes no compliance noticeably.
@@ -66,6 +68,8 @@ class Question:
 
     Attributes
     ----------
+    name : str
+        Of the response.
     family : Family
     columns : tuple of Column
     ratios : tuple of Ratio
@@ -77,12 +81,18 @@ class Question:
         What the equation's value is multiplied with, from the dimensions.
     """
 
+    name: str
     family: Family
     columns: tuple[Column, ...]
     ratios: tuple[Ratio, ...]
     needed: tuple[str, ...]
     equation: CompiledEquation
     scale: Reader | None
+
+    @property
+    def least(self) -> float:
+        """What the response must exceed: 0 by nature, or nothing."""
+        return 0.0 if above_zero(self.name) else -math.inf
 
     def short_way(self, names: Sequence[str]) -> Callable[[Mapping[str, Given]], float | None]:
         """Make the fast answer for questions that give just these names.
@@ -110,7 +120,7 @@ class Question:
         elif given & family.fixed.keys():
             fixed = ((name, family.fixed[name]) for name in names if name in family.fixed)
             ratios = tuple((itemgetter(name), *edges(value, value)) for name, value in fixed)
-        value, scale = self.equation.scalar, self.scale
+        value, scale, least = self.equation.scalar, self.scale, self.least
         rest = {**family.fixed, **family.labels} if scale is not None else {}
 
         def answer(dimensions: Mapping[str, Given]) -> float | None:
@@ -132,7 +142,11 @@ class Question:
                 if not low <= column <= high:
                     return None
                 columns.append(column)
-            return value(columns) if scale is None else value(columns) * scale(dimensions)
+            try:
+                found = value(columns) if scale is None else value(columns) * scale(dimensions)
+            except ArithmeticError:
+                return None
+            return found if least < found < math.inf else None
 
         return answer
 
@@ -148,7 +162,7 @@ class Question:
         ------
         InputError
             If something is missing, unknown or unusable, a fixed dimension or ratio is another than
-            in the study, or the equation has no finite value there.
+            in the study, or the equation has no finite value there, or one that no throw has.
         """
         used, shape = self._used(given)
         found: list[Outside] = []
@@ -160,11 +174,18 @@ class Question:
             flat = values.reshape(-1)
             for start, piece in pieces(used, shape):
                 flat[start : start + PIECE] = self._piece(piece, self.equation.array, found)
+        hint = next((one.hint for one in found if one.hint), "")
         if not np.all(np.isfinite(values)):
+            beyond = "far outside the range of the fit" if found else "small or large"
             raise InputError(
-                "dimensions: given ones so far outside the range of the fit that its equation has no "
-                "finite value; allowed are those near the range, for beyond it the equation says "
-                f"nothing{next((one.hint for one in found if one.hint), '')}."
+                f"dimensions: given ones so {beyond} that its equation has no finite value; allowed are "
+                f"those near the range, for beyond it the equation says nothing{hint}."
+            )
+        if not np.min(values) > self.least:
+            raise InputError(
+                f"{self.name}: given {float(np.min(values)):g}; allowed is a number above zero, as every "
+                "throw has it: an equation that gives another one does not hold for these "
+                f"dimensions{hint}."
             )
         return Answer(values, tuple(worst(found)))
 
@@ -218,9 +239,9 @@ class Question:
         try:
             with np.errstate(all="ignore"):
                 value = evaluate(columns)
-        except (OverflowError, ValueError):
+                return value if self.scale is None else value * self.scale(known)
+        except (ArithmeticError, ValueError):
             return np.nan  # told of by the caller
-        return value if self.scale is None else value * self.scale(known)
 
 
 def _long_way(_: Mapping[str, Given]) -> None:
@@ -228,6 +249,7 @@ def _long_way(_: Mapping[str, Given]) -> None:
 
 
 def make_question(
+    name: str,
     response: ResponseModel,
     family: Family,
     material: Mapping[str, Any],
@@ -237,6 +259,8 @@ def make_question(
 
     Parameters
     ----------
+    name : str
+        Of the response; it says whether its values are above zero.
     response : ResponseModel
     family : Family
     material : mapping
@@ -259,7 +283,7 @@ def make_question(
     needed = dict.fromkeys(name for _, names, _ in readers for name in names)
     equation = compile_equation(response.fitted)
     if response.basis == "factors":
-        return Question(family, columns, (), tuple(needed), equation, None)
+        return Question(name, family, columns, (), tuple(needed), equation, None)
     ratios, names = _ratios(family, constant_groups)
     needed |= dict.fromkeys(("pin_diameter", *names))
     try:
@@ -271,7 +295,7 @@ def make_question(
         ) from None
     scale = partial(response_scale, response.unit, material=constants)
     scale({"pin_diameter": 1.0})  # refuses a unit that has no scale
-    return Question(family, columns, ratios, tuple(needed), equation, scale)
+    return Question(name, family, columns, ratios, tuple(needed), equation, scale)
 
 
 def _column_source(name: str, basis: str, family: Family) -> tuple[Reader, tuple[str, ...], str]:

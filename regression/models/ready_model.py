@@ -50,7 +50,7 @@ class ReadyModel:
         self._throw = throw
         self.bands = {name: error_band(name, response) for name, response in responses.items()}
         self._questions = {
-            name: make_question(response, family, material, constant_groups)
+            name: make_question(name, response, family, material, constant_groups)
             for name, response in responses.items()
         }
         self._ways: dict[tuple[str, ...], Callable[[Mapping[str, Any]], float | None]] = {}

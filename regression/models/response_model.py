@@ -1,7 +1,9 @@
 """One response of a compliance model: its equation, the range it was fitted over, and its errors."""
 
+import math
+import sys
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import ConfigDict, Field, FiniteFloat, model_validator
@@ -9,6 +11,7 @@ from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 from crankbase.errors import InputError
 from crankbase.model import InputModel
 from regression.fits.forms import FittedForm
+from regression.fits.terms import code
 from regression.throw_values import show
 
 if TYPE_CHECKING:  # a lookup needs no fits
@@ -16,6 +19,14 @@ if TYPE_CHECKING:  # a lookup needs no fits
 
 # Between a category's name and its label in the name of a 0/1 column: "web_outline=rectangle".
 IS = "="
+# The runs span -1 to 1 in coded numbers; a study's range may be so many times as wide where only a
+# part of it has results.
+FARTHEST = 1e3
+# The logarithm of a response stays within this at the runs: beyond, it is no number of a computer.
+LARGEST_LOGARITHM = 700.0
+
+Share = Annotated[FiniteFloat, Field(ge=0.0, description="a relative error")]
+Determination = Annotated[FiniteFloat, Field(le=1.0, description="a coefficient of determination")]
 
 
 class ResponseModel(InputModel):
@@ -53,7 +64,8 @@ class ResponseModel(InputModel):
     Raises
     ------
     InputError
-        If a field is missing, unknown or contradicts another one.
+        If a field is missing, unknown or contradicts another one; if an error is negative; if the
+        equation's coding is not that of its range, or its coefficients are of no response's size.
     """
 
     section: ClassVar[str] = "response"
@@ -73,15 +85,15 @@ class ResponseModel(InputModel):
     symbol: str
     unit: str
     support: str
-    r_squared: FiniteFloat
-    q_squared: FiniteFloat | None
-    largest_error: FiniteFloat
-    mean_error: FiniteFloat | None = None
-    largest_heldout_error: FiniteFloat | None
-    mean_heldout_error: FiniteFloat | None = None
-    runs: int
-    heldout_runs: int
-    largest_fe_error: FiniteFloat | None = None
+    r_squared: Determination
+    q_squared: Determination | None
+    largest_error: Share
+    mean_error: Share | None = None
+    largest_heldout_error: Share | None
+    mean_heldout_error: Share | None = None
+    runs: int = Field(ge=1, description="a number of runs")
+    heldout_runs: int = Field(ge=0, description="a number of runs")
+    largest_fe_error: Share | None = None
     dropped_terms: tuple[str, ...] = ()
     equation: str
 
@@ -102,7 +114,57 @@ class ResponseModel(InputModel):
                     f"lowest, highest: given {low:g} and {high:g} for {factor}; allowed is a range "
                     "from lower to higher."
                 )
+            self._check_coding(factor)
+        self._check_size()
         return self
+
+    def _check_coding(self, factor: str) -> None:
+        """Refuse a center and half range that cannot be those of runs in the factor's range."""
+        place = self.factors.index(factor)
+        low, high, half = self.lowest[place], self.highest[place], self.half_range[place]
+        if self.log_factors[place]:
+            if low <= 0.0:
+                raise InputError(
+                    f"lowest: given {low:g} for {factor}; allowed is a number above zero, because "
+                    "the equation takes its logarithm."
+                )
+            low, high = math.log(low), math.log(high)
+        coded = [(end - self.center[place]) / half for end in (low, high)]
+        if max(map(abs, coded)) > FARTHEST or coded[1] - coded[0] < 1.0 / FARTHEST:
+            raise InputError(
+                f"center, half_range: given {self.center[place]:g} and {half:g} for {factor}, by which "
+                f"its range lies at {coded[0]:g} to {coded[1]:g} in coded numbers; allowed are those of "
+                "the runs, which span about -1 to 1 there."
+            )
+
+    def _check_size(self) -> None:
+        """Refuse coefficients that are no numbers of a response even at the runs."""
+        size = sum(map(abs, self.coefficients)) if self.logarithmic else self.largest_value
+        if not size <= (LARGEST_LOGARITHM if self.logarithmic else sys.float_info.max):
+            of = "the response's logarithm" if self.logarithmic else "the response"
+            raise InputError(
+                f"coefficients: given ones of up to {max(map(abs, self.coefficients)):g} for {of}; "
+                "allowed are those of a fit, because with these the response is too large or too "
+                "small for any number."
+            )
+
+    @property
+    def largest_value(self) -> float:
+        """A bound that the equation's values do not exceed in its range; inf for a logarithmic one."""
+        if self.logarithmic:
+            return math.inf
+        fitted = self.fitted
+        reach = np.max(
+            [
+                np.abs(code(np.array(ends), self.center, self.half_range, self.log_factors))
+                for ends in (self.lowest, self.highest)
+            ],
+            axis=0,
+        )
+        return sum(
+            abs(c) * math.prod(reach[list(term)].tolist()) if term else c
+            for term, c in zip(fitted.terms, fitted.coefficients, strict=True)
+        )
 
     def __repr__(self) -> str:
         """Name the response, its form and the ranges of its columns; the numbers are in its fields."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass, fields
 
 from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import is_whole_within
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from regression.plans.designs_factorial import ROMAN
 from regression.plans.designs_surface import FACES
 
@@ -79,7 +79,7 @@ class DesignChoice:
             )
         if self.generators is not None and not isinstance(self.generators, str):
             raise InputError(
-                f"study.generators: given {self.generators!r}; allowed is text in quotes, like "
+                f"study.generators: given {quoted(self.generators)}; allowed is text in quotes, like "
                 '"a b c abc".'
             )
         if self.resolution is not None and self.generators is not None:

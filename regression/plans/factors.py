@@ -1,6 +1,5 @@
 """What a study varies: fields of a throw, ratios and choices, each over a range or at levels."""
 
-import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,8 +8,8 @@ from typing import Any, Literal, get_args, get_origin
 import numpy as np
 
 from crankbase.checks.choices import check_choice, did_you_mean
-from crankbase.checks.scalars import is_whole_within
-from crankbase.errors import InputError
+from crankbase.checks.scalars import is_number, is_whole_within
+from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.units.quantity import show_quantity
 from geometry.throw import CrankThrow
@@ -57,8 +56,8 @@ class Factor:
     def __post_init__(self) -> None:
         name = f"study.factors.{self.name}"
         given = (self.lowest, self.highest, *(self.levels or ()))
-        if not all(math.isfinite(value) for value in given):
-            raise InputError(f"{name}: given {given}; allowed are finite numbers.")
+        if not all(is_number(value) for value in given):
+            raise InputError(f"{name}: given {quoted(given)}; allowed are finite numbers.")
         if self.labels and (
             len(set(self.labels)) != len(self.labels)
             or self.levels != tuple(map(float, range(len(self.labels))))

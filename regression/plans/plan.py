@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.scalars import whole_within
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
 from fem.material import STEEL, Material
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
 from geometry.throw import CrankThrow
@@ -84,8 +84,8 @@ class StudyPlan:
         object.__setattr__(self, "relations", dict(self.relations))
         if not isinstance(self.constraints, list | tuple):
             raise InputError(
-                f"study.constraints: given {self.constraints!r}; allowed is a list of comparisons, like "
-                '["web_thickness >= 0.25 * pin_diameter"].'
+                f"study.constraints: given {quoted(self.constraints)}; allowed is a list of comparisons, "
+                'like ["web_thickness >= 0.25 * pin_diameter"].'
             )
         object.__setattr__(self, "constraints", tuple(self.constraints))
         checked = {
@@ -101,7 +101,7 @@ class StudyPlan:
             object.__setattr__(self, name, value)
         if not isinstance(self.stresses, bool):
             raise InputError(
-                f"study.stresses: given {self.stresses!r}; allowed are true and false."
+                f"study.stresses: given {quoted(self.stresses)}; allowed are true and false."
             )
         if all(factor.categorical for factor in self.factors):
             raise InputError(

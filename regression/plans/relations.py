@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from crankbase.checks.choices import did_you_mean
 from crankbase.checks.scalars import is_number
-from crankbase.errors import InputError
+from crankbase.errors import InputError, quoted
+from crankbase.text_limits import LARGEST_POWER, LONGEST_EXPRESSION
 from crankbase.units.quantity import show_quantity, unit_registry
 
 TOKEN = re.compile(
@@ -24,6 +25,7 @@ TOKEN = re.compile(
     r"|(?P<name>[A-Za-z_]\w*(?:\.\w+)*)|(?P<sign>\*\*|[-+*/^()])|(?P<space>\s+)",
     re.ASCII,
 )
+POWERS = ("^", "**")
 COMPARISON = re.compile(r"(<=|>=|==|!=|=|<|>)")
 # Sides of a constraint that differ by less than this part count as equal: rounding must not exclude a
 # design that lies on it.
@@ -88,11 +90,12 @@ def read_expression(text: object, field: str, units: Units) -> Expression:
         If it is no such text or names something unknown.
     """
     if is_number(text):
-        text = repr(text)
+        text = quoted(text)
     if not isinstance(text, str) or not text.strip():
         raise InputError(
-            f'{field}: given {text!r}; allowed is an expression in quotes, like "1.6 * pin_diameter".'
+            f'{field}: given {quoted(text)}; allowed is an expression in quotes, like "1.6 * pin_diameter".'
         )
+    _check_length(text, field)
     names: list[str] = []
     pieces: list[str] = []
     depth, operand_next = 0, True
@@ -116,11 +119,53 @@ def read_expression(text: object, field: str, units: Units) -> Expression:
         depth += {"(": 1, ")": -1}.get(token, 0) if kind == "sign" else 0
         if depth < 0:
             raise _no_grammar(text, field, before[1], token)
-        pieces.append(token)
+        # Python's own whole numbers grow without end; exponents stay whole, as units have them.
+        signs = [sign for _, sign in tokens[max(place - 2, 0) : place]]
+        after_sign = signs[1:] in (["+"], ["-"])
+        exponent = bool(signs) and signs[0 if after_sign else -1] in POWERS
+        pieces.append(f"{token}.0" if token.isdigit() and not exponent else token)
         operand_next = kind == "sign" and token != ")"
     if depth or operand_next:
         raise _no_grammar(text, field, tokens[-1][1], "the end")
+    _check_powers(tokens, text, field)
     return Expression(field, text, tuple(names), " ".join(_bracketed(pieces)))
+
+
+def _check_length(text: str, field: str) -> None:
+    if len(text) > LONGEST_EXPRESSION:
+        raise InputError(
+            f"{field}: given {text!r}, of {len(text)} characters; allowed are {LONGEST_EXPRESSION}, because "
+            "relations between dimensions are short."
+        )
+
+
+def _check_powers(tokens: list[tuple[str, str]], text: str, field: str) -> None:
+    """Refuse powers of powers, powers of units that are no numbers, and exponents that are too large.
+
+    Raises
+    ------
+    InputError
+    """
+    powers = 1.0
+    for place, (kind, token) in enumerate(tokens):
+        if kind != "sign" or token not in POWERS:
+            continue
+        ahead = tokens[place + 1 :]
+        signed = ahead[1:] if ahead and ahead[0][1] in ("+", "-") else ahead
+        number = bool(signed) and signed[0][0] == "number"
+        of_unit = tokens[place - 2 : place - 1] and tokens[place - 2][0] == "number"
+        if of_unit and tokens[place - 1][0] == "name" and not (number and signed is ahead):
+            raise _no_grammar(text, field, token, ahead[0][1] if ahead else "the end")
+        if not number:
+            continue
+        if len(signed) > 1 and signed[1][1] in POWERS:
+            raise _no_grammar(text, field, signed[0][1], signed[1][1])
+        powers *= max(1.0, float(signed[0][1]))
+    if powers > LARGEST_POWER:
+        raise InputError(
+            f"{field}: given {text!r}, with exponents of {powers:g} multiplied; allowed is up to "
+            f"{LARGEST_POWER:g}, because no relation between dimensions has more."
+        )
 
 
 def _tokens(text: str, field: str) -> list[tuple[str, str]]:
@@ -184,6 +229,8 @@ def read_constraint(text: object, field: str, units: Units) -> Constraint:
     InputError
         If it is no comparison by <, <=, > or >=, or compares quantities of different kinds.
     """
+    if isinstance(text, str):
+        _check_length(text, field)
     pieces = COMPARISON.split(text) if isinstance(text, str) else []
     sides, signs = pieces[0::2], pieces[1::2]
     if not signs or not set(signs) <= {"<", "<=", ">", ">="}:
@@ -273,16 +320,23 @@ def _holds(sign: str, left: NDArray[np.float64], right: NDArray[np.float64]) -> 
 def _calculated(expression: Expression, values: Values, units: Units) -> Any:
     """Let pint calculate; the result is its quantity."""
     registry = unit_registry()
+    from pint.errors import PintError
+
     quantities = {
         f"quantity_{place}": registry.Quantity(np.asarray(values[name], dtype=float), units[name])
         for place, name in enumerate(expression.names)
     }
     try:
         with np.errstate(all="ignore"):
-            return registry.Quantity(registry.parse_expression(expression.prepared, **quantities))
+            found = registry.Quantity(registry.parse_expression(expression.prepared, **quantities))
+        if not np.iscomplexobj(found.magnitude):
+            return found
+        reason = "it takes a root of a negative number"
     except ZeroDivisionError:
         reason = "it divides by zero"
-    except Exception as error:  # pint raises a dozen kinds
+    except OverflowError:
+        reason = "its numbers are too large"
+    except PintError as error:  # quantities that do not fit together
         reason = " ".join(str(error).split()).rstrip(".")
     raise InputError(
         f"{expression.field}: given {expression.text!r}, which cannot be calculated ({reason}); "

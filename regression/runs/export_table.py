@@ -1,13 +1,13 @@
 """Write a study's rows to a table that other programs read: CSV or Parquet."""
 
 import csv
-import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from crankbase.errors import InputError, MissingLibraryError
+from crankbase.outputs import written
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from regression.plans.plan import MODEL_VERSION
@@ -129,12 +129,8 @@ def export_table(table: StudyTable, path: str | Path) -> int:
     """
     path = Path(path)
     check_export(path)
-    temporary = path.with_name(f".{path.name}.part")
-    try:
-        (_write_csv if path.suffix == ".csv" else _write_parquet)(temporary, table)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with written(path, "table") as part:
+        (_write_csv if path.suffix == ".csv" else _write_parquet)(part, table)
     return len(table.rows)
 
 

@@ -6,16 +6,34 @@ design that is finished is never computed again, in this study or another.
 
 import json
 import sqlite3
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import psutil
 
 from crankbase.errors import InputError
 from regression.records import MEASURED, ExtraRow, Outcome, StudyStoppedError, content_key
-from regression.runs.store_schema import APPLICATION_ID, SCHEMA_VERSION, prepare, schema_version
+from regression.runs.store_rows import (
+    CHECKSUM,
+    EXTRA,
+    RECORDED,
+    DamagedRowError,
+    design_values,
+    extra_values,
+    read_design,
+    read_extra,
+)
+from regression.runs.store_schema import (
+    APPLICATION_ID,
+    CHECKSUMS_SINCE,
+    EXTRA_ROWS_SINCE,
+    SCHEMA_VERSION,
+    missing_parts,
+    prepare,
+    schema_version,
+)
 
 # Seconds to wait for another program that holds the file.
 PATIENCE = 30.0
@@ -32,32 +50,7 @@ CAUSES = {
     sqlite3.SQLITE_CORRUPT: DAMAGED,
     sqlite3.SQLITE_NOTADB: DAMAGED,
 }
-# What is recorded of a design.
-RECORDED = (
-    "key",
-    "inputs",
-    "status",
-    "responses",
-    "reason",
-    "seconds",
-    "errors",
-    "unknowns",
-    "model_version",
-    "worker",
-    "attempts",
-)
-# What is kept of a row from elsewhere.
-EXTRA = (
-    "study",
-    "key",
-    "role",
-    "source",
-    "factors",
-    "dimensions",
-    "outlines",
-    "responses",
-    "errors",
-)
+Row = TypeVar("Row", Outcome, ExtraRow)
 # Digits in which rows from elsewhere are compared: the same number in another unit differs in its last.
 COMPARED = 9
 # Folders of other machines, where a write-ahead log is not safe.
@@ -84,13 +77,20 @@ class ResultStore:
     path : path
         The file; made if missing, in a folder that there is. A file of an earlier release is brought
         up to date: its rows stay, and no study of this release uses results of another model version.
+        Rows of releases without checksums get one then, for what stands in them, if they can be read;
+        opened to be read only, they are believed without.
     readonly : bool
         Open an existing store and leave it as it is.
+
+    Attributes
+    ----------
+    damaged : dict of str to str
+        Rows that were left out in reading, by design key or place, and what is wrong with each.
 
     Raises
     ------
     InputError
-        If the file is no such store, or of a later release.
+        If the file is no such store, or of a later release, or lacks a table.
     StudyStoppedError
         If the file, here or in any later call, cannot be written: a full disk, a read-only or locked
         file. What was recorded before is kept.
@@ -113,6 +113,8 @@ class ResultStore:
                 f"({error}); give a new file name."
             ) from None
         self._connection.row_factory = sqlite3.Row
+        self._checked = schema_version(self._connection) >= CHECKSUMS_SINCE
+        self.damaged: dict[str, str] = {}
 
     def close(self) -> None:
         """Close the file."""
@@ -129,6 +131,15 @@ class ResultStore:
             f"store: {self.path} cannot be used now ({_cause(error) or error}); finished designs are "
             "kept, and the same command continues when that is mended."
         )
+
+    @contextmanager
+    def _reading(self) -> Iterator[None]:
+        try:
+            yield
+        except sqlite3.Error as error:
+            if _cause(error) not in ("", DAMAGED):
+                raise self._stopped(error) from None
+            raise _damaged(self.path, str(error)) from None
 
     @contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:
@@ -152,7 +163,8 @@ class ResultStore:
         """
         with self._writing() as connection:
             connection.execute(
-                "INSERT OR IGNORE INTO studies (study, plan) VALUES (?, ?)",
+                "INSERT INTO studies (study, plan) VALUES (?, ?) "
+                "ON CONFLICT (study) DO UPDATE SET plan = excluded.plan",
                 (study, json.dumps(plan, sort_keys=True)),
             )
             connection.execute("DELETE FROM study_designs WHERE study = ?", (study,))
@@ -177,67 +189,76 @@ class ResultStore:
         model_version : int, optional
             Version of the model behind it.
         """
-        row = (
-            outcome.key,
-            json.dumps(outcome.inputs, sort_keys=True),
-            outcome.status,
-            None if outcome.responses is None else _json(outcome.responses),
-            outcome.reason,
-            outcome.seconds,
-            _json(outcome.errors),
-            outcome.unknowns,
-            model_version,
-            outcome.worker,
-            outcome.attempts,
-        )
+        row = design_values(outcome, model_version)
+        columns = (*RECORDED, CHECKSUM)
         with self._writing() as connection:
+            if self._read(outcome.key) is None:  # a damaged row says nothing worth keeping
+                connection.execute("DELETE FROM designs WHERE key = ?", (outcome.key,))
             connection.execute(
-                f"INSERT INTO designs ({', '.join(RECORDED)}) "
-                f"VALUES ({', '.join('?' * len(RECORDED))}) "
-                f"ON CONFLICT (key) DO UPDATE SET {_overwritten(RECORDED)}, "
+                f"INSERT INTO designs ({', '.join(columns)}) "
+                f"VALUES ({', '.join('?' * len(columns))}) "
+                f"ON CONFLICT (key) DO UPDATE SET {_overwritten(columns)}, "
                 "finished_at = CURRENT_TIMESTAMP "
                 "WHERE designs.status <> 'done' OR excluded.status = 'done'",
                 row,
             )
+            self.damaged.pop(outcome.key, None)
 
     def outcomes(self, keys: Iterable[str]) -> dict[str, Outcome]:
         """Return the outcomes of those designs that have one, by key."""
-        found = {}
-        for key in keys:
-            query = "SELECT * FROM designs WHERE key = ?"
-            row = self._connection.execute(query, (key,)).fetchone()
-            if row is not None:
-                found[key] = _outcome(dict(row))
-        return found
+        with self._reading():
+            found = {key: self._read(key) for key in keys}
+        return {key: outcome for key, outcome in found.items() if outcome is not None}
+
+    def _read(self, key: str) -> Outcome | None:
+        """Read a design's row; None if there is none, or a damaged one."""
+        query = "SELECT * FROM designs WHERE key = ?"
+        row = self._connection.execute(query, (key,)).fetchone()
+        return None if row is None else self._sound(key, read_design, dict(row))
+
+    def _sound(self, place: str, read: Callable[..., Row], row: Mapping[str, Any]) -> Row | None:
+        """Read a row; a damaged one is left out, and it is kept in mind why."""
+        try:
+            return read(row, checked=self._checked)
+        except DamagedRowError as error:
+            self.damaged[place] = str(error)
+            return None
 
     def results(self) -> Iterator[tuple[str, Outcome, int | None]]:
         """List the finished designs of all studies: (role, outcome, model version), each once, as planned."""
-        rows = self._connection.execute(
-            "SELECT s.role, d.*, min(s.rowid) AS first FROM designs d "
-            "JOIN study_designs s ON s.design = d.key "
-            "WHERE d.status = 'done' GROUP BY d.key ORDER BY first"
-        )
-        for row in map(dict, rows):
-            yield row["role"], _outcome(row), row.get("model_version")
+        with self._reading():
+            rows = self._connection.execute(
+                "SELECT s.role, d.*, min(s.rowid) AS first FROM designs d "
+                "JOIN study_designs s ON s.design = d.key GROUP BY d.key ORDER BY first"
+            )
+            for row in map(dict, rows):
+                outcome = self._sound(row["key"], read_design, row)
+                if outcome is not None and outcome.responses is not None:
+                    yield row["role"], outcome, row.get("model_version")
 
-    def studies(self) -> dict[str, dict[str, Any]]:
-        """Return the plans of all studies in the store, by study key."""
-        rows = self._connection.execute("SELECT study, plan FROM studies ORDER BY rowid")
-        return {study: json.loads(plan) for study, plan in rows}
+    def studies(self) -> dict[str, dict[str, Any] | None]:
+        """Return the plans of all studies in the store, by study key; None of one that is damaged."""
+        with self._reading():
+            rows = self._connection.execute("SELECT study, plan FROM studies ORDER BY rowid")
+            return {study: _plan(text) for study, text in rows}
 
     def study_designs(self, study: str) -> tuple[tuple[str, str, dict[str, Any]], ...]:
         """Return a study's designs as `register_study` was given them, in order.
 
-        Of a study of the first release, which did not keep factor values, there are none.
+        Of a study of the first release, which did not keep factor values, there are none; nor of one
+        in which a row of them is damaged.
         """
-        rows = self._connection.execute(
-            "SELECT * FROM study_designs WHERE study = ? ORDER BY place", (study,)
-        )
-        return tuple(
-            (row["role"], row["design"], json.loads(row["factors"]))
+        with self._reading():
+            rows = self._connection.execute(
+                "SELECT * FROM study_designs WHERE study = ? ORDER BY place", (study,)
+            ).fetchall()
+        listed = tuple(
+            (row["role"], row["design"], _plan(row["factors"]))
             for row in map(dict, rows)
             if row.get("factors")
         )
+        sound = tuple((role, key, factors) for role, key, factors in listed if factors is not None)
+        return sound if len(sound) == len(listed) else ()
 
     def add_extra_rows(self, study: str, rows: Iterable[ExtraRow]) -> int:
         """Keep rows from elsewhere beside a study; return how many of them are new.
@@ -245,51 +266,48 @@ class ResultStore:
         A result at the same factor values as an earlier one takes its place: finite elements repeat
         exactly. Measured rows do not: one takes the place of another if throw and values are the same.
         """
-        listed = [(study, _extra_key(row), row) for row in rows]
+        listed = [(_extra_key(row), row) for row in rows]
+        columns = (*EXTRA, CHECKSUM)
         with self._writing() as connection:
             (before,) = connection.execute("SELECT count(*) FROM extra_rows").fetchone()
             connection.executemany(
-                f"INSERT INTO extra_rows ({', '.join(EXTRA)}) VALUES ({', '.join('?' * len(EXTRA))}) "
-                f"ON CONFLICT (study, key) DO UPDATE SET {_overwritten(EXTRA)}",
-                [
-                    (
-                        study,
-                        key,
-                        row.role,
-                        row.source,
-                        None if row.values is None else json.dumps(row.values),
-                        _json(row.dimensions),
-                        json.dumps(dict(row.outlines)),
-                        _json(row.responses),
-                        _json(row.errors),
-                    )
-                    for study, key, row in listed
-                ],
+                f"INSERT INTO extra_rows ({', '.join(columns)}) "
+                f"VALUES ({', '.join('?' * len(columns))}) "
+                f"ON CONFLICT (study, key) DO UPDATE SET {_overwritten(columns)}",
+                [extra_values(study, key, row) for key, row in listed],
             )
             (after,) = connection.execute("SELECT count(*) FROM extra_rows").fetchone()
         return int(after - before)
 
     def extra_rows(self, study: str) -> tuple[ExtraRow, ...]:
         """Return the rows from elsewhere that stand beside a study, in the order of import."""
-        if schema_version(self._connection) < SCHEMA_VERSION:
+        if schema_version(self._connection) < EXTRA_ROWS_SINCE:
             return ()
-        rows = self._connection.execute(
-            "SELECT role, dimensions, outlines, factors, responses, errors, source FROM extra_rows "
-            "WHERE study = ? ORDER BY rowid",
-            (study,),
+        with self._reading():
+            rows = self._connection.execute(
+                "SELECT * FROM extra_rows WHERE study = ? ORDER BY rowid", (study,)
+            ).fetchall()
+        found = (
+            self._sound(f"row {place} from elsewhere", read_extra, dict(row))
+            for place, row in enumerate(rows, start=1)
         )
-        return tuple(
-            ExtraRow(
-                role=row["role"],
-                dimensions=json.loads(row["dimensions"]),
-                outlines=json.loads(row["outlines"]),
-                values=None if row["factors"] is None else tuple(json.loads(row["factors"])),
-                responses=json.loads(row["responses"]),
-                errors=json.loads(row["errors"]),
-                source=row["source"],
-            )
-            for row in rows
-        )
+        return tuple(row for row in found if row is not None)
+
+
+def _plan(text: object) -> dict[str, Any] | None:
+    """Read the JSON of a plan, or of a design's factors; None if it is damaged."""
+    try:
+        found = json.loads(text) if isinstance(text, str) else None
+    except (ValueError, RecursionError):
+        return None
+    return found if isinstance(found, dict) else None
+
+
+def _damaged(path: Path, why: str) -> InputError:
+    return InputError(
+        f"store: given {str(path)!r}, which is damaged ({why}); allowed is a store as a study leaves it, "
+        "so use a copy of it, or give a new file name."
+    )
 
 
 def _overwritten(columns: Iterable[str]) -> str:
@@ -311,26 +329,6 @@ def _extra_key(row: ExtraRow) -> str:
 def _rounded(value: float) -> str:
     # Adding zero makes a negative zero positive.
     return f"{value + 0.0:.{COMPARED - 1}e}"
-
-
-def _json(numbers: Mapping[str, float]) -> str:
-    return json.dumps(dict(numbers), allow_nan=False)
-
-
-def _outcome(row: Mapping[str, Any]) -> Outcome:
-    """Make an outcome of a row, which lacks columns in a file of an earlier release."""
-    return Outcome(
-        key=row["key"],
-        inputs=json.loads(row["inputs"]),
-        responses=None if row["responses"] is None else json.loads(row["responses"]),
-        reason=row["reason"],
-        seconds=row["seconds"],
-        lost=row["status"] == "lost",
-        errors=json.loads(row.get("errors") or "{}"),
-        unknowns=row.get("unknowns"),
-        worker=row.get("worker") or "",
-        attempts=row.get("attempts") or 1,
-    )
 
 
 @contextmanager
@@ -358,6 +356,7 @@ def _open(path: Path, readonly: bool) -> sqlite3.Connection:
             f"{path.absolute().as_uri()}?mode=ro", uri=True, timeout=PATIENCE
         )
         try:
+            connection.text_factory = _text
             _check_ours(connection, path, readonly)
         except BaseException:
             connection.close()
@@ -367,6 +366,7 @@ def _open(path: Path, readonly: bool) -> sqlite3.Connection:
         connection.close()
     connection = sqlite3.connect(path, timeout=PATIENCE, isolation_level=None)
     try:
+        connection.text_factory = _text
         connection.execute(f"PRAGMA journal_mode={'DELETE' if _on_network(path) else 'WAL'}")
         with _transaction(connection):
             prepare(connection)
@@ -376,12 +376,20 @@ def _open(path: Path, readonly: bool) -> sqlite3.Connection:
     return connection
 
 
+def _text(raw: bytes) -> str:
+    """Read a text; one that is none is damaged, and must not keep other rows from being read."""
+    return raw.decode("utf-8", "surrogateescape")
+
+
 def _check_ours(connection: sqlite3.Connection, path: Path, readonly: bool) -> None:
     """Refuse a database of another program, or of a later release, before anything is written."""
     (mark,) = connection.execute("PRAGMA application_id").fetchone()
     (tables,) = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
     version = schema_version(connection)
     if mark == APPLICATION_ID and version <= SCHEMA_VERSION:
+        missing = missing_parts(connection)
+        if missing:
+            raise _damaged(path, f"it has no {missing[0]}")
         return
     if not tables and not readonly:  # its maker died before it became a store
         return

@@ -11,6 +11,7 @@ from regression.plans.factors import Factor, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.records import ExtraRow, Outcome
 from regression.runs.store import ResultStore
+from regression.runs.store_rows import told_of
 from regression.runs.study_table import throw_dimensions, throw_outlines
 from regression.throw_values import same
 
@@ -75,9 +76,10 @@ def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> Stor
         else:
             rows.append(row)
     if not finished and not rows:
+        damaged = f"; {told_of(store.damaged, store.path)}" if store.damaged else ""
         raise InputError(
             f"import: given {str(store.path)!r}, in which {left_out} results are of another throw, "
-            f"material, accuracy or model version; allowed is a store with results of this study."
+            f"material, accuracy or model version; allowed is a store with results of this study{damaged}."
         )
     return StoreResults(tuple(finished), tuple(rows), left_out)
 

@@ -2,10 +2,22 @@
 
 import sqlite3
 
+from regression.runs.store_rows import (
+    CHECKSUM,
+    EXTRA,
+    RECORDED,
+    DamagedRowError,
+    checksum,
+    read_design,
+    read_extra,
+)
+
 # Marks our files in SQLite's header: "crfm".
 APPLICATION_ID = 0x6372666D
 # In the header's user version: 0 is the first release's, raised whenever a table changes.
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
+# The versions that brought rows from elsewhere, and checksums of rows.
+EXTRA_ROWS_SINCE, CHECKSUMS_SINCE = 2, 3
 
 # What the view shows as columns of its own; everything else is in its JSON columns.
 DIMENSIONS = (
@@ -53,7 +65,8 @@ TABLES = (
         unknowns INTEGER,              -- of the mesh
         model_version INTEGER,         -- of the finite element model behind the responses
         worker TEXT,                   -- machine and process
-        attempts INTEGER               -- in the run that recorded it
+        attempts INTEGER,              -- in the run that recorded it
+        checksum TEXT                  -- of all of the above but finished_at
     )
     """,
     """
@@ -84,11 +97,14 @@ TABLES = (
         responses TEXT NOT NULL,       -- JSON, SI units
         errors TEXT NOT NULL,          -- JSON: estimated relative errors, where known
         imported_at TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP,
+        checksum TEXT,                 -- of all of the above but imported_at
         PRIMARY KEY (study, key)
     )
     """,
 )
-# What the first release's tables lack.
+# Those of the first release.
+FIRST_TABLES = ("designs", "study_designs", "studies")
+# What tables of earlier releases lack.
 ADDED_COLUMNS = {
     "designs": (
         "errors TEXT",
@@ -96,13 +112,15 @@ ADDED_COLUMNS = {
         "model_version INTEGER",
         "worker TEXT",
         "attempts INTEGER",
+        "checksum TEXT",
     ),
     "study_designs": ("factors TEXT",),
+    "extra_rows": ("checksum TEXT",),
 }
 # Its designs do not tell their model version; the studies that hold them do.
 FILL_MODEL_VERSION = """
     UPDATE designs SET model_version = (
-        SELECT json_extract(s.plan, '$.model_version')
+        SELECT CASE WHEN json_valid(s.plan) THEN json_extract(s.plan, '$.model_version') END
         FROM study_designs d JOIN studies s ON s.study = d.study WHERE d.design = designs.key
     ) WHERE model_version IS NULL
 """
@@ -110,8 +128,8 @@ FILL_MODEL_VERSION = """
 
 def results_view() -> str:
     """Statement that makes the view `results`, one row for each design of each study."""
-    dimensions = (f"json_extract(d.inputs, '$.throw.{name}') AS {name}" for name in DIMENSIONS)
-    responses = (f"json_extract(d.responses, '$.{name}') AS {name}" for name in RESPONSES)
+    dimensions = (f"{_extract('inputs', f'throw.{name}')} AS {name}" for name in DIMENSIONS)
+    responses = (f"{_extract('responses', name)} AS {name}" for name in RESPONSES)
     columns = ", ".join((*dimensions, *responses))
     return (
         "CREATE VIEW results AS SELECT s.study, s.place, s.role, s.design AS key, d.status, d.reason, "
@@ -121,24 +139,75 @@ def results_view() -> str:
     )
 
 
+def _extract(column: str, name: str) -> str:
+    """A number out of a JSON column; nothing where it is damaged, so that other rows can be read."""
+    return f"json_extract(CASE WHEN json_valid(d.{column}) THEN d.{column} END, '$.{name}')"
+
+
+def missing_parts(connection: sqlite3.Connection) -> list[str]:
+    """Name the tables and columns that a file of ours lacks, which somebody took away."""
+    version = schema_version(connection)
+    wanted = sqlite3.connect(":memory:")
+    try:
+        for statement in TABLES:
+            wanted.execute(statement)
+        missing = []
+        for table in FIRST_TABLES if version < CHECKSUMS_SINCE else _tables(wanted):
+            columns = _columns(connection, table)
+            if not columns:
+                missing.append(f"table {table}")
+            elif version == SCHEMA_VERSION:
+                lacking = [name for name in _columns(wanted, table) if name not in columns]
+                missing += [f"column {name} in the table {table}" for name in lacking]
+        return missing
+    finally:
+        wanted.close()
+
+
+def _tables(connection: sqlite3.Connection) -> list[str]:
+    return [n for (n,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")]
+
+
+def _columns(connection: sqlite3.Connection, table: str) -> list[str]:
+    return [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
+
+
+def _add_checksums(connection: sqlite3.Connection) -> None:
+    """Give a checksum to each row that an earlier release wrote and that can be read."""
+    for table, columns, read in (
+        ("designs", RECORDED, read_design),
+        ("extra_rows", EXTRA, read_extra),
+    ):
+        for number, *values in connection.execute(
+            f"SELECT rowid, {', '.join(columns)} FROM {table}"
+        ).fetchall():
+            try:
+                read(dict(zip(columns, values, strict=True)), checked=False)
+            except DamagedRowError:
+                continue  # without a checksum it counts as damaged from now on
+            connection.execute(
+                f"UPDATE {table} SET {CHECKSUM} = ? WHERE rowid = ?", (checksum(values), number)
+            )
+
+
 def prepare(connection: sqlite3.Connection) -> None:
     """Make the tables of an empty file, or bring those of an earlier release up to date.
 
     To be called within a transaction.
     """
-    tables = {name for (name,) in connection.execute("SELECT name FROM sqlite_master")}
-    version = schema_version(connection)
-    if version == SCHEMA_VERSION and "extra_rows" in tables:
+    tables = _tables(connection)
+    if schema_version(connection) == SCHEMA_VERSION:
         return
     for statement in TABLES:
         connection.execute(statement)
     for table, columns in ADDED_COLUMNS.items():
-        present = {row[1] for row in connection.execute(f"PRAGMA table_info({table})")}
+        present = _columns(connection, table)
         for column in columns:
             if column.split()[0] not in present:
                 connection.execute(f"ALTER TABLE {table} ADD COLUMN {column}")
     if "designs" in tables:
         connection.execute(FILL_MODEL_VERSION)
+        _add_checksums(connection)
     connection.execute("DROP VIEW IF EXISTS results")
     connection.execute(results_view())
     connection.execute(f"PRAGMA application_id={APPLICATION_ID}")

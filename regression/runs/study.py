@@ -16,10 +16,11 @@ from regression.plans.plan import (
     StudyPlan,
     planned_design,
 )
-from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome
+from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, content_key
 from regression.runs.exchange import read_rows
 from regression.runs.store import ResultStore, is_database
 from regression.runs.store_results import read_store
+from regression.runs.store_rows import told_of
 from regression.runs.study_table import StudyTable, study_table
 from regression.runs.supervised import Limits, design_limits
 from regression.runs.workers import run_designs
@@ -107,6 +108,8 @@ def run_plan(
     with ResultStore(store) as results:
         _register(results, plan, planned)
         known = {k: found for k, found in results.outcomes(unique).items() if not found.lost}
+        if results.damaged and note is not None:
+            note(f"{told_of(results.damaged, store)}; their designs are computed again.")
         finished = len(known)
         if progress:
             progress(finished, len(unique), None)
@@ -160,8 +163,16 @@ def read_study(store: str | Path, study: str | None = None) -> StudyTable:
         several studies and none is named.
     """
     with ResultStore(store, readonly=True) as results:
-        held = results.studies()
+        recorded = results.studies()
+        # A study's key is the hash of its plan.
+        held = {k: p for k, p in recorded.items() if p is not None and content_key(p) == k}
+        broken = [k for k in recorded if k not in held and k.startswith(study or "")]
         named = {k: p for k, p in held.items() if k.startswith(study or "")}
+        if broken and not named:
+            raise InputError(
+                f"study: the plan of {broken[0]} in {results.path} is damaged; allowed is one as it was "
+                "written, so run the study again from its file: its finished designs are kept."
+            )
         plans = {k: p for k, p in named.items() if p.get("model_version") == MODEL_VERSION}
         if named and not plans:
             raise InputError(
@@ -222,6 +233,8 @@ class ImportSummary:
         New rows beside the study's designs.
     left_out : int
         Designs of the other store that do not belong to the study.
+    damaged : str
+        What of the other store is damaged and was left out; empty if nothing is.
     coinciding : int
         Rows at the factor values of the study's own designs, which are computed all the same: the
         study's results stand, and these rows are not used.
@@ -231,6 +244,7 @@ class ImportSummary:
     rows: int
     left_out: int
     coinciding: int = 0
+    damaged: str = ""
 
 
 def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> ImportSummary:
@@ -269,6 +283,7 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
             return ImportSummary(0, results.add_extra_rows(plan.key, rows), 0, coinciding)
     with ResultStore(path, readonly=True) as other:
         found = read_store(other, plan, {design.key for design in planned.designs})
+        damaged = told_of(other.damaged, path) if other.damaged else ""
     with ResultStore(store) as results:
         _register(results, plan, planned)
         known = results.outcomes(one.key for one in found.finished)
@@ -277,7 +292,7 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
             results.record(outcome, MODEL_VERSION)
         coinciding = _coinciding(results, planned, found.rows)
         added = results.add_extra_rows(plan.key, found.rows)
-        return ImportSummary(len(new), added, found.left_out, coinciding)
+        return ImportSummary(len(new), added, found.left_out, coinciding, damaged)
 
 
 def _coinciding(results: ResultStore, planned: PlannedStudy, rows: Iterable[ExtraRow]) -> int:
@@ -319,17 +334,21 @@ def _as_registered(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
     registered = results.study_designs(plan.key)
     if not registered or [key for _, key, _ in registered] == [d.key for d in planned.designs]:
         return planned
-    values = [
-        tuple(
-            float(f.labels.index(shown[f.name]) if f.labels else shown[f.name])
-            for f in plan.factors
-        )
-        for _, _, shown in registered
-    ]
+    try:
+        values = [
+            tuple(
+                float(f.labels.index(shown[f.name]) if f.labels else shown[f.name])
+                for f in plan.factors
+            )
+            for _, _, shown in registered
+        ]
+    except (KeyError, TypeError, ValueError):  # the list is damaged
+        return planned
     designs = []
     made = plan.variants().at(np.array(values))
     for (role, _, _), row, variant in zip(registered, values, made, strict=True):
-        assert variant.throw is not None, "it was one when the study was registered"
+        if variant.throw is None:  # it was one when the study was registered
+            return planned
         designs.append(planned_design(plan, role, row, variant.throw))
     # What was excluded of the points drawn then is not known.
     return replace(planned, designs=tuple(designs), excluded=())
@@ -338,11 +357,8 @@ def _as_registered(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
 def _table(
     results: ResultStore, plan: StudyPlan, planned: PlannedStudy, computed: int
 ) -> StudyTable:
+    outcomes = results.outcomes({design.key for design in planned.designs})
+    extra = results.extra_rows(plan.key)
     return study_table(
-        plan,
-        planned.designs,
-        results.outcomes({design.key for design in planned.designs}),
-        results.extra_rows(plan.key),
-        planned.excluded,
-        computed,
+        plan, planned.designs, outcomes, extra, planned.excluded, computed, results.damaged
     )

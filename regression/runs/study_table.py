@@ -98,6 +98,8 @@ class StudyTable:
         Designs computed now, not taken from the store.
     extra : tuple of ExtraRow
         All imported rows, the measured ones too.
+    damaged : dict of str to str
+        Rows of the store that were left out, by design key or place, and what is wrong with each.
     rows : tuple of StudyRow
         Everything above row by row, in order.
     """
@@ -115,6 +117,7 @@ class StudyTable:
     computed: int = 0
     extra: tuple[ExtraRow, ...] = ()
     rows: tuple[StudyRow, ...] = field(default=(), repr=False)
+    damaged: Mapping[str, str] = field(default_factory=dict)
 
     def plot(
         self, axes: "Axes | None" = None, *, response: str | None = None, factor: str | None = None
@@ -228,6 +231,7 @@ def study_table(
     extra: Iterable[ExtraRow] = (),
     excluded: Sequence[ExcludedDesign] = (),
     computed: int = 0,
+    damaged: Mapping[str, str] | None = None,
 ) -> StudyTable:
     """Put a study's designs and the rows imported into it together.
 
@@ -244,9 +248,12 @@ def study_table(
     excluded : sequence of ExcludedDesign
     computed : int
         Designs computed now.
+    damaged : mapping, optional
+        What is wrong with rows of the store that were left out, by design key or place.
     """
+    damaged = dict(damaged or {})
     extra = tuple(extra)
-    own = [_own_row(design, outcomes.get(design.key)) for design in designs]
+    own = [_own_row(design, outcomes.get(design.key), damaged) for design in designs]
     taken = [row.values for row in own if row.status == DONE]
     imported = []
     for row in extra:
@@ -273,12 +280,17 @@ def study_table(
         computed=computed,
         extra=extra,
         rows=rows,
+        damaged=damaged,
     )
 
 
-def _own_row(design: PlannedDesign, outcome: Outcome | None) -> StudyRow:
+def _own_row(
+    design: PlannedDesign, outcome: Outcome | None, damaged: Mapping[str, str]
+) -> StudyRow:
     throw = design.inputs["throw"]
     reason = NOT_COMPUTED if outcome is None else outcome.reason
+    if design.key in damaged:
+        reason = f"its row in the store is damaged ({damaged[design.key]}): the next run computes it again"
     return StudyRow(
         role=design.role,
         status=WAITING if outcome is None else outcome.status,

@@ -9,16 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from crankbase.errors import InputError
+from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
 from crankbase.units.quantity import parse_quantity
 from fem.responses import RESPONSES
 from regression.plans.plan import StudyPlan
+from regression.records import above_zero
 
 # Columns that say something of a row as a whole.
 ABOUT = ("role", "source", "status", "model_version")
-# Responses that are above zero in every throw; influence coefficients and reactions have a sign.
-POSITIVE = tuple(
-    name for name in RESPONSES if not name.startswith(("influence_coefficient", "axial_reaction"))
-)
 # Columns of an exported table that an import has no use for.
 IGNORED = ("seconds", "unknowns", "reason")
 HEADER = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\[\]]*)\]\s*)?")
@@ -46,6 +44,7 @@ def read_lines(path: Path) -> list[list[str]]:
             f"{path.name}: is a Parquet table; allowed are a CSV table or another store, because Parquet "
             "is written for other programs only."
         )
+    check_file_size(path, LARGEST_TABLE_FILE, "a table of results")
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             text = file.read()
@@ -168,7 +167,7 @@ def _response_reader(where: str, name: str, given: str | None) -> Callable[[str,
             )
         return value
 
-    return read_positive if name in POSITIVE else read
+    return read_positive if above_zero(name) else read
 
 
 def _number(cell: str, where: str) -> float:

@@ -1,4 +1,3 @@
-import importlib
 import json
 import os
 import re
@@ -11,16 +10,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crankbase.errors import MissingLibraryError
-from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
+from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.cli import app as cli
+from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.reading.data_files import engine_path
-from fem import fillet_stress
 from fem.analysis import analyze_throw
+from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 from regression.plans.designs import full_factorial
+from regression.plans.plan import MODEL_VERSION, StudyPlan, plan_designs
+from regression.records import Outcome
+from regression.runs.store import ResultStore
+from regression.runs.study import run_plan
+from stand_ins import draw_nothing, lighten
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]
@@ -51,7 +55,7 @@ def environment(**extra):
     return os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))} | extra
 
 
-def spawn_in(folder, *arguments, command=ENTRY, timeout=180, env=None):
+def spawn_in(folder, *arguments, command=ENTRY, timeout=600, env=None):
     done = subprocess.run(
         [*command, *map(str, arguments)],
         cwd=folder,
@@ -90,6 +94,16 @@ def edited(text, changes):
     return "".join(blocks)
 
 
+THROW = CrankThrow(
+    crank_radius=0.170,
+    main_journal_diameter=0.220,
+    pin_diameter=0.180,
+    main_journal_length=0.135,
+    pin_length=0.139,
+    web_width=0.285,
+    web_thickness=0.068,
+)
+LEVELS = {"web_width": (0.27, 0.30, 0.33), "web_thickness": (0.038, 0.048, 0.077, 0.098)}
 QUICK_STUDY = {
     "study.held_out": "2",
     "study.accuracy": "0.1",
@@ -126,40 +140,40 @@ def call(monkeypatch, capsys):
     return run
 
 
-analyzed = cache(analyze_throw)
-stressed = cache(fillet_stress.fillet_stresses)
-
-
-class NotRendered:
-    """The rendering of a machine without an OpenGL library."""
-
-    def __init__(self, *_):
-        self.files = {}
-
-    def wait(self):
-        raise MissingLibraryError("there is no OpenGL library")
-
-    def stop(self):
-        pass
-
-
-def put_everywhere(monkeypatch, original, other):
-    """Put another function or class in the place of one, in all modules of crankfem that use it."""
-    for name, module in list(sys.modules.items()):
-        if name.startswith("crankfem.") and vars(module).get(original.__name__) is original:
-            monkeypatch.setattr(module, original.__name__, other)
+@pytest.fixture
+def lightly(monkeypatch):
+    """Let runs in this process share analyses and coarse stresses of their throws, and render nothing."""
+    lighten(monkeypatch)
 
 
 @pytest.fixture
-def lightly(monkeypatch, coarse_stresses):
-    """Let runs in this process share analyses and coarse stresses of their throws, and render nothing."""
-    importlib.import_module("crankfem.jobs.pipeline")  # loads whatever runs use
-    put_everywhere(monkeypatch, analyze_throw, analyzed)
-    for kind in OffscreenProcess.__subclasses__():
-        put_everywhere(monkeypatch, kind, NotRendered)
-    for name, value in coarse_stresses.items():
-        monkeypatch.setattr(fillet_stress, name, value)
-    monkeypatch.setattr(fillet_stress, "fillet_stresses", stressed)
+def unseen(lightly, monkeypatch):
+    """The same with empty diagrams."""
+    draw_nothing(monkeypatch)
+
+
+@pytest.fixture(scope="session")
+def coarse_throw():
+    """Read a shipped engine and analyze its throw as coarsely as may be: (engine file, analysis)."""
+
+    @cache
+    def analyzed(name):
+        engine = load_engine(name)
+        return engine, analyze_throw(engine.throw, engine.material, 0.1)
+
+    return analyzed
+
+
+@pytest.fixture(scope="session")
+def coupled_vibration(coarse_throw):
+    """Vibration of a shipped engine beside its whole crankshaft, with the coarse throw."""
+
+    @cache
+    def run(name):
+        engine, analysis = coarse_throw(name)
+        return engine_vibration(engine, analysis=analysis, coupled=True)
+
+    return run
 
 
 @pytest.fixture
@@ -249,4 +263,21 @@ def model_file(tmp_path):
     )
     path = tmp_path / "model.json"
     model.save(path)
+    return path
+
+
+@pytest.fixture
+def store(tmp_path):
+    """A store whose results are calculated, not computed by finite elements."""
+    plan = StudyPlan.from_levels(THROW, LEVELS, held_out=5)
+    path = tmp_path / "runs.sqlite"
+    with ResultStore(path) as results:
+        for design in plan_designs(plan).designs:
+            B, h = (design.inputs["throw"][name] for name in LEVELS)
+            e = 1e-9 * (0.2 + 0.3 / B * (0.05 / h) ** 1.5)
+            responses = {"axial_compliance_pinned": e, "mass": 2000.0 * B * h + 40.0}
+            errors = dict.fromkeys(responses, 0.008)
+            outcome = Outcome(design.key, design.inputs, responses, None, 1.0, errors=errors)
+            results.record(outcome, MODEL_VERSION)
+    run_plan(plan, path)  # computes nothing, but registers the study
     return path

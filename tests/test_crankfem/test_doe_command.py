@@ -95,6 +95,39 @@ def test_doe_shows_the_plan_and_computes_nothing(call, study, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
 
 
+def test_doe_exports_over_nothing_of_the_users(call, study, tmp_path):
+    for options, code in ((), 2), (("--force",), 0), ((), 0):
+        if code == 2:
+            (tmp_path / "out.csv").write_text("precious", encoding="utf-8")
+        answer = call("doe", study, "--export", "out.csv", *options)
+        assert answer.code == code, answer.err
+        if code == 2:
+            assert (
+                "--export out.csv: is not replaced, because crankfem has not made it" in answer.err
+            )
+            assert (tmp_path / "out.csv").read_text(encoding="utf-8") == "precious"
+            assert not (tmp_path / "runs.sqlite").exists()
+    assert len(rows(tmp_path / "out.csv")) == 12
+
+
+@pytest.mark.parametrize("read", ["study.toml", "earlier.csv"])
+def test_doe_exports_over_nothing_that_it_reads(call, study, tmp_path, read):
+    (tmp_path / "earlier.csv").write_text("web_width [m]\n", encoding="utf-8")
+    (tmp_path / "out.csv").symlink_to(read)
+    before = (tmp_path / read).read_bytes()
+    answer = call("doe", study, "--import", "earlier.csv", "--export", "out.csv", "--force")
+    assert answer.code == 2
+    assert "because this command reads that file" in answer.err
+    assert (tmp_path / read).read_bytes() == before
+
+
+def test_store_and_table_of_a_study_are_two_files(call, study, tmp_path):
+    answer = call("doe", study, "--store", "a.csv", "--export", "./a.csv")
+    assert answer.code == 2
+    assert "--export: given a.csv, which --store writes too" in answer.err
+    assert not (tmp_path / "a.csv").exists()
+
+
 @pytest.mark.parametrize("file", ["runs.csv", pytest.param("runs.parquet", marks=pytest.mark.slow)])
 def test_doe_exports_a_table(call, study, tmp_path, file):
     if file.endswith("parquet"):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import crankfem as cf
+from comparing import close
 from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_crankshaft, load_study, load_throw
@@ -27,11 +28,11 @@ def test_shipped_engines_are_valid(name):
 
 def test_values_are_read_in_si_units():
     engine = load_engine("6chn25-34")
-    assert engine.throw.crank_radius == pytest.approx(0.170)
-    assert engine.engine.stroke == pytest.approx(0.340)
-    assert engine.engine.rated_speed == pytest.approx(500.0 * math.pi / 30.0)
-    assert engine.material.youngs_modulus == pytest.approx(2.1e11)
-    assert math.degrees(engine.engine.crank_angles[1]) == pytest.approx(120.0)
+    assert engine.throw.crank_radius == close(0.170)
+    assert engine.engine.stroke == close(0.340)
+    assert engine.engine.rated_speed == close(500.0 * math.pi / 30.0)
+    assert engine.material.youngs_modulus == close(2.1e11)
+    assert math.degrees(engine.engine.crank_angles[1]) == close(120.0)
     firing = [round(math.degrees(angle)) for angle in engine.engine.firing_angles]
     assert firing == [0, 480, 240, 600, 120, 360]
 
@@ -71,7 +72,7 @@ def test_what_the_file_leaves_out_takes_defaults(tmp_path, six_cylinders, edit):
 def test_spellings_of_one_length(tmp_path, six_cylinders, edit, spelling):
     text = edit(six_cylinders, {"throw.crank_radius": f'"{spelling}"'})
     (tmp_path / "spelled.toml").write_text(text, encoding="utf-8")
-    assert load_engine(tmp_path / "spelled.toml").throw.crank_radius == pytest.approx(0.170)
+    assert load_engine(tmp_path / "spelled.toml").throw.crank_radius == close(0.170)
 
 
 @pytest.mark.parametrize("spelling", ["500 1/min", "500 rpm", "8.333333333333334 Hz", "3000 deg/s"])
@@ -79,7 +80,7 @@ def test_spellings_of_one_speed(tmp_path, six_cylinders, edit, spelling):
     text = edit(six_cylinders, {"engine.rated_speed": f'"{spelling}"'})
     (tmp_path / "spelled.toml").write_text(text, encoding="utf-8")
     read = load_engine(tmp_path / "spelled.toml").engine.rated_speed
-    assert read == pytest.approx(500.0 * math.pi / 30.0)
+    assert read == close(500.0 * math.pi / 30.0)
 
 
 def test_a_file_with_a_byte_order_mark_is_read(tmp_path, six_cylinders):
@@ -97,7 +98,7 @@ def test_a_throw_and_a_study_can_stand_alone(tmp_path, six_cylinders, edit):
     assert material == cf.STEEL
     plan = load_study(path)
     assert plan.names[0] == "web_width"
-    assert plan.factors[0].levels == pytest.approx((0.270, 0.300, 0.330))
+    assert plan.factors[0].levels == close((0.270, 0.300, 0.330))
     with pytest.raises(
         InputError, match=r"describes a throw, not an engine; add the sections \[engine\]"
     ):
@@ -107,11 +108,11 @@ def test_a_throw_and_a_study_can_stand_alone(tmp_path, six_cylinders, edit):
 def test_the_crankshaft_of_an_engine_and_of_a_throw_file(tmp_path):
     six = load_crankshaft("6chn25-34")
     assert len(six.throws) == 6
-    assert np.degrees(six.crank_angles) == pytest.approx([0, 120, 240, 240, 120, 0])
-    assert six.length == pytest.approx(6 * 0.410)
+    assert np.degrees(six.crank_angles) == close([0, 120, 240, 240, 120, 0])
+    assert six.length == close(6 * 0.410)
     buick = load_crankshaft("buick-3800")
-    assert np.degrees(buick.crank_angles) == pytest.approx([0, 240, 120])
-    assert buick.length == pytest.approx(3 * 0.1077 + 0.070 + 0.014)
+    assert np.degrees(buick.crank_angles) == close([0, 240, 120])
+    assert buick.length == close(3 * 0.1077 + 0.070 + 0.014)
     text = engine_path("8chn14-14").read_text(encoding="utf-8")
     path = tmp_path / "other.toml"
     path.write_text(text.replace("[shaft]\nthrow_angles", "[nothing]\nx"), encoding="utf-8")
@@ -403,7 +404,7 @@ def test_value_outside_any_section(tmp_path, six_cylinders):
         (b"[engine\n", "is not TOML"),
         (bytes(range(256)) * 8, "cannot be read as text"),
         ("[engine]\n".encode("utf-16"), "cannot be read as text"),
-        (b"a = " + b"[" * 50_000, "is not TOML"),
+        (b"a = " + b"[" * 50_000, "within more than 30 others"),
     ],
     ids=["empty", "prose", "torn", "binary", "utf-16", "nested without end"],
 )

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from crankfem.files.sections.excitation_input import (
     GasMap,
@@ -57,10 +58,10 @@ LAYOUT = EngineLayout(
 def test_a_map_along_a_curve_reads_its_tables(file):
     section = GasMap.from_text({"points": POINTS})
     found = gas_map_pressure(section, 4, file)
-    assert found.speeds == pytest.approx(np.array([0.5, 0.75, 1.0]) * RATED)
+    assert found.speeds == close(np.array([0.5, 0.75, 1.0]) * RATED)
     assert gas_map_load(section, RATED) is None
     full = read_pressure_table(file.parent / "full.csv")
-    assert found.at(RATED).pressure == pytest.approx(full.at(found.at(RATED).angles), rel=1e-9)
+    assert found.at(RATED).pressure == close(full.at(found.at(RATED).angles), rel=1e-9)
     cylinder_forces(LAYOUT, [0.6 * RATED, 0.9 * RATED], 6.0, found)
 
 
@@ -72,14 +73,14 @@ def test_a_grid_takes_the_load_of_a_law(file):
     ]
     section = GasMap.from_text({"points": grid, "law": "propeller", "method": "linear"})
     found, load = gas_map_pressure(section, 4, file), gas_map_load(section, RATED)
-    assert load(np.array([0.6 * RATED])) == pytest.approx([0.36])
-    assert found.weights([0.6 * RATED], load) == pytest.approx(
+    assert load(np.array([0.6 * RATED])) == close([0.36])
+    assert found.weights([0.6 * RATED], load) == close(
         np.array([[0.8 * 0.8, 0.8 * 0.2, 0.2 * 0.8, 0.2 * 0.2]])
     )
     constant = GasMap.from_text({"points": grid, "law": "constant", "rated_load": 0.7})
     assert gas_map_load(constant, RATED) == 0.7
     power = GasMap.from_text({"points": grid, "law": "propeller", "measure": "power"})
-    assert gas_map_load(power, RATED)(np.array([0.5 * RATED])) == pytest.approx([0.125])
+    assert gas_map_load(power, RATED)(np.array([0.5 * RATED])) == close([0.125])
 
 
 @pytest.mark.parametrize(
@@ -111,7 +112,7 @@ def test_misfire_takes_the_motored_pressure_of_table_or_cycle(file):
     gas = Gas.from_text({"pressure_table": "full.csv", "compression_ratio": 15.0})
     (cold,) = motored_for_misfire(gas, LAYOUT, [full])
     # The table was made with the exponent 1.35, six digits, and 2e-9 of combustion at -40 deg.
-    assert cold.peak_pressure == pytest.approx(1.5e5 * 15.0**1.35, rel=1e-5)
+    assert cold.peak_pressure == close(1.5e5 * 15.0**1.35, rel=1e-5)
     assert cold.peak_pressure < 0.7 * full.peak_pressure
     by_cycle = Gas.from_text({"peak_pressure": "12 MPa", "compression_ratio": 15.0})
     (modeled,) = motored_for_misfire(by_cycle, LAYOUT, [full])
@@ -121,7 +122,7 @@ def test_misfire_takes_the_motored_pressure_of_table_or_cycle(file):
     )
     whole = cylinder_forces(LAYOUT, [RATED], 4.0, full)
     none = cylinder_forces(LAYOUT, [RATED], 4.0, cold)
-    assert forces.mean_torque == pytest.approx(0.5 * (whole.mean_torque + none.mean_torque))
+    assert forces.mean_torque == close(0.5 * (whole.mean_torque + none.mean_torque))
 
 
 def test_propeller_section():
@@ -137,9 +138,9 @@ def test_propeller_section():
     section = PropellerForcesSection.from_text(values)
     assert section.node == "propeller"
     forces = section.forces
-    assert forces.mean_thrust([2.0 * math.pi]) == pytest.approx([225e3])
-    assert forces.torque_phases == pytest.approx([math.pi / 6.0])
-    assert forces.thrust_phases == pytest.approx([0.0, 0.0])
+    assert forces.mean_thrust([2.0 * math.pi]) == close([225e3])
+    assert forces.torque_phases == close([math.pi / 6.0])
+    assert forces.thrust_phases == close([0.0, 0.0])
     wrong = PropellerForcesSection.from_text(values | {"torque_phases": ["30 deg", "1 deg"]})
     with pytest.raises(InputError, match=r"propeller_forces.torque_phases: given 2 for 1 shares"):
         _ = wrong.forces

@@ -1,40 +1,11 @@
 """`crankfem fit` on a store whose results are calculated, not computed by finite elements."""
 
+import sqlite3
+
 import pytest
 
-from geometry.throw import CrankThrow
+from comparing import close
 from regression.models.compliance_model import ComplianceModel
-from regression.plans.plan import MODEL_VERSION, StudyPlan, plan_designs
-from regression.records import Outcome
-from regression.runs.store import ResultStore
-from regression.runs.study import run_plan
-
-THROW = CrankThrow(
-    crank_radius=0.170,
-    main_journal_diameter=0.220,
-    pin_diameter=0.180,
-    main_journal_length=0.135,
-    pin_length=0.139,
-    web_width=0.285,
-    web_thickness=0.068,
-)
-LEVELS = {"web_width": (0.27, 0.30, 0.33), "web_thickness": (0.038, 0.048, 0.077, 0.098)}
-
-
-@pytest.fixture
-def store(tmp_path):
-    plan = StudyPlan.from_levels(THROW, LEVELS, held_out=5)
-    path = tmp_path / "runs.sqlite"
-    with ResultStore(path) as results:
-        for design in plan_designs(plan).designs:
-            B, h = (design.inputs["throw"][name] for name in LEVELS)
-            e = 1e-9 * (0.2 + 0.3 / B * (0.05 / h) ** 1.5)
-            responses = {"axial_compliance_pinned": e, "mass": 2000.0 * B * h + 40.0}
-            errors = dict.fromkeys(responses, 0.008)
-            outcome = Outcome(design.key, design.inputs, responses, None, 1.0, errors=errors)
-            results.record(outcome, MODEL_VERSION)
-    run_plan(plan, path)  # computes nothing, but registers the study
-    return path
 
 
 def test_fit_prints_and_saves_a_model(store, call, tmp_path):
@@ -50,7 +21,7 @@ def test_fit_prints_and_saves_a_model(store, call, tmp_path):
     ):
         assert part in text
     model = ComplianceModel.load(tmp_path / "model.json")
-    assert model.axial_compliance(web_width=0.31, web_thickness=0.06) == pytest.approx(
+    assert model.axial_compliance(web_width=0.31, web_thickness=0.06) == close(
         1e-9 * (0.2 + 0.3 / 0.31 * (0.05 / 0.06) ** 1.5), rel=5e-3
     )
 
@@ -98,3 +69,14 @@ def test_fit_refuses(store, call, tmp_path, option, value, message):
     assert (answer.code, answer.out) == (2, "")
     assert message in " ".join(answer.err.split())
     assert not (tmp_path / "model.json").exists()
+
+
+def test_fit_tells_of_a_damaged_row_and_does_without(store, call, tmp_path):
+    connection = sqlite3.connect(store)
+    connection.execute("UPDATE designs SET responses = '{\"mass\": NaN}' WHERE rowid = 1")
+    connection.commit()
+    connection.close()
+    answer = call("fit", store)
+    assert answer.code == 0, answer.err
+    assert "1 row is damaged in" in " ".join(answer.err.split())
+    assert ComplianceModel.load(tmp_path / "model.json").responses["mass"].runs == 11

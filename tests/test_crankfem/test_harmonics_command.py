@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import crankfem as cf
+from comparing import close
 from crankbase.tables.table_units import table_unit
 
 TABLE = "yamz5340_torque_one_throw.csv"
@@ -16,7 +17,7 @@ def test_engine_record(call):
     assert record["same_stars"][0] == [0.5, 2.5, 3.5, 5.5, 6.5, 8.5, 9.5, 11.5]
     assert len(record["throws"]) == 6
     assert abs(record["energy_error"]) < 1e-9
-    assert record["power"] == pytest.approx(record["mean"] * record["speed_rpm"] * np.pi / 30.0)
+    assert record["power"] == close(record["mean"] * record["speed_rpm"] * np.pi / 30.0)
     assert record["harmonics"]["orders"][-1] == 12.0
     amplitude = dict(
         zip(record["harmonics"]["orders"], record["harmonics"]["amplitude"], strict=True)
@@ -26,7 +27,7 @@ def test_engine_record(call):
     # The same by the public names.
     engine = cf.load_mechanism("6chn25-34")
     torque = cf.engine_torque(engine.layout, engine.rated_speed, engine.pressure)
-    assert record["mean"] == pytest.approx(torque.mean, rel=1e-12)
+    assert record["mean"] == close(torque.mean, rel=1e-12)
 
 
 def test_engine_as_tables(call):
@@ -74,23 +75,21 @@ def test_unit_and_digits_of_a_table(values, name, text):
 def test_speed(call):
     rated = call("harmonics", "6chn25-34", "--json").json()
     slow = call("harmonics", "6chn25-34", "--json", "--speed", "100 1/min").json()
-    assert slow["speed_rpm"] == pytest.approx(100.0)
+    assert slow["speed_rpm"] == close(100.0)
     # The work of the gas is the same, the masses' part of a harmonic is not.
-    assert slow["mean"] == pytest.approx(rated["mean"], rel=1e-9)
-    assert slow["harmonics"]["amplitude"][5] != pytest.approx(
-        rated["harmonics"]["amplitude"][5], rel=1e-3
-    )
+    assert slow["mean"] == close(rated["mean"], rel=1e-9)
+    assert slow["harmonics"]["amplitude"][5] != close(rated["harmonics"]["amplitude"][5], rel=1e-3)
 
 
 def test_harmonics_of_a_cylinders_forces(call):
     record = call("harmonics", "8chn26-26", "--cylinder", "5", "--orders", "4", "--json").json()
     found = record["cylinder"]
     assert found["number"] == 5
-    assert found["firing_angle_deg"] == pytest.approx(record["firing_angles_deg"][4])
-    assert found["tangential"]["inertia"]["mean"] == pytest.approx(0.0, abs=1e-6)
+    assert found["firing_angle_deg"] == close(record["firing_angles_deg"][4])
+    assert found["tangential"]["inertia"]["mean"] == close(0.0, abs=1e-6)
     both = found["tangential"]["gas and inertia"]["mean"]
     # Crank radius 0.13 m: eight such means are the engine's, but that hinged rods differ.
-    assert 8 * 0.13 * both == pytest.approx(record["mean"], rel=0.05)
+    assert 8 * 0.13 * both == close(record["mean"], rel=0.05)
 
 
 def test_tables_and_pictures_are_written(call, tmp_path):
@@ -99,7 +98,7 @@ def test_tables_and_pictures_are_written(call, tmp_path):
         *("--csv", "h.csv", "--pictures", "plots"),
     )
     assert answer.code == 0
-    names = {path.name for path in (tmp_path / "plots").iterdir()}
+    names = {path.name for path in (tmp_path / "plots").glob("[!.]*")}
     assert names == {"torque.svg", "harmonics.svg", "stars.svg"}
     for name in names:
         # Text is drawn; what it says stands beside it as a comment.
@@ -165,7 +164,7 @@ def test_a_header_of_many_columns_is_not_told_in_full(call, tmp_path):
     answer = call("harmonics", "wide.csv")
     assert answer.code == 2
     assert 'given the header "column_0,column_1,' in answer.err
-    assert '...";' in answer.err
+    assert " ... " in answer.err
     assert len(answer.err) < 400
 
 
@@ -176,8 +175,8 @@ def test_a_table_beside_the_user_comes_before_the_shipped_one(call, tmp_path):
     )
     (tmp_path / TABLE).write_text(own, encoding="utf-8")
     found = call("harmonics", TABLE, "--json").json()
-    assert found["mean"] == pytest.approx(100.0) != shipped["mean"]
-    assert found["amplitude"][found["orders"].index(1.0)] == pytest.approx(20.0)
+    assert found["mean"] == close(100.0) != shipped["mean"]
+    assert found["amplitude"][found["orders"].index(1.0)] == close(20.0)
 
 
 @pytest.mark.parametrize("table", ["nothing.csv", f"folder/{TABLE}"])

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from comparing import close
 from crankbase.drawing.curves import ON_PAPER, draw_curves
 from crankbase.errors import InputError
 from crankfem.analyses.study.fitting import fit_study, predicted
@@ -59,6 +60,7 @@ from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import Outcome
 from regression.runs.study_table import study_table
+from stand_ins import COARSE_STRESSES
 
 FIVE_DIGITS = 5e-5
 RPM = 30.0 / math.pi
@@ -171,9 +173,9 @@ def test_every_order_over_speed(series):
     for trace, values in shown:
         x, y = floats(trace["x"]), floats(trace["y"])
         places = np.array([np.argmin(np.abs(series.speeds * RPM - one)) for one in x])
-        assert x == pytest.approx(series.speeds[places] * RPM, rel=FIVE_DIGITS)
+        assert x == close(series.speeds[places] * RPM, rel=FIVE_DIGITS)
         own = np.where(np.isfinite(values), 1e3 * values, np.nan)
-        assert y == pytest.approx(own[places], rel=FIVE_DIGITS, nan_ok=True)
+        assert y == close(own[places], rel=FIVE_DIGITS, nan_ok=True)
         assert np.isnan(y).sum() == np.isinf(values).sum()
         known = np.isfinite(own)
         drawn = np.interp(series.speeds[known] * RPM, x[~np.isnan(y)], y[~np.isnan(y)])
@@ -189,11 +191,11 @@ def test_every_order_over_speed(series):
         assert None in limits[name]["y"]  # where none is stated
     bands = [shape for shape in layout["shapes"] if shape["type"] == "rect"]
     assert [(one["x0"], one["x1"]) for one in bands] == [
-        pytest.approx((low * RPM, high * RPM)) for low, high in barred
+        close((low * RPM, high * RPM)) for low, high in barred
     ]
     assert [one["showlegend"] for one in bands] == [True, False]
     lines = [shape for shape in layout["shapes"] if shape["type"] == "line"]
-    assert [one["x0"] for one in lines] == [pytest.approx(series.speeds[110] * RPM)]
+    assert [one["x0"] for one in lines] == [close(series.speeds[110] * RPM)]
 
 
 @pytest.mark.parametrize(
@@ -220,7 +222,7 @@ def test_units_over_speed(series, quantity, title, factor):
     ):
         # Maxima are never thinned out.
         largest = factor * values[np.isfinite(values)].max()
-        assert np.nanmax(floats(named(traces, name)["y"])) == pytest.approx(largest, rel=5e-5)
+        assert np.nanmax(floats(named(traces, name)["y"])) == close(largest, rel=5e-5)
 
 
 def shaft(count=14):
@@ -251,7 +253,7 @@ def test_motion_along_the_shaft():
         drawn = np.array([trace["y"] for trace in four]).T
         place = np.unravel_index(np.argmax(np.abs(every)), every.shape)
         assert drawn[place] == 1
-        assert drawn == pytest.approx(every / every[place], rel=FIVE_DIGITS)
+        assert drawn == close(every / every[place], rel=FIVE_DIGITS)
         assert all(trace["x"] == [0, 300, 600, 900] for trace in four)
         assert [trace["name"] for trace in four] == [
             "axial",
@@ -269,7 +271,7 @@ def test_shares_of_the_energy():
     assert layout["xaxis"]["title"]["text"] == "share of the mode's energy [%]"
     assert [trace["name"] for trace in traces] == ["axial", "torsional", "bending"]
     for trace, shares in zip(traces, modes.shares, strict=True):
-        assert floats(trace["x"]) == pytest.approx(100.0 * shares[1:13], rel=FIVE_DIGITS)
+        assert floats(trace["x"]) == close(100.0 * shares[1:13], rel=FIVE_DIGITS)
     assert traces[0]["customdata"][:2] == ["10.0 Hz", "20.0 Hz"]
     assert layout["yaxis"]["ticktext"][:2] == ["10.0", "20.0"]
 
@@ -292,8 +294,8 @@ def test_what_excites_the_axial_vibration():
         trace = named(traces, name)
         places = np.rint((floats(trace["x"]) / RPM - 20.0) / 5.0).astype(int)
         own = np.where(np.isfinite(values), 1e6 * values, np.nan)[places]
-        assert floats(trace["x"]) == pytest.approx(speeds[places] * RPM, rel=FIVE_DIGITS)
-        assert floats(trace["y"]) == pytest.approx(own, rel=FIVE_DIGITS, nan_ok=True)
+        assert floats(trace["x"]) == close(speeds[places] * RPM, rel=FIVE_DIGITS)
+        assert floats(trace["y"]) == close(own, rel=FIVE_DIGITS, nan_ok=True)
         assert np.isnan(own).any() == np.isinf(values).any()
         assert trace["hovertemplate"].endswith(" µm<extra></extra>")
 
@@ -382,7 +384,7 @@ def test_campbell_tells_what_meets():
     assert len(lines) == orders.size
     assert [line["showlegend"] for line in lines].count(True) == 1
     for order, line in zip(orders, lines, strict=True):
-        assert floats(line["y"]) == pytest.approx(order * floats(line["x"]) / 60.0, rel=1e-4)
+        assert floats(line["y"]) == close(order * floats(line["x"]) / 60.0, rel=1e-4)
         assert f"order {order:g}<br>" in line["hovertemplate"]
         assert max(line["y"]) <= layout["yaxis"]["range"][1] * (1.0 + FIVE_DIGITS)
     assert {trace["name"] for trace in traces if trace["name"].startswith("mode")} == {
@@ -397,7 +399,7 @@ def test_campbell_tells_what_meets():
     assert major["marker"]["symbol"] == ["circle", "x"]
     assert major["marker"]["size"][0] > minor["marker"]["size"][0]
     assert layout["yaxis"]["title"]["text"] == "frequency [Hz]"
-    assert layout["shapes"][0]["x0"] == pytest.approx(40.0 * RPM)
+    assert layout["shapes"][0]["x0"] == close(40.0 * RPM)
 
 
 def known_record():
@@ -427,13 +429,11 @@ def test_formulas_over_the_angle(tmp_path, strict):
     assert units_told(formulas)
     assert units_told(angles)
     fe, ours = formulas["data"]
-    assert floats(fe["y"]) == pytest.approx(
-        1e9 * np.array(record["angle_law"]["fe"]), rel=FIVE_DIGITS
-    )
+    assert floats(fe["y"]) == close(1e9 * np.array(record["angle_law"]["fe"]), rel=FIVE_DIGITS)
     assert ours["y"] == [None, *[2] * 6]
     law = named(angles["data"], "finite elements, ρ = 2.50")
     share = np.array(record["angle_law"]["fe"]) / record["angle_law"]["fe"][-1]
-    assert floats(law["y"]) == pytest.approx(share, rel=FIVE_DIGITS)
+    assert floats(law["y"]) == close(share, rel=FIVE_DIGITS)
     assert law["y"][-1] == 1
     (menu,) = angles["layout"]["updatemenus"]
     visible = [button["args"][0]["visible"] for button in menu["buttons"]]
@@ -454,10 +454,10 @@ def test_torque_table(tmp_path, strict):
     assert units_told(figure)
     bars = figure["data"][-1]
     assert bars["x"] == found.orders.tolist()
-    assert floats(bars["customdata"]) == pytest.approx(180.0 / math.pi * found.phase, rel=5e-5)
+    assert floats(bars["customdata"]) == close(180.0 / math.pi * found.phase, rel=5e-5)
     assert "phase %{customdata:.4g} deg" in bars["hovertemplate"]
-    assert floats(bars["y"]) == pytest.approx(found.amplitude, rel=FIVE_DIGITS, abs=1e-12)
-    assert floats(named(figure["data"], "table")["y"]) == pytest.approx(samples, rel=FIVE_DIGITS)
+    assert floats(bars["y"]) == close(found.amplitude, rel=FIVE_DIGITS, abs=1e-12)
+    assert floats(named(figure["data"], "table")["y"]) == close(samples, rel=FIVE_DIGITS)
 
 
 # ------------------------------------------------------------------------------------- mechanism
@@ -480,13 +480,13 @@ def test_polar_load(load, frame):
     for trace in traces:
         angles, sizes = np.array(trace["customdata"]).T
         places = np.rint(angles).astype(int)
-        assert floats(trace["x"]) == pytest.approx(own.imag[places], rel=FIVE_DIGITS, abs=1e-9)
-        assert floats(trace["y"]) == pytest.approx(own.real[places], rel=FIVE_DIGITS, abs=1e-9)
-        assert sizes == pytest.approx(1e-3 * load.magnitude[places], rel=FIVE_DIGITS)
+        assert floats(trace["x"]) == close(own.imag[places], rel=FIVE_DIGITS, abs=1e-9)
+        assert floats(trace["y"]) == close(own.real[places], rel=FIVE_DIGITS, abs=1e-9)
+        assert sizes == close(1e-3 * load.magnitude[places], rel=FIVE_DIGITS)
     assert [angle for angle, _ in marks["customdata"]] == np.arange(0.0, 720.0, 30.0).tolist()
     assert layout["yaxis"]["scaleanchor"] == "x"
     spans = [np.ptp(layout[name]["range"]) for name in ("xaxis", "yaxis")]
-    assert spans[0] == pytest.approx(spans[1])
+    assert spans[0] == close(spans[1])
     assert "shaft angle" in curve["hovertemplate"]
     assert "kN" in curve["hovertemplate"]
 
@@ -494,9 +494,9 @@ def test_polar_load(load, frame):
 def test_developed_load(load):
     traces, layout = developed_load(load, "x")
     assert layout["yaxis"]["title"]["text"] == "force [kN]"
-    assert max(traces[0]["y"]) == pytest.approx(1e-3 * load.maximum, rel=FIVE_DIGITS)
-    assert traces[1]["y"][0] == pytest.approx(1e-3 * load.mean, rel=FIVE_DIGITS)
-    assert traces[2]["x"] == [pytest.approx(np.degrees(load.maximum_angle), rel=FIVE_DIGITS)]
+    assert max(traces[0]["y"]) == close(1e-3 * load.maximum, rel=FIVE_DIGITS)
+    assert traces[1]["y"][0] == close(1e-3 * load.mean, rel=FIVE_DIGITS)
+    assert traces[2]["x"] == [close(np.degrees(load.maximum_angle), rel=FIVE_DIGITS)]
     assert traces[0]["x"][-1] == 720
 
 
@@ -525,7 +525,7 @@ def test_forces_of_a_mechanism(load, tmp_path, strict):
     gas = figures[-1]["data"][0]
     # Counted from the firing top at 180 deg.
     places = (np.rint(gas["x"]).astype(int) + 180) % 720
-    assert floats(gas["y"]) == pytest.approx(1e-3 * values[0][places], rel=FIVE_DIGITS)
+    assert floats(gas["y"]) == close(1e-3 * values[0][places], rel=FIVE_DIGITS)
 
 
 # ----------------------------------------------------------------------------------------- study
@@ -582,9 +582,9 @@ def test_parity(studied):
         shown = button["args"][0]["y"]
         for held, upper, lower in ((False, *shown[:2]), (True, *shown[2:])):
             own = table.held_out == held
-            assert floats(upper) == pytest.approx(1e9 * values[own], rel=FIVE_DIGITS)
+            assert floats(upper) == close(1e9 * values[own], rel=FIVE_DIGITS)
             errors = 100.0 * (values[own] / column[own] - 1.0)
-            assert floats(lower) == pytest.approx(errors, rel=FIVE_DIGITS)
+            assert floats(lower) == close(errors, rel=FIVE_DIGITS)
     assert [trace["y"] for trace in traces] == menu["buttons"][0]["args"][0]["y"]
     assert [len(trace["text"]) for trace in traces] == [12, 12, 4, 4]
 
@@ -612,7 +612,7 @@ def box(count):
 
 def test_edges_and_shading_of_a_cube():
     cube = box(3)
-    assert cube.face_normals.sum(axis=0) == pytest.approx(np.zeros(3), abs=1e-12)
+    assert cube.face_normals.sum(axis=0) == close(np.zeros(3), abs=1e-12)
     ends, sides, sharp = cube.edges()
     assert len(ends) == len(sides) == 1.5 * len(cube.triangles)  # closed
     assert sharp.sum() == len(cube.sharp_edges()) == 12 * 3
@@ -623,7 +623,7 @@ def test_edges_and_shading_of_a_cube():
     assert len(sources) == 6 * 16
     apart = TriangleSurface(cube.points[sources], triangles)
     # Each point has the normal of its one side.
-    assert np.abs(apart.point_normals).max(axis=1) == pytest.approx(np.ones(96), rel=1e-12)
+    assert np.abs(apart.point_normals).max(axis=1) == close(np.ones(96), rel=1e-12)
 
 
 def test_fewer_triangles_keep_shape_edges_and_steep_values():
@@ -641,7 +641,7 @@ def test_fewer_triangles_keep_shape_edges_and_steep_values():
     # By the divergence theorem; flat sides stay flat but for round-off.
     corners = coarse.points[coarse.triangles]
     volume = np.sum(corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])) / 6.0
-    assert volume == pytest.approx(1.0, rel=1e-12)
+    assert volume == close(1.0, rel=1e-12)
 
 
 def test_what_cannot_go_unnoticed_stays():
@@ -671,10 +671,10 @@ def analysis(throw):
 
 
 @pytest.mark.slow
-def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch, coarse_stresses):
+def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch):
     import plotly.graph_objects
 
-    for name, value in coarse_stresses.items():
+    for name, value in COARSE_STRESSES.items():
         monkeypatch.setattr(fillet_stress, name, value)
     stresses = fillet_stresses(throw, accuracy=0.2)
     path = throw_view(tmp_path, analysis, stresses)
@@ -695,11 +695,11 @@ def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch, coarse_stres
             assert np.nanmax(values) <= high
     # One scale for all axes.
     scales = [scene["aspectratio"][name] / np.ptp(scene[f"{name}axis"]["range"]) for name in "xyz"]
-    assert scales == pytest.approx([scales[0]] * 3, rel=1e-4)
+    assert scales == close([scales[0]] * 3, rel=1e-4)
     solid = named(traces, "solid")
     # The whole throw, to a hundredth of a millimeter.
-    assert np.ptp(solid["z"]) == pytest.approx(1e3 * analysis.mesh.length, abs=0.02)
-    assert min(solid["x"]) == pytest.approx(-max(solid["x"]), abs=0.02)
+    assert np.ptp(solid["z"]) == close(1e3 * analysis.mesh.length, abs=0.02)
+    assert min(solid["x"]) == close(-max(solid["x"]), abs=0.02)
     (menu,) = figure["layout"]["updatemenus"]
     changes = {button["label"]: button["args"][0] for button in menu["buttons"]}
     assert list(changes) == [
@@ -713,10 +713,10 @@ def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch, coarse_stres
     deformed, bent = named(traces, "deformed"), changes["deformed by an axial force"]
     moved = np.array([deformed[name] for name in "xyz"]) - np.array([solid[name] for name in "xyz"])
     sizes = np.linalg.norm(moved, axis=0)
-    assert sizes.max() == pytest.approx(DRAWN_DISPLACEMENT * 1e3 * analysis.mesh.length, rel=1e-3)
+    assert sizes.max() == close(DRAWN_DISPLACEMENT * 1e3 * analysis.mesh.length, rel=1e-3)
     # Colors are displacements for 1 kN; as much longer as the throw gets, its ends move apart.
     (shown,) = bent["intensity"]
-    assert np.array(shown) * sizes.max() / max(shown) == pytest.approx(sizes, abs=0.05)
+    assert np.array(shown) * sizes.max() / max(shown) == close(sizes, abs=0.05)
     x, y, z = (np.array(solid[name]) for name in "xyz")
     heights = []
     for end in (z.min(), z.max()):
@@ -727,13 +727,13 @@ def test_throw_view(throw, analysis, tmp_path, strict, monkeypatch, coarse_stres
     pulled = (heights[1] - heights[0]) * max(shown) / sizes.max()
     compliance = analysis.supported("pinned").axial
     # Coordinates are rounded to a hundredth of a millimeter, displacements here are ten.
-    assert pulled == pytest.approx(1e9 * compliance, rel=2e-3)
+    assert pulled == close(1e9 * compliance, rel=2e-3)
     for label, kind in (("stress, radial force", "radial"), ("stress, torque", "torsion")):
         (values,) = changes[label]["intensity"]
         assert len(values) == len(named(traces, "fillet stress")["x"])
         largest = max(peak.von_mises for peak in stresses.peaks if peak.load.kind == kind)
         on_fillets = changes[label]["cmax"]
-        assert on_fillets == [pytest.approx(1e-3 * largest)]
+        assert on_fillets == [close(1e-3 * largest)]
         # The surface shows its corner nodes: the largest of all may be a middle one.
         assert 0.8 * largest * 1e-3 < max(values)
 
@@ -751,12 +751,10 @@ def test_throw_without_stresses_and_with_many_triangles(analysis, tmp_path, stri
 
 
 @pytest.mark.slow
-def test_vibration_of_an_engine(tmp_path, strict):
+def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
     import plotly.graph_objects
 
-    from crankfem.analyses.vibration.run import engine_vibration
-
-    run = engine_vibration("6chn18-22", coupled=True)
+    run = coupled_vibration("6chn25-34")
     made = interactive_vibration(tmp_path, run)
     assert [path.stem for path in made] == [
         "axial_modes",
@@ -798,7 +796,7 @@ def test_vibration_of_an_engine(tmp_path, strict):
     assert drawn["y"][:2] == rounded(shape[list(ends)])
     split = run.comparison.coupled.split("section 0 uz")
     both = named(figures["axial_split"]["data"], "all forces")
-    assert max(both["y"]) == pytest.approx(1e6 * split.both_sum.max(), rel=FIVE_DIGITS)
+    assert max(both["y"]) == close(1e6 * split.both_sum.max(), rel=FIVE_DIGITS)
 
 
 def test_paper_and_screen_draw_the_same_curves(series):
@@ -809,8 +807,8 @@ def test_paper_and_screen_draw_the_same_curves(series):
     axes = Figure().subplots()
     draw_curves(axes, described)
     drawn = {one.get_label(): one for one in axes.get_lines()}
-    assert axes.get_xlim() == pytest.approx(layout["xaxis"]["range"])
-    assert axes.get_ylim() == pytest.approx(layout["yaxis"]["range"])
+    assert axes.get_xlim() == close(layout["xaxis"]["range"])
+    assert axes.get_ylim() == close(layout["yaxis"]["range"])
     assert axes.get_xlabel() == layout["xaxis"]["title"]["text"]
     assert axes.get_ylabel() == layout["yaxis"]["title"]["text"]
     seen = [trace for trace in traces if trace["visible"] is True]
@@ -819,7 +817,5 @@ def test_paper_and_screen_draw_the_same_curves(series):
         line = drawn[trace["name"]]
         assert line.get_color() == trace["line"]["color"]
         assert line.get_linestyle() == ON_PAPER[trace["line"]["dash"]]
-        assert np.nanmax(line.get_ydata()) == pytest.approx(
-            np.nanmax(floats(trace["y"])), rel=FIVE_DIGITS
-        )
+        assert np.nanmax(line.get_ydata()) == close(np.nanmax(floats(trace["y"])), rel=FIVE_DIGITS)
     assert len(axes.patches) == len(barred)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import crankfem as cf
+from comparing import close
 from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.mechanism_file import (
@@ -35,23 +36,23 @@ def test_a_cross_plane_v8_fires_evenly_in_its_order():
     firing = np.array(degrees(layout.firing))[np.array(layout.firing_order) - 1]
     assert np.diff(firing).tolist() == [90.0] * 7
     # l_shk of the published engine, from the rod's rotating mass.
-    assert layout.cylinders[0].rod.center_distance == pytest.approx(0.097, abs=1e-6)
+    assert layout.cylinders[0].rod.center_distance == close(0.097, abs=1e-6)
 
 
 def test_split_pins_make_a_90_degree_v6_fire_evenly():
     layout = load_mechanism("buick-3800").layout
     firing = np.array(degrees(layout.firing))[np.array(layout.firing_order) - 1]
-    assert np.diff(firing) == pytest.approx([120.0] * 5)
+    assert np.diff(firing) == close([120.0] * 5)
     places = [cylinder.position for cylinder in layout.cylinders]
     assert places == sorted(places)
-    assert places[1] - places[0] == pytest.approx(0.023)  # neighbors on one pin's two halves
+    assert places[1] - places[0] == close(0.023)  # neighbors on one pin's two halves
 
 
 def test_hinged_rods_stand_at_the_angle_between_the_banks():
     layout = load_mechanism("8chn26-26").layout
     hinged = layout.cylinders[4]
     assert hinged.slave_pin.main_cylinder == 1
-    assert math.degrees(hinged.slave_pin.angle) == pytest.approx(45.0)
+    assert math.degrees(hinged.slave_pin.angle) == close(45.0)
     assert hinged.position == layout.cylinders[0].position
     assert layout.cylinders[0].slave_pin is None
 
@@ -62,13 +63,13 @@ def test_engines_in_line_turn_as_their_firing_order_says(name, sense):
     layout = mechanism.layout
     assert mechanism.turning_sense == sense
     firing = np.array(layout.firing)[np.array(layout.firing_order) - 1]
-    assert np.diff(firing) == pytest.approx([layout.cycle / len(firing)] * (len(firing) - 1))
+    assert np.diff(firing) == close([layout.cycle / len(firing)] * (len(firing) - 1))
     assert any("rod.inertia is not given" in remark for remark in mechanism.remarks)
 
 
 def test_gas_reaches_what_the_file_asks_for():
     mechanism = load_mechanism("yamz-5340")
-    assert mechanism.pressure[0].peak_pressure == pytest.approx(13e6 + ATMOSPHERE, rel=1e-9)
+    assert mechanism.pressure[0].peak_pressure == close(13e6 + ATMOSPHERE, rel=1e-9)
     assert len(mechanism.pressure) == 4
     assert any("combustion_start" in remark for remark in mechanism.pressure[0].remarks)
     assumed = [remark for remark in mechanism.pressure[0].remarks if "intake_pressure" in remark]
@@ -94,7 +95,7 @@ def test_a_pressure_table_beside_the_file(tmp_path):
     (peak,) = (line for line in lines if line.startswith("peak_pressure"))
     path = written(tmp_path, {peak: 'pressure_table = "gas.csv"'})
     mechanism = load_mechanism(path)
-    assert mechanism.pressure[5].at([math.radians(10.0)])[0] == pytest.approx(
+    assert mechanism.pressure[5].at([math.radians(10.0)])[0] == close(
         1e5 * (1.5 + 80.0 * math.exp(-((2.0 / 25.0) ** 2))), rel=1e-6
     )
     with pytest.raises(InputError, match=r"gas\.pressure_table: given 'no\.csv', which is neither"):
@@ -197,7 +198,7 @@ def test_a_v_engine_with_flywheel_and_thrust_bearing_is_a_whole_engine():
     assert isinstance(read, EngineFile)
     assert read.throws == (0, 1, 2, 3, 0, 1, 2, 3)
     assert read.pins == read.throws
-    assert np.degrees(read.throw_angles) == pytest.approx([0.0, 90.0, 270.0, 180.0])
+    assert np.degrees(read.throw_angles) == close([0.0, 90.0, 270.0, 180.0])
     assert isinstance(load_any("buick-3800"), MechanismFile)
 
 
@@ -238,11 +239,11 @@ def test_throws_stand_with_their_unbalance_at_their_angles(name):
             (phasors.sum(), found.static),
             ((phasors * places).sum(), found.dynamic),
         ):
-            assert values == pytest.approx(complex(expected[1], -sense * expected[0]), abs=1e-9)
+            assert values == close(complex(expected[1], -sense * expected[0]), abs=1e-9)
     about_shaft = len(mechanism.throw_angles) * masses.inertia_about_shaft
-    assert layout.shaft_inertia == pytest.approx(about_shaft + mechanism.attached_inertia)
+    assert layout.shaft_inertia == close(about_shaft + mechanism.attached_inertia)
     flywheel_and_free_end = {"8chn13-14": 2.66, "6chn25-34": 452.0}[name]
-    assert mechanism.attached_inertia == pytest.approx(flywheel_and_free_end)
+    assert mechanism.attached_inertia == close(flywheel_and_free_end)
 
 
 def test_the_throws_unbalance_comes_from_their_solid():
@@ -282,7 +283,7 @@ def test_the_sense_in_which_a_file_counts_angles_makes_no_difference(tmp_path, n
         mechanism_forces(m.layout, angles, 50.0, gas_forces(m.layout, angles, m.pressure))
         for m in (one, two)
     ]
-    assert two.layout.firing == pytest.approx(one.layout.firing)
+    assert two.layout.firing == close(one.layout.firing)
     assert np.abs(forces[0].crankpin - forces[1].crankpin).max() < 1e-9 * 1e6
 
 
@@ -320,7 +321,7 @@ def three_cylinders(**changes):
 
 def test_an_order_that_fits_both_senses_turns_so_that_it_fires_evenly():
     engine = three_cylinders()
-    assert sorted(np.rad2deg(engine.firing_angles)) == pytest.approx([0.0, 240.0, 480.0])
+    assert sorted(np.rad2deg(engine.firing_angles)) == close([0.0, 240.0, 480.0])
     assert engine.firing_remark is None
 
 

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from comparing import close
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.engine_template import (
     FIRING_ORDERS,
@@ -67,7 +68,7 @@ def test_cylinders_fire_evenly(tmp_path, strokes):
         cycle = math.pi * strokes
         expected = [place * cycle / cylinders for place in range(cylinders)]
         # Angles of seven cylinders stand in the file with ten digits.
-        assert angles == pytest.approx(expected, abs=1e-8)
+        assert angles == close(expected, abs=1e-8)
 
 
 def test_hinges_and_chains_are_copied(call, tmp_path):

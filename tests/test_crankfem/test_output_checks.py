@@ -5,8 +5,8 @@ import shutil
 import pytest
 
 from crankbase.errors import InputError
-from crankfem.cli.console import check_outputs
 from crankfem.files.reading.data_files import data_folder, engine_path, hinge_path
+from crankfem.jobs.outputs import check_outputs
 
 TABLE = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"
 COMMANDS = {

@@ -3,6 +3,7 @@
 import pytest
 
 from crankbase.errors import MissingLibraryError, RenderError
+from crankbase.outputs import written
 from crankfem.analyses.throw.pictures import offscreen
 from crankfem.analyses.throw.pictures.offscreen import ADVICE, OffscreenProcess, render_failure
 from crankfem.analyses.to_draw import ToDraw
@@ -24,8 +25,9 @@ def write(path):
 
 
 def write_half_and_fail(path):
-    write(path)
-    raise ValueError("no such thing")
+    with written(path, "picture") as part:
+        write(part)
+        raise ValueError("no such thing")
 
 
 def fail(*_):

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from comparing import close
 from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
 from crankfem.analyses.shaft.whole_damping import modal_damping
 from crankfem.analyses.shaft.whole_shaft import left_out, shaft_response
@@ -86,7 +87,7 @@ def test_every_section_of_a_file_has_its_place(tmp_path):
         engine.flywheel.mass,
         engine.flywheel.inertia,
     )
-    assert found.free_end.polar_inertia == pytest.approx(engine.free_end.inertia)
+    assert found.free_end.polar_inertia == close(engine.free_end.inertia)
     # Damping of the shaft itself goes by modes.
     assert found.loss_factor == 0.0
     # No flange is given: the flywheel stands at the end of the last main journal.
@@ -97,13 +98,13 @@ def test_every_section_of_a_file_has_its_place(tmp_path):
 
 def test_overhangs_of_a_shaft_with_both_ends():
     engine, found, remarks = around(name="8chn13-14")
-    assert found.flywheel.overhang == pytest.approx(0.022)
-    assert found.free_end.overhang == pytest.approx(0.055)
+    assert found.flywheel.overhang == close(0.022)
+    assert found.free_end.overhang == close(0.055)
     stub = engine.material.density * math.pi / 4.0 * 0.082**2 * 0.110
-    assert found.free_end.mass == pytest.approx(stub)
+    assert found.free_end.mass == close(stub)
     # Across the cylinder m (3 r^2 + l^2) / 12, and half of what the file puts on it.
     own = stub * (3.0 * 0.041**2 + 0.110**2) / 12.0
-    assert found.free_end.diametral == pytest.approx(own + 0.5 * engine.free_end.inertia)
+    assert found.free_end.diametral == close(own + 0.5 * engine.free_end.inertia)
     assert any("far side of the flange, 22 mm beyond" in remark for remark in remarks)
 
 
@@ -129,7 +130,7 @@ def test_each_kind_of_motion_brings_its_damping(given, axial, torsional):
         modes=SimpleNamespace(rigid=1, shares=SHARES), kept=2, corrections=1
     )
     mixed = 0.5 * axial + 0.25 * torsional + 0.25 / 80
-    assert modal_damping(engine, crankshaft) == pytest.approx([axial, mixed, 1 / 80])
+    assert modal_damping(engine, crankshaft) == close([axial, mixed, 1 / 80])
 
 
 @pytest.fixture(scope="module")
@@ -181,12 +182,12 @@ def test_cylinders_act_on_the_pins_and_with_the_damping_of_the_file(two_pins):
     whole = SimpleNamespace(crankshaft=two_pins)
     found = shaft_response(engine, whole, forces)
     ratios = modal_damping(engine, two_pins)
-    assert found.tangential.system.damping_ratios() == pytest.approx(ratios)
+    assert found.tangential.system.damping_ratios() == close(ratios)
     same = coupled_response(two_pins, forces, pins=(3, 0, 1, 2), modal_damping=ratios)
     for point in ("section 0 uz", "pin 4 radial"):
         assert np.array_equal(found.motion(point), same.motion(point))
     doubled = shaft_response(engine, whole, forces, 20.0)
-    assert doubled.tangential.system.damping_ratios() == pytest.approx(1 / 40)
+    assert doubled.tangential.system.damping_ratios() == close(1 / 40)
 
 
 def test_what_only_the_chains_know(tmp_path):

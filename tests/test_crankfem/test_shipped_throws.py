@@ -5,14 +5,13 @@ import re
 
 import pytest
 
+from comparing import close
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import engine_path, shipped_engines
 from crankfem.files.reading.toml_file import read_toml
-from fem.material import Material
 from geometry.shaft_ends import ShaftEnds
-from geometry.throw import CrankThrow
 
 # The types whose compliance the paper of 2021 lists, in its order.
 TYPES_OF_THE_PAPER = (
@@ -62,13 +61,6 @@ def test_it_opens_with_what_engine_it_is(name):
 
 
 @pytest.mark.parametrize("name", shipped_engines())
-def test_the_throw_loads(name):
-    throw, material = load_throw(name)
-    assert isinstance(throw, CrankThrow)
-    assert isinstance(material, Material)
-
-
-@pytest.mark.parametrize("name", shipped_engines())
 def test_every_value_says_where_it_comes_from(name):
     content = read_toml(engine_path(name))
     sections = ["throw"] if name in OLDER else list(content.sections)
@@ -91,7 +83,7 @@ def test_citations_and_short_names_belong_together(name):
 @pytest.mark.parametrize("name", FULL)
 def test_full_engine_files_are_valid(name):
     engine = load_engine(name)
-    assert engine.throw.crank_radius == pytest.approx(engine.engine.stroke / 2.0)
+    assert engine.throw.crank_radius == close(engine.engine.stroke / 2.0)
     assert engine.throw.further_pins == ()
 
 
@@ -99,7 +91,7 @@ def test_full_engine_files_are_valid(name):
 def test_mechanisms_are_those_of_engines_that_exist(name):
     mechanism = load_mechanism(name)
     layout = mechanism.layout
-    assert layout.crank_radius == pytest.approx(mechanism.throw.crank_radius)
+    assert layout.crank_radius == close(mechanism.throw.crank_radius)
     assert 4.0 < 2.0 * layout.crank_radius * mechanism.rated_speed / math.pi < 15.0  # piston speed
     assert all(0.19 < layout.crank_radius / c.rod.length < 0.5 for c in layout.cylinders)
     assert 5e6 < mechanism.pressure[0].peak_pressure < 16e6
@@ -148,9 +140,9 @@ def test_a_throw_is_as_long_as_the_cylinder_pitch_it_states(name):
     if not stated:
         assert name == "2ch85-110"  # two cylinders between two bearings
         first, second = ((pin.start + pin.end) / 2.0 for pin in throw.parts.pins)
-        assert second - first == pytest.approx(0.104)
+        assert second - first == close(0.104)
         return
-    assert stated == [pytest.approx(throw.length, abs=1e-6)]
+    assert stated == [close(throw.length, abs=1e-6)]
 
 
 def test_the_features_are_where_the_engines_have_them():

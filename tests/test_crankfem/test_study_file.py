@@ -7,11 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.study.studies import run_study, study_key
 from crankfem.cli import console
 from crankfem.cli.tables.design_tables import plan_record, print_plan
 from crankfem.files.reading.toml_file import read_toml
+from crankfem.files.study.design_file import read_design
 from crankfem.files.study.study_file import FIELDS, study_plan
 from fem.material import STEEL
 from geometry.throw import CrankThrow
@@ -110,9 +112,7 @@ def test_what_is_not_said(read):
 def test_factors(read, line, factor):
     (_, found) = read(study(factors=f"{WIDTH}\n{line}"), HEAVY).factors
     assert found.levels == factor.levels
-    assert (found.lowest, found.highest) == pytest.approx(
-        (factor.lowest, factor.highest), rel=1e-15
-    )
+    assert (found.lowest, found.highest) == close((factor.lowest, factor.highest), rel=1e-15)
     assert (found.name, found.unit) == (factor.name, factor.unit)
 
 
@@ -474,3 +474,18 @@ def test_notes_of_a_study_go_to_standard_error_or_where_they_are_wanted(monkeypa
             run_study("6chn25-34", dask="tcp://h:1", **options)
     assert told == ["the cluster has no workers; waiting for one"]
     assert capsys.readouterr() == ("", f"{told[0]}\n")
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ("web_width [mm]\n" + "9" * 200_000 + "\n", "which is no table"),
+        ("web_width [mm]\n" + "270\n" * 15_000_000, "given a file of 60 MB"),
+    ],
+    ids=["long cell", "large file"],
+)
+def test_tables_that_are_too_large(tmp_path, table, message):
+    path = tmp_path / "designs.csv"
+    path.write_text(table, encoding="utf-8")
+    with pytest.raises(InputError, match=message):
+        read_design(tmp_path, "designs.csv", (), THROW)

@@ -36,3 +36,35 @@ def test_misspelled_section_is_told(tmp_path):
     path.write_text("[rood]\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"\[rood\] is an unknown section; did you mean \[rod\]\?"):
         read_toml(path).check_sections({"rod": False, "piston": False})
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[a]\nx = " + "1" * 5000, "digits; allowed are numbers of 64 bits"),
+        ("[a]\nx = 0x" + "f" * 5000, r"a\.x: given a whole number of 20000 bits"),
+        ("[a]\nx = 1e400", r"a\.x: given inf, which is not finite"),
+        ("[a]\nx = [1, nan]", r"a\.x\[1\]: given nan, which is not finite"),
+        ("[sources]\n" + "".join(f's{n} = "b"\n' for n in range(20_000)), "more than 10000 values"),
+        ("a." * 20_000 + "b = 1", "line 1, .*a key of more than 30 names"),
+        ("x=1\n[" + "'a' . " * 100_000 + "b]", "line 2, .*a key of more than 30 names"),
+        ("[a]\nx = " + "[" * 100 + "]" * 100, "within more than 30 others"),
+        ("[a]\nx = " + "[" * 100_000, "within more than 30 others"),
+        ('[a]\nx = "' + "a" * 500_000 + '"', r"a\.x: given .* of 500000 characters"),
+        ("[a]\n" + "k" * 20_000 + " = 1", "of 20000 characters"),
+        ('[a]\nx = "' + "a" * 10**7 + '"', "given a file of 10 MB"),
+        ("[" + " " * 200_000, "is not TOML"),
+    ],
+)
+def test_what_is_too_long_is_refused_in_a_short_sentence(tmp_path, text, message):
+    path = tmp_path / "mine.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=message) as raised:
+        read_toml(path)
+    assert len(str(raised.value)) < 500
+
+
+def test_the_smallest_integer_of_toml_is_read(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(f"[a]\nx = {-(2**63)}\n", encoding="utf-8")
+    assert read_toml(path).sections["a"]["x"] == -(2**63)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.analyses.vibration.assessment import assess
@@ -51,10 +52,9 @@ def written(tmp_path, text, name="6chn25-34"):
 
 
 @pytest.fixture(scope="module")
-def coarse():
+def coarse(coarse_throw):
     """Throw of the shipped six, as coarse as it may be."""
-    engine = load_engine("6chn25-34")
-    return analyze_throw(engine.throw, engine.material, 0.1)
+    return coarse_throw("6chn25-34")[1]
 
 
 @pytest.fixture(scope="module")
@@ -136,14 +136,14 @@ def test_forced_vibration_of_an_engine(run):
     speed = float(torsional.forces.speeds[place])
     whole = engine_torque(mechanism.layout, speed, mechanism.pressure).harmonics()
     own = np.abs(torsional.forces.torque[:, place].sum(axis=1))
-    assert own == pytest.approx(whole.amplitude[: own.size], rel=1e-6, abs=1e-6 * own.max())
+    assert own == close(whole.amplitude[: own.size], rel=1e-6, abs=1e-6 * own.max())
     # Rules of limits go on to 1.15 of the rated speed.
     assert torsional.response.speeds[-1] >= 1.15 * engine.rated_speed * (1.0 - 1e-12)
     # Stress is torque over the weaker section, whose pin of 180 mm is solid.
     modulus = math.pi * 0.18**3 / 16.0
-    assert nominal_section_modulus(run.engine_file.throw) == pytest.approx(modulus)
+    assert nominal_section_modulus(run.engine_file.throw) == close(modulus)
     elastic = torsional.loads.elastic.amplitude[:, :, :7]
-    assert torsional.stress.amplitude == pytest.approx(elastic / modulus)
+    assert torsional.stress.amplitude == close(elastic / modulus)
     # Far below all resonances the engine's torque twists the chain statically; order 3 leads there.
     assert {one.mode for one in torsional.resonances} == {1}
     assert max(torsional.resonances, key=lambda one: one.severity).order == 12.0
@@ -179,15 +179,15 @@ def test_worst_use_does_not_depend_on_what_else_is_calculated(run):
     )
     assert forced[0].response.speeds.size > run.forced_axial.response.speeds.size
     other = assess(engine, *forced, run.analysis).verdict.checks[0]
-    assert other.worst_speed == pytest.approx(run.worst_check.worst_speed, rel=1e-4)
-    assert other.used == pytest.approx(run.worst_check.used, rel=1e-5)
+    assert other.worst_speed == close(run.worst_check.worst_speed, rel=1e-4)
+    assert other.used == close(run.worst_check.used, rel=1e-5)
 
 
 @pytest.mark.slow
 def test_resonances_are_listed_at_all_speeds_judged(run):
     engine, found = run.engine_file.engine, run.forced_torsional
     end = 1.15 * engine.rated_speed
-    assert found.judged_range == pytest.approx((engine.lowest_speed, end))
+    assert found.judged_range == close((engine.lowest_speed, end))
     speeds = [one.speed for one in found.resonances]
     above = [one for one in found.resonances if not one.in_running_range]
     meeting = {
@@ -199,20 +199,20 @@ def test_resonances_are_listed_at_all_speeds_judged(run):
     assert {one.order for one in above} == expected
     assert speeds == sorted(speeds)
     criticals = run.torsional.criticals
-    assert [one.critical.speed for one in criticals] == pytest.approx(speeds)
+    assert [one.critical.speed for one in criticals] == close(speeds)
     assert [one.in_running_range for one in criticals] == [
         one.in_running_range for one in found.resonances
     ]
     record = forced_record(found)
     assert [one["in_running_range"] for one in record["resonances"]].count(False) == len(above)
-    assert record["judged_rpm"][1] == pytest.approx(end * 30.0 / math.pi)
+    assert record["judged_rpm"][1] == close(end * 30.0 / math.pi)
     # The worst speed lies at a resonance, which the verdict names.
     worst = run.worst_check
     nearest = min(found.resonances, key=lambda one: abs(one.speed - worst.worst_speed))
     assert worst.near.startswith(f"order {nearest.order:g} of torsional mode {nearest.mode} (")
     assert f", near {worst.near}" in run.assessment.verdict.sentence
     axes = run.assessment.plot()
-    assert axes.get_xlim()[1] == pytest.approx(end * 30.0 / math.pi)
+    assert axes.get_xlim()[1] == close(end * 30.0 / math.pi)
     assert "highest running speed" in [line.get_label() for line in axes.lines]
 
 
@@ -224,7 +224,7 @@ def test_exciting_forces_do_not_depend_on_the_chains_compliances(coarse, run):
     assert pinned.axial.chosen.source == "fe pinned"
     own, other = (one.forced_axial.response.excitation.forces[:, 0] for one in (run, pinned))
     # Of the two, radial forces and torsion, neither is negligible; round-off.
-    assert own == pytest.approx(other, rel=1e-9, abs=1e-9 * np.abs(own).max())
+    assert own == close(other, rel=1e-9, abs=1e-9 * np.abs(own).max())
 
 
 @pytest.mark.slow
@@ -300,7 +300,7 @@ def test_uncertain_values_widen_the_critical_speeds(coarse, tmp_path):
     found, engine = given.assessment, given.engine_file.engine
     torsional = found.torsional
     # Twice the estimated error of the finite elements is possible.
-    assert torsional.spreads[0].high == pytest.approx(1.0 + 2.0 * coarse.error_estimate)
+    assert torsional.spreads[0].high == close(1.0 + 2.0 * coarse.error_estimate)
     assert found.axial.spreads[0].name == "error of the finite elements"
     assert "that of the axial compliance" in torsional.spreads[0].name
     assert any("excitation by torsion of the nominal chain" in text for text in found.remarks)
@@ -310,10 +310,10 @@ def test_uncertain_values_widen_the_critical_speeds(coarse, tmp_path):
         amplitude = free_end.synthesis.amplitude[:, 0]
         runs = (free_end.speeds >= engine.lowest_speed) & (free_end.speeds <= engine.highest_speed)
         # The grid of speeds differs by the damped resonances that samples add.
-        assert kind.amplitudes.nominal == pytest.approx(amplitude[runs].max(), rel=1e-3)
+        assert kind.amplitudes.nominal == close(amplitude[runs].max(), rel=1e-3)
     assert torsional.amplitudes.nominal < 0.9 * amplitude.max()
     # The flywheel's inertia matters little to the first mode: nearly the root of the factor.
-    assert torsional.nominal[0] / torsional.lowest[0] == pytest.approx(1.1**0.5, rel=0.06)
+    assert torsional.nominal[0] / torsional.lowest[0] == close(1.1**0.5, rel=0.06)
     assert torsional.amplitudes.values.shape == (4,)
     assert found.axial.amplitudes is not None
     assert all(own.low <= own.nominal <= own.high for own in torsional.critical)
@@ -349,8 +349,8 @@ def test_vibration_command_of_a_chain(call, tmp_path):
     answer = call("vibration", "mwm-six")
     assert "216.584" in answer.out
     content = call("vibration", "mwm-six", "--json").json()
-    assert content["modes"][1]["frequency"] == pytest.approx(216.584, abs=1e-3)
-    assert sum(content["modes"][1]["strain_shares"].values()) == pytest.approx(1.0)
+    assert content["modes"][1]["frequency"] == close(216.584, abs=1e-3)
+    assert sum(content["modes"][1]["strain_shares"].values()) == close(1.0)
     answer = call("vibration", "mwm-six", "--coupled")
     assert answer.code == 2
     assert "mwm-six: is a chain file, which has no cylinders" in answer.err
@@ -366,7 +366,7 @@ def test_a_slow_run_up_comes_near_the_steady_amplitudes(run):
     assert np.all(found.largest < found.steady * 1.001)
     assert np.all(found.largest > 0.9 * found.steady)
     record = run_up_record(found, run.forced_torsional)
-    assert json.loads(json.dumps(record, allow_nan=False))["to_rpm"] == pytest.approx(515.0)
+    assert json.loads(json.dumps(record, allow_nan=False))["to_rpm"] == close(515.0)
 
 
 @pytest.mark.parametrize("text", ["20", "20 mm", "0 s", "1 h"])

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import (
     engine_throw_inertias,
@@ -29,7 +30,6 @@ from crankfem.analyses.shaft.whole_shaft import (
     whole_shaft,
 )
 from crankfem.analyses.vibration.run import engine_vibration
-from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism
 from dynamics.chains.chain import Chain
 from dynamics.crankshaft.chain_comparison import ModeMatch, ResponseMatch, chain_verdict
@@ -37,22 +37,19 @@ from dynamics.crankshaft.shaft_system import crankshaft_system
 from dynamics.crankshaft.surroundings import MainBearings
 from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
 from dynamics.excitation.cylinders import forces_at_speeds
-from fem.analysis import analyze_throw
 
 ORDERS = np.arange(1, 25) * 0.5
 
 
 @pytest.fixture(scope="module", params=["6chn25-34", "8chn13-14"])
-def engine(request):
-    engine_file = load_engine(request.param)
-    analysis = analyze_throw(engine_file.throw, engine_file.material, 0.1)
+def engine(request, coarse_throw):
+    engine_file, analysis = coarse_throw(request.param)
     return engine_file, analysis, whole_shaft(engine_file, analysis)
 
 
 @pytest.fixture(scope="module")
-def six():
-    engine_file = load_engine("6chn25-34")
-    return engine_file, analyze_throw(engine_file.throw, engine_file.material, 0.1)
+def six(coarse_throw):
+    return coarse_throw("6chn25-34")
 
 
 def chain_of(engine_file, analysis):
@@ -76,7 +73,7 @@ def lengthening(crankshaft, ends, loaded):
 
 
 @pytest.mark.slow
-def test_whole_shaft_of_an_engine(engine, tmp_path):
+def test_whole_shaft_of_an_engine(engine, coupled_vibration, tmp_path):
     engine_file, analysis, whole = engine
     modes = whole.modes
     assert modes.names[: modes.rigid] == ("rotation about the shaft axis",)
@@ -89,21 +86,21 @@ def test_whole_shaft_of_an_engine(engine, tmp_path):
         own = engine_file.material.density * math.pi / 32.0 * d**4 * length
     # The chain does not know the stub at the free end. Masses of superelements are those of meshes,
     # which have the solid's volume within 0.1 %.
-    assert about @ whole.crankshaft.shaft.mass @ about == pytest.approx(
+    assert about @ whole.crankshaft.shaft.mass @ about == close(
         torsional.chain.inertia.sum() + own, rel=1e-3
     )
     held = whole_shaft(engine_file, analysis, bearings=MainBearings(math.inf))
     twist = lengthening(held.crankshaft, "section {} rz", held.crankshaft.point("section 0 rz"))
     stretch = lengthening(held.crankshaft, "section {} uz", held.crankshaft.point("section 0 uz"))
     # The static assembly of the same superelement, by another way; residuals of the solver are 1e-9.
-    assert twist == pytest.approx(shaft.torsional.sum(), rel=1e-6)
-    assert stretch == pytest.approx(shaft.axial.sum(), rel=1e-6)
+    assert twist == close(shaft.torsional.sum(), rel=1e-6)
+    assert stretch == close(shaft.axial.sum(), rel=1e-6)
     by_pin = lengthening(held.crankshaft, "section {} uz", held.crankshaft.point("pin 2 radial"))
-    assert by_pin == pytest.approx(shaft.influence[:, 1].sum(), rel=1e-6)
+    assert by_pin == close(shaft.influence[:, 1].sum(), rel=1e-6)
     assert any("assumed" in remark for remark in whole.remarks) == (engine_file.bearings is None)
     assert np.all(whole.rotation_ratios[:3] > 0.01)
     # Everything at once: forces of the engine, whole shaft, chains, pictures.
-    found = engine_vibration(engine_file, analysis=analysis, coupled=True).comparison
+    found = coupled_vibration(engine_file.path.stem).comparison
     # Modes of the chain up to the highest exciting frequency are compared, not only the first.
     assert len(found.axial.modes) == {"6chn25-34": 2, "8chn13-14": 1}[engine_file.path.stem]
     split = found.coupled.split("section 0 uz")
@@ -147,7 +144,7 @@ def test_leaving_modes_out_changes_no_answer(engine):
 
 
 @pytest.mark.slow
-def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, tmp_path):
+def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, coupled_vibration, tmp_path):
     """All angles with the other sign: the mirror image, which turns against z.
 
     The throw is its own mirror image and its mesh is too, so that only round-off remains, larger by the
@@ -160,11 +157,14 @@ def test_an_engine_that_turns_the_other_way_vibrates_the_same(six, tmp_path):
     mirrored = text[start:end].replace('"120 deg"', '"-120 deg"').replace('"240 deg"', '"-240 deg"')
     path = tmp_path / "mirrored.toml"
     path.write_text(text[:start] + mirrored + text[end:], encoding="utf-8")
-    runs = [engine_vibration(own, analysis=analysis, coupled=True) for own in (engine_file, path)]
+    runs = [
+        coupled_vibration("6chn25-34"),
+        engine_vibration(path, analysis=analysis, coupled=True),
+    ]
     senses = [run.engine_file.engine.turning_sense for run in runs]
     assert senses[0] == -senses[1]
     for peaks in zip(*(_peaks(run) for run in runs), strict=True):
-        assert peaks[1] == pytest.approx(peaks[0], rel=1e-6)
+        assert peaks[1] == close(peaks[0], rel=1e-6)
 
 
 def _peaks(run):

@@ -6,21 +6,15 @@ import shutil
 import subprocess
 import sys
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 import pytest
-from matplotlib.figure import Figure
 
-import crankfem as cf
-from crankbase.errors import MissingLibraryError
 from crankfem.analyses.throw.pictures import stress_picture
-from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from crankfem.cli import app as cli
 from crankfem.jobs.pipeline import RunResult, run_engine
-from fem import fillet_stress
-from fem.analysis import analyze_throw
 from regression.runs import supervised
+from stand_ins import draw_nothing, lighten, put_everywhere
 
 ROOT = Path(__file__).resolve().parents[2]
 FENCE = re.compile(r"^(?P<indent> *)(?P<ticks>`{3,})(?P<language>[\w-]*)(?P<rest>.*)$")
@@ -148,8 +142,6 @@ for line in sys.stdin:
     answer = {"key": request["key"], "responses": responses, "errors": errors, "seconds": 0.1}
     print(json.dumps(answer | {"unknowns": 9}), flush=True)
 """
-analyzed = cache(analyze_throw)
-stressed = cache(fillet_stress.fillet_stresses)
 # Folders of runs by what they were made of: several pages run the same shipped engine.
 finished_runs = {}
 
@@ -175,24 +167,6 @@ def stand_in_worker():
     return subprocess.Popen(
         [sys.executable, "-S", "-c", STAND_IN], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
-
-
-def save_nothing(figure, path, **_):
-    """Write an empty diagram: to lay diagrams out takes half of a run."""
-    Path(path).write_text('<svg xmlns="http://www.w3.org/2000/svg"/>', encoding="utf-8")
-
-
-class NotRendered:
-    """The rendering of a machine without an OpenGL library."""
-
-    def __init__(self, *_):
-        self.files = {}
-
-    def wait(self):
-        raise MissingLibraryError("there is no OpenGL library")
-
-    def stop(self):
-        pass
 
 
 class Runner:
@@ -244,7 +218,7 @@ class Runner:
             patch.setattr(sys, "argv", ["crankfem", *words])
             patch.setattr(supervised, "spawn_worker", stand_in_worker)
             patch.setattr("crankfem.jobs.pipeline.run_engine", run_once)
-            patch.setattr(Figure, "savefig", save_nothing)
+            draw_nothing(patch)
             with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
                 try:
                     cli.main()
@@ -257,26 +231,12 @@ class Runner:
             (self.folder / target).write_text(out.getvalue(), encoding="utf-8")
 
 
-def put_everywhere(monkeypatch, original, other):
-    """Put another function or class in the place of one, in all modules that have imported it."""
-    name = original.__name__
-    getattr(cf, name, None)  # crankfem keeps what it has once given
-    for module in list(sys.modules.values()):
-        if vars(module).get(name) is original:
-            monkeypatch.setattr(module, name, other)
-
-
 @pytest.fixture
-def run_page(monkeypatch, tmp_path, coarse_stresses):
+def run_page(monkeypatch, tmp_path):
     """Run a page's blocks in an empty folder: analyses shared, stresses coarse, nothing rendered."""
     monkeypatch.chdir(tmp_path)
-    for name, value in coarse_stresses.items():
-        monkeypatch.setattr(fillet_stress, name, value)
-    put_everywhere(monkeypatch, analyze_throw, analyzed)
-    put_everywhere(monkeypatch, fillet_stress.fillet_stresses, stressed)
+    lighten(monkeypatch)
     put_everywhere(monkeypatch, stress_picture.picture_stresses, lambda *_: ())
-    for kind in OffscreenProcess.__subclasses__():
-        put_everywhere(monkeypatch, kind, NotRendered)
 
     def run(page):
         blocks = blocks_of(page.read_text(encoding="utf-8"))

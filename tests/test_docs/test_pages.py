@@ -7,6 +7,7 @@ lines, and console blocks, are for the reader. A text block that follows a Pytho
 prints. `<!-- not run: reason -->` leaves the next block out.
 """
 
+import re
 from pathlib import Path
 
 import pytest
@@ -19,8 +20,15 @@ def name(page):
     return page.relative_to(ROOT).as_posix()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("page", PAGES, ids=name)
+def marked(page):
+    """Return the page, among the further tests if its commands take engines or studies through a run."""
+    text = page.read_text(encoding="utf-8")
+    whole = re.search(r"(?m)^ *crankfem (run|doe|stress|vibration)\b", text)
+    marks = [pytest.mark.further] if whole else [pytest.mark.slow]
+    return pytest.param(page, marks=marks, id=name(page))
+
+
+@pytest.mark.parametrize("page", [marked(page) for page in PAGES])
 def test_blocks_of_the_page_run(page, run_page):
     run_page(page)
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.balance.balance import balance
 from dynamics.balance.hinged_rods import hinged_rod_effects, hodograph_change
@@ -84,7 +85,7 @@ def test_forces_are_minus_mass_times_acceleration():
         own = mass.static_moment * SPEED**2 * np.exp(1j * (mass.angle + angles))
         force += own
         moment += 1j * (mass.position - found.about) * own
-    assert found.about == pytest.approx(0.3)
+    assert found.about == close(0.3)
     row = found.rows[0]
     np.testing.assert_allclose(
         summed_orders(found, angles, "force"),
@@ -124,26 +125,26 @@ def test_two_masses_are_exact_where_nothing_lies_beside_the_rods():
     for ours, plain in zip(rigid.rows, two.rows, strict=True):
         assert ours.reciprocating == plain.reciprocating
         assert plain.lateral.force.major == 0.0
-        assert ours.force.forward == pytest.approx(
+        assert ours.force.forward == close(
             plain.force.forward + ours.lateral.force.forward, abs=ROUND_OFF * ours.force_scale
         )
     # sin(beta) has a first order only when there is no offset; its part is S lambda w^2.
     leaning = in_line([0.0], MAIN)
     static = moving_masses(leaning)[0].lateral
-    assert static == pytest.approx(30.0 * 0.012)
+    assert static == close(30.0 * 0.012)
     first = balance(leaning, SPEED).of(1).lateral.force
-    assert first.major == pytest.approx(static * 0.25 * SPEED**2, rel=1e-13)
+    assert first.major == close(static * 0.25 * SPEED**2, rel=1e-13)
 
 
 def test_masses_are_shared_out_without_loss():
     engine = engine_with_everything()
     main, hinged = moving_masses(engine)[:2]
-    assert main.reciprocating + main.rotating + hinged.reciprocating == pytest.approx(
+    assert main.reciprocating + main.rotating + hinged.reciprocating == close(
         20.0 + 30.0 + 18.0 + 12.0, rel=1e-15
     )
     assert hinged.rotating == 0.0
     at_pin = 12.0 * (1 - 0.11 / 0.30)
-    assert main.lateral == pytest.approx(30.0 * 0.012 + at_pin * 0.1 * math.sin(0.75))
+    assert main.lateral == close(30.0 * 0.012 + at_pin * 0.1 * math.sin(0.75))
 
 
 def test_scales_of_what_counts_as_round_off():
@@ -152,10 +153,10 @@ def test_scales_of_what_counts_as_round_off():
     scale = 3 * 50.0 * 0.1 * SPEED**2
     for about, reach in ((None, 0.25), (0.1, 0.4), (-1.0, 1.5)):
         row = balance(engine, SPEED, about=about).rows[0]
-        assert row.force_scale == pytest.approx(scale, rel=1e-14)
-        assert row.moment_scale == pytest.approx(scale * reach, rel=1e-14)
+        assert row.force_scale == close(scale, rel=1e-14)
+        assert row.moment_scale == close(scale * reach, rel=1e-14)
     alone = balance(in_line([0.0]), SPEED).rows[0]
-    assert alone.moment_scale == pytest.approx(alone.force_scale * 0.1, rel=1e-14)
+    assert alone.moment_scale == close(alone.force_scale * 0.1, rel=1e-14)
 
 
 def test_moments_about_another_point():
@@ -163,7 +164,7 @@ def test_moments_about_another_point():
     here, there = balance(engine, SPEED, about=0.0), balance(engine, SPEED, about=2.0)
     for near, far in zip(here.rows, there.rows, strict=True):
         assert near.force == far.force
-        assert far.moment.forward == pytest.approx(
+        assert far.moment.forward == close(
             near.moment.forward - 2j * near.force.forward, abs=ROUND_OFF * near.force_scale
         )
 
@@ -193,7 +194,7 @@ def test_samples_grow_with_the_orders():
     assert found.samples == 2048
     for order in (0, 1, -3, 40):
         # Where the kernel is largest, its divisor is 0.0025 as a difference of numbers of 1.9.
-        assert complex(found.of(order)) == pytest.approx(share ** abs(order), abs=1e-13)
+        assert complex(found.of(order)) == close(share ** abs(order), abs=1e-13)
     assert turn_spectrum(np.cos, 100).samples > 2 * 100
 
 
@@ -204,7 +205,7 @@ def test_counterweights():
     ]
     vee = EngineLayout(0.1, cylinders, [1, 2], 2)
     weights = balancing_masses(vee, 0.5)
-    assert [weight.angle for weight in weights] == pytest.approx([0.4 + math.pi] * 2)
+    assert [weight.angle for weight in weights] == close([0.4 + math.pi] * 2)
     assert balance(replace(vee, rotating=weights), SPEED).of(1).force_balanced
     assert not balance(replace(vee, rotating=balancing_masses(vee)), SPEED).of(1).force_balanced
     # One cylinder: what is left turns against the shaft.
@@ -213,7 +214,7 @@ def test_counterweights():
     assert left.force.sense == -1
     assert left.force.angle is None
     moving = moving_masses(single)[0].reciprocating
-    assert left.force.major == pytest.approx(0.5 * moving * 0.1 * SPEED**2, rel=1e-13)
+    assert left.force.major == close(0.5 * moving * 0.1 * SPEED**2, rel=1e-13)
     # Rotating masses alone leave a line.
     left = balance(replace(single, rotating=balancing_masses(single)), SPEED).of(1)
     assert left.force.sense == 0
@@ -235,17 +236,17 @@ def test_effects_of_hinged_rods_are_those_of_whole_engines():
     for effect, row, other in zip(found, plain.rows, balance(beside, SPEED).rows[:2], strict=True):
         ours, reference = row.reciprocating.force, other.reciprocating.force.times(ratio)
         for made, wanted in ((effect.hinged, ours), (effect.side_by_side, reference)):
-            assert made.forward == pytest.approx(wanted.forward, abs=ROUND_OFF * row.force_scale)
-            assert made.backward == pytest.approx(wanted.backward, abs=ROUND_OFF * row.force_scale)
+            assert made.forward == close(wanted.forward, abs=ROUND_OFF * row.force_scale)
+            assert made.backward == close(wanted.backward, abs=ROUND_OFF * row.force_scale)
     section = hinged_rod_effects(engine, SPEED, (2,), [3, 4])[0]
-    assert section.hinged.major != pytest.approx(found[1].hinged.major, rel=1e-3)
+    assert section.hinged.major != close(found[1].hinged.major, rel=1e-3)
 
 
 def test_change_of_a_hodograph():
     reference = Hodograph(2, 3.0, 1.0)
     change = hodograph_change(Hodograph(2, 3.0, 2.0).times(np.exp(1.7j)), reference)
-    assert (change.major, change.minor) == (pytest.approx(0.25), pytest.approx(-0.5))
-    assert change.turn == pytest.approx(1.7 - math.pi)
+    assert (change.major, change.minor) == (close(0.25), close(-0.5))
+    assert change.turn == close(1.7 - math.pi)
     line, circle = Hodograph(2, 1.0, 1.0), Hodograph(2, 1.0, 0.0)
     assert hodograph_change(reference, line).minor is None
     assert hodograph_change(reference, circle).turn is None

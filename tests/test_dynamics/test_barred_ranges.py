@@ -1,8 +1,8 @@
 """Ranges about resonances of known shape, 1 / |1 - (n / n_c)^2 + i / M n / n_c|."""
 
 import numpy as np
-import pytest
 
+from comparing import close
 from dynamics.assessment.barred_ranges import BarredRangeRule, barred_ranges, exceeded_ranges
 from dynamics.assessment.limits import (
     AmplitudeCurve,
@@ -32,7 +32,7 @@ def test_edges_lie_where_the_limit_is_met_and_never_too_narrow():
     # Straight lines over steps of 0.1 stray by step^2/8 times curvature over slope, about 0.001.
     assert low - 2e-3 < found.low < low
     assert high < found.high < high + 2e-3
-    assert found.peaks == pytest.approx((50.0,))
+    assert found.peaks == close((50.0,))
     assert not found.cut_off
 
 
@@ -42,9 +42,9 @@ def test_ranges_are_widened_to_the_rule_and_merged_where_they_meet():
     first, second = barred_ranges(
         [(LIMIT, AmplitudeCurve("shaft", speeds, values))], RULE, (20.0, 100.0)
     )
-    assert first.peaks == pytest.approx((40.0, 44.0), abs=0.06)
-    assert first.low == pytest.approx(RULE.bounds(first.peaks[0])[0])
-    assert first.high == pytest.approx(RULE.bounds(first.peaks[1])[1])
+    assert first.peaks == close((40.0, 44.0), abs=0.06)
+    assert first.low == close(RULE.bounds(first.peaks[0])[0])
+    assert first.high == close(RULE.bounds(first.peaks[1])[1])
     assert second.low > first.high
     assert first.allowed
     assert second.allowed
@@ -96,13 +96,13 @@ def test_a_flank_at_the_highest_speed_belongs_to_the_peak_beyond():
     curve = AmplitudeCurve("shaft", speeds, resonance(speeds, 50.0))
     (found,) = exceeded_ranges(LIMIT, curve, 49.0)
     assert found.high == 49.0
-    assert found.peaks == pytest.approx((50.0,))
+    assert found.peaks == close((50.0,))
     assert not found.cut_off
     (barred,) = barred_ranges([(LIMIT, curve)], RULE, (20.0, 49.0))
-    assert (barred.low, barred.high) == pytest.approx(RULE.bounds(50.0))
+    assert (barred.low, barred.high) == close(RULE.bounds(50.0))
     # On the falling side the peak lies within.
     (found,) = exceeded_ranges(LIMIT, curve, 51.0)
-    assert (found.high, *found.peaks) == pytest.approx((51.0, 50.0))
+    assert (found.high, *found.peaks) == close((51.0, 50.0))
     assert exceeded_ranges(LIMIT, curve, 45.0) == ()
 
 

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import (
@@ -54,7 +55,7 @@ def test_merged_nodes_add_up_everything(shaft):
     expand[[0, 1, 2, 3, 4, 5], [0, 1, 2, 2, 3, 4]] = 1.0
     for name in MATRICES:
         apart = block(getattr(shaft, name)(), getattr(other, name)())
-        assert getattr(joined, name)() == pytest.approx(expand.T @ apart @ expand)
+        assert getattr(joined, name)() == close(expand.T @ apart @ expand)
 
 
 def test_chains_joined_by_an_element_and_by_a_gear(shaft):
@@ -86,7 +87,7 @@ def test_nodes_are_added_in_three_ways(shaft):
 
 def test_a_gear_may_be_without_inertia(shaft):
     geared = add_node(shaft, "d", 0.0, to="c", ratio=3.0)
-    assert geared.modes().frequencies == pytest.approx(shaft.modes().frequencies)
+    assert geared.modes().frequencies == close(shaft.modes().frequencies)
 
 
 def test_links_and_supports_are_added(shaft):

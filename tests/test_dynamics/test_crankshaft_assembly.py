@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.shaft_modes import crankshaft_modes, rotation_ratio
@@ -125,7 +126,7 @@ def test_free_shaft_has_six_rigid_motions_by_name():
     assert modes.angular_frequencies[:6].tolist() == [0.0] * 6
     assert modes.angular_frequencies[6] > 100.0
     assert modes.kinds[:6] == ("torsional", "axial", *("bending",) * 4)
-    assert modes.shares[:, :6].max(axis=0) == pytest.approx(np.ones(6), abs=1e-12)
+    assert modes.shares[:, :6].max(axis=0) == close(np.ones(6), abs=1e-12)
     left = shaft.stiffness @ shaft.rigid
     # Round-off of the largest stiffness.
     assert np.abs(left).max() < 1e-12 * np.abs(shaft.stiffness).max()
@@ -133,8 +134,8 @@ def test_free_shaft_has_six_rigid_motions_by_name():
     throw = ShaftThrow(STIFFNESS, MASS, PIN[None], [[0.0, RADIUS, 0.2]], LENGTH)
     found = np.diag(shaft.rigid.T @ shaft.mass @ shaft.rigid)
     mass, inertia = throw.rigid_inertia()
-    assert mass == pytest.approx(RHO * math.pi / 4.0 * THICK**2 * (LENGTH + 2.0 * RADIUS))
-    assert found[:4] == pytest.approx([4 * inertia, 4 * mass, 4 * mass, 4 * mass])
+    assert mass == close(RHO * math.pi / 4.0 * THICK**2 * (LENGTH + 2.0 * RADIUS))
+    assert found[:4] == close([4 * inertia, 4 * mass, 4 * mass, 4 * mass])
 
 
 @pytest.mark.parametrize(
@@ -167,7 +168,7 @@ def test_elastic_modes_are_those_of_the_matrices(surrounded):
     modes = crankshaft_modes(surrounded)
     squares = eigh(surrounded.stiffness, surrounded.mass, eigvals_only=True)
     # Round-off of the highest frequency is what the general solver leaves.
-    assert modes.angular_frequencies**2 == pytest.approx(squares, abs=1e-11 * squares[-1])
+    assert modes.angular_frequencies**2 == close(squares, abs=1e-11 * squares[-1])
 
 
 def test_shares_do_not_depend_on_the_frame(surrounded):
@@ -175,10 +176,10 @@ def test_shares_do_not_depend_on_the_frame(surrounded):
     turned = crankshaft_modes(shaft_of([angle + 37.0 for angle in CRANKS], AROUND))
     apart = np.diff(modes.frequencies[modes.rigid : 12]).min()
     assert apart > 1.0  # no two of them alike, so that each mode is one
-    assert turned.frequencies == pytest.approx(modes.frequencies, rel=1e-9)
-    assert turned.shares[:, :12] == pytest.approx(modes.shares[:, :12], abs=1e-6)
+    assert turned.frequencies == close(modes.frequencies, rel=1e-9)
+    assert turned.shares[:, :12] == close(modes.shares[:, :12], abs=1e-6)
     assert modes.shares.min() >= 0.0
-    assert modes.shares.sum(axis=0) == pytest.approx(np.ones(len(modes.frequencies)))
+    assert modes.shares.sum(axis=0) == close(np.ones(len(modes.frequencies)))
 
 
 def test_a_straight_shaft_has_pure_modes():
@@ -200,14 +201,12 @@ def test_a_straight_shaft_has_pure_modes():
     )
     modes = crankshaft_modes(assemble_crankshaft([throw] * 5))
     for mode in range(6, 14):
-        assert modes.shares[:, mode].max() == pytest.approx(1.0, abs=1e-6)
+        assert modes.shares[:, mode].max() == close(1.0, abs=1e-6)
     first = modes.first("torsional")
     speed = math.sqrt(E / (2.0 * (1.0 + NU)) / RHO)
     # Ten elements with consistent mass are 0.4 % high: (pi / 10)^2 / 24.
     exact = speed / (2.0 * 5 * 0.4)
-    assert modes.frequencies[first] == pytest.approx(
-        exact * (1.0 + (math.pi / 10) ** 2 / 24), rel=1e-3
-    )
+    assert modes.frequencies[first] == close(exact * (1.0 + (math.pi / 10) ** 2 / 24), rel=1e-3)
 
 
 @pytest.mark.parametrize("highest", [None, 600.0, 150.0])
@@ -245,19 +244,19 @@ def test_static_answers_are_exact_however_many_modes_are_left_out(highest):
     answer = system.expand[:, 1:] @ (work[1:] / system.natural[1:] ** 2)
     whole = shaft.expand @ exact
     # Rounding of the least squares solution, whose matrix has a condition of 1e7.
-    assert answer == pytest.approx(whole, abs=1e-7 * np.abs(whole).max())
+    assert answer == close(whole, abs=1e-7 * np.abs(whole).max())
 
 
 def test_a_tangential_force_turns_the_shaft_and_a_radial_one_does_not():
     shaft = shaft_of(CRANKS)
     about = shaft.rigid[:, 0]
     moved = shaft.pins.reshape(4, 3, -1) @ about
-    assert moved == pytest.approx(np.tile([RADIUS, 0.0, 0.0], (4, 1)), abs=1e-12)
+    assert moved == close(np.tile([RADIUS, 0.0, 0.0], (4, 1)), abs=1e-12)
     against = shaft_of(CRANKS, turning_sense=-1).pins.reshape(4, 3, -1) @ about
-    assert against[:, 0] == pytest.approx(np.full(4, -RADIUS))
+    assert against[:, 0] == close(np.full(4, -RADIUS))
     # Towards the axis: +x of the shaft for a crank at 90 degrees (which lies at -x).
     along_x = shaft.pins.reshape(4, 3, -1) @ shaft.rigid[:, 2]
-    assert along_x[:, 1] == pytest.approx([0.0, 1.0, -1.0, 0.0], abs=1e-12)
+    assert along_x[:, 1] == close([0.0, 1.0, -1.0, 0.0], abs=1e-12)
 
 
 def test_masses_at_pins_add_what_rods_add(surrounded):
@@ -265,19 +264,19 @@ def test_masses_at_pins_add_what_rods_add(surrounded):
     assert mass == 30.0
     bare, laden = shaft_of(CRANKS), shaft_of(CRANKS, ShaftSurroundings(pin_masses=[mass] * 4))
     added = np.diag(laden.rigid.T @ (laden.mass - bare.mass) @ laden.rigid)
-    assert added[:4] == pytest.approx([4 * mass * RADIUS**2, 0.0, 4 * mass, 4 * mass], abs=1e-9)
+    assert added[:4] == close([4 * mass * RADIUS**2, 0.0, 4 * mass, 4 * mass], abs=1e-9)
     # A body's own center counts: mass, and inertia about its section by Steiner's theorem.
     body = EndBody(10.0, 0.4, 0.3, 0.2).mass_matrix(1.0)
-    assert body[3, 3] == pytest.approx(0.3 + 10.0 * 0.2**2)
+    assert body[3, 3] == close(0.3 + 10.0 * 0.2**2)
     assert (body[0, 4], body[1, 3]) == (2.0, -2.0)
 
 
 def test_turning_a_vector_about_the_shaft():
-    assert rotation(math.pi / 2) @ [0.0, 1.0, 0.0] == pytest.approx([-1.0, 0.0, 0.0], abs=1e-15)
+    assert rotation(math.pi / 2) @ [0.0, 1.0, 0.0] == close([-1.0, 0.0, 0.0], abs=1e-15)
 
 
 def test_rotation_ratio():
-    assert rotation_ratio(100.0, np.array([400.0, 1000.0])) == pytest.approx([0.25, 0.1])
+    assert rotation_ratio(100.0, np.array([400.0, 1000.0])) == close([0.25, 0.1])
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.crankshaft.assembly import assemble_crankshaft
@@ -106,8 +107,8 @@ def test_axial_chain_is_the_straight_shaft():
     matches = matching_modes(shaft, axial, 1e4)
     assert len(matches) == 4
     for match in matches:
-        assert match.difference == pytest.approx(0.0, abs=1e-9)
-        assert (match.share, match.likeness) == pytest.approx((1.0, 1.0), abs=1e-9)
+        assert match.difference == close(0.0, abs=1e-9)
+        assert (match.share, match.likeness) == close((1.0, 1.0), abs=1e-9)
     assert chain_verdict(matches).suffices
 
 
@@ -174,8 +175,8 @@ def test_torque_of_the_chain_is_that_of_the_pins(forces):
     assert len(matches) == 1
     # The ends' share of the inertia is what both differ by.
     assert abs(matches[0].difference) < 5.0 * LEFT
-    assert matches[0].share == pytest.approx(1.0, abs=1e-9)
-    assert matches[0].likeness == pytest.approx(1.0, abs=1e-6)
+    assert matches[0].share == close(1.0, abs=1e-9)
+    assert matches[0].likeness == close(1.0, abs=1e-6)
     torques = np.zeros((6, 40, 4), dtype=complex)
     torques[:, :, :3] = RADIUS * forces.tangential
     by_chain = forced_response(
@@ -183,7 +184,7 @@ def test_torque_of_the_chain_is_that_of_the_pins(forces):
     )
     coupled = coupled_response(shaft, forces, modal_damping=0.05)
     found = matching_response(coupled, torsional, by_chain)
-    assert found.chain == pytest.approx(found.shaft, rel=100.0 * LEFT)
+    assert found.chain == close(found.shaft, rel=100.0 * LEFT)
     assert chain_verdict(matches, found).suffices
     other = OrderExcitation(forces.orders[:2], forces.speeds, torques[:2])
     shorter = forced_response(torsional.chain, other)

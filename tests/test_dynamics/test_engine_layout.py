@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
 from dynamics.engine.firing import (
@@ -53,8 +54,8 @@ def degrees(angles):
 )
 def test_firing_angles_in_line(cranks, order, strokes, wanted):
     engine = EngineLayout(0.07, in_line(*cranks), order, strokes)
-    assert degrees(engine.firing) == pytest.approx(wanted, abs=1e-9)
-    assert math.degrees(engine.cycle) == pytest.approx(180.0 * strokes)
+    assert degrees(engine.firing) == close(wanted, abs=1e-9)
+    assert math.degrees(engine.cycle) == close(180.0 * strokes)
     assert firing_order_of_angles(engine.firing, strokes, order[0]) == order
 
 
@@ -63,7 +64,7 @@ def test_firing_angles_of_a_vee_engine():
     cranks, banks = (0, 270, 90, 180), (-45, 45)
     cylinders = [cylinder(crank, bank) for bank in banks for crank in cranks]
     tops = [math.degrees(one.top_shaft_angle) % 360 for one in cylinders]
-    assert tops == pytest.approx([315, 45, 225, 135, 45, 135, 315, 225])
+    assert tops == close([315, 45, 225, 135, 45, 135, 315, 225])
     order = (1, 5, 4, 8, 7, 2, 6, 3)
     engine = EngineLayout(0.07, cylinders, order)
     steps = np.diff([degrees(engine.firing)[number - 1] for number in order])
@@ -81,9 +82,9 @@ def test_firing_angles_of_even_cranks_follow_the_order(order, start):
     assert firing_order_of_angles(angles, 4, order[0]) == tuple(order)
     for place, number in enumerate(order):
         later = angles[number - 1] - angles[order[0] - 1]
-        assert math.degrees(later) == pytest.approx(144.0 * place, abs=1e-3)
+        assert math.degrees(later) == close(144.0 * place, abs=1e-3)
         assert math.remainder(angles[number - 1] - tops[number - 1], 2.0 * math.pi) == (
-            pytest.approx(0.0, abs=1e-9)
+            close(0.0, abs=1e-9)
         )
 
 
@@ -97,7 +98,7 @@ def test_firing_angles_may_be_given():
 def test_tops_that_differ_by_round_off_are_a_turn_apart(apart):
     """Two cranks in one direction in a four-stroke engine: the second fires 360 deg later."""
     angles = firing_angles_of_order([1, 2], [0.0, apart], 4)
-    assert angles == pytest.approx((0.0, 2.0 * math.pi + apart), abs=1e-12)
+    assert angles == close((0.0, 2.0 * math.pi + apart), abs=1e-12)
 
 
 FIRED_1342 = np.radians([0.0, 540.0, 180.0, 360.0])
@@ -173,7 +174,7 @@ def test_a_layout_keeps_what_was_checked():
 
 def test_a_pistons_place_is_asked_by_a_whole_number():
     engine = EngineLayout(0.07, in_line(0, 180), [1, 2])
-    assert piston_position(engine, np.int64(2))(np.zeros(1)) == pytest.approx(0.335)
+    assert piston_position(engine, np.int64(2))(np.zeros(1)) == close(0.335)
     for number in (1.5, 0, 3, True):
         with pytest.raises(InputError, match=f"cylinder: given {number}; .*whole numbers 1 to 2"):
             piston_position(engine, number)
@@ -188,8 +189,8 @@ def test_one_cylinder_of_an_engine_moves_as_a_slider_crank():
         ours, wanted = getattr(motion.piston, name), getattr(alone, name)
         np.testing.assert_allclose(ours, wanted, rtol=0.0, atol=1e-15)
     lowest, highest = piston_ends(engine, 1)
-    assert highest == pytest.approx(drive.top, abs=1e-14)
-    assert highest - lowest == pytest.approx(drive.stroke, abs=1e-14)
+    assert highest == close(drive.top, abs=1e-14)
+    assert highest - lowest == close(drive.stroke, abs=1e-14)
     travel = drive.travel(angles + math.radians(75.0)).place.real
     np.testing.assert_allclose(highest - motion.piston.place.real, travel, rtol=0.0, atol=1e-14)
 
@@ -329,5 +330,5 @@ def test_a_rod_is_a_rod():
 @pytest.mark.parametrize(("strokes", "total"), [(2, 2.0), (4, 4.0)])
 def test_firing_intervals_are_one_cycle_together(strokes, total):
     steps = firing_intervals([0.5, 0.1, 3.0], strokes)
-    assert steps[:2] == pytest.approx((0.4, 2.5))
-    assert sum(steps) == pytest.approx(total * np.pi)
+    assert steps[:2] == close((0.4, 2.5))
+    assert sum(steps) == close(total * np.pi)

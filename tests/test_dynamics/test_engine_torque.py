@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.forces import mechanism_forces
@@ -64,17 +65,17 @@ def test_mean_torque_does_the_indicated_work(engine):
     found = engine_torque(engine, SPEED, SmoothPressure(engine.strokes))
     work = found.indicated_work
     assert np.all(np.abs(work) > 10.0)
-    assert found.mean * engine.cycle == pytest.approx(work.sum(), rel=1e-12)
+    assert found.mean * engine.cycle == close(work.sum(), rel=1e-12)
     assert abs(found.energy_error) < 1e-13
     # A torque a thousandth too large shows by its share of the work exchanged.
     step = engine.cycle / found.shaft_angles.size
     share = 1e-3 * work.sum() / (np.abs(found.gas).sum() * step)
     wrong = replace(found, gas=1.001 * found.gas)
-    assert wrong.energy_error == pytest.approx(share / 1.001, rel=1e-9)
+    assert wrong.energy_error == close(share / 1.001, rel=1e-9)
     # Without gas nothing is exchanged, and what is left in N m is round-off of some 1e3 N m.
-    assert engine_torque(engine, SPEED).energy_error == pytest.approx(0.0, abs=1e-9)
-    assert found.power == pytest.approx(work.sum() * SPEED / engine.cycle, rel=1e-12)
-    assert found.inertia.mean(axis=1) == pytest.approx(np.zeros(len(work)), abs=1e-9)
+    assert engine_torque(engine, SPEED).energy_error == close(0.0, abs=1e-9)
+    assert found.power == close(work.sum() * SPEED / engine.cycle, rel=1e-12)
+    assert found.inertia.mean(axis=1) == close(np.zeros(len(work)), abs=1e-9)
 
 
 @ENGINES
@@ -88,7 +89,7 @@ def test_indicated_work_is_the_area_of_the_pressure_over_volume_loop(engine):
         place = cylinder_motion(engine, number, angles).piston.place.real
         work = -np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(place))
         # A polygon misses the share step^2 / 6 of the loop, 7e-8 with 4 pi / 20000.
-        assert found.indicated_work[number - 1] == pytest.approx(work, rel=2e-7)
+        assert found.indicated_work[number - 1] == close(work, rel=2e-7)
 
 
 def test_torque_is_that_of_all_forces_at_once():
@@ -99,16 +100,16 @@ def test_torque_is_that_of_all_forces_at_once():
     gas = gas_forces(engine, angles, pressure)
     whole = mechanism_forces(engine, angles, SPEED, gas, model="three-mass")
     largest = np.max(np.abs(whole.torque))
-    assert found.per_cylinder == pytest.approx(whole.torque, abs=1e-13 * largest)
-    assert found.total == pytest.approx(whole.torque.sum(axis=0), abs=1e-13 * largest)
+    assert found.per_cylinder == close(whole.torque, abs=1e-13 * largest)
+    assert found.total == close(whole.torque.sum(axis=0), abs=1e-13 * largest)
     assert found.throws == ((1, 2), (3, 4))
-    assert found.per_throw == pytest.approx(
+    assert found.per_throw == close(
         np.array([whole.torque[:2].sum(axis=0), whole.torque[2:].sum(axis=0)]), abs=1e-12 * largest
     )
     # The first journal has only the throw at the free end before it.
     assert np.array_equal(found.passed_on[0], found.per_throw[0])
     assert np.max(np.abs(found.per_throw[0] - found.per_throw[1])) > 0.1 * largest
-    assert found.passed_on[-1] == pytest.approx(found.total, abs=1e-12 * largest)
+    assert found.passed_on[-1] == close(found.total, abs=1e-12 * largest)
     same = engine_torque(engine, SPEED, gas, samples=96, model="three-mass")
     assert np.array_equal(same.total, found.total)
 
@@ -116,7 +117,7 @@ def test_torque_is_that_of_all_forces_at_once():
 def test_nonuniformity():
     engine = in_line_two_stroke()
     found = engine_torque(engine, SPEED, SmoothPressure(2))
-    assert found.nonuniformity == pytest.approx(np.ptp(found.total) / found.mean)
+    assert found.nonuniformity == close(np.ptp(found.total) / found.mean)
     assert engine_torque(engine, SPEED).nonuniformity is None
 
 
@@ -128,9 +129,9 @@ def test_transform_and_finite_sums_agree_on_an_engines_torque(engine, samples):
     fast = found.harmonics()
     # Round-off of sums of 720 terms.
     small = 1e-13 * np.max(np.abs(found.total))
-    assert fast.mean == pytest.approx(plain.mean, abs=small)
-    assert fast.cosine == pytest.approx(plain.cosine, abs=small)
-    assert fast.sine == pytest.approx(plain.sine, abs=small)
+    assert fast.mean == close(plain.mean, abs=small)
+    assert fast.cosine == close(plain.cosine, abs=small)
+    assert fast.sine == close(plain.sine, abs=small)
     assert fast.samples == samples
 
 
@@ -139,7 +140,7 @@ def test_harmonics_of_throws_add_up_to_the_engines():
     throws = [found.harmonics(throw) for throw in (1, 2)]
     added = sum(throw.cosine + 1j * throw.sine for throw in throws)
     whole = found.harmonics()
-    assert added == pytest.approx(whole.cosine + 1j * whole.sine, abs=1e-9)
+    assert added == close(whole.cosine + 1j * whole.sine, abs=1e-9)
     for throw in (3, 0, 1.5, True):
         with pytest.raises(
             InputError, match=f"throw: given {throw}; allowed are the whole numbers 1 to 2"
@@ -165,17 +166,17 @@ def test_pin_force_harmonics_restore_the_forces_from_the_firing_top(engine):
             small = 1e-11 * np.max(np.abs(own.crankpin))
             tangential = getattr(part, f"tangential_{name}")
             radial = getattr(part, f"radial_{name}")
-            assert tangential.at(since_firing) == pytest.approx(own.tangential[place], abs=small)
-            assert radial.at(since_firing) == pytest.approx(own.radial[place], abs=small)
+            assert tangential.at(since_firing) == close(own.tangential[place], abs=small)
+            assert radial.at(since_firing) == close(own.radial[place], abs=small)
         both = part.tangential_gas.at(angles) + part.tangential_inertia.at(angles)
-        assert part.tangential.at(angles) == pytest.approx(both, abs=1e-8)
+        assert part.tangential.at(angles) == close(both, abs=1e-8)
 
 
 def test_like_cylinders_have_like_harmonics_from_their_own_firing_tops():
     parts = pin_force_harmonics(in_line_two_stroke(), SPEED, SmoothPressure(2), samples=360)
     for one, other in pairwise(parts):
-        assert one.tangential.amplitude[:12] == pytest.approx(other.tangential.amplitude[:12])
-        assert one.radial.phase[:6] == pytest.approx(other.radial.phase[:6], abs=1e-9)
+        assert one.tangential.amplitude[:12] == close(other.tangential.amplitude[:12])
+        assert one.radial.phase[:6] == close(other.radial.phase[:6], abs=1e-9)
 
 
 def test_torque_harmonics_are_crank_radius_times_tangential_force():
@@ -183,7 +184,7 @@ def test_torque_harmonics_are_crank_radius_times_tangential_force():
     torque = engine_torque(engine, SPEED, SmoothPressure(4), samples=240)
     force = pin_force_harmonics(engine, SPEED, SmoothPressure(4), samples=240)[1]
     found = torque.cylinder_harmonics(2).up_to(24.0)
-    assert found.amplitude == pytest.approx(0.07 * force.tangential.amplitude, abs=1e-9)
+    assert found.amplitude == close(0.07 * force.tangential.amplitude, abs=1e-9)
 
 
 def test_throws_may_be_told():
@@ -261,4 +262,4 @@ def test_samples_resolve_the_default_orders():
     engine = hinged_vee()
     fine = engine_torque(engine, SPEED, SmoothPressure(4), samples=2880).harmonics()
     usual = engine_torque(engine, SPEED, SmoothPressure(4)).harmonics()
-    assert usual.amplitude[:48] == pytest.approx(fine.amplitude[:48], abs=1e-9)
+    assert usual.amplitude[:48] == close(fine.amplitude[:48], abs=1e-9)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.engine.cylinder import EngineCylinder
@@ -60,15 +61,15 @@ def test_torques_act_on_the_nodes_of_throws():
     found = torque_excitation(FORCES, TORSIONAL)
     first = TORSIONAL.throw_nodes[0]
     by_throw = FORCES.torque[:, :, ::2] + FORCES.torque[:, :, 1::2]
-    assert found.forces[:, :, first : first + 3] == pytest.approx(by_throw, abs=1e-9)
+    assert found.forces[:, :, first : first + 3] == close(by_throw, abs=1e-9)
     others = np.delete(found.forces, list(TORSIONAL.throw_nodes), axis=2)
     assert np.all(others == 0.0)
     angles = RANDOM.uniform(0.0, 40.0, 9)
     over_time = node_torques(HARMONICS, TORSIONAL, angles, SPEEDS[1])
     waves = found.at_angle(1, angles)
     # What is left of both is the mean, the same at all angles.
-    assert np.ptp(over_time - waves, axis=0) == pytest.approx(np.zeros(waves.shape[1]), abs=1e-8)
-    assert (over_time - waves)[0].sum() == pytest.approx(FORCES.mean_torque[1], rel=1e-12)
+    assert np.ptp(over_time - waves, axis=0) == close(np.zeros(waves.shape[1]), abs=1e-8)
+    assert (over_time - waves)[0].sum() == close(FORCES.mean_torque[1], rel=1e-12)
 
 
 def test_axial_forces_press_the_ends_of_throws_apart():
@@ -77,9 +78,9 @@ def test_axial_forces_press_the_ends_of_throws_apart():
     pressing = (FORCES.radial[:, :, ::2] + FORCES.radial[:, :, 1::2]) * own / E_THROWS
     # Some orders cancel: what is left of them is round-off of the others.
     round_off = 1e-13 * np.abs(pressing).max()
-    assert found[:, :, 0] == pytest.approx(-pressing[:, :, 0], rel=1e-12, abs=round_off)
-    assert found[:, :, 3] == pytest.approx(pressing[:, :, 2], rel=1e-12, abs=round_off)
-    assert found.sum(axis=2) == pytest.approx(np.zeros(found.shape[:2]), abs=1e-9)
+    assert found[:, :, 0] == close(-pressing[:, :, 0], rel=1e-12, abs=round_off)
+    assert found[:, :, 3] == close(pressing[:, :, 2], rel=1e-12, abs=round_off)
+    assert found.sum(axis=2) == close(np.zeros(found.shape[:2]), abs=1e-9)
     # Statically, far below resonance, the chain lengthens as the free throws would: by c Z.
     quiet = axial_chain(E_THROWS, [1e-9] * 3, 1e-9, 3, 8e8)
     motion = forced_response(
@@ -87,7 +88,7 @@ def test_axial_forces_press_the_ends_of_throws_apart():
     ).motion
     lengthening = np.diff(motion, axis=2)
     wanted = pressing * E_THROWS
-    assert lengthening == pytest.approx(wanted, rel=1e-9, abs=1e-12 * np.abs(wanted).max())
+    assert lengthening == close(wanted, rel=1e-9, abs=1e-12 * np.abs(wanted).max())
 
 
 def test_influence_of_neighbors_and_pins():
@@ -98,11 +99,11 @@ def test_influence_of_neighbors_and_pins():
         for cylinder, pin in enumerate(FORCES.throws):
             wanted[..., throw] += influence[throw, pin, 0] * FORCES.radial[..., cylinder]
             wanted[..., throw] += influence[throw, pin, 1] * FORCES.tangential[..., cylinder]
-    assert found == pytest.approx(wanted / E_THROWS, abs=1e-9 * np.abs(wanted / E_THROWS).max())
+    assert found == close(wanted / E_THROWS, abs=1e-9 * np.abs(wanted / E_THROWS).max())
     split = np.repeat(influence, 2, axis=1)
-    assert axial_throw_forces(FORCES, E_THROWS, split, pins=range(6)) == pytest.approx(found)
+    assert axial_throw_forces(FORCES, E_THROWS, split, pins=range(6)) == close(found)
     radial_only = axial_throw_forces(FORCES, E_THROWS, influence[..., 0])
-    assert radial_only != pytest.approx(found)
+    assert radial_only != close(found)
 
 
 def test_comparison_shows_what_neighbors_do():
@@ -111,15 +112,15 @@ def test_comparison_shows_what_neighbors_do():
     found = compare_axial_forces(FORCES, E_THROWS, own, influence, shapes=shapes)
     pins = FORCES.radial[:, :, ::2] + FORCES.radial[:, :, 1::2]
     apart = np.abs(0.1e-9 / E_THROWS * (pins - pins.sum(axis=2, keepdims=True))).max(axis=2)
-    assert found.difference * np.abs(found.in_shaft).max(axis=2) == pytest.approx(
+    assert found.difference * np.abs(found.in_shaft).max(axis=2) == close(
         apart, rel=1e-9, abs=1e-13 * apart.max()
     )
-    assert found.modal_alone[..., 0] == pytest.approx(found.alone @ np.diff(shapes[0]))
+    assert found.modal_alone[..., 0] == close(found.alone @ np.diff(shapes[0]))
     table = found.columns(1)
     assert list(table)[:3] == ["order", "throw_1_alone_N", "throw_1_in_shaft_N"]
-    assert table["mode_1_in_shaft_N"] == pytest.approx(np.abs(found.modal_in_shaft[:, 1, 0]))
+    assert table["mode_1_in_shaft_N"] == close(np.abs(found.modal_in_shaft[:, 1, 0]))
     scaled = compare_axial_forces(FORCES, E_THROWS, own, influence, own_compliances=2 * E_THROWS)
-    assert scaled.alone == pytest.approx(0.5 * found.alone)
+    assert scaled.alone == close(0.5 * found.alone)
     assert scaled.modal_difference.shape == (12, 2, 0)
 
 
@@ -128,22 +129,22 @@ def test_torsion_lengthens_throws_as_the_tangential_forces_do_when_the_shaft_is_
     by_torque = torsion_influence(tangential, through, RADIUS)
     # Held at the flywheel instead: a torque R per T through the whole shaft is taken away.
     other_end = tangential - RADIUS * through[:, np.newaxis]
-    assert tangential_towards_flywheel(tangential, through, RADIUS) == pytest.approx(other_end)
-    assert by_torque.sum(axis=1) == pytest.approx(through)
+    assert tangential_towards_flywheel(tangential, through, RADIUS) == close(other_end)
+    assert by_torque.sum(axis=1) == close(through)
     stiff = torsional_chain([1e-13] * 3, [1e-4] * 3, 1e9, 1e-4, cylinders=2)
     torsion = forced_response(stiff.chain, torque_excitation(FORCES, stiff), method="direct")
     found = axial_excitation_of_torsion(torsion, stiff, AXIAL, E_THROWS, by_torque)
     influence = np.stack((np.zeros((3, 3)), other_end), axis=-1)
     direct = axial_excitation(FORCES, AXIAL, E_THROWS, influence)
     # Inertia torques are 1e-6 of those of the gas here: 1e-4 kg m^2, 1e-13 rad/(N m), 600 rad/s.
-    assert found.forces == pytest.approx(direct.forces, abs=1e-5 * np.abs(direct.forces).max())
+    assert found.forces == close(direct.forces, abs=1e-5 * np.abs(direct.forces).max())
 
 
 def test_orders_of_engine_and_propeller_combine():
     one = OrderExcitation([1.0, 2.0], SPEEDS, np.ones((2, 2, 3)))
     other = OrderExcitation([1.5, 2.0 * (1 + 1e-12)], SPEEDS, np.full((2, 2, 3), 2j))
     found = combined_excitation(one, other)
-    assert found.orders == pytest.approx([1.0, 1.5, 2.0])
+    assert found.orders == close([1.0, 1.5, 2.0])
     assert found.forces[:, 0, 0].tolist() == [1.0, 2j, 1.0 + 2j]
     with pytest.raises(InputError, match="allowed are the same speeds and nodes"):
         combined_excitation(one, OrderExcitation([1.0], SPEEDS, np.ones((1, 2, 4))))

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.forces import mechanism_forces, rod_models
@@ -79,8 +80,8 @@ def test_orders_add_up_to_the_forces_of_the_mechanism(engine, model):
         tangential, radial = found.at_angle(place, angles)
         # Orders of rods fade by lambda / 4 each: beyond the 36th they are round-off.
         largest = np.max(np.abs(forces.crankpin))
-        assert tangential == pytest.approx(forces.tangential.T, abs=1e-11 * largest)
-        assert radial == pytest.approx(forces.radial.T, abs=1e-11 * largest)
+        assert tangential == close(forces.tangential.T, abs=1e-11 * largest)
+        assert radial == close(forces.radial.T, abs=1e-11 * largest)
 
 
 @ENGINES
@@ -90,17 +91,15 @@ def test_power_is_indicated_and_the_sum_of_all_cylinders_is_the_engines(engine):
     torque = engine_torque(engine, SPEEDS[1], pressure)
     work = torque.indicated_work.sum()
     # The mean is the hundredth part of what the torque swings by: 1e-13 of that is round-off.
-    assert found.power == pytest.approx(work / engine.cycle * SPEEDS, rel=1e-11)
+    assert found.power == close(work / engine.cycle * SPEEDS, rel=1e-11)
     whole = torque.harmonics().up_to(12.0)
     phasors = whole.cosine - 1j * whole.sine
-    assert found.torque[:, 1].sum(axis=1) == pytest.approx(
-        phasors, abs=1e-12 * np.abs(found.torque).max()
-    )
+    assert found.torque[:, 1].sum(axis=1) == close(phasors, abs=1e-12 * np.abs(found.torque).max())
     own = pin_force_harmonics(engine, SPEEDS[2], pressure, highest_order=12.0)[1]
     at_shaft = (own.radial.cosine - 1j * own.radial.sine) * np.exp(
         -1j * found.orders * own.firing_angle
     )
-    assert found.radial[:, 2, 1] == pytest.approx(at_shaft, abs=1e-12 * np.abs(at_shaft).max())
+    assert found.radial[:, 2, 1] == close(at_shaft, abs=1e-12 * np.abs(at_shaft).max())
 
 
 def test_inertia_goes_with_the_square_of_the_speed_and_can_be_left_out():
@@ -110,10 +109,10 @@ def test_inertia_goes_with_the_square_of_the_speed_and_can_be_left_out():
         for own in (True, False)
     )
     masses = cylinder_forces(engine, SPEEDS, 6.0)
-    assert both.tangential - gas.tangential == pytest.approx(masses.tangential, abs=1e-9)
+    assert both.tangential - gas.tangential == close(masses.tangential, abs=1e-9)
     assert np.array_equal(gas.radial[:, 0], gas.radial[:, 2])
     # The ratio of squares is exact but for the last digit, and half orders have none at all.
-    assert masses.radial[:, 2] == pytest.approx(16.0 * masses.radial[:, 0], rel=1e-15)
+    assert masses.radial[:, 2] == close(16.0 * masses.radial[:, 0], rel=1e-15)
     assert np.all(masses.tangential[::2] == 0.0)
     assert np.abs(masses.tangential[1::2]).min() > 0.0
 
@@ -126,7 +125,7 @@ def test_inertia_torque_is_half_the_slope_of_the_inertia_at_the_crank(engine):
     tangential, _ = cylinder_forces(engine, SPEEDS, 36.0).at_angle(1, angles)
     torque = engine.crank_radius * tangential.sum(axis=1)
     wanted = -0.5 * slope * SPEEDS[1] ** 2
-    assert torque == pytest.approx(wanted, abs=1e-10 * np.abs(wanted).max())
+    assert torque == close(wanted, abs=1e-10 * np.abs(wanted).max())
 
 
 def test_a_failing_cylinder_follows_the_pressure_without_combustion():
@@ -134,8 +133,8 @@ def test_a_failing_cylinder_follows_the_pressure_without_combustion():
     mixed = cylinder_forces(engine, SPEEDS, 8.0, fired, misfire={3: 0.25}, motored=cold)
     each = [fired, fired, SmoothPressure(4, 0.75 + 0.25 * 0.3), fired]
     direct = cylinder_forces(engine, SPEEDS, 8.0, each)
-    assert mixed.tangential == pytest.approx(direct.tangential, abs=1e-9)
-    assert mixed.mean_radial == pytest.approx(direct.mean_radial, abs=1e-9)
+    assert mixed.tangential == close(direct.tangential, abs=1e-9)
+    assert mixed.mean_radial == close(direct.mean_radial, abs=1e-9)
     all_fire = cylinder_forces(engine, SPEEDS, 8.0, fired)
     same = np.isclose(mixed.tangential, all_fire.tangential, rtol=1e-12, atol=1e-9).all(axis=(0, 1))
     assert same.tolist() == [True, True, False, True]
@@ -150,10 +149,10 @@ def test_time_functions_follow_the_speed():
     gas = gas_forces(engine, angles, SmoothPressure(2))
     forces = mechanism_forces(engine, angles, turning, gas)
     largest = np.max(np.abs(forces.crankpin))
-    assert tangential == pytest.approx(forces.tangential.T, abs=1e-11 * largest)
-    assert radial == pytest.approx(forces.radial.T, abs=1e-11 * largest)
+    assert tangential == close(forces.tangential.T, abs=1e-11 * largest)
+    assert radial == close(forces.radial.T, abs=1e-11 * largest)
     steady = cylinder_forces(engine, [120.0], 30.0, SmoothPressure(2)).at_angle(0, angles)
-    assert np.array(harmonics.at(angles, 120.0)) == pytest.approx(np.array(steady), rel=1e-9)
+    assert np.array(harmonics.at(angles, 120.0)) == close(np.array(steady), rel=1e-9)
 
 
 def crank_slider(angle):
@@ -169,7 +168,7 @@ def test_motored_pressure_from_a_fired_diagram():
     # The model compresses by one exponent, so that the closed part comes back to round-off. Only
     # the blow-down differs, measured 6.3e-4 of the peak.
     closed = np.abs(np.angle(np.exp(0.5j * found.angles))) < math.radians(60.0)
-    assert found.pressure[closed] == pytest.approx(cold.pressure[closed], rel=1e-9)
+    assert found.pressure[closed] == close(cold.pressure[closed], rel=1e-9)
     assert np.max(np.abs(found.pressure - cold.pressure)) < 1e-3 * fired.peak_pressure
     assert f"exponent {cycle.heat_capacity_ratio:.4g}" in found.remarks[-1]
     with pytest.raises(InputError, match="below 0, because the gas is compressed there"):
@@ -236,8 +235,6 @@ def test_remarks_say_that_one_diagram_served_all_speeds():
 
 
 def test_propeller_load():
-    assert propeller_load(100.0, 0.9, measure="power")(SPEEDS) == pytest.approx(
-        0.9 * (SPEEDS / 100.0) ** 3
-    )
+    assert propeller_load(100.0, 0.9, measure="power")(SPEEDS) == close(0.9 * (SPEEDS / 100.0) ** 3)
     with pytest.raises(InputError, match="measure: given 'thrust'"):
         propeller_load(100.0, measure="thrust")

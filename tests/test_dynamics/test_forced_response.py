@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.harmonics import harmonics
@@ -65,7 +66,7 @@ def test_loads_and_stress():
         2e4 * np.abs(twist) * 16.0 * 0.05 / (np.pi * (0.05**4 - 0.02**4)),
         rtol=1e-10,
     )
-    assert section_modulus("axial", 0.05, 0.02) == pytest.approx(np.pi / 4 * (0.05**2 - 0.02**2))
+    assert section_modulus("axial", 0.05, 0.02) == close(np.pi / 4 * (0.05**2 - 0.02**2))
     heat = power_balance(found)
     by_hand = 0.5 * w * (2e4 * 0.05 + w * 3.0) * np.abs(twist) ** 2
     np.testing.assert_allclose(heat.elements[:, :, 0], by_hand, rtol=1e-10)
@@ -117,7 +118,7 @@ def test_phasors_from_samples_and_aliasing():
         ([0.0, 1.0], SPEEDS, PUSH, "orders.0.: given 0"),
         ([1.0, 2.0], [0.0, 1.0, 2.0], PUSH, "speeds.0.: given 0"),
         ([1.0, 2.0], SPEEDS, PUSH[:1], "forces: given an array of shape"),
-        ([1.0, 2.0], SPEEDS, PUSH * np.nan, r"forces\[0, 0, 0\]: given"),
+        ([1.0, 2.0], SPEEDS, PUSH * np.nan, r"forces\[0\]\[0\]\[0\]: given"),
         ([], SPEEDS, PUSH, "orders: given no values"),
     ],
 )

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.gas.closed_cycle import (
     closed_pressure,
@@ -57,20 +58,20 @@ def volume():
 
 
 def test_volume_of_a_plain_slider_crank(volume):
-    assert volume.stroke == pytest.approx(2.0 * R, rel=1e-14)
-    assert volume.top_angle == pytest.approx(0.0, abs=1e-12)
-    assert volume.bottom_angle == pytest.approx(np.pi, abs=1e-8)
+    assert volume.stroke == close(2.0 * R, rel=1e-14)
+    assert volume.top_angle == close(0.0, abs=1e-12)
+    assert volume.bottom_angle == close(np.pi, abs=1e-8)
     ends = volume.at([0.0, np.pi])
-    assert ends[1] / ends[0] == pytest.approx(15.0, rel=1e-13)
+    assert ends[1] / ends[0] == close(15.0, rel=1e-13)
 
 
 def test_dead_centers_of_an_offset_piston_pin():
     """Crank and rod in line: at the top asin(e / (L + R)), at the bottom pi + asin(e / (L - R))."""
     found = cylinder_volume(offset_position, AREA, 15.0)
-    assert found.top_angle == pytest.approx(np.arcsin(0.02 / (L + R)), abs=1e-8)
-    assert found.bottom_angle == pytest.approx(np.pi + np.arcsin(0.02 / (L - R)), abs=1e-8)
+    assert found.top_angle == close(np.arcsin(0.02 / (L + R)), abs=1e-8)
+    assert found.bottom_angle == close(np.pi + np.arcsin(0.02 / (L - R)), abs=1e-8)
     stroke = np.sqrt((L + R) ** 2 - 0.02**2) - np.sqrt((L - R) ** 2 - 0.02**2)
-    assert found.stroke == pytest.approx(stroke, rel=1e-14)
+    assert found.stroke == close(stroke, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -115,10 +116,10 @@ def test_burnt_share_rises_from_nothing_to_all(shape, completeness, start, durat
     end = cycle.combustion_start + cycle.combustion_duration
     share = burnt_share(cycle, np.linspace(cycle.combustion_start, end, 200))
     assert share[0] == 0.0
-    assert share[-1] == pytest.approx(1.0, abs=1e-10)
+    assert share[-1] == close(1.0, abs=1e-10)
     # Where all is burnt but 1e-11 the small part of V^e that is not constant shows.
     assert np.all(np.diff(share) >= -1e-11)
-    assert burnt_share(cycle, [-2.0, end + 0.1]).tolist() == pytest.approx([0.0, 1.0], abs=1e-10)
+    assert burnt_share(cycle, [-2.0, end + 0.1]).tolist() == close([0.0, 1.0], abs=1e-10)
 
 
 @pytest.mark.parametrize("shape", [0.0, 0.3, 0.5, 1.0, 2.3])
@@ -128,7 +129,7 @@ def test_heat_release_follows_the_wiebe_law(shape):
     angles = np.radians([-10.0, -5.0, 0.0, 20.0, 54.0, 90.0])
     share = np.clip((angles + 6.0 * DEGREE) / (60.0 * DEGREE), 0.0, 1.0)
     law = (1.0 - np.exp(np.log(1.0 - 0.999) * share ** (shape + 1.0))) / 0.999
-    assert burnt_share(cycle, angles) == pytest.approx(law, abs=1e-10)
+    assert burnt_share(cycle, angles) == close(law, abs=1e-10)
 
 
 def balance(cycle, law, slope, heat):
@@ -170,7 +171,7 @@ def test_heat_is_work_and_internal_energy(heat, gamma, ratio, shape, start, dura
     law = cylinder_volume(lambda angle: position(angle, offset), AREA, ratio)
     gained, work = balance(cycle, law, lambda angle: position_slope(angle, offset), heat)
     # The quadrature of the work reaches 1e-10 of the energies; a motored cycle moves some 1 kJ.
-    assert gained + work == pytest.approx(heat, abs=1e-10 * (heat + 1e3))
+    assert gained + work == close(heat, abs=1e-10 * (heat + 1e3))
 
 
 @pytest.mark.parametrize("shape", [0.5, 1.0, 2.0])
@@ -197,7 +198,7 @@ def test_pressure_solves_the_equation_of_the_first_law(shape, volume):
             slope, (begin, end), pressure, method="DOP853", t_eval=asked, rtol=1e-12, atol=1e-3
         )
         # The integration's own error, larger for the shape 0.5, whose rate begins steeply.
-        assert closed_pressure(cycle, volume, heat, asked) == pytest.approx(found.y[0], rel=1e-8)
+        assert closed_pressure(cycle, volume, heat, asked) == close(found.y[0], rel=1e-8)
         pressure, begin = found.y[:, -1], end
 
 
@@ -206,7 +207,7 @@ def test_pressure_is_found_at_any_angle_alone(volume):
     together = rise_per_heat(FOUR, volume, angles)
     alone = [rise_per_heat(FOUR, volume, [angle])[0] for angle in angles]
     # Other parts of the same integral: its own accuracy.
-    assert together == pytest.approx(np.array(alone), rel=1e-10)
+    assert together == close(np.array(alone), rel=1e-10)
     assert together[3] == 0.0
 
 
@@ -225,17 +226,17 @@ def test_motored_cycle_does_only_the_work_of_gas_exchange(cycle, mechanism):
     pressure, place = motored_pressure(cycle, found.volume, angles), found.volume.at(angles)
     work = float(np.sum(0.5 * (pressure[1:] + pressure[:-1]) * np.diff(place)))
     # A polygon of steps of 2e-4 rad; a thousand joules go to and fro.
-    assert work == pytest.approx(expected, abs=1e-4)
+    assert work == close(expected, abs=1e-4)
     back = replace(cycle, intake_closes=-cycle.exhaust_opens)
     if mechanism is position:
         ends = np.array([back.intake_closes, back.exhaust_opens])
         level = motored_pressure(back, found.volume, ends)
-        assert level[1] == pytest.approx(level[0], rel=1e-12)
+        assert level[1] == close(level[0], rel=1e-12)
     assert found.work_ratio is None
     assert abs(found.mean_effective_pressure) < cycle.intake_pressure
     # The piston may be highest between two samples of 0.25 deg.
-    assert found.pressure.peak_pressure == pytest.approx(found.compression_pressure, rel=1e-4)
-    assert found.pressure.peak_angle == pytest.approx(found.volume.top_angle, abs=0.13 * DEGREE)
+    assert found.pressure.peak_pressure == close(found.compression_pressure, rel=1e-4)
+    assert found.pressure.peak_angle == close(found.volume.top_angle, abs=0.13 * DEGREE)
 
 
 @pytest.mark.parametrize("cycle", CYCLES)
@@ -243,7 +244,7 @@ def test_pressure_passes_smoothly_through_the_cycle(cycle):
     found = gas_cycle(cycle, position, AREA, heat=4000.0).pressure
     at_events = found.at([cycle.intake_closes, np.pi, cycle.overlap_begins, cycle.overlap_ends])
     out, into = cycle.exhaust_pressure, cycle.intake_pressure
-    assert at_events == pytest.approx([into, out, out, into], rel=1e-6)
+    assert at_events == close([into, out, out, into], rel=1e-6)
     open_part = found.at(np.linspace(np.pi, cycle.intake_closes + cycle.cycle, 500))
     assert np.all((open_part >= min(out, into) - 1.0) & (open_part <= max(out, into) + 1.0))
     # No jump: a step is small against the steepest isentropic or burning slope, peak / 10 deg.
@@ -253,7 +254,7 @@ def test_pressure_passes_smoothly_through_the_cycle(cycle):
         cycle, cylinder_volume(position, AREA, cycle.compression_ratio), 4000.0, closed
     )
     # The cubic curve between samples.
-    assert found.at(closed) == pytest.approx(expected, abs=1e-4 * found.peak_pressure)
+    assert found.at(closed) == close(expected, abs=1e-4 * found.peak_pressure)
 
 
 @given(
@@ -264,13 +265,13 @@ def test_pressure_passes_smoothly_through_the_cycle(cycle):
 @settings(max_examples=30)
 def test_mean_pressure_is_met(mean, cycle, mechanism):
     found = gas_cycle(cycle, mechanism, AREA, mean_effective_pressure=mean * 1e6)
-    assert found.mean_effective_pressure == pytest.approx(mean * 1e6, rel=1e-12)
+    assert found.mean_effective_pressure == close(mean * 1e6, rel=1e-12)
     angles = found.pressure.angles
     slope = -AREA * (mechanism(angles + 1e-5) - mechanism(angles - 1e-5)) / 2e-5
     work = indicated_work(found.pressure.pressure, slope, cycle.strokes)
     # Central differences: 1e-10 of the slope by their step, 1e-11 by round-off.
-    assert work == pytest.approx(mean * 1e6 * found.volume.swept, rel=1e-8)
-    assert work == pytest.approx(found.work, rel=1e-8)
+    assert work == close(mean * 1e6 * found.volume.swept, rel=1e-8)
+    assert work == close(found.work, rel=1e-8)
 
 
 @given(st.floats(1.0, 2.5), st.sampled_from(CYCLES), st.sampled_from(MECHANISMS))
@@ -278,7 +279,7 @@ def test_mean_pressure_is_met(mean, cycle, mechanism):
 def test_peak_is_met(rise, cycle, mechanism):
     lowest = gas_cycle(cycle, mechanism, AREA, heat=0.0).pressure.peak_pressure
     found = gas_cycle(cycle, mechanism, AREA, peak_pressure=rise * lowest)
-    assert found.pressure.peak_pressure == pytest.approx(rise * lowest, rel=1e-12)
+    assert found.pressure.peak_pressure == close(rise * lowest, rel=1e-12)
     assert f"Solved: heat {found.heat:.6g} J per cycle." in found.pressure.remarks
 
 
@@ -295,14 +296,14 @@ def test_peak_and_mean_pressure_are_met_together(peak, mean, mechanism, solve_fo
         solve_for=solve_for,
         samples=1440,
     )
-    assert found.pressure.peak_pressure == pytest.approx(peak, rel=1e-9)
-    assert found.mean_effective_pressure == pytest.approx(mean, rel=1e-9)
+    assert found.pressure.peak_pressure == close(peak, rel=1e-9)
+    assert found.mean_effective_pressure == close(mean, rel=1e-9)
     other = {"combustion_start", "combustion_duration"} - {solve_for}
     assert getattr(found.cycle, *other) == getattr(FOUR, *other)
     assert solve_for not in found.cycle.assumed
     assert found.pressure.remarks[0].startswith(f"Solved: {solve_for} ")
     again = gas_cycle(found.cycle, mechanism, AREA, heat=found.heat, samples=1440)
-    assert again.pressure.pressure == pytest.approx(found.pressure.pressure, rel=1e-12)
+    assert again.pressure.pressure == close(found.pressure.pressure, rel=1e-12)
 
 
 @given(st.floats(0.0, 9000.0), st.floats(1.0, 9000.0), st.sampled_from(CYCLES))
@@ -333,15 +334,15 @@ def test_work_and_peak_hardly_depend_on_the_sampling():
         gas_cycle(FOUR, position, AREA, heat=4000.0, samples=samples) for samples in (720, 11520)
     )
     # Bends of the pressure lie between samples: second order in steps of 1 deg, by their size.
-    assert coarse.work == pytest.approx(fine.work, rel=5e-6)
+    assert coarse.work == close(fine.work, rel=5e-6)
     # A parabola through the peak, flat within half a degree.
-    assert coarse.pressure.peak_pressure == pytest.approx(fine.pressure.peak_pressure, rel=2e-4)
+    assert coarse.pressure.peak_pressure == close(fine.pressure.peak_pressure, rel=2e-4)
 
 
 def test_usual_values_are_named_with_their_reasons():
     cycle = usual_gas_cycle(15.0, intake_pressure=3e5, wiebe_shape=0.8)
     assert set(cycle.assumed) == set(USUAL_VALUES) - {"intake_pressure", "wiebe_shape"}
-    assert cycle.exhaust_pressure == pytest.approx(2.7e5)
+    assert cycle.exhaust_pressure == close(2.7e5)
     remarks = assumption_remarks(cycle)
     assert len(remarks) == len(cycle.assumed)
     assert "Assumed: combustion_start -6 deg, because " in "".join(remarks)
@@ -439,7 +440,7 @@ def test_stated_range_of_the_peak_is_reached(place):
     low, high = 8.864637942, 25.6
     targets = {"peak_pressure": 1e6 * (low + place * (high - low)) + 0.5}
     found = gas_cycle(FOUR, position, AREA, mean_effective_pressure=1e6, samples=1440, **targets)
-    assert found.pressure.peak_pressure == pytest.approx(targets["peak_pressure"], rel=1e-9)
+    assert found.pressure.peak_pressure == close(targets["peak_pressure"], rel=1e-9)
 
 
 def test_combustion_too_short_or_too_early_is_refused():

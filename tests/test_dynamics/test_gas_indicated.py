@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.gas.indicated import (
     indicated_mean_effective_pressure,
@@ -33,7 +34,7 @@ def test_work_of_a_harmonic_pressure(mean, cosine, sine, strokes):
     pressure = mean + cosine * np.cos(angle) + sine * np.sin(angle)
     work = indicated_work(pressure, 1e-3 * np.sin(angle), strokes)
     # Round-off of 90 terms of up to 3e6 Pa times 1e-3 m^3.
-    assert work == pytest.approx(strokes / 2 * np.pi * 1e-3 * sine, rel=1e-12, abs=1e-10)
+    assert work == close(strokes / 2 * np.pi * 1e-3 * sine, rel=1e-12, abs=1e-10)
 
 
 @given(st.floats(-1e6, 1e6), st.lists(st.floats(1e4, 2e7), min_size=72, max_size=144))
@@ -43,7 +44,7 @@ def test_constant_pressure_under_the_piston_does_no_work(under, values):
     whole = indicated_work(values, slope)
     # Round-off of the largest term, pressure times slope.
     most = (abs(under) + max(values)) * np.max(np.abs(slope))
-    assert indicated_work(np.array(values) - under, slope) == pytest.approx(whole, abs=1e-13 * most)
+    assert indicated_work(np.array(values) - under, slope) == close(whole, abs=1e-13 * most)
 
 
 @given(st.lists(st.floats(1e4, 2e7), min_size=72, max_size=144), st.floats(0.0, 2e5))
@@ -56,7 +57,7 @@ def test_gas_torque_does_the_indicated_work(values, under):
     slope = -AREA * position_slope(angle)
     # Round-off of the work that goes to and fro.
     exchanged = indicated_work(np.array(values) + under, np.abs(slope))
-    assert 4.0 * np.pi * np.mean(torque) == pytest.approx(
+    assert 4.0 * np.pi * np.mean(torque) == close(
         indicated_work(values, slope), abs=1e-13 * exchanged
     )
 
@@ -66,11 +67,11 @@ def test_slope_of_the_piston_position(count):
     """Orders of the position fall as (R / 2 L)^k: the series has died out long before half."""
     angle = even(count)
     slope = periodic_slope(position(angle), 4.0 * np.pi)
-    assert slope == pytest.approx(position_slope(angle), abs=1e-12 * R)
+    assert slope == close(position_slope(angle), abs=1e-12 * R)
 
 
 def test_slope_of_samples_that_alternate_is_unseen():
-    assert periodic_slope(np.array([1.0, -1.0] * 4), 1.0) == pytest.approx(np.zeros(8), abs=1e-14)
+    assert periodic_slope(np.array([1.0, -1.0] * 4), 1.0) == close(np.zeros(8), abs=1e-14)
 
 
 def test_mean_effective_pressure_is_work_over_swept_volume():

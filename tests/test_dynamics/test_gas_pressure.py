@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.gas.pressure import gas_pressure
 
@@ -28,7 +29,7 @@ def test_even_samples_are_kept_wherever_the_cycle_starts(strokes, start):
     assert 0.0 <= found.angles[0] < cycle / 360
     assert found.angles[-1] < cycle
     # Round-off of folding the angles, times the steepest slope of the curve.
-    assert found.pressure == pytest.approx(curve(found.angles, cycle), rel=1e-11)
+    assert found.pressure == close(curve(found.angles, cycle), rel=1e-11)
 
 
 def test_curve_meets_its_samples_exactly_and_repeats():
@@ -38,7 +39,7 @@ def test_curve_meets_its_samples_exactly_and_repeats():
     once, later = found.at(angles), found.at(angles + 3.0 * found.cycle)
     assert once.shape == (7, 143)
     # Angles of some 50 rad are rounded at 1e-14, where the curve rises by 30 times its value.
-    assert later == pytest.approx(once, rel=1e-12)
+    assert later == close(once, rel=1e-12)
 
 
 @given(st.lists(st.floats(1e4, 2e7), min_size=72, max_size=90), st.floats(-30.0, 30.0))
@@ -62,7 +63,7 @@ def test_curve_does_not_know_where_the_cycle_begins(values, places):
     other = gas_pressure(angles, np.roll(values, places), 2)
     asked = np.linspace(0.0, 2.0 * np.pi, 401)
     # Angles are rounded at 1e-15; the curve rises by at most 3 times the range in a step.
-    assert other.at(asked + places * step) == pytest.approx(one.at(asked), abs=1e-12 * 2e7)
+    assert other.at(asked + places * step) == close(one.at(asked), abs=1e-12 * 2e7)
 
 
 def test_curve_converges_on_a_smooth_pressure():
@@ -80,9 +81,9 @@ def test_peak_lies_about_the_top(strokes, peak):
     angles = np.radians(np.arange(0.0, 180.0 * strokes, 1.0))
     values = 2e5 + 1e5 * np.cos((angles - np.radians(peak)) * 2.0 / strokes)
     found = gas_pressure(angles, values, strokes)
-    assert np.degrees(found.peak_angle) == pytest.approx(peak)
-    assert found.peak_pressure == pytest.approx(3e5)
-    assert found.lowest == pytest.approx(1e5)
+    assert np.degrees(found.peak_angle) == close(peak)
+    assert found.peak_pressure == close(3e5)
+    assert found.lowest == close(1e5)
 
 
 def test_uneven_samples_are_made_even_on_their_curve_and_said():
@@ -94,18 +95,18 @@ def test_uneven_samples_are_made_even_on_their_curve_and_said():
         "255 uneven samples were replaced by 1440 even ones in steps of 0.5 deg"
         in (found.remarks[1])
     )
-    assert np.diff(found.angles) == pytest.approx(np.radians(0.5))
+    assert np.diff(found.angles) == close(np.radians(0.5))
     # The highest sample is one of the even ones.
-    assert np.degrees(found.peak_angle) == pytest.approx(10.0)
-    assert found.peak_pressure == pytest.approx(9.2e6, rel=1e-12)
+    assert np.degrees(found.peak_angle) == close(10.0)
+    assert found.peak_pressure == close(9.2e6, rel=1e-12)
     # Where the samples are 4 deg apart the curve is flat, elsewhere they are 1 deg apart.
-    assert found.pressure == pytest.approx(curve(found.angles, 4.0 * np.pi), abs=2e-4 * 9e6)
+    assert found.pressure == close(curve(found.angles, 4.0 * np.pi), abs=2e-4 * 9e6)
 
 
 def test_angles_printed_rounded_are_moved_to_even_places():
     angles = np.round(np.arange(540) * 720.0 / 540.0, 2)
     found = gas_pressure(np.radians(angles), curve(np.radians(angles), 4.0 * np.pi))
-    assert found.angles == pytest.approx(4.0 * np.pi / 540 * np.arange(540), abs=1e-12)
+    assert found.angles == close(4.0 * np.pi / 540 * np.arange(540), abs=1e-12)
     assert found.remarks == ("Angles were moved by up to 0.0033 deg to their even places.",)
 
 

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.gas.pressure_table import read_pressure_table
 
@@ -40,9 +41,9 @@ def test_cycle_may_start_anywhere_and_may_be_closed(written, start, cycle, close
     assert found.strokes == cycle / 180.0
     assert found.source == "Engine X\nIndicated at rated load"
     assert found.pressure.size == cycle
-    assert found.peak_pressure == pytest.approx(120e5)
-    assert np.degrees(found.peak_angle) == pytest.approx(8.0)
-    assert found.pressure == pytest.approx(1e5 * bar(np.degrees(found.angles), cycle))
+    assert found.peak_pressure == close(120e5)
+    assert np.degrees(found.peak_angle) == close(8.0)
+    assert found.pressure == close(1e5 * bar(np.degrees(found.angles), cycle))
     dropped = (f"The closing sample at {start + cycle:g} deg was dropped.",)
     assert found.remarks == (dropped if closed else ())
 
@@ -55,7 +56,7 @@ def test_units_and_kinds_of_pressure_give_the_same(written, unit, size, kind):
     header = f"crank_angle_deg,{kind}_pressure_{unit}"
     found = read_pressure_table(written(table(angles, pascal / size, header)))
     # Round-off of unit and atmosphere, at the least pressure.
-    assert found.pressure == pytest.approx(1e5 * bar(np.degrees(found.angles)), rel=1e-12)
+    assert found.pressure == close(1e5 * bar(np.degrees(found.angles)), rel=1e-12)
     said = ("101325 Pa of atmosphere were added to the gauge pressure.",)
     assert found.remarks == (said if kind == "gauge" else ())
 
@@ -65,8 +66,8 @@ def test_uneven_angles_are_resampled_and_said(written):
     angles = np.concatenate([angles, np.arange(60.0, 360.0, 5.0)])
     found = read_pressure_table(written(table(angles, bar(angles))))
     assert "uneven samples were replaced" in found.remarks[0]
-    assert found.peak_pressure == pytest.approx(120e5)
-    assert found.at(np.radians(angles)) == pytest.approx(1e5 * bar(angles), rel=2e-3)
+    assert found.peak_pressure == close(120e5)
+    assert found.at(np.radians(angles)) == close(1e5 * bar(angles), rel=2e-3)
 
 
 def test_closing_sample_may_differ_by_what_is_printed(written):
@@ -80,7 +81,7 @@ def test_motored_cycle_is_read(written):
     angles = np.arange(-360.0, 360.0, 1.0)
     values = 1.0 + 34.0 * np.exp(-40.0 * np.sin((angles + 0.7) * np.pi / 720.0) ** 2)
     found = read_pressure_table(written(table(angles, values)))
-    assert np.degrees(found.peak_angle) == pytest.approx(-1.0)
+    assert np.degrees(found.peak_angle) == close(-1.0)
 
 
 ANGLES = np.arange(0.0, 720.0, 5.0)

@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.harmonics import harmonics, harmonics_by_sums
 
@@ -19,22 +20,22 @@ def sample_angles(count, strokes, start=0.0):
 def test_one_sine_is_found_alone():
     angle = sample_angles(40, 4)
     found = harmonics(5.0 + 3.0 * np.sin(1.5 * angle + 0.7))
-    assert found.mean == pytest.approx(5.0)
+    assert found.mean == close(5.0)
     assert found.orders.tolist() == [0.5 * k for k in range(1, 21)]
     expected = np.zeros(20)
     expected[2] = 3.0
-    assert found.amplitude == pytest.approx(expected, abs=1e-13)
+    assert found.amplitude == close(expected, abs=1e-13)
     expected[2] = 0.7
-    assert found.phase == pytest.approx(expected, abs=1e-13)
-    assert found.cosine[2] == pytest.approx(3.0 * np.sin(0.7))
-    assert found.sine[2] == pytest.approx(3.0 * np.cos(0.7))
+    assert found.phase == close(expected, abs=1e-13)
+    assert found.cosine[2] == close(3.0 * np.sin(0.7))
+    assert found.sine[2] == close(3.0 * np.cos(0.7))
 
 
 @pytest.mark.parametrize("phase_deg", [10.0, 100.0, 190.0, 280.0])
 def test_phase_lies_in_the_quadrant_of_its_signs(phase_deg):
     angle = sample_angles(12, 2)
     found = harmonics(np.sin(angle + np.radians(phase_deg)), 2)
-    assert np.degrees(found.phase[0]) == pytest.approx(phase_deg)
+    assert np.degrees(found.phase[0]) == close(phase_deg)
 
 
 def test_two_stroke_orders_are_whole_numbers():
@@ -52,38 +53,38 @@ def test_phase_never_reaches_a_full_turn():
 def test_constant_samples_have_no_amplitude_and_no_phase():
     found = harmonics([7.0] * 10)
     assert found.mean == 7.0
-    assert found.amplitude == pytest.approx(np.zeros(5), abs=1e-13)
+    assert found.amplitude == close(np.zeros(5), abs=1e-13)
     assert found.phase.tolist() == [0.0] * 5
     assert harmonics([0.0] * 5).phase.tolist() == [0.0] * 2
 
 
 def test_highest_term_of_an_even_number_of_samples_takes_half_weight():
     found = harmonics([1.0, -1.0, 1.0, -1.0], 2)
-    assert found.amplitude == pytest.approx([0.0, 1.0], abs=1e-15)
-    assert found.phase[1] == pytest.approx(np.pi / 2.0)
+    assert found.amplitude == close([0.0, 1.0], abs=1e-15)
+    assert found.phase[1] == close(np.pi / 2.0)
 
 
 def test_angles_may_start_before_crank_angle_zero():
     angles_deg = np.arange(-350.0, 370.0, 10.0)
     found = harmonics(2.0 * np.sin(np.radians(0.5 * angles_deg) + 1.1), angles_deg=angles_deg)
-    assert found.amplitude[0] == pytest.approx(2.0)
-    assert found.phase[0] == pytest.approx(1.1)
+    assert found.amplitude[0] == close(2.0)
+    assert found.phase[0] == close(1.1)
 
 
 @given(VALUES, STROKES, st.floats(-800.0, 800.0))
 def test_series_meets_the_samples_wherever_they_start(values, strokes, start_deg):
     angles = sample_angles(len(values), strokes, np.radians(start_deg))
     found = harmonics(values, strokes, angles_deg=np.degrees(angles))
-    assert found.at(angles) == pytest.approx(values, abs=1e-10 * max(1.0, *map(abs, values)))
+    assert found.at(angles) == close(values, abs=1e-10 * max(1.0, *map(abs, values)))
 
 
 @given(VALUES, STROKES)
 def test_fourier_transform_equals_the_finite_sums(values, strokes):
     fast, plain = harmonics(values, strokes), harmonics_by_sums(values, strokes)
     small = 1e-13 * max(map(abs, values)) + 1e-300
-    assert fast.mean == pytest.approx(plain.mean, abs=small)
-    assert fast.cosine == pytest.approx(plain.cosine, abs=small)
-    assert fast.sine == pytest.approx(plain.sine, abs=small)
+    assert fast.mean == close(plain.mean, abs=small)
+    assert fast.cosine == close(plain.cosine, abs=small)
+    assert fast.sine == close(plain.sine, abs=small)
     assert fast.orders.tolist() == plain.orders.tolist()
 
 
@@ -94,15 +95,15 @@ def test_power_of_the_samples_is_that_of_the_harmonics(values, strokes):
     if len(values) % 2 == 0:
         shares[-1] = 1.0
     power = found.mean**2 + shares @ found.amplitude**2
-    assert power == pytest.approx(np.mean(np.square(values)), rel=1e-12, abs=1e-300)
+    assert power == close(np.mean(np.square(values)), rel=1e-12, abs=1e-300)
 
 
 @given(VALUES, STROKES)
 def test_amplitude_and_phase_say_the_same_as_cosine_and_sine(values, strokes):
     found = harmonics(values, strokes)
     small = 1e-12 * max(map(abs, values)) + 1e-300
-    assert found.amplitude * np.sin(found.phase) == pytest.approx(found.cosine, abs=small)
-    assert found.amplitude * np.cos(found.phase) == pytest.approx(found.sine, abs=small)
+    assert found.amplitude * np.sin(found.phase) == close(found.cosine, abs=small)
+    assert found.amplitude * np.cos(found.phase) == close(found.sine, abs=small)
     assert np.all((found.phase >= 0.0) & (found.phase < 2.0 * np.pi))
 
 
@@ -110,7 +111,7 @@ def test_series_takes_any_shape_of_angles():
     found = harmonics([1.0, 2.0, 4.0], 2)
     assert found.at(0.0).shape == ()
     assert found.at(np.zeros((2, 3))).shape == (2, 3)
-    assert float(found.at(0.0)) == pytest.approx(1.0)
+    assert float(found.at(0.0)) == close(1.0)
 
 
 def test_resolved_orders():
@@ -135,7 +136,7 @@ def test_orders_above_a_highest_one_may_be_cut():
     for name in ("amplitude", "phase", "cosine", "sine"):
         assert getattr(cut, name).tolist() == getattr(whole, name)[:4].tolist()
     assert (cut.mean, cut.samples, cut.highest_order) == (whole.mean, 36, 9.0)
-    assert cut.at(angles) == pytest.approx(kept, abs=1e-13)
+    assert cut.at(angles) == close(kept, abs=1e-13)
     assert cut.up_to(1.0).orders.tolist() == [0.5, 1.0]
     assert whole.up_to(9.0).orders.size == 18
     with pytest.raises(InputError, match=r"allowed are 0\.5 to 2 .* those above 2 were left out"):
@@ -239,13 +240,13 @@ def test_a_known_series_returns_its_amplitudes_and_phases(terms, even, strokes, 
     orders = 2.0 / strokes * np.arange(1, terms + 1)
     values = mean + np.sin(np.outer(angles, orders) + phases) @ amplitudes
     found = harmonics(values, strokes, angles_deg=np.degrees(angles))
-    assert found.orders[:terms] == pytest.approx(orders, rel=1e-15)
-    assert found.mean == pytest.approx(mean, abs=1e-12)
-    assert found.amplitude[:terms] == pytest.approx(amplitudes, abs=1e-12)
+    assert found.orders[:terms] == close(orders, rel=1e-15)
+    assert found.mean == close(mean, abs=1e-12)
+    assert found.amplitude[:terms] == close(amplitudes, abs=1e-12)
     apart = np.exp(1j * found.phase[:terms]) - np.exp(1j * phases)
     # Amplitudes are not small, so that phases are as well determined.
     assert np.max(np.abs(apart)) < 1e-12
-    assert found.amplitude[terms:] == pytest.approx(0.0, abs=1e-12)
+    assert found.amplitude[terms:] == close(0.0, abs=1e-12)
 
 
 def test_closing_sample_does_not_count_twice():
@@ -253,8 +254,8 @@ def test_closing_sample_does_not_count_twice():
     angles_deg = np.arange(0.0, 721.0, 20.0)
     values = 3.0 + 2.0 * np.cos(np.radians(0.5 * angles_deg))
     right = harmonics(values[:-1], angles_deg=angles_deg[:-1])
-    assert right.mean == pytest.approx(3.0, rel=1e-14)
-    assert harmonics(values).mean != pytest.approx(3.0, rel=1e-3)
+    assert right.mean == close(3.0, rel=1e-14)
+    assert harmonics(values).mean != close(3.0, rel=1e-3)
     with pytest.raises(InputError, match="closing sample; leave it out"):
         harmonics(values, angles_deg=angles_deg)
 
@@ -263,6 +264,6 @@ def test_an_order_beyond_the_samples_would_appear_as_a_lower_one():
     """Order 7 in 12 samples of a two-stroke cycle looks like order 5: so it is refused."""
     angles = sample_angles(12, 2)
     found = harmonics(np.sin(7.0 * angles), 2)
-    assert found.amplitude[4] == pytest.approx(1.0)
+    assert found.amplitude[4] == close(1.0)
     with pytest.raises(InputError, match="order: given 7; allowed are 1 to 6"):
         found.index_of(7)

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.cycle import even_angles
 from dynamics.engine.forces import mechanism_forces
@@ -87,7 +88,7 @@ def test_without_mass_the_hinge_takes_the_gas_moment():
     largest = np.abs(found.moment).max()
     np.testing.assert_allclose(found.moment, found.load - found.gas_moment, atol=1e-9 * largest)
     # The constant inertia of the crank asks for nothing.
-    assert found.load == pytest.approx(np.mean(found.gas_moment), rel=1e-14)
+    assert found.load == close(np.mean(found.gas_moment), rel=1e-14)
 
 
 @pytest.mark.parametrize("kinematics", KINEMATICS)
@@ -169,9 +170,9 @@ def test_load_is_the_indicated_work():
     found = hinge_moment(ENGINE, force, 9.3)
     # Work from p dV, with another rule of integration over the same samples.
     swept = ENGINE.area * 2.0 * ENGINE.crank_radius
-    assert 2.0 * np.pi * found.load == pytest.approx(0.8e6 * swept, rel=1e-6)
+    assert 2.0 * np.pi * found.load == close(0.8e6 * swept, rel=1e-6)
     below = hinge_moment(ENGINE, piston_gas_force(ENGINE, cycle.pressure, 1e5), 9.3)
-    assert below.load == pytest.approx(found.load, rel=1e-12)
+    assert below.load == close(found.load, rel=1e-12)
 
 
 def test_samples_of_the_force_serve_as_a_function_does():

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.moment import hinge_moment
@@ -51,15 +52,15 @@ def test_spring_work_force_and_back(exponent, ambient):
     slope = (8.0 * near - far) / (12.0 * step)
     np.testing.assert_allclose(slope, spring.force(shorter), rtol=1e-8)
     np.testing.assert_allclose(spring.compression(work), shorter, atol=1e-12)
-    assert float(spring.force(0.0)) == pytest.approx(0.031 * 5e6, rel=1e-14)
+    assert float(spring.force(0.0)) == close(0.031 * 5e6, rel=1e-14)
 
 
 def test_spring_without_atmosphere_is_the_printed_law():
     shorter, n = 0.3, 1.25
     printed = 1.0**n * 0.031 * 5e6 / (1.0 - shorter) ** n
-    assert float(SPRING.force(shorter)) == pytest.approx(printed, rel=1e-14)
+    assert float(SPRING.force(shorter)) == close(printed, rel=1e-14)
     energy = 0.031 * 5e6 * ((1.0 - shorter) ** (1.0 - n) - 1.0) / (n - 1.0)
-    assert float(SPRING.work(shorter)) == pytest.approx(energy, rel=1e-13)
+    assert float(SPRING.work(shorter)) == close(energy, rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -95,14 +96,14 @@ def test_compression_beyond_the_column_is_refused(ambient, name, compression, me
 def test_largest_work_leaves_the_least_column():
     """100 to the power of n - 1, by hand: (100^0.25 - 1) / 0.25 of A p_0 H."""
     most = 0.031 * 5e6 * (100.0**0.25 - 1.0) / 0.25
-    assert float(SPRING.compression(most * (1.0 - 1e-9))) == pytest.approx(0.99, abs=1e-9)
-    for work in (most * (1.0 + 1e-9), 1e300):
+    assert float(SPRING.compression(most * (1.0 - 1e-9))) == close(0.99, abs=1e-9)
+    for work in (most * (1.0 + 1e-9), 1e50):
         with pytest.raises(
             InputError, match=r"at most 1341 kJ until 0\.01 m of the column are left"
         ):
             SPRING.compression(work)
     with pytest.raises(InputError, match="the compression z must stay below the height H"):
-        replace(SPRING, ambient=101325.0).compression(1e300)
+        replace(SPRING, ambient=101325.0).compression(1e50)
 
 
 @pytest.mark.parametrize("ambient", [0.0, 101325.0])
@@ -141,12 +142,12 @@ def test_profile_is_the_printed_equation(moment, profile, angle):
         SPRING.piston_area * SPRING.pressure * height**n
     )
     expected = 0.8 - 0.5 * height + 0.5 * bracket ** (1.0 / (1.0 - n))
-    assert float(profile.curve(angle)) == pytest.approx(expected, abs=1e-9)
+    assert float(profile.curve(angle)) == close(expected, abs=1e-9)
 
 
 def test_profile_is_closed_and_starts_at_its_radius(profile):
-    assert profile.radius[0] == pytest.approx(0.8, abs=1e-14)
-    assert float(profile.curve(2.0 * np.pi)) == pytest.approx(0.8, abs=1e-14)
+    assert profile.radius[0] == close(0.8, abs=1e-14)
+    assert float(profile.curve(2.0 * np.pi)) == close(0.8, abs=1e-14)
 
 
 def test_pressure_scales_the_moment(profile):
@@ -216,7 +217,7 @@ def test_a_roller_larger_than_the_hollow_has_a_cusp():
     curvature = polar_curvature(radius, first, second)
     hollow = smallest_hollow(curvature)
     # At 90 deg: rho = 0.7, rho'' = 1.2, curvature (0.49 - 0.84) / 0.7^3.
-    assert hollow == pytest.approx(0.98, rel=1e-12)
+    assert hollow == close(0.98, rel=1e-12)
 
     def runs_back(distance):
         points = outer_parallel(angles, radius, first, distance)
@@ -253,7 +254,7 @@ def test_checks_of_guides(moment, profile):
             if one.name == "shortest gas column"
         )
         assert (check.met, check.limit) == (enough, 0.01)
-        assert check.value == pytest.approx(1.0 - compression, rel=1e-12)
+        assert check.value == close(1.0 - compression, rel=1e-12)
     remarks = " ".join(small.remarks)
     assert "stands up to" in remarks
     assert "guide of its own" in remarks

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.evening import best_pressure, flywheel_for
@@ -43,7 +44,7 @@ def test_the_hinge_makes_the_speed_constant(point, profile):
     assert without.fluctuation > 1.0
     assert with_hinge.fluctuation < 1e-3 * without.fluctuation
     assert with_hinge.fluctuation < 1e-6
-    assert with_hinge.mean_speed == pytest.approx(SPEED, rel=1e-6)
+    assert with_hinge.mean_speed == close(SPEED, rel=1e-6)
 
 
 def test_from_another_speed_the_hinge_does_not(point, profile):
@@ -57,8 +58,8 @@ def test_steady_hinge_turn_is_what_integration_gives(point):
     run = simulate_hinge(point, flywheel=3000.0, samples=720)
     # Both use splines through the same 2880 values; the fluctuation is that of four times as many
     # values in one of them, between which a smooth extremum is missed by 1e-5 of the swing.
-    assert turn.mean_speed == pytest.approx(SPEED, rel=1e-12)
-    assert run.fluctuation == pytest.approx(turn.fluctuation, rel=1e-4)
+    assert turn.mean_speed == close(SPEED, rel=1e-12)
+    assert run.fluctuation == close(turn.fluctuation, rel=1e-4)
     np.testing.assert_allclose(run.speed[:-1], turn.speed[::4], rtol=1e-8)
     assert abs(turn.gain) < 1e-7 * np.ptp(point.stored_energy)
 
@@ -78,16 +79,16 @@ def test_equation_of_motion_in_time(point):
     # Straight lines between 2880 values of a smooth curve: 1e-6 of it.
     expected = np.interp(angle, turn.angles, turn.speed)
     assert 2.0 < angle < 6.0
-    assert speed == pytest.approx(expected, rel=1e-5)
+    assert speed == close(expected, rel=1e-5)
 
 
 def test_flywheel_reaches_what_it_is_for(point):
     inertia = flywheel_for(point, 0.01)
-    assert steady_hinge_turn(point, flywheel=inertia).fluctuation == pytest.approx(0.01, rel=1e-9)
+    assert steady_hinge_turn(point, flywheel=inertia).fluctuation == close(0.01, rel=1e-9)
     # Classical: at an almost constant speed it stores what the hinge would store. The engine's own
     # inertia is 0.1 % of it, and squares of the fluctuation are left out: another 1 %.
     stored = float(np.ptp(point.stored_energy))
-    assert inertia == pytest.approx(stored / (0.01 * SPEED**2), rel=0.01)
+    assert inertia == close(stored / (0.01 * SPEED**2), rel=0.01)
     assert flywheel_for(point, 50.0) > 0.0
     with pytest.raises(InputError, match="fluctuation: given 1e-12"):
         flywheel_for(point, 1e-12)
@@ -107,8 +108,8 @@ def test_light_engine_wants_the_pressure_of_its_gas_force():
     twice = hinge_moment(light, lambda a: 2.0 * smooth_force(a), 1.3 * SPEED)
     best = best_pressure(twice, guides)
     # The search ends within 1e-10 of the logarithm; splines of the guides leave 1e-8 of the moment.
-    assert best.ratio == pytest.approx(2.0, rel=1e-6)
-    assert best.fitted_ratio == pytest.approx(2.0, rel=1e-7)
+    assert best.ratio == close(2.0, rel=1e-6)
+    assert best.fitted_ratio == close(2.0, rel=1e-7)
     assert best.fluctuation < 1e-5
     assert best.moment_residual < 1e-6
     assert best.unchanged is None or best.unchanged > 0.1
@@ -116,7 +117,7 @@ def test_light_engine_wants_the_pressure_of_its_gas_force():
 
 def test_best_pressure_at_the_design_is_the_designs(point, profile):
     best = best_pressure(point, profile)
-    assert best.ratio == pytest.approx(1.0, abs=1e-6)
+    assert best.ratio == close(1.0, abs=1e-6)
     assert best.fluctuation <= best.unchanged < 1e-6
 
 

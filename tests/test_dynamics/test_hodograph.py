@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.balance.hodograph import Hodograph, hodograph_sum, order_vectors
 
@@ -25,18 +26,18 @@ def test_axes_bound_the_vector_and_are_reached(shape):
     assert np.all(around <= shape.major * (1 + 1e-14))
     assert np.all(around >= shape.minor - 1e-14 * shape.major)
     if shape.angle is None:
-        assert shape.minor == pytest.approx(shape.major, rel=2e-12)
+        assert shape.minor == close(shape.major, rel=2e-12)
         return
     # A nearly round ellipse shows the direction of its axis only to round-off over its flatness.
     blur = 1e-14 * shape.major / (shape.major - shape.minor)
     assert 0.0 <= shape.largest_at < math.pi / shape.order + blur
     assert -math.pi / 2 < shape.angle <= math.pi / 2
     at_largest = complex(shape.at(shape.largest_at))
-    assert abs(at_largest) == pytest.approx(shape.major, rel=1e-14)
+    assert abs(at_largest) == close(shape.major, rel=1e-14)
     across = (at_largest * cmath.exp(-1j * shape.angle)).imag
     assert abs(across) <= (1e-14 + 10 * blur) * shape.major
     at_least = complex(shape.at(shape.largest_at + math.pi / 2 / shape.order))
-    assert abs(at_least) == pytest.approx(shape.minor, abs=(1e-14 + blur) * shape.major)
+    assert abs(at_least) == close(shape.minor, abs=(1e-14 + blur) * shape.major)
 
 
 @given(hodographs, st.floats(-4.0, 4.0))
@@ -44,9 +45,7 @@ def test_axes_bound_the_vector_and_are_reached(shape):
 def test_amplitude_along_a_direction(shape, direction):
     turn = cmath.exp(-1j * direction)
     component = order_vectors((shape.at(np.arange(20) * np.pi / 10) * turn).real, [shape.order])[0]
-    assert shape.amplitude_along(direction) == pytest.approx(
-        component.major, abs=1e-14 * shape.major
-    )
+    assert shape.amplitude_along(direction) == close(component.major, abs=1e-14 * shape.major)
 
 
 def test_sense_and_points():
@@ -57,7 +56,7 @@ def test_sense_and_points():
         # Seen from the flywheel, x to the right, the shaft turns counterclockwise: positive area.
         area = 0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])
         # The polygon of 720 points has 1 - (2 pi / 720)^2 / 6 of the ellipse's area.
-        assert area == pytest.approx(shape.sense * math.pi * shape.major * shape.minor, rel=1.3e-5)
+        assert area == close(shape.sense * math.pi * shape.major * shape.minor, rel=1.3e-5)
         assert np.max(np.abs(x)) <= shape.x * (1 + 1e-14)
         assert np.max(np.abs(y)) <= shape.y * (1 + 1e-14)
 
@@ -66,7 +65,7 @@ def test_shapes_without_two_axes():
     line = Hodograph(2, 100 * cmath.exp(-0.5j * math.pi), 100 * cmath.exp(-0.5j * math.pi))
     assert line.sense == 0
     assert line.angle == math.pi / 2  # a horizontal axis is written +90 deg
-    assert (line.x, line.y) == (pytest.approx(200.0), pytest.approx(0.0, abs=1e-13))
+    assert (line.x, line.y) == (close(200.0), close(0.0, abs=1e-13))
     circle = Hodograph(1, 0.0, 3j)
     assert (circle.angle, circle.largest_at, circle.sense) == (None, None, -1)
     point = Hodograph(1, 0.0, 0.0)
@@ -103,8 +102,8 @@ def test_orders_of_samples():
     shapes = [Hodograph(k, complex(k, 1.0), complex(-1.0, k)) for k in (1, 3, 7)]
     vectors = 5.0 + sum(shape.at(angles) for shape in shapes)
     for found, shape in zip(order_vectors(vectors, [1, 3, 7]), shapes, strict=True):
-        assert found.forward == pytest.approx(shape.forward, rel=1e-14)
-        assert found.backward == pytest.approx(shape.backward, rel=1e-14)
+        assert found.forward == close(shape.forward, rel=1e-14)
+        assert found.backward == close(shape.backward, rel=1e-14)
 
 
 @pytest.mark.parametrize(

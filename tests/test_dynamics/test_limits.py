@@ -1,6 +1,9 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import (
@@ -8,7 +11,13 @@ from dynamics.assessment.limit_rules import (
     generator_set_limit,
     propulsion_shaft_limit,
 )
-from dynamics.assessment.limits import AmplitudeCurve, axial_force_limit, given_limit, usage
+from dynamics.assessment.limits import (
+    AmplitudeCurve,
+    LimitCurve,
+    axial_force_limit,
+    given_limit,
+    usage,
+)
 
 
 def test_given_limit_is_the_same_at_all_speeds():
@@ -32,10 +41,42 @@ def test_impossible_limits_are_refused(values, message):
         given_limit("torque", **given)
 
 
+@pytest.mark.parametrize("per_minute", [450.0, 1000.0, 1500.0, 2300.0, 3001.0])
+@pytest.mark.parametrize(
+    ("ratio", "pick"),
+    [
+        (1.15, lambda n: crankshaft_limit(n, strokes=4).continuous),
+        (0.8, lambda n: crankshaft_limit(n, strokes=4).passing),
+        (1.05, lambda n: propulsion_shaft_limit(5e8, 0.3, n).continuous),
+        (0.8, lambda n: propulsion_shaft_limit(5e8, 0.3, n).passing),
+        (1.1, lambda n: generator_set_limit(n, part="crankshaft").continuous),
+        (0.9, lambda n: generator_set_limit(n, part="crankshaft").passing),
+    ],
+)
+def test_a_limit_holds_at_its_end_however_that_is_calculated(per_minute, ratio, pick):
+    rated = per_minute * np.pi / 30.0
+    ends = np.array(
+        [ratio * rated, ratio * per_minute * np.pi / 30.0, per_minute * ratio / (30.0 / np.pi)]
+    )
+    curve = pick(rated)
+    assert np.isfinite(curve.at(ends)).all()
+    assert np.isfinite(curve.at(np.nextafter(ends, np.inf))).all()
+    assert np.isinf(curve.at(ends * (1.0 + 1e-9))).all()
+
+
+def test_a_limit_holds_from_its_beginning_and_is_used_there():
+    curve = LimitCurve(np.ones_like, 11.5, 23.0)
+    places = np.array([np.nextafter(11.5, 0.0), 11.5, 23.0, np.nextafter(23.0, 99.0)])
+    assert curve.at(places).tolist() == [1.0, 1.0, 1.0, 1.0]
+    assert np.isinf(curve.at(np.array([11.4999, 23.0001]))).all()
+    limit = replace(given_limit("force", 1.0, "N", applies_to="x", source="y"), continuous=curve)
+    assert usage(limit, AmplitudeCurve("shaft", places, [2.0] * 4)).tolist() == [2.0] * 4
+
+
 def test_usage_counts_unbounded_and_leaves_out_speeds_without_a_limit():
     limit = crankshaft_limit(100.0, strokes=4)
     curve = AmplitudeCurve("shaft", [50.0, 100.0, 116.0], [39e6 / 2, np.inf, 1e9])
-    assert usage(limit, curve) == pytest.approx([0.5, np.inf, 0.0])
+    assert usage(limit, curve) == close([0.5, np.inf, 0.0])
 
 
 @pytest.mark.parametrize(
@@ -60,9 +101,9 @@ def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so(
     assert "650 MPa enters the rule as 600 MPa" in carbon.remark
     assert capped.remark == ""
     alloy = propulsion_shaft_limit(650e6, 0.3, 10.0, alloy=True)
-    assert alloy.continuous.at(speed) == pytest.approx(capped.continuous.at(speed) * 810 / 760)
+    assert alloy.continuous.at(speed) == close(capped.continuous.at(speed) * 810 / 760)
     tail = propulsion_shaft_limit(650e6, 0.3, 10.0, alloy=True, feature="propeller shaft")
-    assert tail.continuous.at(speed) == pytest.approx(capped.continuous.at(speed) * 0.55)
+    assert tail.continuous.at(speed) == close(capped.continuous.at(speed) * 0.55)
 
 
 @pytest.mark.parametrize(
@@ -104,7 +145,7 @@ def test_what_a_rule_does_not_cover_is_refused(call, message):
 )
 def test_v_engines_have_the_limits_of_engines_in_line_at_two_intervals(interval, stress):
     limit = crankshaft_limit(100.0, strokes=4, kind="V", firing_interval_deg=interval)
-    assert limit.continuous.at(np.array([100.0])) == pytest.approx([stress])
+    assert limit.continuous.at(np.array([100.0])) == close([stress])
 
 
 def test_the_limit_of_generator_sets_ends_at_a_tenth_above_the_rated_speed():
@@ -118,6 +159,6 @@ def test_axial_force_limit_makes_the_nominal_web_stress_the_permitted_one():
     force = float(limit.continuous.at(np.array([1.0]))[0])
     second_moment = 0.285 * 0.068**3 / 12.0
     stress = force * 0.17 * (0.068 / 2.0) / second_moment + force / (0.285 * 0.068)
-    assert stress == pytest.approx(30e6, rel=1e-12)  # round-off
+    assert stress == close(30e6, rel=1e-12)  # round-off
     assert limit.assumed
     assert "maker's fatigue strength" in limit.source

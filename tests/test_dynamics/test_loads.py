@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
 from dynamics.engine.forces import mechanism_forces
@@ -63,7 +64,7 @@ def test_a_turning_mass_stands_still_in_its_crank_frame():
     force = 1e3 * (3.0 - 4.0j) * np.exp(1j * (0.5 + ANGLES))
     load = LoadDiagram("pin", ANGLES, force, 0.5)
     np.testing.assert_allclose(load.in_crank_frame, 1e3 * (3.0 - 4.0j), rtol=1e-13)
-    assert load.mean == pytest.approx(5e3, rel=1e-13)
+    assert load.mean == close(5e3, rel=1e-13)
     np.testing.assert_allclose(load.specific_pressure(0.1, 0.05), 1e6, rtol=1e-13)
     columns = load.columns()
     np.testing.assert_allclose(columns["tangential_N"], -4e3, rtol=1e-12)
@@ -77,9 +78,9 @@ def test_a_turning_mass_stands_still_in_its_crank_frame():
 def test_maximum_and_its_angle():
     size = 2.0 + np.cos(ANGLES - math.radians(130.0))
     load = LoadDiagram("pin", ANGLES, size.astype(complex), 0.0)
-    assert load.maximum == pytest.approx(3.0)
-    assert math.degrees(load.maximum_angle) == pytest.approx(130.0)
-    assert load.mean == pytest.approx(2.0)
+    assert load.maximum == close(3.0)
+    assert math.degrees(load.maximum_angle) == close(130.0)
+    assert load.mean == close(2.0)
 
 
 def test_the_closing_sample_counts_once():
@@ -88,7 +89,7 @@ def test_the_closing_sample_counts_once():
         once, twice = loads(forces_of(engine)), loads(forces_of(engine, CLOSED))
         for ours, theirs in zip(once, twice, strict=True):
             assert theirs.angles.size == ours.angles.size == theirs.force.size == 72
-            assert theirs.mean == pytest.approx(ours.mean, rel=1e-12)
+            assert theirs.mean == close(ours.mean, rel=1e-12)
 
 
 def test_each_load_is_shared_by_the_lever():

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
@@ -58,7 +59,7 @@ def test_held_out_points_of_a_family_are_met(method, worst):
         missing = np.max(np.abs(diagram(speed, load).pressure - at.pressure))
         assert missing < 2.0 * error * at.peak_pressure
         again = np.fft.rfft(at.pressure)[1:25] * 2.0 / at.pressure.size
-        assert phasors[:, place] == pytest.approx(again, abs=1e-9 * np.abs(again).max())
+        assert phasors[:, place] == close(again, abs=1e-9 * np.abs(again).max())
 
 
 def test_forces_are_those_of_the_interpolated_diagram():
@@ -71,7 +72,7 @@ def test_forces_are_those_of_the_interpolated_diagram():
         single = cylinder_forces(ENGINE, speeds[place : place + 1], 12.0, own)
         # Between its samples a diagram is a shape-preserving cubic, which is not linear in them:
         # measured 1.1e-6.
-        assert forces.tangential[:, place] == pytest.approx(
+        assert forces.tangential[:, place] == close(
             single.tangential[:, 0], abs=3e-6 * np.abs(single.tangential).max()
         )
     assert forces.remarks == ()
@@ -84,10 +85,10 @@ def test_a_map_along_a_curve_takes_no_load():
     points = [(float(s), float((s / 200.0) ** 2), diagram(s, (s / 200.0) ** 2)) for s in speeds]
     found = pressure_map(points)
     assert found.loads is None
-    assert found.load_of_speed == pytest.approx((speeds / 200.0) ** 2)
+    assert found.load_of_speed == close((speeds / 200.0) ** 2)
     # At its points a map has its diagrams.
-    assert found.at(100.0).pressure == pytest.approx(points[0][2].pressure, rel=1e-12)
-    assert found.weights([140.0]).sum() == pytest.approx(1.0)
+    assert found.at(100.0).pressure == close(points[0][2].pressure, rel=1e-12)
+    assert found.weights([140.0]).sum() == close(1.0)
     with pytest.raises(InputError, match="load: given for a pressure map with one diagram at each"):
         found.at(140.0, 0.5)
 
@@ -162,7 +163,7 @@ def test_a_map_from_cycles_has_its_targets_at_the_points():
         mean_effective_pressure=float(means[1, 1]),
         samples=720,
     )
-    assert found.at(speeds[1], 1.0).pressure == pytest.approx(middle.pressure.pressure, rel=1e-12)
+    assert found.at(speeds[1], 1.0).pressure == close(middle.pressure.pressure, rel=1e-12)
     assert not any("Solved" in text for text in found.remarks)
     with pytest.raises(
         InputError, match="at 1500 1/min and load 1: mean_effective_pressure: given"

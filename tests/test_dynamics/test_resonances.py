@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.response.damping import damped
@@ -33,23 +34,23 @@ def test_each_resonance_is_calculated_at_its_own_speed():
     assert [own.speed for own in table] == sorted(own.speed for own in table)
     assert {own.mode for own in table} == {1, 2}
     for own in table:
-        assert own.frequency == pytest.approx(frequencies[own.mode], rel=1e-12)
-        assert own.order * own.speed == pytest.approx(2.0 * np.pi * own.frequency, rel=1e-14)
+        assert own.frequency == close(frequencies[own.mode], rel=1e-12)
+        assert own.order * own.speed == close(2.0 * np.pi * own.frequency, rel=1e-14)
         # The force at that speed is known exactly from two, as it follows the squared speed.
         alone = excitation([own.speed], np.array([own.order]))
         exact = forced_response(chain, alone).amplitude[0, 0, 0]
-        assert own.amplitude == pytest.approx(exact, rel=1e-9)
-        assert own.magnifier == pytest.approx(40.0, rel=1e-9)
-        assert own.estimate == pytest.approx(own.equilibrium * own.magnifier, rel=1e-12)
+        assert own.amplitude == close(exact, rel=1e-9)
+        assert own.magnifier == close(40.0, rel=1e-9)
+        assert own.estimate == close(own.equilibrium * own.magnifier, rel=1e-12)
         if own.share > 0.1 and own.mode == 1:
             # Other modes, at rest beside a magnifier of 40 of this one, are all that differs.
-            assert own.estimate == pytest.approx(own.amplitude, rel=5e-3)
+            assert own.estimate == close(own.amplitude, rel=5e-3)
     assert {own.order for own in table if own.kind == "major"} == {6.0, 9.0, 12.0}
     worst = max(table, key=lambda own: own.amplitude)
     assert (worst.order, worst.mode, worst.kind, worst.severity) == (6.0, 1, "major", 1.0)
     # Mode 1 does not change sign from cylinder to cylinder: at major orders all work together.
-    assert worst.share == pytest.approx(1.0, abs=1e-9)
-    assert worst.speed_rpm == pytest.approx(worst.speed * 30.0 / np.pi)
+    assert worst.share == close(1.0, abs=1e-9)
+    assert worst.speed_rpm == close(worst.speed * 30.0 / np.pi)
 
 
 def test_no_resonance_in_range_and_no_force():

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.response.excitation import at_angles
 from dynamics.response.synthesis import PEAK_ERROR_BOUND, common_order, synthesis
@@ -21,7 +22,7 @@ def test_known_sums():
             np.testing.assert_allclose(found.lowest[0] / scale, [-0.75, -1.5], rtol=1e-13)
             np.testing.assert_allclose(found.amplitude[0] / scale, 1.125, rtol=1e-13)
             np.testing.assert_allclose(found.plain_sum[0] / scale, 1.5, rtol=1e-13)
-            assert found.period == pytest.approx(2.0 * np.pi, rel=1e-15)
+            assert found.period == close(2.0 * np.pi, rel=1e-15)
 
 
 def test_against_dense_samples():
@@ -34,14 +35,14 @@ def test_against_dense_samples():
     orders = 0.5 * np.arange(1, 25)
     phasors = draw.normal(size=(24, 1, 40)) + 1j * draw.normal(size=(24, 1, 40))
     found = synthesis(orders, ONE, phasors)
-    assert found.period == pytest.approx(4.0 * np.pi)
+    assert found.period == close(4.0 * np.pi)
     angles = np.linspace(0.0, 4.0 * np.pi, 40_001)
     for place in range(3):
         dense = at_angles(orders, phasors[:, 0, place], angles)
         assert dense.max() <= found.highest[0, place] * (1.0 + 1e-14)
         assert dense.min() >= found.lowest[0, place] * (1.0 + 1e-14)
         half = 0.5 * (dense.max() - dense.min())
-        assert found.amplitude[0, place] == pytest.approx(half, rel=2e-6)
+        assert found.amplitude[0, place] == close(half, rel=2e-6)
     assert np.all(found.amplitude < found.plain_sum)
 
 
@@ -49,7 +50,7 @@ def test_bound_of_the_samples_alone():
     """The worst case of the bound: a single wave whose peaks lie between the samples."""
     size = 32
     worst = np.cos(2.0 * np.pi * np.arange(size) / size - np.pi / size)
-    assert 1.0 - worst.max() == pytest.approx(PEAK_ERROR_BOUND, rel=1e-12)
+    assert 1.0 - worst.max() == close(PEAK_ERROR_BOUND, rel=1e-12)
     assert PEAK_ERROR_BOUND < 0.005
 
 
@@ -65,7 +66,7 @@ def test_common_order():
     multiples, common = common_order(np.array([0.5, 1.5, 4.0]))
     assert (multiples.tolist(), common) == ([1, 3, 8], 0.5)
     assert common_order(np.array([4.0, 8.0]))[1] == 4.0
-    assert common_order(np.array([1.0 / 3.0, 0.5]))[1] == pytest.approx(1.0 / 6.0)
+    assert common_order(np.array([1.0 / 3.0, 0.5]))[1] == close(1.0 / 6.0)
     with pytest.raises(InputError, match=r"orders: given 1.414.*; allowed are fractions"):
         common_order(np.array([1.0, np.sqrt(2.0)]))
     with pytest.raises(

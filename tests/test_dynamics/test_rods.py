@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.mechanism.rods import REACH, ROD_MODELS, ConnectingRod
 
@@ -44,26 +45,26 @@ def test_what_each_model_keeps(rod):
         model = rod.model(name)
         assert model.name == name
         assert model.length == rod.length
-        assert model.mass == pytest.approx(rod.mass, rel=1e-13)
-        assert model.center.real == pytest.approx(rod.center_distance, abs=1e-13 * rod.length)
+        assert model.mass == close(rod.mass, rel=1e-13)
+        assert model.center.real == close(rod.center_distance, abs=1e-13 * rod.length)
         # The parallel axis theorem ties what the model says of itself to its point masses.
         about = inertia_about(model, model.center)
-        assert model.inertia == pytest.approx(about, abs=1e-13 * size)
+        assert model.inertia == close(about, abs=1e-13 * size)
     for name in ("rigid", "three-mass"):
         kept = inertia_about(rod.model(name), rod.center)
-        assert kept == pytest.approx(rod.inertia, abs=1e-13 * size)
+        assert kept == close(rod.inertia, abs=1e-13 * size)
     assert rod.model("rigid").places == (rod.center,)
     on_axis = complex(rod.center_distance)
     kept = inertia_about(rod.model("two-mass with inertia"), on_axis)
-    assert kept == pytest.approx(rod.inertia, abs=1e-13 * size)
+    assert kept == close(rod.inertia, abs=1e-13 * size)
     for name in ("two-mass", "two-mass with inertia"):
         assert rod.model(name).center.imag == 0.0
         near, far = rod.center_distance, rod.length - rod.center_distance
-        assert rod.model(name).masses == pytest.approx(
+        assert rod.model(name).masses == close(
             (rod.mass * far / rod.length, rod.mass * near / rod.length), rel=1e-13
         )
     plain = rod.mass * rod.center_distance * (rod.length - rod.center_distance)
-    assert rod.model("two-mass").inertia == pytest.approx(plain, rel=1e-13)
+    assert rod.model("two-mass").inertia == close(plain, rel=1e-13)
 
 
 @settings(max_examples=30, deadline=None)
@@ -72,7 +73,7 @@ def test_the_three_mass_model_misses_the_lateral_static_moment(rod):
     model = rod.model("three-mass")
     at_pins = model.masses[0] + model.masses[1]
     off = rod.center_offset - model.center.imag
-    assert off == pytest.approx(at_pins * rod.center_offset / rod.mass, abs=1e-13 * rod.length)
+    assert off == close(at_pins * rod.center_offset / rod.mass, abs=1e-13 * rod.length)
     assert model.masses[0] > 0.0
     assert model.masses[1] > 0.0
     assert model.places == (0j, complex(rod.length), rod.center)
@@ -82,9 +83,9 @@ def test_the_three_mass_model_misses_the_lateral_static_moment(rod):
 @given(rods(offset=0.0))
 def test_without_offset_the_three_mass_model_is_the_rigid_rod(rod):
     rigid, model = rod.model("rigid"), rod.model("three-mass")
-    assert model.mass == pytest.approx(rigid.mass, rel=1e-12)
-    assert model.center == pytest.approx(rigid.center, rel=1e-12)
-    assert model.inertia == pytest.approx(rigid.inertia, rel=1e-12)
+    assert model.mass == close(rigid.mass, rel=1e-12)
+    assert model.center == close(rigid.center, rel=1e-12)
+    assert model.inertia == close(rigid.inertia, rel=1e-12)
 
 
 @settings(max_examples=30, deadline=None)
@@ -102,14 +103,14 @@ def test_other_units_give_the_same_models(rod, longer, heavier):
         np.testing.assert_allclose(
             theirs.masses, heavier * np.array(ours.masses), rtol=1e-12, atol=1e-12 * scaled.mass
         )
-        assert theirs.added_inertia == pytest.approx(
+        assert theirs.added_inertia == close(
             heavier * longer**2 * ours.added_inertia, abs=1e-12 * scaled.mass * scaled.length**2
         )
 
 
 def test_two_masses_with_the_inertia_they_have_lack_none():
     rod = ConnectingRod(0.265, 5.0, 0.097, 5.0 * 0.097 * 0.168)
-    assert rod.model("two-mass with inertia").added_inertia == pytest.approx(0.0, abs=1e-15)
+    assert rod.model("two-mass with inertia").added_inertia == close(0.0, abs=1e-15)
 
 
 @settings(max_examples=30, deadline=None)
@@ -133,10 +134,10 @@ def test_the_largest_inertia_is_that_of_masses_at_the_corners():
     right, up = (center.real - low) / (high - low), (center.imag + side) / (2.0 * side)
     corners = np.array([low - 1j * side, high - 1j * side, low + 1j * side, high + 1j * side])
     shares = np.outer([1.0 - up, up], [1.0 - right, right]).ravel()
-    assert complex(np.dot(shares, corners)) == pytest.approx(center)
+    assert complex(np.dot(shares, corners)) == close(center)
     largest = mass * float(np.dot(shares, np.abs(corners - center) ** 2))
     rod = ConnectingRod(length, mass, center.real, 0.99999 * largest, center.imag)
-    assert rod.largest_inertia == pytest.approx(largest, rel=1e-13)
+    assert rod.largest_inertia == close(largest, rel=1e-13)
     with pytest.raises(InputError, match=r"rod inertia: given .* because no mass of 5 kg"):
         ConnectingRod(length, mass, center.real, 1.00001 * largest, center.imag)
 

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.attachments import Propeller
 from dynamics.chains.shaft_bodies import Coupling, RigidBody
@@ -44,30 +45,30 @@ def test_cones_by_quadrature(left, right, share, shape):
 
     # The quadrature's own tolerance.
     twist = along(lambda z: 32.0 / (math.pi * G * powers(z, 4)))
-    assert cone.torsional_compliance == pytest.approx(twist, rel=1e-11)
+    assert cone.torsional_compliance == close(twist, rel=1e-11)
     stretch = along(lambda z: 4.0 / (math.pi * E * powers(z, 2)))
-    assert cone.axial_compliance == pytest.approx(stretch, rel=1e-11)
-    assert cone.mass == pytest.approx(RHO * math.pi / 4.0 * along(lambda z: powers(z, 2)))
+    assert cone.axial_compliance == close(stretch, rel=1e-11)
+    assert cone.mass == close(RHO * math.pi / 4.0 * along(lambda z: powers(z, 2)))
     inertia = RHO * math.pi / 32.0 * along(lambda z: powers(z, 4))
-    assert cone.polar_inertia == pytest.approx(inertia)
+    assert cone.polar_inertia == close(inertia)
     parts = cone.divided(3)
-    assert sum(part.torsional_compliance for part in parts) == pytest.approx(twist, rel=1e-10)
-    assert sum(part.mass for part in parts) == pytest.approx(cone.mass)
+    assert sum(part.torsional_compliance for part in parts) == close(twist, rel=1e-10)
+    assert sum(part.mass for part in parts) == close(cone.mass)
     moduli = [
         math.pi / 16.0 * powers(z, 4) / (left + (right - left) * z / length) for z in (0, length)
     ]
-    assert cone.section_modulus == pytest.approx(min(moduli))
+    assert cone.section_modulus == close(min(moduli))
 
 
 def test_cylinders_and_flanges():
     tube = shaft_cylinder(2.0, 0.3, 0.1, MATERIAL)
     polar = math.pi / 32.0 * (0.3**4 - 0.1**4)
-    assert tube.torsional_compliance == pytest.approx(2.0 / (G * polar))
-    assert tube.axial_compliance == pytest.approx(2.0 / (E * math.pi / 4.0 * (0.09 - 0.01)))
-    assert tube.polar_inertia == pytest.approx(RHO * polar * 2.0)
-    assert tube.section_modulus == pytest.approx(polar / 0.15)
+    assert tube.torsional_compliance == close(2.0 / (G * polar))
+    assert tube.axial_compliance == close(2.0 / (E * math.pi / 4.0 * (0.09 - 0.01)))
+    assert tube.polar_inertia == close(RHO * polar * 2.0)
+    assert tube.section_modulus == close(polar / 0.15)
     disk = shaft_flange(0.05, 0.6, material=MATERIAL)
-    assert disk.polar_inertia == pytest.approx(disk.mass * 0.3**2 / 2.0)
+    assert disk.polar_inertia == close(disk.mass * 0.3**2 / 2.0)
 
 
 def test_a_shaft_line_as_a_chain():
@@ -90,20 +91,20 @@ def test_a_shaft_line_as_a_chain():
     assert chain.distributed_inertia.tolist() == [
         flange.polar_inertia, shaft.polar_inertia, 0.0, cone.polar_inertia,
     ]  # fmt: skip
-    assert 1.0 / chain.stiffness == pytest.approx(
+    assert 1.0 / chain.stiffness == close(
         [flange.torsional_compliance, shaft.torsional_compliance, 5e-7, cone.torsional_compliance]
     )
     assert chain.loss_factor.tolist() == [0.0, 0.0, 0.1, 0.0]
     assert chain.damping.tolist() == [0.0, 0.0, 9.0, 0.0]
     assert chain.ground_damping.tolist() == [0.0, 0.0, 0.0, 0.0, 7.0]
-    assert line.compliance("torsional") == pytest.approx(np.sum(1.0 / chain.stiffness))
+    assert line.compliance("torsional") == close(np.sum(1.0 / chain.stiffness))
     axial = line.chain("axial", parts=3, inertia="lumped")
     assert len(axial.names) == 1 + 3 + 3 + 1 + 3
     assert not axial.distributed_inertia.any()
-    assert axial.inertia.sum() == pytest.approx(line.mass + 30.0 + 40.0 + 1400.0)
-    assert np.sum(1.0 / axial.stiffness) == pytest.approx(line.compliance("axial"))
+    assert axial.inertia.sum() == close(line.mass + 30.0 + 40.0 + 1400.0)
+    assert np.sum(1.0 / axial.stiffness) == close(line.compliance("axial"))
     assert axial.modes().rigid == 1
-    assert line.section_modulus == pytest.approx(math.pi / 16.0 * 0.2**3)
+    assert line.section_modulus == close(math.pi / 16.0 * 0.2**3)
 
 
 def test_bodies_share_a_joint():

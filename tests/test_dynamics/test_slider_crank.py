@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.mechanism.motion import crankpin_motion
 from dynamics.mechanism.slider_crank import SliderCrank
@@ -117,10 +118,10 @@ def test_signs_of_a_quarter_turn():
     """The crankpin moves to +n at the top; the rod then leans back, so its turning is negative."""
     drive = SliderCrank(0.07, 0.265)
     quarter = np.array([0.5 * math.pi])
-    assert drive.crankpin([0.0]).first[0] == pytest.approx(0.07j)
-    assert drive.crankpin(quarter).place[0] == pytest.approx(0.07j)
-    assert drive.rod(quarter).angle[0] == pytest.approx(-math.asin(0.07 / 0.265))
-    assert drive.rod_point([0.0], 0.1, 0.02).place[0] == pytest.approx(0.17 + 0.02j)
+    assert drive.crankpin([0.0]).first[0] == close(0.07j)
+    assert drive.crankpin(quarter).place[0] == close(0.07j)
+    assert drive.rod(quarter).angle[0] == close(-math.asin(0.07 / 0.265))
+    assert drive.rod_point([0.0], 0.1, 0.02).place[0] == close(0.17 + 0.02j)
 
 
 def test_velocity_and_acceleration_of_a_crank_that_speeds_up():
@@ -132,13 +133,13 @@ def test_velocity_and_acceleration_of_a_crank_that_speeds_up():
     velocity = np.dot([1.0, -8.0, 0.0, 8.0, -1.0], places) / (12.0 * step)
     acceleration = np.dot([-1.0, 16.0, -30.0, 16.0, -1.0], places) / (12.0 * step**2)
     point, turn = drive.rod_point([1.0], 0.1, 0.02), drive.rod([1.0])
-    assert point.velocity(speed)[0] == pytest.approx(velocity, rel=1e-9)
+    assert point.velocity(speed)[0] == close(velocity, rel=1e-9)
     # Round-off: 1e-17 m / (2e-5 s)^2 of 1e3 m/s^2.
-    assert point.acceleration(speed, gain)[0] == pytest.approx(acceleration, rel=1e-8)
+    assert point.acceleration(speed, gain)[0] == close(acceleration, rel=1e-8)
     turned = turn.acceleration(speed, gain)[0]
     angles = drive.rod(1.0 + speed * times + 0.5 * gain * times**2).angle
     wanted = np.dot([-1.0, 16.0, -30.0, 16.0, -1.0], angles) / (12.0 * step**2)
-    assert turned == pytest.approx(wanted, rel=1e-8)
+    assert turned == close(wanted, rel=1e-8)
 
 
 def test_turned_by_a_right_angle_along_becomes_across():

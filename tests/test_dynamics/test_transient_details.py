@@ -166,3 +166,8 @@ def test_strain_energy_keeps_its_digits_after_many_turns():
     room = 1e-14 * np.abs(run.torque).max()
     assert np.allclose(run.strain_energy, wanted, rtol=1e-12, atol=room)
     assert wanted.max() > 1e-6
+
+
+def test_more_samples_than_are_counted_are_refused():
+    with pytest.raises(InputError, match=r"samples: given .*; allowed is up to"):
+        SpeedCurve.sampled(lambda _: 1.0, 1.0, samples=10**400)

@@ -244,6 +244,12 @@ BAD = {
     "speed: given a curve that takes": lambda: transient_motion(
         row(), excitation(4), SpeedCurve.constant(80.0, 1e6)
     ),
+    "speed: given a curve that": lambda: transient_motion(
+        row(), excitation(4), SpeedCurve.constant(80.0, 1e50)
+    ),
+    "speed: given": lambda: transient_motion(
+        row(), excitation(4), SpeedCurve.constant(80.0, 1.0), step=1e-50
+    ),
     "orders: given": lambda: steady_motion(
         row(), excitation(4, orders=np.array([1.0, np.pi, 4.0])), 80.0
     ),

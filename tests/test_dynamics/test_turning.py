@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass, SlavePin
 from dynamics.engine.forces import mechanism_forces
@@ -54,9 +55,9 @@ def test_free_shaft_keeps_its_energy():
     """I = 2 + cos: w = w_0 sqrt(3 / (2 + cos)), the closed form, to round-off."""
     found = speed_over_angle(lambda a: 2.0 + math.cos(a), constant(0.0), 0.0, 10.0, 2.0)
     wanted = 10.0 * np.sqrt(3.0 / (2.0 + np.cos(found.angle)))
-    assert found.speed == pytest.approx(wanted, rel=1e-14)
+    assert found.speed == close(wanted, rel=1e-14)
     assert found.angle.size == 1441
-    assert found.angle[-1] == pytest.approx(4.0 * math.pi)
+    assert found.angle[-1] == close(4.0 * math.pi)
     assert found.stopped_at is None
 
 
@@ -64,15 +65,15 @@ def test_speed_dependent_moment_against_the_closed_form():
     """I w' = -c w in time is I dw/dphi = -c: w falls linearly, t = -(I / c) ln(w / w_0)."""
     found = speed_over_angle(constant(2.0), lambda w, _: -0.3 * w, 1.0, 50.0, 3.0)
     wanted = 50.0 - 0.15 * (found.angle - 1.0)
-    assert found.speed == pytest.approx(wanted, rel=1e-13)
-    assert found.time == pytest.approx(-(2.0 / 0.3) * np.log(wanted / 50.0), abs=1e-14)
+    assert found.speed == close(wanted, rel=1e-13)
+    assert found.time == close(-(2.0 / 0.3) * np.log(wanted / 50.0), abs=1e-14)
 
 
 def test_shaft_stops_where_its_energy_is_spent():
     # 2 * 10^2 / 2 J over 20 N m: 5 rad.
     found = speed_over_angle(constant(2.0), constant(-20.0), 0.0, 10.0, 2.0)
     # In the shortest steps, of 1/512 deg.
-    assert found.stopped_at == pytest.approx(5.0, abs=math.radians(1.0 / 512.0))
+    assert found.stopped_at == close(5.0, abs=math.radians(1.0 / 512.0))
     assert found.angle[-1] <= found.stopped_at
 
 
@@ -82,12 +83,12 @@ def test_steady_turning_meets_speed_and_repeats():
 
     found = steady_turning(constant(1.0), moment, 60.0, 1.0, samples=120)
     turning = found.turning
-    assert turning.mean_speed == pytest.approx(60.0, rel=1e-9)
-    assert turning.speed[-1] == pytest.approx(turning.speed[0], rel=1e-9)
+    assert turning.mean_speed == close(60.0, rel=1e-9)
+    assert turning.speed[-1] == close(turning.speed[0], rel=1e-9)
     # The square of the speed averages a little over the mean speed's.
-    assert found.load == pytest.approx(50.0 - 0.01 * np.mean(turning.speed[:-1] ** 2), rel=1e-3)
+    assert found.load == close(50.0 - 0.01 * np.mean(turning.speed[:-1] ** 2), rel=1e-3)
     # Energy swings by 200 J between lowest and highest speed: delta = 200 / (I w^2), nearly.
-    assert turning.fluctuation == pytest.approx(200.0 / 60.0**2, rel=5e-3)
+    assert turning.fluctuation == close(200.0 / 60.0**2, rel=5e-3)
 
 
 # At 5 rad/s it would turn with less than a millionth of the swing of energy left.
@@ -112,9 +113,9 @@ def test_steady_turning_close_to_a_stop(start):
     mean = 2.0 * math.pi * start / (4.0 * ellipk(-800.0 / start**2))
     assert mean < 14.0
     found = steady_turning(constant(1.0), swinging, mean, 1.0, samples=90)
-    assert found.load == pytest.approx(0.0, abs=1e-6)
+    assert found.load == close(0.0, abs=1e-6)
     # Steps of 1 deg, in which the slowest speed doubles within ten or fewer.
-    assert found.turning.speed[0] == pytest.approx(start, rel=1e-4)
+    assert found.turning.speed[0] == close(start, rel=1e-4)
 
 
 def test_steady_turning_with_a_governor():
@@ -124,8 +125,8 @@ def test_steady_turning_with_a_governor():
         return 200.0 * math.sin(angle) - 30.0 * (speed - 15.0)
 
     turning = steady_turning(constant(1.0), moment, 15.0, 1.0, samples=90).turning
-    assert turning.mean_speed == pytest.approx(15.0, rel=1e-9)
-    assert turning.speed[-1] == pytest.approx(turning.speed[0], rel=1e-9)
+    assert turning.mean_speed == close(15.0, rel=1e-9)
+    assert turning.speed[-1] == close(turning.speed[0], rel=1e-9)
 
 
 def test_moment_steep_in_the_speed():
@@ -136,8 +137,8 @@ def test_moment_steep_in_the_speed():
     # Most of the way from 10 to 1 rad/s is made within one degree, in a few steps: 1e-7 rad of
     # some 1e-2; 50 in place of 500 leaves 1e-9.
     wanted = -(speed - 10.0 + np.log((speed - 1.0) / 9.0)) / 500.0
-    assert found.angle[:4] == pytest.approx(wanted, abs=1e-7)
-    assert found.speed[-1] == pytest.approx(1.0, rel=1e-9)
+    assert found.angle[:4] == close(wanted, abs=1e-7)
+    assert found.speed[-1] == close(1.0, rel=1e-9)
     with pytest.raises(InputError, match=r"moment: given one with which the speed does not settle"):
         speed_over_angle(constant(1.0), lambda w, _: -1e6 * (w - 1.0), 0.0, 10.0, 1.0)
 
@@ -146,7 +147,7 @@ def test_moment_that_brakes_steeply_stops_the_shaft():
     """w falls by 4 / 2 for each rad: at rest after 5 rad, where the energy falls without end."""
     found = speed_over_angle(constant(2.0), lambda w, _: -4.0 * w, 0.0, 10.0, 2.0)
     # Counted as stopped at 1e-9 of the energy: 3e-5 of the speed.
-    assert found.stopped_at == pytest.approx(5.0, abs=5.0 * 3.2e-5 + math.radians(1.0 / 256.0))
+    assert found.stopped_at == close(5.0, abs=5.0 * 3.2e-5 + math.radians(1.0 / 256.0))
 
 
 @pytest.mark.parametrize(
@@ -183,8 +184,8 @@ def test_curves_give_values_and_derivatives():
     for angle in (0.3, 7.0, -2.0):
         values, slopes = curves.at(angle)
         below = 2.0 + math.cos(angle)
-        assert values == pytest.approx([1.0 / below, 3.0, 0.0], abs=1e-14)
-        assert slopes == pytest.approx([math.sin(angle) / below**2, 0.0, 0.0], abs=1e-13)
+        assert values == close([1.0 / below, 3.0, 0.0], abs=1e-14)
+        assert slopes == close([math.sin(angle) / below**2, 0.0, 0.0], abs=1e-13)
 
 
 def test_acceleration_is_that_of_the_forces():
@@ -201,7 +202,7 @@ def test_acceleration_is_that_of_the_forces():
             crank_acceleration=float(found.acceleration[place]),
         )
         left = engine.shaft_inertia * found.acceleration[place]
-        assert left == pytest.approx(float(forces.torque.sum()) - 30.0, rel=1e-10, abs=1e-8)
+        assert left == close(float(forces.torque.sum()) - 30.0, rel=1e-10, abs=1e-8)
 
 
 def test_energy_balances():
@@ -218,10 +219,10 @@ def test_energy_balances():
         samples=31,
     )
     assert found.energy_error < 1e-9
-    assert found.friction.work[-1] == pytest.approx(-4.0 * (found.angle[-1] - 0.3), rel=1e-9)
+    assert found.friction.work[-1] == close(-4.0 * (found.angle[-1] - 0.3), rel=1e-9)
     assert np.all(np.diff(found.load.work) < 0.0)
     # Speed and acceleration are derivatives of the angle: differences over 5 ms, to their order.
-    assert np.gradient(found.angle, found.time)[1:-1] == pytest.approx(found.speed[1:-1], rel=0.02)
+    assert np.gradient(found.angle, found.time)[1:-1] == close(found.speed[1:-1], rel=0.02)
     assert not found.stopped
 
 
@@ -249,7 +250,7 @@ def test_moment_of_gravity_on_a_counterweight():
     moments = [
         float(turn_freely(each, **at_rest, samples=2).gravity.moment[0]) for each in (engine, bare)
     ]
-    assert moments[0] - moments[1] == pytest.approx(9.81 * 0.3 * math.sin(0.7 + 2.0), rel=1e-12)
+    assert moments[0] - moments[1] == close(9.81 * 0.3 * math.sin(0.7 + 2.0), rel=1e-12)
 
 
 def test_work_of_gravity_is_that_of_the_heights():
@@ -268,7 +269,7 @@ def test_work_of_gravity_is_that_of_the_heights():
     # changes with the angle but by its square.
     wanted = 9.81 * ((3.0 + 2.0) * 0.14 - 2.0 * 0.05)
     off = abs(float(found.angle[place]) - math.pi)
-    assert found.gravity.work[place] == pytest.approx(wanted, abs=10.0 * off**2 + 1e-9)
+    assert found.gravity.work[place] == close(wanted, abs=10.0 * off**2 + 1e-9)
 
 
 def test_gas_as_a_function_of_place_and_direction():
@@ -291,7 +292,7 @@ def test_gas_as_a_function_of_place_and_direction():
     end = np.interp(4.0 * math.pi * cycles - 0.1, turned.angle, turned.gas.work)
     strokes = [highest - lowest for lowest, highest in map(piston_ends, (engine,) * 2, (1, 2))]
     # Read between samples where the work does not change.
-    assert end / cycles == pytest.approx(2e3 * sum(strokes), rel=1e-6)
+    assert end / cycles == close(2e3 * sum(strokes), rel=1e-6)
 
 
 @pytest.mark.parametrize("direction_matters", [False, True])
@@ -300,11 +301,11 @@ def test_engine_stops_and_says_so(direction_matters):
     found = turn_freely(hinged_pair(), 0.3, 40.0, 20.0, gas=gas, load=60.0, samples=201)
     assert found.stopped
     assert found.remark.startswith("The engine stops after ")
-    assert found.speed[-1] == pytest.approx(0.0, abs=1e-8)
+    assert found.speed[-1] == close(0.0, abs=1e-8)
     assert found.energy_error < 1e-9
     assert np.all(np.diff(found.time) > 0.0)
     # All energy goes into the load.
-    assert 60.0 * (found.angle[-1] - 0.3) == pytest.approx(found.kinetic_energy[0], rel=1e-9)
+    assert 60.0 * (found.angle[-1] - 0.3) == close(found.kinetic_energy[0], rel=1e-9)
 
 
 def test_engine_that_is_not_driven_does_not_start():
@@ -317,7 +318,7 @@ def test_engine_starts_from_rest():
     found = turn_freely(hinged_pair(), 0.3, 0.0, 0.1, gas=constant(5e3), samples=11)
     first = turn_freely(hinged_pair(), 0.3, 0.0, 1e-4, gas=constant(5e3), samples=2)
     assert found.acceleration[0] > 0.0
-    assert first.speed[-1] == pytest.approx(first.acceleration[0] * 1e-4, rel=1e-4)
+    assert first.speed[-1] == close(first.acceleration[0] * 1e-4, rel=1e-4)
 
 
 @pytest.mark.slow
@@ -325,17 +326,17 @@ def test_steady_engine_has_the_speed_of_its_energy():
     engine, pressure = hinged_pair(inertia=3.0), SmoothPressure()
     found = turn_steadily(engine, 60.0, gas=pressure, samples=180)
     turning = found.turning
-    assert turning.mean_speed == pytest.approx(60.0, rel=1e-9)
-    assert turning.angle[-1] == pytest.approx(engine.cycle)
+    assert turning.mean_speed == close(60.0, rel=1e-9)
+    assert turning.angle[-1] == close(engine.cycle)
     # The load takes the whole indicated work.
-    assert found.load == pytest.approx(engine_torque(engine, 60.0, pressure).mean, rel=1e-9)
+    assert found.load == close(engine_torque(engine, 60.0, pressure).mean, rel=1e-9)
     # Set free with that load at that speed, it does the same over time.
     start = float(turning.speed[0])
     free = turn_freely(
         engine, 0.0, start, float(turning.time[-1]), gas=pressure, load=found.load, samples=2
     )
-    assert free.angle[-1] == pytest.approx(engine.cycle, rel=1e-9)
-    assert free.speed[-1] == pytest.approx(start, rel=1e-8)
+    assert free.angle[-1] == close(engine.cycle, rel=1e-9)
+    assert free.speed[-1] == close(start, rel=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -364,3 +365,24 @@ def test_refusals(change, message):
     usual = {"start_angle": 0.0, "start_speed": 10.0, "duration": 1.0}
     with pytest.raises(InputError, match=message):
         turn_freely(hinged_pair(), **(usual | change))
+
+
+@pytest.mark.parametrize(
+    ("speed", "duration"), [(100.0, 1e308), (0.0, 1e308), (1e9, 1.0), (1e4, 86_400.0)]
+)
+def test_times_that_cannot_be_followed_are_refused(speed, duration):
+    with pytest.raises(InputError, match=r"^duration: given .* allowed "):
+        turn_freely(hinged_pair(), 0.0, speed, duration)
+
+
+def test_a_shaft_that_turns_faster_and_faster_is_given_up(monkeypatch):
+    monkeypatch.setattr("dynamics.turning.free_turning.MOST_TURNS", 20)
+    with pytest.raises(InputError, match="allowed are 20000 turns"):
+        turn_freely(hinged_pair(), 0.0, 1.0, 100.0, load=-1e3)
+
+
+def test_more_turns_than_can_be_followed_are_refused():
+    with pytest.raises(InputError, match="turns: given 1e"):
+        speed_over_angle(constant(2.0), constant(0.0), 0.0, 10.0, 1e300)
+    with pytest.raises(InputError, match="turns: given 1e"):
+        steady_turning(constant(2.0), constant(0.0), 10.0, 1e300)

@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.assessment.separation import critical_ranges, separation_margin
 from dynamics.assessment.spreads import Spread, scaled_chain
@@ -57,8 +58,8 @@ def test_bounds_are_reached_at_their_corners():
     low, high = frequency_bounds(CHAIN, SPREADS)
     softest = scaled_chain(CHAIN, SPREADS, [1.2, 0.8, 1.1, 2.0, 0.25, 1.0, 1.0])
     stiffest = scaled_chain(CHAIN, SPREADS, [0.9, 1.1, 0.9, 0.5, 4.0, 1.0, 1.0])
-    assert low == pytest.approx(softest.modes().frequencies, rel=1e-12)
-    assert high == pytest.approx(stiffest.modes().frequencies, rel=1e-12)
+    assert low == close(softest.modes().frequencies, rel=1e-12)
+    assert high == close(stiffest.modes().frequencies, rel=1e-12)
 
 
 def test_sensitivities_are_the_derivatives():
@@ -71,7 +72,7 @@ def test_sensitivities_are_the_derivatives():
             factors[number] += sign * step
             ends.append(np.log(scaled_chain(CHAIN, SPREADS, factors).modes().frequencies))
         # Central differences err by step^2, and by round-off 1e-15 / step.
-        assert row == pytest.approx((ends[0] - ends[1]) / (2.0 * step), abs=1e-8)
+        assert row == close((ends[0] - ends[1]) / (2.0 * step), abs=1e-8)
     assert not np.any(found[5:])
 
 
@@ -82,8 +83,8 @@ def test_samples_at_once_are_the_chains_one_by_one_and_free_modes_stay_exactly_z
         samples = frequency_samples(chain, given_spreads, samples=7, seed=3)
         for factors, values in zip(samples.factors, samples.values, strict=True):
             alone = scaled_chain(chain, given_spreads, factors).modes().frequencies
-            assert values == pytest.approx(alone, rel=1e-11)
-        assert samples.nominal == pytest.approx(chain.modes().frequencies, rel=1e-12)
+            assert values == close(alone, rel=1e-11)
+        assert samples.nominal == close(chain.modes().frequencies, rel=1e-12)
     assert not np.any(samples.values[:, 0])
 
 
@@ -98,16 +99,16 @@ def test_every_share_of_a_range_is_drawn_once_and_the_same_seed_draws_the_same()
 
 def test_all_damping_scales_all_of_it():
     doubled = scaled_chain(CHAIN, [Spread("all damping", 0.5, 2.0)], [2.0])
-    assert doubled.damping_matrix() == pytest.approx(2.0 * CHAIN.damping_matrix())
-    assert doubled.loss_matrix() == pytest.approx(2.0 * CHAIN.loss_matrix())
+    assert doubled.damping_matrix() == close(2.0 * CHAIN.damping_matrix())
+    assert doubled.loss_matrix() == close(2.0 * CHAIN.loss_matrix())
     assert np.array_equal(doubled.stiffness_matrix(), CHAIN.stiffness_matrix())
 
 
 def test_samples_of_any_result():
     spreads = [Spread.within("inertia", 0.5)]
     samples = chain_samples(CHAIN, spreads, lambda chain: chain.inertia.sum(), samples=100)
-    assert samples.nominal == pytest.approx(1.5)
-    assert samples.values == pytest.approx(1.5 * samples.factors[:, 0])
+    assert samples.nominal == close(1.5)
+    assert samples.values == close(1.5 * samples.factors[:, 0])
     assert samples.lowest < samples.percentile(10) < samples.percentile(50) < samples.highest
     endless = function_samples(lambda f: np.inf if f[0] > 1.2 else f[0], spreads, samples=100)
     assert np.isinf(endless.highest)
@@ -116,16 +117,16 @@ def test_samples_of_any_result():
 
 def test_separation_margin():
     margins = separation_margin([70.0, 95.0, 230.0], [80.0, 105.0, 250.0], (100.0, 200.0))
-    assert margins == pytest.approx([0.2, 0.0, 0.15])
+    assert margins == close([0.2, 0.0, 0.15])
 
 
 def test_critical_ranges_tell_what_the_nominal_value_hides():
     chain = Chain([1.0, 1.0], [5e3])  # 100 rad/s
     (found,) = critical_ranges(chain, [Spread.within("stiffness", 0.19)], [1.0], (50.0, 88.0))
     assert (found.mode, found.order) == (1, 1.0)
-    assert (found.low, found.nominal, found.high) == pytest.approx((90.0, 100.0, 100 * 1.19**0.5))
-    assert found.nominal_margin == pytest.approx(100.0 / 88.0 - 1.0)
-    assert found.margin == pytest.approx(90.0 / 88.0 - 1.0)
+    assert (found.low, found.nominal, found.high) == close((90.0, 100.0, 100 * 1.19**0.5))
+    assert found.nominal_margin == close(100.0 / 88.0 - 1.0)
+    assert found.margin == close(90.0 / 88.0 - 1.0)
     assert not found.kept()
     assert found.sentence.endswith("(859.4 to 1042 1/min), 2.27 % off running speeds")
     assert critical_ranges(chain, [], [1.0], (50.0, 60.0)) == ()

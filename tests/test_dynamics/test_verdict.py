@@ -1,10 +1,13 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import crankshaft_limit
-from dynamics.assessment.limits import AmplitudeCurve, given_limit
+from dynamics.assessment.limits import AmplitudeCurve, constant_curve, given_limit
 from dynamics.assessment.verdict import judge
 
 SPEEDS = np.linspace(10.0, 115.0, 2101)
@@ -22,7 +25,7 @@ def test_fine_tells_the_worst_of_all_with_its_numbers_and_source():
     verdict = judge([(CRANKSHAFT, peak(50.0, 30e6)), (TORQUE, peak(60.0, 1.9e3))], RUNNING, RULE)
     assert verdict.status == "fine"
     assert verdict.checks[0].limit is TORQUE
-    assert verdict.checks[0].margin == pytest.approx(0.05)
+    assert verdict.checks[0].margin == close(0.05)
     assert verdict.sentence == (
         "Fine from 286.5 to 954.9 1/min: torque of coupling, shaft 6 - 7: is at worst 1900 N m at "
         "573 1/min, 95 % of the permitted 2000 N m (maker's sheet 7)."
@@ -33,7 +36,7 @@ def test_barred_range_needed():
     verdict = judge([(CRANKSHAFT, peak(50.0, 60e6))], RUNNING, RULE)
     assert verdict.status == "barred range needed"
     (barred,) = verdict.barred
-    assert (barred.low, barred.high) == pytest.approx(RULE.bounds(50.0))
+    assert (barred.low, barred.high) == close(RULE.bounds(50.0))
     assert verdict.sentence.startswith(
         "Barred range needed, 436.5 to 522.2 1/min: torsional stress"
     )
@@ -116,3 +119,28 @@ def test_rule_is_held_above_the_running_range_as_far_as_it_goes():
 def test_what_cannot_be_judged_is_refused(findings, running, message):
     with pytest.raises(InputError, match=message):
         judge(findings, running, RULE)
+
+
+def test_speeds_that_end_where_the_engine_does_cover_its_range():
+    """Both were meant to be the same numbers; one of them was rounded the other way."""
+    running = (np.nextafter(SPEEDS[0], 0.0), np.nextafter(SPEEDS[-1], 999.0))
+    verdict = judge([(TORQUE, peak(50.0, 1.0))], running, RULE)
+    assert verdict.status == "fine"
+    assert verdict.remarks == ()
+    # At the last speed calculated and judged the vibration is largest, and it counts.
+    rising = AmplitudeCurve("coupling", SPEEDS, np.append(np.ones(SPEEDS.size - 1), 3e3))
+    within = judge([(TORQUE, rising)], (SPEEDS[0], np.nextafter(SPEEDS[-1], 0.0)), RULE)
+    assert within.status == "not acceptable"
+    assert within.checks[0].worst_value == 3e3
+
+
+def test_a_limit_that_ends_at_the_highest_speed_judges_all_of_the_range():
+    limit = replace(TORQUE, continuous=constant_curve(2e3, 0.0, np.nextafter(RUNNING[1], 0.0)))
+    assert judge([(limit, peak(50.0, 1.0))], RUNNING, RULE).remarks == ()
+
+
+def test_a_range_barred_up_to_the_lowest_running_speed_touches_it():
+    low = RULE.bounds(50.0)[1]
+    for end in (low, np.nextafter(low, 0.0), np.nextafter(low, 999.0)):
+        verdict = judge([(CRANKSHAFT, peak(50.0, 60e6))], (end, 100.0), RULE)
+        assert verdict.status == "barred range needed"

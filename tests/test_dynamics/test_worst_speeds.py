@@ -7,6 +7,7 @@ Tolerances: refined peaks are known to 1/512 of the half bandwidth, where a reso
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from dynamics.assessment.limit_rules import crankshaft_limit
 from dynamics.assessment.limits import usage
@@ -55,8 +56,8 @@ def test_worst_use_is_the_same_on_coarse_and_fine_grids():
         refined.append(worst(more))
     exact = worst(np.linspace(0.998 * refined[0][0], 1.002 * refined[0][0], 801))
     for speed, use in refined:
-        assert use == pytest.approx(exact[1], rel=5e-6)
-        assert speed == pytest.approx(exact[0], rel=1e-4)
+        assert use == close(exact[1], rel=5e-6)
+        assert speed == close(exact[0], rel=1e-4)
     # The grids alone differ by far more.
     assert np.ptp([use for _, use in plain]) > 1e-4 * exact[1]
 
@@ -73,9 +74,9 @@ def test_outer_peaks_of_each_exceeded_range_are_refined():
     speeds = np.linspace(10.0, 50.0, 161)
     # Neighbors 0.25 apart come 64 times closer.
     near = {"abs": 2 * 0.25 / 64}
-    assert refined_maxima(uses, speeds, uses(speeds)) == pytest.approx([highest], **near)
+    assert refined_maxima(uses, speeds, uses(speeds)) == close([highest], **near)
     outer = refined_maxima(uses, speeds, uses(speeds), least=1.0)
-    assert outer == pytest.approx([first, highest, last, alone], **near)
+    assert outer == close([first, highest, last, alone], **near)
     # An unbounded value stays where it is.
     unbounded = uses(speeds)
     unbounded[0, 80] = np.inf

@@ -1,8 +1,12 @@
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.angle_law import AngleLaw, angle_law, is_symmetric
@@ -32,8 +36,8 @@ def analysis():
 def test_the_law_is_that_of_the_assembled_chain(analysis, gamma):
     law, chain = analysis.angle_law, analysis.supported(Neighbors(gamma, gamma))
     # Exact; the chain is taken so long that it no longer changes by 1e-10.
-    assert law.axial(gamma) == pytest.approx(chain.axial, rel=1e-8)
-    assert law.influence(gamma) == pytest.approx(chain.influence, rel=1e-8)
+    assert law.axial(gamma) == close(chain.axial, rel=1e-8)
+    assert law.influence(gamma) == close(chain.influence, rel=1e-8)
 
 
 @pytest.mark.parametrize("gamma", [60.0, 90.0, 120.0])
@@ -43,9 +47,7 @@ def test_the_law_holds_in_the_middle_of_a_long_shaft(analysis, gamma):
         [analysis.superelement] * count, np.deg2rad(gamma * np.arange(count)).tolist()
     )
     # What the shaft's free ends change dies out by about a factor of three from throw to throw.
-    assert shaft.axial[count // 2] == pytest.approx(
-        float(analysis.angle_law.axial(gamma)), rel=1e-3
-    )
+    assert shaft.axial[count // 2] == close(float(analysis.angle_law.axial(gamma)), rel=1e-3)
 
 
 def test_the_ratio_is_that_of_the_tilt_stiffnesses(analysis):
@@ -61,7 +63,7 @@ def test_the_ratio_is_that_of_the_tilt_stiffnesses(analysis):
 
     in_plane = condensed({3: 1.0, 9: -1.0}, {8: 1.0})  # tilts about x, lengthening free
     across = condensed({4: 1.0, 10: 1.0}, {11: 1.0})  # tilts about y, twist free
-    assert analysis.angle_law.ratio == pytest.approx(across / in_plane, rel=1e-8)
+    assert analysis.angle_law.ratio == close(across / in_plane, rel=1e-8)
 
 
 numbers = st.floats(0.1, 10.0)
@@ -71,15 +73,15 @@ numbers = st.floats(0.1, 10.0)
 def test_the_law_stays_between_its_ends_and_folds(low, more, ratio, gamma):
     law = AngleLaw(low, low + more, ratio, low, low + more)
     assert low * (1 - 1e-12) <= law.axial(gamma) <= (low + more) * (1 + 1e-12)
-    assert law.axial(gamma) == pytest.approx(law.axial(360.0 - gamma), rel=1e-9)
+    assert law.axial(gamma) == close(law.axial(360.0 - gamma), rel=1e-9)
     assert law.axial(0.0) == low
-    assert law.axial(180.0) == pytest.approx(low + more, rel=1e-12)
+    assert law.axial(180.0) == close(low + more, rel=1e-12)
 
 
 def test_a_ratio_of_one_is_linear_in_the_cosine():
     law = AngleLaw(1.0, 3.0, 1.0, 1.0, 3.0)
     gammas = np.linspace(0.0, 180.0, 7)
-    assert law.axial(gammas) == pytest.approx(2.0 - np.cos(np.deg2rad(gammas)))
+    assert law.axial(gammas) == close(2.0 - np.cos(np.deg2rad(gammas)))
 
 
 def test_throws_without_symmetry_are_refused():
@@ -96,3 +98,19 @@ def test_throws_without_symmetry_are_refused():
 def test_angles_must_be_numbers(analysis, gamma):
     with pytest.raises(InputError, match=r"^gamma_deg: given"):
         analysis.angle_law.axial(gamma)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *(("ratio", value) for value in (0.0, -1.0, math.nan, math.inf)),
+        *(("in_line", value) for value in (0.0, -1e-9, math.nan)),
+        ("opposite", math.inf),
+        ("influence_in_line", math.nan),
+        ("influence_opposite", -math.inf),
+    ],
+)
+def test_numbers_of_no_throw_are_refused(name, value):
+    law = AngleLaw(1e-9, 2e-9, 1.5, -1e-10, 0.0)  # the influence has a sign
+    with pytest.raises(InputError, match=f"^{name}: given .*; allowed is a finite number"):
+        replace(law, **{name: value})

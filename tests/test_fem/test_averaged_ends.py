@@ -7,6 +7,7 @@ some of these, so on one mesh rigid sections are stiffer in every direction, to 
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.condensation import condense, nodes_on
@@ -77,7 +78,7 @@ def test_parts_have_one_superelement(averaged, sizes, name):
     found, expected = (averaged[one][3] for one in (name, "full"))
     size = np.outer(sizes, sizes)
     assert np.abs((found.stiffness - expected.stiffness) / size).max() <= SOLVED
-    assert found.pin_loads == pytest.approx(expected.pin_loads, abs=SOLVED)
+    assert found.pin_loads == close(expected.pin_loads, abs=SOLVED)
     flexibility = np.sqrt(np.diag(expected.pin_flexibility))
     error = (found.pin_flexibility - expected.pin_flexibility) / np.outer(flexibility, flexibility)
     assert np.abs(error).max() <= SOLVED
@@ -107,8 +108,8 @@ def test_rigid_sections_are_stiffer_in_every_direction(averaged, superelement, s
 def test_how_far_apart_the_two_are(averaged, superelement, support, axial, torsional):
     """Softer by so much on this mesh; with 70,000 unknowns e_n pinned by 0.7 %."""
     rigid, softer = (support_throw(one, support) for one in (superelement, averaged["quarter"][3]))
-    assert softer.axial / rigid.axial - 1.0 == pytest.approx(axial, rel=0.2)
-    assert softer.torsional / rigid.torsional - 1.0 == pytest.approx(torsional, rel=0.2)
+    assert softer.axial / rigid.axial - 1.0 == close(axial, rel=0.2)
+    assert softer.torsional / rigid.torsional - 1.0 == close(torsional, rel=0.2)
 
 
 def test_mean_motions_are_those_prescribed(part):
@@ -119,7 +120,7 @@ def test_mean_motions_are_those_prescribed(part):
         count = len(symmetry_part.symmetry.end_unknowns) * len(end_sections(symmetry_part.symmetry))
         fields = symmetry_part.fields.reshape(3 * len(mesh.points), count)
         # A load of the class works on as many images as the end has.
-        assert loads.T @ fields == pytest.approx(np.eye(count), abs=1e-9)
+        assert loads.T @ fields == close(np.eye(count), abs=1e-9)
         held = symmetry_part.pin_fields.reshape(3 * len(mesh.points), -1)
         scale = np.abs(held).max()
         assert np.abs(loads.T @ held).max() <= 1e-7 * scale
@@ -129,7 +130,7 @@ def test_mean_motions_are_those_prescribed(part):
         for place, end in ((0, LEFT_END), (6, RIGHT_END)):
             unit = unit_end_loads(mesh, end)
             found = np.einsum("sac,sa->c", unit.values[0], field[unit.nodes])
-            assert found == pytest.approx(motions[place : place + 6], abs=1e-9)
+            assert found == close(motions[place : place + 6], abs=1e-9)
 
 
 def test_sections_do_warp(averaged):
@@ -180,7 +181,7 @@ def test_forces_on_the_ends_balance_loads_on_the_pin(part, rigid_motions, throw)
             turned = np.cross(axis, arms) / throw.crank_radius
             moved = np.broadcast_to(axis, arms.shape) if motion < 3 else turned
             work[motion] += np.einsum("sac,sa->c", values, moved)
-    assert rigid_motions.T @ superelement.pin_loads[0] == pytest.approx(work, abs=1e-8)
+    assert rigid_motions.T @ superelement.pin_loads[0] == close(work, abs=1e-8)
 
 
 def test_solvers_agree(mesh, stiffness, sizes):
@@ -192,7 +193,7 @@ def test_solvers_agree(mesh, stiffness, sizes):
     )
     size = sizes[symmetry.end_unknowns]
     assert np.abs((one.stiffness - other.stiffness) / np.outer(size, size)).max() <= SOLVED
-    assert one.fields == pytest.approx(other.fields, abs=1e-7)
+    assert one.fields == close(other.fields, abs=1e-7)
     assert one.end_sections == other.end_sections == "averaged"
 
 

@@ -10,6 +10,7 @@ import pytest
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
+from comparing import close
 from crankbase.errors import InputError
 from crankbase.stopwatch import Stopwatch
 from fem.assembly import assemble_stiffness, symmetric_product
@@ -135,11 +136,11 @@ def test_rigid_motions_have_the_throws_masses(dynamic, coarse, whole, rigid_moti
     expected = rigid_matrix(where, volumes) * np.outer(scale, scale)
     found = rigid_motions.T @ dynamic.mass[:12, :12] @ rigid_motions
     # The static fields follow rigid motions of the ends within the solver's 1e-12.
-    assert found == pytest.approx(expected, abs=1e-10 * expected.max())
+    assert found == close(expected, abs=1e-10 * expected.max())
     mass, moment = expected[0, 0], expected[1, 3] * throw.crank_radius
     # The coarse mesh has the solid's volume within what meshing allows.
-    assert mass == pytest.approx(mass_properties(coarse, STEEL.density).mass, rel=1e-3)
-    assert moment == pytest.approx(-mass * throw.length / 2.0, rel=1e-9)
+    assert mass == close(mass_properties(coarse, STEEL.density).mass, rel=1e-3)
+    assert moment == close(-mass * throw.length / 2.0, rel=1e-9)
 
 
 def test_matrices_are_those_of_the_displacement_fields(whole, condensed):
@@ -150,20 +151,20 @@ def test_matrices_are_those_of_the_displacement_fields(whole, condensed):
     columns = fields.reshape(whole.mesh.unknowns, -1)
     size = np.sqrt(np.diag(found.mass))
     mass = columns.T @ symmetric_product(whole.mass, columns)
-    assert found.mass / np.outer(size, size) == pytest.approx(mass / np.outer(size, size), abs=1e-9)
+    assert found.mass / np.outer(size, size) == close(mass / np.outer(size, size), abs=1e-9)
     stiffness = columns.T @ symmetric_product(whole.stiffness, columns)
     size = np.sqrt(np.diag(found.stiffness))
-    assert found.stiffness / np.outer(size, size) == pytest.approx(
+    assert found.stiffness / np.outer(size, size) == close(
         stiffness / np.outer(size, size), abs=1e-8
     )
-    assert found.stiffness[:12, :12] == pytest.approx(static.stiffness, rel=1e-9, abs=1.0)
+    assert found.stiffness[:12, :12] == close(static.stiffness, rel=1e-9, abs=1.0)
     works = np.array(
         [
             np.einsum("sac,sak->kc", load.of_class(classes[0].symmetry), fields[load.nodes])
             for load in unit_pin_loads(whole.mesh)
         ]
     )
-    assert found.pin_loads == pytest.approx(works, abs=1e-8 * np.abs(works).max())
+    assert found.pin_loads == close(works, abs=1e-8 * np.abs(works).max())
     ends = np.concatenate([nodes_on(whole.mesh, LEFT_END), nodes_on(whole.mesh, RIGHT_END)])
     assert np.abs(found.shapes[ends]).max() == 0.0
 
@@ -173,21 +174,21 @@ def test_each_part_gives_the_same(coarse, mirror, condensed, dynamic, whole):
     for mesh in (mirror(coarse), whole.mesh):
         other = dynamic_superelement(mesh, STEEL, condensed(mesh)[0], HIGHEST)
         assert other.natural == dynamic.natural
-        assert other.frequencies == pytest.approx(dynamic.frequencies, rel=1e-8)
+        assert other.frequencies == close(dynamic.frequencies, rel=1e-8)
         size = np.sqrt(np.diag(dynamic.mass))[:12]
-        assert other.mass[:12, :12] / np.outer(size, size) == pytest.approx(
+        assert other.mass[:12, :12] / np.outer(size, size) == close(
             dynamic.mass[:12, :12] / np.outer(size, size), abs=1e-9
         )
         # Signs of shapes are free.
         coupling = np.abs(dynamic.mass[:12, 12:])
         tolerance = 1e-6 * coupling.max()
-        assert np.abs(other.mass[:12, 12:]) == pytest.approx(coupling, abs=tolerance)
+        assert np.abs(other.mass[:12, 12:]) == close(coupling, abs=tolerance)
         works = np.abs(dynamic.pin_loads)
         for unknowns in (slice(0, 12), slice(12, None)):
             tolerance = 1e-6 * works[:, unknowns].max()
             found = np.abs(other.pin_loads[:, unknowns])
-            assert found == pytest.approx(works[:, unknowns], abs=tolerance)
-        assert of_free_throw(other) == pytest.approx(of_free_throw(dynamic), rel=1e-8)
+            assert found == close(works[:, unknowns], abs=tolerance)
+        assert of_free_throw(other) == close(of_free_throw(dynamic), rel=1e-8)
 
 
 def test_symmetric_and_definite_with_six_rigid_motions(dynamic, rigid_motions):
@@ -197,7 +198,7 @@ def test_symmetric_and_definite_with_six_rigid_motions(dynamic, rigid_motions):
     assert np.linalg.eigvalsh(dynamic.mass / np.outer(size, size)).min() > 1e-4
     frequencies, shapes = natural_modes(dynamic.stiffness, dynamic.mass)
     assert frequencies[5] < 1e-3 * frequencies[6]
-    assert shapes.T @ dynamic.mass @ shapes == pytest.approx(np.eye(len(shapes)), abs=1e-9)
+    assert shapes.T @ dynamic.mass @ shapes == close(np.eye(len(shapes)), abs=1e-9)
 
 
 def test_frequencies_of_the_free_throw(dynamic, truth):
@@ -224,7 +225,7 @@ def test_converges_from_above_as_modes_are_added(plain, truth):
         errors.append(float(np.max(found / truth[:6] - 1.0)))
         before = found
     # Guyan's superelement is 50 % off in one of these modes, that of 35 modes 0.3 %.
-    assert errors[0] == pytest.approx(0.5, abs=0.05)
+    assert errors[0] == close(0.5, abs=0.05)
     assert errors[-1] < 0.004
     assert errors == sorted(errors, reverse=True)
 
@@ -266,12 +267,12 @@ def test_turning(dynamic):
     once = dynamic.turned(1.2)
     for name in ("stiffness", "mass", "pin_loads"):
         wanted = getattr(once, name)
-        assert getattr(turned, name) == pytest.approx(wanted, abs=1e-12 * np.abs(wanted).max())
-    assert of_free_throw(once) == pytest.approx(of_free_throw(dynamic), rel=1e-9)
+        assert getattr(turned, name) == close(wanted, abs=1e-12 * np.abs(wanted).max())
+    assert of_free_throw(once) == close(of_free_throw(dynamic), rel=1e-9)
     # After a quarter turn the crank points along -x: what was y is -x.
     quarter = dynamic.turned(np.pi / 2.0)
-    assert quarter.mass[0, 0] == pytest.approx(dynamic.mass[1, 1], rel=1e-12)
-    assert quarter.mass[0, 12:] == pytest.approx(-dynamic.mass[1, 12:], abs=1e-9)
+    assert quarter.mass[0, 0] == close(dynamic.mass[1, 1], rel=1e-12)
+    assert quarter.mass[0, 12:] == close(-dynamic.mass[1, 12:], abs=1e-9)
     assert np.array_equal(once.frequencies, dynamic.frequencies)
 
 
@@ -286,7 +287,7 @@ def test_shaft_of_throws(dynamic, plain, coarse_classes):
     static = combine_classes(coarse_classes)
     expected = assemble_shaft([static.turned(angle) for angle in angles])
     tolerance = 1e-9 * expected.max()
-    assert stiffness[:24, :24] == pytest.approx(expected, abs=tolerance)
+    assert stiffness[:24, :24] == close(expected, abs=tolerance)
     # What is inside of a throw knows its own ends only.
     second = slice(24 + inside[0], 24 + inside[0] + inside[1])
     assert np.array_equal(mass[6:18, second], throws[1].mass[:12, 12:])
@@ -298,7 +299,7 @@ def test_shaft_of_throws(dynamic, plain, coarse_classes):
     # Pushed along the shaft, all moves as one.
     push = np.zeros(len(mass))
     push[2:24:6] = 1.0
-    assert push @ mass @ push == pytest.approx(3.0 * dynamic.with_modes(0).mass[2::6, 2::6].sum())
+    assert push @ mass @ push == close(3.0 * dynamic.with_modes(0).mass[2::6, 2::6].sum())
 
 
 def test_supports_hold_unknowns_at_zero(dynamic):
@@ -311,7 +312,7 @@ def test_supports_hold_unknowns_at_zero(dynamic):
 
 def test_another_solver_gives_the_same(coarse, coarse_classes, dynamic):
     found = dynamic_superelement(coarse, STEEL, coarse_classes, HIGHEST, solver="superlu")
-    assert found.frequencies == pytest.approx(dynamic.frequencies, rel=1e-9)
+    assert found.frequencies == close(dynamic.frequencies, rel=1e-9)
 
 
 def test_what_cannot_be_built_is_refused(coarse, coarse_classes, dynamic, mesh, stiffness):

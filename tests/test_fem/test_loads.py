@@ -12,6 +12,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from fem.loads import (
     LoadedSurface,
@@ -92,8 +93,8 @@ def test_unit_loads_on_pins_have_unit_resultants(part, throw):
     (loads,) = unit_pin_loads(part)
     center = np.array([0.0, throw.crank_radius, throw.length / 2.0])
     found = resultants(part, loads, pin_surfaces(part)[0].center)
-    assert found == pytest.approx(np.eye(6), abs=ROUND_OFF)
-    assert pin_surfaces(part)[0].center == pytest.approx(center, abs=1e-6)
+    assert found == close(np.eye(6), abs=ROUND_OFF)
+    assert pin_surfaces(part)[0].center == close(center, abs=1e-6)
 
 
 def test_unit_loads_on_ends_have_unit_resultants(part):
@@ -105,7 +106,7 @@ def test_unit_loads_on_ends_have_unit_resultants(part):
         loads = unit_end_loads(part, end)
         assert len(loads.images) == {"quarter": 2, "half": 2, "full": 1}[part.part]
         found = resultants(part, loads, np.array([0.0, 0.0, place]))
-        assert found == pytest.approx(np.eye(6), abs=ROUND_OFF)
+        assert found == close(np.eye(6), abs=ROUND_OFF)
         assert np.abs(places(part, loads)[..., 2] - place).max() <= 1e-12
 
 
@@ -122,14 +123,14 @@ def test_work_on_rigid_motions_is_their_components(part):
         arms = places(part, loads) - center
         moved = motions[:3] + np.cross(motions[3:], arms[..., None], axisa=0, axisb=2, axisc=2)
         work = np.einsum("isac,isam->cm", loads.values, moved)
-        assert work == pytest.approx(motions, abs=1e-11)
+        assert work == close(motions, abs=1e-11)
 
 
 def test_forces_are_even_and_moments_linear(surface, throw):
     """A torque about the pin is one shear all round, as large as its area and radius ask for."""
     traction, _, arms, sizes = tractions_of(surface, [3.0, -2.0, 5.0], NONE, "uniform")
     area = sizes.sum()
-    assert area * traction == pytest.approx(np.tile([3.0, -2.0, 5.0], (len(traction), 1)))
+    assert area * traction == close(np.tile([3.0, -2.0, 5.0], (len(traction), 1)))
     traction, _, _, _ = tractions_of(surface, NONE, [0.0, 0.0, 7.0], "uniform")
     shear = np.cross([0.0, 0.0, 1.0], arms) * 7.0 / (area * (throw.pin_diameter / 2.0) ** 2)
     assert np.abs(traction - shear).max() <= CYLINDER * np.abs(shear).max()
@@ -170,7 +171,7 @@ def test_a_force_across_presses_with_the_cosine_on_one_half(surface, throw, angl
     expected = highest * np.maximum(0.0, -normals @ direction)
     assert np.abs(pressure - expected).max() <= CYLINDER * highest
     assert np.abs(traction + pressure[:, None] * normals).max() <= CYLINDER * highest
-    assert pressure.max() == pytest.approx(highest, rel=0.01)
+    assert pressure.max() == close(highest, rel=0.01)
     loaded = expected > CYLINDER * highest
     assert np.all(pressure[loaded] > 0.0)
     assert 0.4 < loaded.mean() < 0.6
@@ -191,10 +192,10 @@ def test_nodal_loads_of_the_cosine_are_its_integrals(mesh, surface, throw, direc
     arms = places(mesh, loads) - surface.center
     s, t, z = arms @ direction, arms @ across, arms[..., 2]
     along, sideways = (loads.values[..., 0] @ one for one in (direction, across))
-    assert np.sum(along * s) == pytest.approx(-8.0 * radius / (3.0 * np.pi), rel=CYLINDER)
-    assert np.sum(along * s**2) == pytest.approx(0.75 * radius**2, rel=CYLINDER)
-    assert np.sum(along * z**2) == pytest.approx(length**2 / 12.0, rel=CYLINDER)
-    assert np.sum(sideways * s * t) == pytest.approx(0.25 * radius**2, rel=CYLINDER)
+    assert np.sum(along * s) == close(-8.0 * radius / (3.0 * np.pi), rel=CYLINDER)
+    assert np.sum(along * s**2) == close(0.75 * radius**2, rel=CYLINDER)
+    assert np.sum(along * z**2) == close(length**2 / 12.0, rel=CYLINDER)
+    assert np.sum(sideways * s * t) == close(0.25 * radius**2, rel=CYLINDER)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1.0, 2.5, 4.0])
@@ -217,7 +218,7 @@ def test_what_no_pressure_can_carry_is_uniform(surface):
     """Force along the pin and torque about it; the rest superposes."""
     force, moment = np.array([0.0, 0.0, 4.0]), np.array([0.0, 0.0, -3.0])
     even, pressed = (pin_load(surface, force, moment, how) for how in ("uniform", "cosine"))
-    assert pressed.values == pytest.approx(even.values, rel=1e-12, abs=1e-15)
+    assert pressed.values == close(even.values, rel=1e-12, abs=1e-15)
     across, couple = np.array([5.0, -1.0, 0.0]), np.array([0.2, 0.9, 0.0])
     together = pin_load(surface, force + across, moment + couple, "cosine").values
     apart = [
@@ -225,7 +226,7 @@ def test_what_no_pressure_can_carry_is_uniform(surface):
         pin_load(surface, across, NONE, "cosine"),
         pin_load(surface, NONE, couple, "cosine"),
     ]
-    assert together == pytest.approx(sum(one.values for one in apart), abs=ROUND_OFF)
+    assert together == close(sum(one.values for one in apart), abs=ROUND_OFF)
 
 
 @settings(max_examples=25, deadline=None)
@@ -279,7 +280,7 @@ def test_loads_of_a_class_work_as_those_on_all_images(mesh, half_mesh, full_mesh
         whole = [symmetry.parity(image) * image.signs * field for image in loads.images]
         expected = np.einsum("isac,isa->c", loads.values, whole)
         work = np.einsum("sac,sa->c", loads.of_class(symmetry), field)
-        assert work == pytest.approx(expected, abs=ROUND_OFF)
+        assert work == close(expected, abs=ROUND_OFF)
         # Components that the class does not have do no work.
         assert np.abs(work[~symmetry.central_motions]).max(initial=0.0) <= 1e-10
         works += np.abs(work)
@@ -289,10 +290,10 @@ def test_loads_of_a_class_work_as_those_on_all_images(mesh, half_mesh, full_mesh
 def test_uniform_shares_are_those_of_unit_forces(part):
     (loads,) = unit_pin_loads(part)
     shares = uniform_pin_loads(part)[0]
-    assert shares.sum() == pytest.approx(1.0, rel=1e-14)
+    assert shares.sum() == close(1.0, rel=1e-14)
     for axis in range(3):
         every = loads.values[..., axis, axis].sum(axis=0)
-        assert shares[loads.nodes] == pytest.approx(every, abs=1e-14)
+        assert shares[loads.nodes] == close(every, abs=1e-14)
     assert not np.delete(shares, loads.nodes).any()
 
 

@@ -7,6 +7,7 @@ import pytest
 from scipy import sparse
 from scipy.linalg import eigh
 
+from comparing import close
 from crankbase.errors import InputError
 from crankbase.stopwatch import Stopwatch
 from fem.assembly import symmetric_product
@@ -64,13 +65,13 @@ def test_no_mode_is_missed_or_wrong(coarse, held_ends):
         ceiling = float(frequencies_of(expected[12])) * 1.0001
         below = problem.up_to(ceiling)
     largest = 1e4 * expected[-1]
-    assert found.squares == pytest.approx(expected, rel=1e-9, abs=1e-13 * largest)
+    assert found.squares == close(expected, rel=1e-9, abs=1e-13 * largest)
     assert np.count_nonzero(below.frequencies <= ceiling) == 13
     assert below.frequencies[-1] > ceiling
     assert found.residuals.max() < 1e-9
     modal = found.shapes.reshape(-1, 20)
     products = symmetry.copies * modal.T @ symmetric_product(matrices.mass, modal)
-    assert products == pytest.approx(np.eye(20), abs=1e-8)
+    assert products == close(np.eye(20), abs=1e-8)
 
 
 @pytest.mark.slow
@@ -78,7 +79,7 @@ def test_each_part_gives_all_modes_of_the_throw(coarse, mirror, modes, whole_mod
     """The meshes are mirror images of each other, so only rounding differs."""
     half_modes = free_modes(mirror(coarse), STEEL, count=COUNT)
     for other in (half_modes, whole_modes):
-        assert other.frequencies == pytest.approx(modes.frequencies, rel=1e-9)
+        assert other.frequencies == close(modes.frequencies, rel=1e-9)
         assert other.names == modes.names
     assert {each.crank_plane for each in half_modes.symmetries} == {1, -1}
     # Within a class of the quarter frequencies are far apart, so shapes are the same up to a sign, on
@@ -87,17 +88,17 @@ def test_each_part_gives_all_modes_of_the_throw(coarse, mirror, modes, whole_mod
         quarter = modes.shapes[:, :, mode]
         same = whole_modes.shapes[: len(coarse.points), :, mode]
         sign = np.sign(np.sum(quarter * same))
-        assert sign * same == pytest.approx(quarter, abs=1e-6 * np.abs(quarter).max())
+        assert sign * same == close(quarter, abs=1e-6 * np.abs(quarter).max())
 
 
 def test_shapes_have_unit_mass_and_are_free_of_rigid_motion(whole, whole_modes):
     matrices = PartMatrices.of_mesh(whole, STEEL)
     shapes = whole_modes.shapes.reshape(-1, COUNT)
     inertia = symmetric_product(matrices.mass, shapes)
-    assert shapes.T @ inertia == pytest.approx(np.eye(COUNT), abs=1e-9)
+    assert shapes.T @ inertia == close(np.eye(COUNT), abs=1e-9)
     squares = (2.0 * np.pi * whole_modes.frequencies) ** 2
     work = shapes.T @ symmetric_product(matrices.stiffness, shapes)
-    assert work == pytest.approx(np.diag(squares), abs=1e-9 * squares.max())
+    assert work == close(np.diag(squares), abs=1e-9 * squares.max())
     # No momentum: the sum of inertia forces is that of supports, and there are none.
     momentum = inertia.reshape(-1, 3, COUNT).sum(axis=0)
     size = np.sqrt(np.sum(full(matrices.mass).diagonal()))
@@ -117,7 +118,7 @@ def test_highest_frequency_gives_the_same(coarse, modes):
     watch = Stopwatch()
     ceiling = 0.5 * (modes.frequencies[6] + modes.frequencies[7])
     found = free_modes(coarse, STEEL, highest_frequency=float(ceiling), watch=watch)
-    assert found.frequencies == pytest.approx(modes.frequencies[:7], rel=1e-9)
+    assert found.frequencies == close(modes.frequencies[:7], rel=1e-9)
     assert found.symmetries == modes.symmetries[:7]
     assert {"assembly", "factorization", "modes"} <= set(watch.seconds)
     below_all = free_modes(coarse, STEEL, highest_frequency=1.0)
@@ -130,13 +131,13 @@ def test_frequencies_scale_with_the_material(coarse, modes):
     other = STEEL.model_copy(update={"youngs_modulus": 7e10, "density": 2700.0})
     found = free_modes(coarse, other, count=3)
     factor = np.sqrt(7e10 / 2.1e11 * 7850.0 / 2700.0)
-    assert found.frequencies == pytest.approx(factor * modes.frequencies[:3], rel=1e-9)
+    assert found.frequencies == close(factor * modes.frequencies[:3], rel=1e-9)
 
 
 def test_another_solver_gives_the_same(coarse, modes):
     found = free_modes(coarse, STEEL, count=4, solver="superlu")
     assert found.solver == "superlu"
-    assert found.frequencies == pytest.approx(modes.frequencies[:4], rel=1e-9)
+    assert found.frequencies == close(modes.frequencies[:4], rel=1e-9)
 
 
 def test_names(modes):
@@ -177,7 +178,7 @@ def test_end_motions_are_those_of_a_rigid_body(whole):
     expected = np.zeros(12)
     expected[[2, 3, 8, 9]] = 2e-3, 1e-3, 2e-3, 1e-3
     expected[7] = -1e-3 * whole.length
-    assert end_motions_of(whole, symmetry, shape) == pytest.approx(expected, abs=1e-15)
+    assert end_motions_of(whole, symmetry, shape) == close(expected, abs=1e-15)
 
 
 def test_enough_of_each_class_is_sought():
@@ -213,7 +214,7 @@ def test_a_mesh_in_two_pieces_is_refused(coarse):
     matrices = PartMatrices.of_mesh(pieces, STEEL)
     with class_problem(pieces, matrices, SymmetryClass(-1, 1), held_ends=True) as problem:
         squares = problem.lowest(6).squares
-    assert squares[::2] == pytest.approx(squares[1::2], rel=1e-9)
+    assert squares[::2] == close(squares[1::2], rel=1e-9)
     assert np.all(np.diff(squares[::2]) > 0.1 * squares[0])
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from fem.analysis import analyze_throw
 from fem.class_compliances import axial_answers, torsional_answer
@@ -120,15 +121,15 @@ def test_reactions_of_unequal_ends_are_in_equilibrium(
     superelement = skewed_models[part][1]
     found = reactions(superelement, support, superelement.end_load(force, pin))
     total = found.left.force + found.right.force + force
-    assert total == pytest.approx(np.zeros(3), abs=1e-9 * 1e5)
+    assert total == close(np.zeros(3), abs=1e-9 * 1e5)
     moments = (
         found.left.moment
         + found.right.moment
         + np.cross([0.0, 0.0, throw.length], found.right.force)
         + np.cross(place, force)
     )
-    assert moments == pytest.approx(np.zeros(3), abs=1e-9 * 1e5 * throw.length)
-    assert found.right.moment[2] == pytest.approx(0.0, abs=1e-8 * 1e5)
+    assert moments == close(np.zeros(3), abs=1e-9 * 1e5 * throw.length)
+    assert found.right.moment[2] == close(0.0, abs=1e-8 * 1e5)
 
 
 @pytest.mark.parametrize("support", ["pinned", "guided"])
@@ -141,9 +142,9 @@ def test_few_classes_are_enough_for_these_supports(request, kind, support):
         expected = support_throw(superelement, support)
         axial, influence = axial_answers(by_class[axial_class(part)], support)
         torsional = torsional_answer(by_class[torsional_class(part)], support)
-        assert axial == pytest.approx(expected.axial, rel=1e-9)
-        assert influence == pytest.approx(expected.influence, rel=1e-9)
-        assert torsional == pytest.approx(expected.torsional, rel=1e-9)
+        assert axial == close(expected.axial, rel=1e-9)
+        assert influence == close(expected.influence, rel=1e-9)
+        assert torsional == close(expected.torsional, rel=1e-9)
 
 
 @pytest.mark.parametrize("part", ["half", "free"])
@@ -154,7 +155,7 @@ def test_influences_are_pin_motions_under_an_axial_pull(skewed_models, part, sup
     pulled = end_motions(superelement, support)[:, 0]
     found = support_throw(superelement, support).influences
     assert found.shape == (2,)
-    assert found == pytest.approx(pulled @ superelement.radial_loads, rel=1e-9)
+    assert found == close(pulled @ superelement.radial_loads, rel=1e-9)
 
 
 def test_a_pin_turned_with_its_force_keeps_its_influence(skewed_models):
@@ -162,7 +163,7 @@ def test_a_pin_turned_with_its_force_keeps_its_influence(skewed_models):
     before, after = (
         support_throw(found, "guided") for found in (superelement, superelement.turned(0.7))
     )
-    assert after.influences == pytest.approx(before.influences, rel=1e-8)
+    assert after.influences == close(before.influences, rel=1e-8)
 
 
 def test_the_first_pin_is_the_one_without_a_number(skewed_models):
@@ -197,7 +198,7 @@ def test_a_shaft_has_a_column_for_each_pin(skewed_models, superelement):
             for place, part in enumerate(turned)
         ]
     )
-    assert found == pytest.approx(inward.T, abs=1e-9 * np.abs(found).max())
+    assert found == close(inward.T, abs=1e-9 * np.abs(found).max())
 
 
 @pytest.fixture(scope="module")
@@ -262,16 +263,16 @@ def test_reversed_throw_is_turned(request, of_throw, name, part, last_angle, siz
     found, original = of_throw(throw.reversed(), size_factor), of_throw(throw, size_factor)
     expected = described_from_its_other_end(original, last_angle)
     same(found, expected, 0.01)
-    assert found.radials == pytest.approx(expected.radials, abs=1e-12)
+    assert found.radials == close(expected.radials, abs=1e-12)
     for support in ("pinned", "guided"):
         one, other = support_throw(found, support), support_throw(expected, support)
-        assert one.axial == pytest.approx(other.axial, rel=0.01)
-        assert one.torsional == pytest.approx(other.torsional, rel=0.01)
-        assert one.influences == pytest.approx(other.influences, rel=0.02)
+        assert one.axial == close(other.axial, rel=0.01)
+        assert one.torsional == close(other.torsional, rel=0.01)
+        assert one.influences == close(other.influences, rel=0.02)
     # Its neighbors are seen in the other order.
     one = support_throw(found, Neighbors(120, 60))
     other = support_throw(original, Neighbors(60, 120))
-    assert one.axial == pytest.approx(other.axial, rel=0.01)
+    assert one.axial == close(other.axial, rel=0.01)
 
 
 @pytest.mark.slow
@@ -293,14 +294,14 @@ def test_two_pins(request, of_throw, name):
     assert found.pin_loads.shape == (2, 12, 6)
     angle = throw.further_pins[0].angle
     outward = [[0.0, 1.0, 0.0], [-math.sin(angle), math.cos(angle), 0.0]]
-    assert found.radials == pytest.approx(-np.array(outward), abs=1e-12)
+    assert found.radials == close(-np.array(outward), abs=1e-12)
     # Each pin's load acts at the middle of its own pin.
     for pin, part in enumerate(throw.parts.pins):
         height = found.pin_loads[pin].T[:, 5] + found.pin_loads[pin].T[:, 11]
-        assert height[:2] == pytest.approx([-part.axis[1], part.axis[0]], abs=1e-3)
+        assert height[:2] == close([-part.axis[1], part.axis[0]], abs=1e-3)
     answers = support_throw(found, "pinned")
     pulled = end_motions(found, "pinned")[:, 0]
-    assert answers.influences == pytest.approx(pulled @ found.radial_loads, rel=1e-9)
+    assert answers.influences == close(pulled @ found.radial_loads, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -308,7 +309,7 @@ def test_two_opposite_pins_are_symmetric(of_throw, dimensions):
     """Half a turn about the axis through the middle web's center takes one pin to the other."""
     throw = CrankThrow(**dimensions, further_pins=(FurtherPin(angle=math.pi),))
     answers = support_throw(of_throw(throw, 1.5), "guided")
-    assert answers.influences[0] == pytest.approx(answers.influences[1], rel=0.02)
+    assert answers.influences[0] == close(answers.influences[1], rel=0.02)
 
 
 @pytest.mark.slow
@@ -321,14 +322,14 @@ def test_analysis_of_a_throw_with_two_pins(opposite):
         direction = radial_directions(opposite)[pin]
         forces = found.reactions(1e5 * direction, pin=pin)
         thrust = found.influence_coefficient(pin=pin) * 1e5 / found.axial_compliance()
-        assert forces.left.force[2] == pytest.approx(thrust, rel=1e-6)
+        assert forces.left.force[2] == close(thrust, rel=1e-6)
     with pytest.raises(InputError, match=r"^pin: given 2; allowed is 0 to 1\.$"):
         found.influence_coefficient(pin=2)
     responses = evaluate_throw(opposite, accuracy=0.1)
-    assert responses.values["axial_compliance_guided"] == pytest.approx(
+    assert responses.values["axial_compliance_guided"] == close(
         found.axial_compliance("guided"), rel=1e-9
     )
-    assert responses.values["influence_coefficient_pinned"] == pytest.approx(
+    assert responses.values["influence_coefficient_pinned"] == close(
         found.influence_coefficient(), rel=1e-9
     )
     assert responses.values["mass"] == found.mass
@@ -342,12 +343,10 @@ def test_analysis_of_a_throw_without_symmetry(split):
     responses = evaluate_throw(split, accuracy=0.1)
     for support in ("pinned", "guided"):
         wanted = found.supported(support)
-        assert responses.values[f"axial_compliance_{support}"] == pytest.approx(
-            wanted.axial, rel=1e-9
-        )
-        assert responses.values[f"torsional_compliance_{support}"] == pytest.approx(
+        assert responses.values[f"axial_compliance_{support}"] == close(wanted.axial, rel=1e-9)
+        assert responses.values[f"torsional_compliance_{support}"] == close(
             wanted.torsional, rel=1e-9
         )
-        assert responses.values[f"influence_coefficient_{support}"] == pytest.approx(
+        assert responses.values[f"influence_coefficient_{support}"] == close(
             wanted.influence, rel=1e-9
         )

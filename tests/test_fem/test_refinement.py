@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import dijkstra
 
 import fem.accuracy
 import fem.refinement
+from comparing import close
 from crankbase.stopwatch import Stopwatch
 from fem.accuracy import (
     AIM_FILLETED,
@@ -104,7 +105,7 @@ def test_a_uniform_error_that_is_wished_for_changes_nothing(mesh):
     apart = separate_elements(mesh, np.geomspace(0.001, 2.0, count))
     found = refined_sizes(apart, errors, 0.05)
     expected = MADE_SMALLER * np.repeat(np.geomspace(0.001, 2.0, count), 4)
-    assert found.sizes == pytest.approx(expected, rel=1e-11)
+    assert found.sizes == close(expected, rel=1e-11)
     assert np.array_equal(found.points, apart.points)
 
 
@@ -140,10 +141,10 @@ def test_no_other_sizes_need_fewer_elements(mesh, shares, moved, wish):
     ratios = found.sizes.reshape(-1, 4)[:, 0] / (MADE_SMALLER * edges)
     # Nothing is cut off in this range.
     assert MOST_REFINED < ratios.min() <= ratios.max() < MOST_COARSENED
-    assert np.sum(shares * ratios**ORDER) == pytest.approx(0.04 * wish, rel=1e-12)
+    assert np.sum(shares * ratios**ORDER) == close(0.04 * wish, rel=1e-12)
     # The minimum is flat; its condition is not: one multiplier for all, 3 r^-4 = l p e r^(p - 1).
     multipliers = shares * ratios ** (ORDER + 3.0)
-    assert multipliers == pytest.approx(np.full(len(shares), multipliers[0]), rel=1e-12)
+    assert multipliers == close(np.full(len(shares), multipliers[0]), rel=1e-12)
     others = ratios * np.exp(moved[: len(shares)])
     others *= (0.04 * wish / np.sum(shares * others**ORDER)) ** (1.0 / ORDER)
     assert np.sum(ratios**-3) <= np.sum(others**-3) * (1.0 + 1e-12)
@@ -170,7 +171,7 @@ def test_sizes_change_by_limited_factors(mesh, level):
     coarsest = found / (MADE_SMALLER * MOST_COARSENED * nodal)
     around = np.bincount(numbers.ravel())[numbers[17]]
     expected = (MOST_REFINED / MOST_COARSENED) ** (1.0 / around)
-    assert coarsest[numbers[17]] == pytest.approx(expected, rel=1e-12)
+    assert coarsest[numbers[17]] == close(expected, rel=1e-12)
     assert np.mean(np.isclose(coarsest, 1.0, rtol=1e-12)) > 0.8  # but where sizes grow from there
 
 
@@ -191,7 +192,7 @@ def test_sizes_grow_gently_and_no_more_than_needed(mesh, monkeypatch):
         assert np.all(steps <= growth * lengths + 1e-15)
         graph = sparse.csr_array((lengths, edges.T), shape=(len(wished), len(wished)))
         expected = np.min(wished[:, None] + growth * dijkstra(graph, directed=False), axis=0)
-        assert limited.sizes == pytest.approx(expected, rel=1e-12)
+        assert limited.sizes == close(expected, rel=1e-12)
     assert np.mean(found[0.15].sizes < 0.99 * wished) > 0.3
 
 
@@ -214,20 +215,20 @@ def test_the_map_is_of_what_was_meshed(mesh, half_mesh, level):
     of_half = refined_sizes(half_mesh, both, 0.01)
     first = len(found.sizes)
     assert np.array_equal(of_half.points[:first], found.points)
-    assert of_half.sizes[:first] == pytest.approx(found.sizes, rel=1e-12)
+    assert of_half.sizes[:first] == close(found.sizes, rel=1e-12)
     # Corners and edge middles off the cut come twice.
     volumes = [
         np.abs(np.linalg.det(one.points[one.tetrahedra][:, 1:] - one.points[one.tetrahedra][:, :1]))
         for one in (of_half, found)
     ]
-    assert volumes[0].sum() == pytest.approx(2.0 * volumes[1].sum(), rel=1e-12)
+    assert volumes[0].sum() == close(2.0 * volumes[1].sum(), rel=1e-12)
 
 
 def test_a_unit_of_force_changes_nothing(mesh, level):
     """Only shares of the energy count."""
     found = refined_sizes(mesh, level.errors, 0.01)
     errors = EnergyErrors(1e12 * level.errors.elements, 1e12 * level.errors.energy)
-    assert refined_sizes(mesh, errors, 0.01).sizes == pytest.approx(found.sizes, rel=1e-12)
+    assert refined_sizes(mesh, errors, 0.01).sizes == close(found.sizes, rel=1e-12)
 
 
 def test_refined_meshes_are_better_and_sound(level, finer, throw):
@@ -243,7 +244,7 @@ def test_refined_meshes_are_better_and_sound(level, finer, throw):
         # Sizes may change by limited factors only, so one step from a coarse mesh may fall short.
         assert 0.5 * target < now.errors.relative < 1.6 * target
         volume = element_volumes(now.mesh.points, now.mesh.elements).sum()
-        assert 4.0 * volume == pytest.approx(throw.volume, rel=1e-3)
+        assert 4.0 * volume == close(throw.volume, rel=1e-3)
         check_quality(now.mesh.points, now.mesh.elements)
         assert sizes.sizes.min() > 0.0
         before = now

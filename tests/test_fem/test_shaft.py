@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from fem.shaft import assemble_shaft, free_unknowns, shaft_compliances, solve_shaft
 from fem.superelement import RZ, UZ
@@ -26,21 +27,21 @@ def uneven_shaft(superelement, dimensions, condensed):
 def test_one_throw_is_pinned(superelement, angle):
     found = shaft_compliances([superelement], [angle])
     pinned = support_throw(superelement, "pinned")
-    assert found.axial == pytest.approx([pinned.axial], rel=1e-9)
-    assert found.torsional == pytest.approx([pinned.torsional], rel=1e-9)
-    assert found.influence == pytest.approx(np.array([[pinned.influence]]), rel=1e-9)
+    assert found.axial == close([pinned.axial], rel=1e-9)
+    assert found.torsional == close([pinned.torsional], rel=1e-9)
+    assert found.influence == close(np.array([[pinned.influence]]), rel=1e-9)
 
 
 def test_opposite_cranks_are_pinned_under_axial_force(superelement):
     found = shaft_compliances([superelement] * 4, np.radians([0.0, 180.0, 0.0, 180.0]))
-    assert found.axial == pytest.approx(support_throw(superelement, "pinned").axial, rel=1e-8)
+    assert found.axial == close(support_throw(superelement, "pinned").axial, rel=1e-8)
 
 
 def test_inner_throws_in_line_near_guided(superelement):
     found = shaft_compliances([superelement] * 9, np.zeros(9))
     guided, pinned = (support_throw(superelement, name) for name in ("guided", "pinned"))
-    assert found.axial[4] == pytest.approx(guided.axial, rel=0.02)
-    assert found.torsional == pytest.approx(pinned.torsional, rel=1e-8)
+    assert found.axial[4] == close(guided.axial, rel=0.02)
+    assert found.torsional == close(pinned.torsional, rel=1e-8)
 
 
 def test_contributions_add_up_to_the_shaft(uneven_shaft):
@@ -50,17 +51,17 @@ def test_contributions_add_up_to_the_shaft(uneven_shaft):
     free = free_unknowns(6)
     flexibility = np.linalg.inv(assemble_shaft(turned)[np.ix_(free, free)])
     last = {unknown: int(np.flatnonzero(free == 30 + unknown)[0]) for unknown in (UZ, RZ)}
-    assert found.axial.sum() == pytest.approx(flexibility[last[UZ], last[UZ]], rel=1e-8)
-    assert found.torsional.sum() == pytest.approx(flexibility[last[RZ], last[RZ]], rel=1e-8)
+    assert found.axial.sum() == close(flexibility[last[UZ], last[UZ]], rel=1e-8)
+    assert found.torsional.sum() == close(flexibility[last[RZ], last[RZ]], rel=1e-8)
 
 
 def test_a_six_throw_shaft_is_stiffer_than_its_pinned_throws(superelement):
     found = shaft_compliances([superelement] * 6, ANGLES)
     free, held = (support_throw(superelement, name).axial for name in ("pinned", "guided"))
-    assert found.axial == pytest.approx(found.axial[::-1], rel=1e-9)
+    assert found.axial == close(found.axial[::-1], rel=1e-9)
     assert held < found.axial[2] < found.axial[1] < found.axial[0] < free
     # End throws hold one end only; the two middle cranks stand in line.
-    assert found.axial[:3] / free == pytest.approx([0.78, 0.66, 0.38], abs=0.04)
+    assert found.axial[:3] / free == close([0.78, 0.66, 0.38], abs=0.04)
 
 
 @settings(max_examples=15, deadline=None)
@@ -71,7 +72,7 @@ def test_turning_the_whole_shaft_changes_nothing(superelement, turn):
     for name in ("axial", "torsional", "influence"):
         wanted = getattr(reference, name)
         tolerance = 1e-8 * np.abs(wanted).max()
-        assert getattr(found, name) == pytest.approx(wanted, abs=tolerance)
+        assert getattr(found, name) == close(wanted, abs=tolerance)
 
 
 def test_influences_are_pin_motions_under_pulls(uneven_shaft):
@@ -89,14 +90,14 @@ def test_influences_are_pin_motions_under_pulls(uneven_shaft):
         for place, part in enumerate(turned)
     ]
     tolerance = 1e-9 * np.abs(found.influence).max()
-    assert found.influence == pytest.approx(np.transpose(inward), abs=tolerance)
+    assert found.influence == close(np.transpose(inward), abs=tolerance)
     assert not np.allclose(found.influence, found.influence.T, rtol=1e-3, atol=tolerance)
 
 
 def test_influences_of_equal_throws_are_symmetric(superelement):
     """An axial force and a radial pin force tilt equal ends in the same ratio, at any crank angles."""
     influence = shaft_compliances([superelement] * 5, UNEVEN).influence
-    assert influence == pytest.approx(influence.T, abs=1e-9 * np.abs(influence).max())
+    assert influence == close(influence.T, abs=1e-9 * np.abs(influence).max())
     assert (np.diag(influence) > 0.0).all()
 
 

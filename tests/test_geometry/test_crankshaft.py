@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from geometry.balance import unbalance
 from geometry.crankshaft import Crankshaft, make_shaft, throw_masses
@@ -32,35 +33,35 @@ def test_the_whole_solid_weighs_what_its_throws_weigh(dimensions, changes):
     with gmsh_session("shaft") as gmsh:
         make_shaft(gmsh, shaft)
         solid = solid_properties(gmsh)
-    assert DENSITY * solid.volume == pytest.approx(expected.mass, rel=1e-6)
-    assert solid.center == pytest.approx(expected.center, abs=1e-6)
+    assert DENSITY * solid.volume == close(expected.mass, rel=1e-6)
+    assert solid.center == close(expected.center, abs=1e-6)
     moments = DENSITY * solid.second_moments
     inertia = np.trace(moments) * np.eye(3) - moments
-    assert inertia == pytest.approx(expected.inertia, abs=1e-6 * expected.inertia.max())
+    assert inertia == close(expected.inertia, abs=1e-6 * expected.inertia.max())
 
 
 def test_six_in_line_is_balanced_and_three_is_not(dimensions):
     throw = CrankThrow(**dimensions)
     six = Crankshaft([throw] * 6, SIX).unbalance(DENSITY)
     size = throw_masses(throw, DENSITY).mass * throw.crank_radius
-    assert six.static == pytest.approx([0.0, 0.0], abs=1e-9 * size)
-    assert six.dynamic == pytest.approx([0.0, 0.0], abs=1e-9 * size * throw.length)
+    assert six.static == close([0.0, 0.0], abs=1e-9 * size)
+    assert six.dynamic == close([0.0, 0.0], abs=1e-9 * size * throw.length)
     three = Crankshaft([throw] * 3, SIX[:3]).unbalance(DENSITY)
-    assert three.static == pytest.approx([0.0, 0.0], abs=1e-9 * size)
+    assert three.static == close([0.0, 0.0], abs=1e-9 * size)
     # Forces of size U at -L, 0 and L, 120 deg apart: a moment of sqrt(3) U L remains.
     one = unbalance(throw_masses(throw, DENSITY), throw.length / 2.0)
     expected = np.sqrt(3.0) * np.linalg.norm(one.static) * throw.length
-    assert np.linalg.norm(three.dynamic) == pytest.approx(expected, rel=1e-9)
+    assert np.linalg.norm(three.dynamic) == close(expected, rel=1e-9)
 
 
 def test_unbalance_of_one_throw(dimensions):
     throw = CrankThrow(**dimensions)
     masses = throw_masses(throw, DENSITY)
     found = unbalance(masses, throw.length / 2.0)
-    assert found.static == pytest.approx([0.0, masses.mass * masses.center[1]], abs=1e-12)
-    assert found.dynamic == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert found.static == close([0.0, masses.mass * masses.center[1]], abs=1e-12)
+    assert found.dynamic == close([0.0, 0.0], abs=1e-12)
     moved = unbalance(masses, 0.0)
-    assert moved.dynamic == pytest.approx(found.static * throw.length / 2.0, abs=1e-12)
+    assert moved.dynamic == close(found.static * throw.length / 2.0, abs=1e-12)
     lopsided = CrankThrow(**dimensions, right_web=Web(thickness=0.09))
     other = unbalance(throw_masses(lopsided, DENSITY), lopsided.length / 2.0)
     assert other.dynamic[1] > 0.0
@@ -74,7 +75,7 @@ def test_counterweights_take_the_unbalance_away(dimensions):
     # First moment of a half ring between the web's end and the outer radius.
     foot = heavy.web_width / 2.0
     expected = DENSITY * 2.0 * heavy.web_thickness * 2.0 / 3.0 * (0.25**3 - foot**3)
-    assert left == pytest.approx(expected, rel=1e-9)
+    assert left == close(expected, rel=1e-9)
 
 
 def test_what_does_not_fit_together_is_refused(dimensions):
@@ -85,7 +86,7 @@ def test_what_does_not_fit_together_is_refused(dimensions):
     with pytest.raises(InputError, match="share a main journal"):
         Crankshaft([throw, other], [0.0, 1.0])
     off = CrankThrow(**dimensions, main_journal_bore=0.06, main_journal_bore_offset=0.02)
-    assert Crankshaft([off] * 2, [0.0, 0.0]).length == pytest.approx(2.0 * off.length)
+    assert Crankshaft([off] * 2, [0.0, 0.0]).length == close(2.0 * off.length)
     with pytest.raises(InputError, match=r"throws 1 and 2 are 40 mm apart"):
         Crankshaft([off] * 2, [0.0, np.pi])
     with pytest.raises(InputError, match="finite"):

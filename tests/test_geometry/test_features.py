@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from geometry.mass import mass_properties, mesh_mass_properties
 from geometry.mesh import mesh_throw
@@ -85,12 +86,12 @@ def test_the_solid_and_the_mesh_are_what_is_described(build, feature):
     assert throw.symmetry == SYMMETRY.get(feature, "quarter")
     mesh = meshed(throw, 2.0)
     assert mesh.part == throw.symmetry
-    assert PARTS[mesh.part] * mesh.solid.volume == pytest.approx(throw.volume, rel=1e-6)
+    assert PARTS[mesh.part] * mesh.solid.volume == close(throw.volume, rel=1e-6)
     solid, elements = mass_properties(mesh, 7850.0), mesh_mass_properties(mesh, 7850.0)
-    assert elements.mass == pytest.approx(solid.mass, rel=1e-3)
-    assert elements.center == pytest.approx(solid.center, rel=1e-3, abs=1e-3 * throw.crank_radius)
+    assert elements.mass == close(solid.mass, rel=1e-3)
+    assert elements.center == close(solid.center, rel=1e-3, abs=1e-3 * throw.crank_radius)
     scale = float(np.abs(solid.inertia).max())
-    assert elements.inertia == pytest.approx(solid.inertia, abs=1e-3 * scale)
+    assert elements.inertia == close(solid.inertia, abs=1e-3 * scale)
     assert set(mesh.pins) <= mesh.surfaces.keys()
     for name in mesh.pins:
         assert len(mesh.surfaces[name])
@@ -104,10 +105,10 @@ def test_quarter_half_and_full_weigh_the_same(build, feature):
     throw = build(**FEATURES[feature])
     found = [mass_properties(mesh_throw(throw, 1.5, part), 1.0) for part in PARTS]
     for other in found[1:]:
-        assert other.mass == pytest.approx(found[0].mass, rel=1e-6)
-        assert other.center == pytest.approx(found[0].center, rel=1e-6, abs=1e-9)
+        assert other.mass == close(found[0].mass, rel=1e-6)
+        assert other.center == close(found[0].center, rel=1e-6, abs=1e-9)
         scale = float(np.abs(found[0].inertia).max())
-        assert other.inertia == pytest.approx(found[0].inertia, abs=1e-6 * scale)
+        assert other.inertia == close(found[0].inertia, abs=1e-6 * scale)
 
 
 def test_a_part_that_the_symmetry_does_not_allow_is_refused(build):
@@ -124,8 +125,8 @@ def test_described_from_the_other_end_it_is_the_same_part(build, feature):
     """Half a turn about y takes one to the other; a throw symmetric about x is thereby mirrored."""
     throw = build(**FEATURES[feature])
     other = throw.reversed()
-    assert other.volume == pytest.approx(throw.volume, rel=1e-9)
-    assert other.length == pytest.approx(throw.length, rel=1e-12)
+    assert other.volume == close(throw.volume, rel=1e-9)
+    assert other.length == close(throw.length, rel=1e-12)
     first, second = (mass_properties(meshed(t, 2.0), 1.0) for t in (throw, other))
     # The new first pin stands at +y: turn the old last one there.
     last = throw.further_pins[-1].angle if throw.further_pins else 0.0
@@ -133,15 +134,15 @@ def test_described_from_the_other_end_it_is_the_same_part(build, feature):
     swap = np.diag([-1.0, 1.0, -1.0])
     center = swap @ turned.center + np.array([0.0, 0.0, throw.length])
     scale = float(np.abs(first.inertia).max())
-    assert second.center == pytest.approx(center, abs=1e-6 * throw.length)
-    assert second.inertia == pytest.approx(swap @ turned.inertia @ swap, abs=1e-6 * scale)
+    assert second.center == close(center, abs=1e-6 * throw.length)
+    assert second.inertia == close(swap @ turned.inertia @ swap, abs=1e-6 * scale)
 
 
 def test_bored_and_filled(build):
     """A bore weighs what its cylinder weighed; it ends where it meets the other journal."""
     plain, bored = build(), build(pin_bore=0.08)
     length = plain.pin_length + 2.0 * plain.web_thickness
-    assert plain.volume - bored.volume == pytest.approx(math.pi / 4.0 * 0.08**2 * length, rel=1e-9)
+    assert plain.volume - bored.volume == close(math.pi / 4.0 * 0.08**2 * length, rel=1e-9)
 
 
 def test_counterweights_add_their_sector(build):
@@ -149,7 +150,7 @@ def test_counterweights_add_their_sector(build):
     throw = build(counterweight=Counterweight(outer_radius=radius, angle=angle))
     foot = build().web_width / 2.0
     added = 2.0 * throw.web_thickness * angle / 2.0 * (radius**2 - foot**2)
-    assert throw.volume - build().volume == pytest.approx(added, rel=1e-9)
+    assert throw.volume - build().volume == close(added, rel=1e-9)
 
 
 @pytest.mark.parametrize("drop", ["web_tip_thickness", "web_foot_thickness"])
@@ -165,7 +166,7 @@ def test_a_slope_takes_off_a_wedge(build, drop):
         start = plain.pin_diameter * (0.5 + margin) + plain.fillet_radius
         run = plain.crank_radius + plain.web_width / 2.0 - start
     wedge = 0.5 * run * (plain.web_thickness - 0.048) * plain.web_width
-    assert plain.volume - thin.volume == pytest.approx(2.0 * wedge, rel=1e-9)
+    assert plain.volume - thin.volume == close(2.0 * wedge, rel=1e-9)
 
 
 def test_units_make_no_difference():
@@ -187,10 +188,10 @@ def test_units_make_no_difference():
     ]
     meshes = [mesh_throw(throw, 2.0) for throw in throws]
     for throw, mesh in zip(throws[1:], meshes[1:], strict=True):
-        assert throw.volume == pytest.approx(throws[0].volume, rel=1e-14)
-        assert mesh.solid.volume == pytest.approx(meshes[0].solid.volume, rel=1e-12)
+        assert throw.volume == close(throws[0].volume, rel=1e-14)
+        assert mesh.solid.volume == close(meshes[0].solid.volume, rel=1e-12)
         assert len(mesh.points) == len(meshes[0].points)
-        assert mesh.points == pytest.approx(meshes[0].points, abs=1e-9)
+        assert mesh.points == close(meshes[0].points, abs=1e-9)
 
 
 def test_the_order_of_fields_makes_no_difference(dimensions):

@@ -2,6 +2,7 @@ import meshio
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from geometry.cad_faces import opened_part
 from geometry.crankshaft import Crankshaft
@@ -27,11 +28,11 @@ def test_solid_formats_keep_nodes_elements_and_surfaces(mesh, tmp_path, ending):
         pytest.importorskip("h5py")
     read = meshio.read(write_mesh(mesh, tmp_path / f"throw{ending}"))
     elements = np.concatenate([b.data for b in read.cells if b.type == "tetra10"])
-    assert np.sort(read.points, axis=0) == pytest.approx(np.sort(mesh.points, axis=0), abs=1e-12)
+    assert np.sort(read.points, axis=0) == close(np.sort(mesh.points, axis=0), abs=1e-12)
     assert len(elements) == len(mesh.elements)
     # meshio's tetrahedra have scikit-fem's order of edge nodes; a wrong one gives a wrong volume.
     volume = element_volumes(read.points, elements.astype(np.int64)).sum()
-    assert volume == pytest.approx(mesh.solid.volume, rel=1e-3)
+    assert volume == close(mesh.solid.volume, rel=1e-3)
     triangles = sum(len(b.data) for b in read.cells if b.type == "triangle6")
     assert triangles == sum(len(corners) for corners in mesh.surfaces.values())
 
@@ -64,13 +65,13 @@ def test_surface_formats_enclose_the_volume(mesh, tmp_path, ending):
     a, b, c = read.points[read.cells_dict["triangle"]].transpose(1, 0, 2).astype(float)
     volume = np.einsum("ti,ti->t", a, np.cross(b, c)).sum() / 6.0
     # Flat triangles cut the corners of fillets and journals.
-    assert volume == pytest.approx(mesh.solid.volume, rel=0.02)
+    assert volume == close(mesh.solid.volume, rel=0.02)
 
 
 def test_values_at_nodes_travel(mesh, tmp_path):
     values = {"displacement": mesh.points * 2.0}
     read = meshio.read(write_mesh(mesh, tmp_path / "throw.vtu", values))
-    assert read.point_data["displacement"] == pytest.approx(mesh.points * 2.0)
+    assert read.point_data["displacement"] == close(mesh.points * 2.0)
 
 
 def test_unknown_endings_and_missing_folders(mesh, tmp_path):
@@ -94,15 +95,15 @@ def read_step(path):
 def test_step_of_a_throw_and_of_a_shaft_come_back_in_metres(dimensions, tmp_path):
     throw = CrankThrow(**dimensions, pin_bore=0.06)
     volume, length = read_step(write_step(throw, tmp_path / "throw.step"))
-    assert volume == pytest.approx(throw.volume, rel=1e-6)
-    assert length == pytest.approx(throw.length, rel=1e-5)
+    assert volume == close(throw.volume, rel=1e-6)
+    assert length == close(throw.length, rel=1e-5)
     half, _ = read_step(write_step(throw, tmp_path / "half.stp", "half"))
-    assert half == pytest.approx(throw.volume / 2.0, rel=1e-6)
+    assert half == close(throw.volume / 2.0, rel=1e-6)
     ends = ShaftEnds(free_end_diameter=0.2, free_end_length=0.3)
     shaft = Crankshaft([throw] * 3, np.deg2rad([0.0, 120.0, 240.0]), ends)
     volume, length = read_step(write_step(shaft, tmp_path / "shaft.step"))
-    assert volume == pytest.approx(shaft.masses(1.0).mass, rel=1e-6)
-    assert length == pytest.approx(shaft.length, rel=1e-5)
+    assert volume == close(shaft.masses(1.0).mass, rel=1e-6)
+    assert length == close(shaft.length, rel=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -120,9 +121,9 @@ def test_a_written_throw_is_read_by_its_names(dimensions, tmp_path, changes):
     names = [pin.name for pin in throw.parts.pins]
     read = import_throw(path)
     assert read.remarks == ()
-    assert read.volume == pytest.approx(throw.volume, rel=1e-6)
-    assert read.length == pytest.approx(throw.length, rel=1e-9)
-    assert np.array(read.pin_axes) == pytest.approx(np.array(throw.pin_axes), abs=1e-9)
+    assert read.volume == close(throw.volume, rel=1e-6)
+    assert read.length == close(throw.length, rel=1e-9)
+    assert np.array(read.pin_axes) == close(np.array(throw.pin_axes), abs=1e-9)
     assert [pin.name for pin in read.pins] == names
 
 

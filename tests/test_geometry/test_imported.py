@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError, MeshError
 from fem.assembly import assemble_stiffness
 from fem.class_compliances import axial_answers
@@ -171,16 +172,16 @@ def mesh(imported):
 
 
 def assert_same_throw(imported, throw, tolerance=1e-6):
-    assert imported.volume == pytest.approx(throw.volume, rel=tolerance)
-    assert imported.length == pytest.approx(throw.length, rel=1e-9)
+    assert imported.volume == close(throw.volume, rel=tolerance)
+    assert imported.length == close(throw.length, rel=1e-9)
     assert imported.symmetry == "full"
     assert imported.filleted == throw.filleted
-    assert imported.journal_radii == pytest.approx([throw.main_journal_diameter / 2.0] * 2)
+    assert imported.journal_radii == close([throw.main_journal_diameter / 2.0] * 2)
     assert [pin.name for pin in imported.pins] == [pin.name for pin in throw.parts.pins]
     for pin, expected in zip(imported.pins, throw.parts.pins, strict=True):
-        assert pin.axis == pytest.approx(expected.axis, abs=1e-9)
-        assert pin.radius == pytest.approx(expected.radius, rel=1e-9)
-        assert (pin.start, pin.end) == pytest.approx((expected.start, expected.end), abs=1e-9)
+        assert pin.axis == close(expected.axis, abs=1e-9)
+        assert pin.radius == close(expected.radius, rel=1e-9)
+        assert (pin.start, pin.end) == close((expected.start, expected.end), abs=1e-9)
     assert imported.pin_axes == tuple(pin.axis for pin in imported.pins)
 
 
@@ -209,20 +210,20 @@ def test_units_and_places_of_named_faces(throw, folder, unit):
     size = UNITS[unit][0]
     text = name_faces(step_text(throw, unit), usual_names(throw, size))
     step = read_step(text.encode(), "x.step")
-    assert step.unit == pytest.approx(size, rel=1e-12)
+    assert step.unit == close(size, rel=1e-12)
     faces = {face.name: face for face in step.faces}
     assert faces.keys() == {LEFT_END, RIGHT_END, PIN}
     pin = faces[PIN]
     assert pin.kind == "CYLINDRICAL_SURFACE"
-    assert pin.point[:2] == pytest.approx((0.0, throw.crank_radius), abs=1e-9)
-    assert pin.radius == pytest.approx(throw.pin_diameter / 2.0, rel=1e-9)
-    assert np.abs(pin.axis) == pytest.approx([0.0, 0.0, 1.0], abs=1e-12)
+    assert pin.point[:2] == close((0.0, throw.crank_radius), abs=1e-9)
+    assert pin.radius == close(throw.pin_diameter / 2.0, rel=1e-9)
+    assert np.abs(pin.axis) == close([0.0, 0.0, 1.0], abs=1e-12)
     assert faces[RIGHT_END].kind == "PLANE"
-    assert faces[RIGHT_END].point[2] == pytest.approx(throw.length, rel=1e-9)
+    assert faces[RIGHT_END].point[2] == close(throw.length, rel=1e-9)
     assert len(pin.corners) == 2
     corners = np.array(pin.corners)
     beside = corners[:, :2] - (0.0, throw.crank_radius)
-    assert np.hypot(*beside.T) == pytest.approx(throw.pin_diameter / 2.0, rel=1e-9)
+    assert np.hypot(*beside.T) == close(throw.pin_diameter / 2.0, rel=1e-9)
 
 
 def test_breaks_comments_spaces_and_escapes_do_not_matter(named):
@@ -277,7 +278,7 @@ def test_a_throw_comes_back_from_its_file(throw, folder, unit):
     imported = import_throw(write(folder / f"{unit}.step", text))
     assert_same_throw(imported, throw)
     assert imported.remarks == ()
-    assert (imported.turned, imported.shifted) == (0.0, pytest.approx(0.0, abs=1e-12))
+    assert (imported.turned, imported.shifted) == (0.0, close(0.0, abs=1e-12))
 
 
 def test_without_names_the_same_is_found_by_shape(throw, plain, imported, folder):
@@ -319,15 +320,15 @@ def test_a_turned_and_shifted_part_is_brought_back(throw, folder, with_names):
         text = name_faces(text, usual_names(throw, shift=-1.25, turn=0.7))
     imported = import_throw(write(folder / f"turned{with_names}.step", text))
     assert_same_throw(imported, throw)
-    assert imported.turned == pytest.approx(-0.7, abs=1e-9)
-    assert imported.shifted == pytest.approx(1.25, abs=1e-9)
+    assert imported.turned == close(-0.7, abs=1e-9)
+    assert imported.shifted == close(1.25, abs=1e-9)
     assert "-40.107 deg" in imported.remarks[-1]
     mesh = mesh_imported_throw(imported, 2.0)
     pin = mesh.points[np.unique(mesh.surfaces[PIN])]
-    assert np.hypot(pin[:, 0], pin[:, 1] - throw.crank_radius) == pytest.approx(0.09, rel=1e-9)
+    assert np.hypot(pin[:, 0], pin[:, 1] - throw.crank_radius) == close(0.09, rel=1e-9)
     masses = mass_properties(mesh, 1.0)
-    assert masses.mass == pytest.approx(throw.volume, rel=1e-6)
-    assert masses.center[[0, 2]] == pytest.approx([0.0, throw.length / 2.0], abs=1e-9)
+    assert masses.mass == close(throw.volume, rel=1e-6)
+    assert masses.center[[0, 2]] == close([0.0, throw.length / 2.0], abs=1e-9)
 
 
 BORED = {
@@ -352,8 +353,8 @@ def test_bores_are_not_taken_for_pins_or_journals(bored, folder, with_names):
     imported = import_throw(write(folder / f"bored{with_names}.step", text))
     assert_same_throw(imported, bored)
     mesh = mesh_imported_throw(imported, 2.0)
-    assert mesh.solid.volume == pytest.approx(bored.volume, rel=1e-6)
-    assert element_volumes(mesh.points, mesh.elements).sum() == pytest.approx(bored.volume, 1e-3)
+    assert mesh.solid.volume == close(bored.volume, rel=1e-6)
+    assert element_volumes(mesh.points, mesh.elements).sum() == close(bored.volume, 1e-3)
     bore = mesh.points[np.unique(mesh.surfaces[BORE])]
     off_pin = np.hypot(bore[:, 0], bore[:, 1] - 0.18)
     off_journal = np.hypot(bore[:, 0], bore[:, 1] + 0.005)
@@ -381,7 +382,7 @@ def test_two_pins_in_any_order(two_pins, folder):
     assert mesh.pins == ("pin", "pin 2")
     second = mesh.points[np.unique(mesh.surfaces["pin 2"])]
     axis = two_pins.parts.pins[1].axis
-    assert np.hypot(*(second[:, :2] - axis).T) == pytest.approx(0.08, rel=1e-9)
+    assert np.hypot(*(second[:, :2] - axis).T) == close(0.08, rel=1e-9)
 
 
 def test_a_pin_in_two_faces_of_which_one_is_named(throw, folder):
@@ -420,16 +421,14 @@ def test_an_oil_hole_disturbs_nothing(throw, folder):
 
     imported = import_throw(write(folder / "oil.step", step_text(throw, build=build)))
     assert imported.filleted
-    assert imported.pins[0].radius == pytest.approx(throw.pin_diameter / 2.0, rel=1e-9)
+    assert imported.pins[0].radius == close(throw.pin_diameter / 2.0, rel=1e-9)
     assert len(imported.fillets) == 4
     assert imported.corners == ()
     assert len(dict(imported.surfaces)[FILLET]) == 4
     assert BORE not in dict(imported.surfaces)
     mesh = mesh_imported_throw(imported, 1.5)
     assert mesh.attempts == ()
-    assert element_volumes(mesh.points, mesh.elements).sum() == pytest.approx(
-        imported.volume, rel=1e-3
-    )
+    assert element_volumes(mesh.points, mesh.elements).sum() == close(imported.volume, rel=1e-3)
 
 
 def rename(text, old, new):
@@ -593,15 +592,13 @@ def test_the_mesh_is_that_of_the_throw(throw, imported, mesh):
     assert (mesh.part, mesh.pins, mesh.length) == ("full", (PIN,), imported.length)
     assert mesh.size_factor == 1.5
     assert mesh.attempts == ()
-    assert mesh.solid.volume == pytest.approx(throw.volume, rel=1e-6)
-    assert element_volumes(mesh.points, mesh.elements).sum() == pytest.approx(
-        throw.volume, rel=1e-3
-    )
+    assert mesh.solid.volume == close(throw.volume, rel=1e-6)
+    assert element_volumes(mesh.points, mesh.elements).sum() == close(throw.volume, rel=1e-3)
     ours = mass_properties(mesh, 7850.0)
     theirs = mass_properties(mesh_throw(throw, 1.5), 7850.0)
-    assert ours.mass == pytest.approx(theirs.mass, rel=1e-6)
-    assert ours.center == pytest.approx(theirs.center, abs=1e-7)
-    assert ours.inertia == pytest.approx(theirs.inertia, rel=1e-5, abs=1e-5)
+    assert ours.mass == close(theirs.mass, rel=1e-6)
+    assert ours.center == close(theirs.center, abs=1e-7)
+    assert ours.inertia == close(theirs.inertia, rel=1e-5, abs=1e-5)
     assert 0.5 < mesh.unknowns / predict_imported_unknowns(imported, 1.5) < 1.5
 
 
@@ -615,8 +612,8 @@ def test_surfaces_of_the_mesh_are_where_their_names_say(throw, mesh):
     assert np.abs(z[nodes(LEFT_END)]).max() < 1e-9
     assert np.abs(z[nodes(RIGHT_END)] - throw.length).max() < 1e-9
     pin, journal = nodes(PIN), nodes(MAIN_JOURNAL)
-    assert np.hypot(x[pin], y[pin] - throw.crank_radius) == pytest.approx(0.09, rel=1e-9)
-    assert np.hypot(x[journal], y[journal]) == pytest.approx(0.11, rel=1e-9)
+    assert np.hypot(x[pin], y[pin] - throw.crank_radius) == close(0.09, rel=1e-9)
+    assert np.hypot(x[journal], y[journal]) == close(0.11, rel=1e-9)
     facets = np.concatenate(list(mesh.surfaces.values()))
     corners = mesh.elements[:, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]].reshape(-1, 3)
     _, counts = np.unique(np.sort(corners, axis=1), axis=0, return_counts=True)
@@ -643,7 +640,7 @@ def test_the_mesh_is_the_same_in_another_process(imported, mesh):
 def test_failed_ways_are_passed_over_and_recorded(imported):
     mesh = mesh_imported_from(imported, 2.5, None, ("as planned: it took too long",))
     assert mesh.attempts == ("as planned: it took too long",)
-    assert mesh.size_factor == pytest.approx(2.5 * LADDER[1].share)
+    assert mesh.size_factor == close(2.5 * LADDER[1].share)
     with pytest.raises(MeshError, match="6 ways of meshing the throw failed"):
         mesh_imported_from(imported, 2.5, None, ("no",) * len(LADDER))
 
@@ -715,6 +712,6 @@ def test_the_compliance_is_that_of_the_throw(dimensions, folder, change, order, 
     (ours, our_error), (theirs, their_error) = results
     assert 0.0 < our_error < 0.02 * ours
     # Meshed to the same sizes, the two differ by less than their distance from the limit.
-    close = 0.5 * max(our_error, their_error)
-    assert ours == pytest.approx(theirs, abs=close)
-    assert ours + our_error == pytest.approx(theirs + their_error, abs=close)
+    nearer = 0.5 * max(our_error, their_error)
+    assert ours == close(theirs, abs=nearer)
+    assert ours + our_error == close(theirs + their_error, abs=nearer)

@@ -3,7 +3,9 @@ import re
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
+from fem.material import STEEL
 from geometry.throw import CrankThrow
 
 
@@ -168,8 +170,8 @@ def test_a_throw_does_not_change(dimensions):
 
 def test_derived_dimensions(dimensions):
     throw = CrankThrow(**dimensions)
-    assert throw.length == pytest.approx(0.395, rel=1e-14)
-    assert throw.overlap == pytest.approx(0.030, rel=1e-12)
+    assert throw.length == close(0.395, rel=1e-14)
+    assert throw.overlap == close(0.030, rel=1e-12)
 
 
 def test_a_changed_throw_is_checked_like_a_new_one(dimensions):
@@ -189,3 +191,12 @@ def test_a_changed_throw_is_checked_like_a_new_one(dimensions):
 def test_a_changed_record_keeps_what_was_given_alone(dimensions):
     changed = CrankThrow(**dimensions).changed(pin_length=0.150)
     assert changed.model_fields_set == set(dimensions)
+
+
+@pytest.mark.parametrize(
+    "number", [10**400, -(10**400), 10**5000], ids=["large", "negative", "endless"]
+)
+def test_integers_too_large_for_a_float_are_refused(number):
+    with pytest.raises(InputError, match=r"^material\.youngs_modulus: given ") as caught:
+        STEEL.changed(youngs_modulus=number)
+    assert len(str(caught.value)) < 300

@@ -1,7 +1,13 @@
+import math
+
 import numpy as np
 import pytest
 
-from geometry.mass import mass_properties, mesh_mass_properties
+from comparing import close
+from crankbase.errors import InputError
+from geometry import crankshaft
+from geometry.crankshaft import Crankshaft, throw_masses
+from geometry.mass import cylinder_mass_properties, mass_properties, mesh_mass_properties
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
 
@@ -59,21 +65,21 @@ def test_mass_properties_against_the_composed_solid(dimensions, change):
     throw = CrankThrow(**{**dimensions, "fillet_radius": 0.0, **change})
     found = mass_properties(mesh_throw(throw, 1.0), DENSITY)
     mass, center, inertia = composed(throw)
-    assert found.mass == pytest.approx(mass, rel=1e-10)
-    assert found.mass == pytest.approx(DENSITY * throw.volume, rel=1e-10)
-    assert found.center == pytest.approx(center, rel=1e-10, abs=1e-12)
-    assert np.diag(found.inertia) == pytest.approx(np.diag(inertia), rel=1e-9)
-    assert found.inertia - np.diag(np.diag(found.inertia)) == pytest.approx(np.zeros((3, 3)))
+    assert found.mass == close(mass, rel=1e-10)
+    assert found.mass == close(DENSITY * throw.volume, rel=1e-10)
+    assert found.center == close(center, rel=1e-10, abs=1e-12)
+    assert np.diag(found.inertia) == close(np.diag(inertia), rel=1e-9)
+    assert found.inertia - np.diag(np.diag(found.inertia)) == close(np.zeros((3, 3)))
     about_shaft = inertia[2, 2] + mass * center[1] ** 2
-    assert found.inertia_about_shaft == pytest.approx(about_shaft, rel=1e-9)
+    assert found.inertia_about_shaft == close(about_shaft, rel=1e-9)
 
 
 def test_mass_grows_with_the_density_and_the_fillets(dimensions, coarse_mesh):
     light = mass_properties(coarse_mesh, DENSITY)
     heavy = mass_properties(coarse_mesh, 2.0 * DENSITY)
-    assert heavy.mass == pytest.approx(2.0 * light.mass, rel=1e-14)
-    assert heavy.inertia == pytest.approx(2.0 * light.inertia, rel=1e-14)
-    assert heavy.center == pytest.approx(light.center, rel=1e-14)
+    assert heavy.mass == close(2.0 * light.mass, rel=1e-14)
+    assert heavy.inertia == close(2.0 * light.inertia, rel=1e-14)
+    assert heavy.center == close(light.center, rel=1e-14)
     assert light.mass > composed(CrankThrow(**{**dimensions, "fillet_radius": 0.0}))[0]
 
 
@@ -92,6 +98,29 @@ def test_mass_properties_of_the_whole_mirrored_mesh(dimensions, coarse_mesh):
     center = masses @ points / masses.sum()
     arms = points - center
     inertia = (masses * (arms**2).sum(axis=1)).sum() * np.eye(3) - arms.T * masses @ arms
-    assert found.mass == pytest.approx(masses.sum(), rel=1e-12)
-    assert found.center == pytest.approx(center, rel=1e-12, abs=1e-14)
-    assert found.inertia == pytest.approx(inertia, rel=1e-11, abs=1e-11)
+    assert found.mass == close(masses.sum(), rel=1e-12)
+    assert found.center == close(center, rel=1e-12, abs=1e-14)
+    assert found.inertia == close(inertia, rel=1e-11, abs=1e-11)
+
+
+@pytest.mark.parametrize(
+    "density", [math.nan, math.inf, -7850.0, 0.0, 1e308, "7850", True, None, [7850.0]]
+)
+def test_densities_of_no_body_are_refused(dimensions, density, monkeypatch):
+    """Before anything is built, which takes a second."""
+    monkeypatch.setattr(crankshaft, "shared_process", None)
+    throw = CrankThrow(**dimensions)
+    shaft = Crankshaft((throw,), (0.0,))
+    for call in (
+        lambda: throw_masses(throw, density),
+        lambda: shaft.masses(density),
+        lambda: shaft.unbalance(density),
+        lambda: cylinder_mass_properties(0.1, 0.0, 0.1, density),
+    ):
+        with pytest.raises(InputError, match=r"^density: given .*; allowed are numbers above 0"):
+            call()
+
+
+@pytest.mark.parametrize("density", [7850, 1.0, np.float64(7850.0), np.int64(7850)])
+def test_densities_of_any_number_type_are_taken(density):
+    assert cylinder_mass_properties(0.1, 0.0, 0.1, density).mass > 0.0

@@ -7,6 +7,7 @@ import pytest
 from matplotlib import pyplot
 from matplotlib.collections import PolyCollection
 
+from comparing import close
 from crankbase.drawing.legends import shown_unit
 from crankbase.errors import InputError
 from geometry.crankshaft import Crankshaft
@@ -39,8 +40,8 @@ def test_a_throw_is_drawn_to_scale(throw):
     axes = throw.plot(dimensions=False)
     low, high = reach(axes)
     # z from 0 to the length; y from the webs' foot, B / 2 below the shaft, to B / 2 above the pin.
-    assert low == pytest.approx([0.0, -0.150])
-    assert high == pytest.approx([throw.length, 0.170 + 0.150])
+    assert low == close([0.0, -0.150])
+    assert high == close([throw.length, 0.170 + 0.150])
     assert axes.get_aspect() == 1.0
     assert axes.get_xlabel().endswith("[m]")
     assert axes.get_ylabel().endswith("[m]")
@@ -77,9 +78,9 @@ def test_no_other_views(throw):
 
 def test_parts_are_turned_and_moved(throw):
     placed = placed_parts(throw.parts, math.pi / 2.0, 1.0)
-    assert placed.pins[0].axis == pytest.approx((-0.170, 0.0), abs=1e-15)
-    assert placed.webs[1].end == pytest.approx(throw.parts.webs[1].end + 1.0)
-    assert placed.cylinders[0].axis == pytest.approx((0.0, 0.0))
+    assert placed.pins[0].axis == close((-0.170, 0.0), abs=1e-15)
+    assert placed.webs[1].end == close(throw.parts.webs[1].end + 1.0)
+    assert placed.cylinders[0].axis == close((0.0, 0.0))
 
 
 def test_a_crankshaft_has_its_throws_at_their_angles(throw):
@@ -87,8 +88,8 @@ def test_a_crankshaft_has_its_throws_at_their_angles(throw):
     shaft = Crankshaft([throw, throw], [0.0, math.pi], ends)
     axes = shaft.plot()
     low, high = reach(axes)
-    assert (low[0], high[0]) == pytest.approx(shaft.reach)
-    assert (low[1], high[1]) == pytest.approx((-0.320, 0.320))
+    assert (low[0], high[0]) == close(shaft.reach)
+    assert (low[1], high[1]) == close((-0.320, 0.320))
     assert [text.get_text() for text in axes.texts] == ["1", "2"]
 
 
@@ -112,7 +113,7 @@ def test_a_mesh_shows_what_looks_at_the_eye():
     (drawn,) = [one for one in axes.collections if isinstance(one, PolyCollection)]
     (face,) = drawn.get_paths()
     # x to the right, y up.
-    assert face.vertices[:3] == pytest.approx(points[[1, 2, 3], :2])
+    assert face.vertices[:3] == close(points[[1, 2, 3], :2])
     assert axes.get_title("left") == "Half mesh, 1 element"
     assert axes.get_legend().get_texts()[0].get_text() == "cut: crank plane"
     with pytest.raises(
@@ -123,8 +124,8 @@ def test_a_mesh_shows_what_looks_at_the_eye():
 
 def test_a_view_is_a_right_handed_frame():
     frame = view_frame(np.array([-1.0, 0.45, -0.6]))
-    assert frame @ frame.T == pytest.approx(np.eye(3), abs=1e-15)
-    assert np.linalg.det(frame) == pytest.approx(1.0)
+    assert frame @ frame.T == close(np.eye(3), abs=1e-15)
+    assert np.linalg.det(frame) == close(1.0)
     assert frame[1, 1] > 0.0  # the crank stands upright
 
 

@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
-from crankbase.units.quantity import parse_quantity, show_quantity
+from crankbase.units.quantity import parse_quantity, show_quantity, unit_registry
 
 
 @pytest.mark.parametrize(
@@ -27,7 +28,7 @@ from crankbase.units.quantity import parse_quantity, show_quantity
     ],
 )
 def test_units(text, unit, expected):
-    assert parse_quantity(text, unit, "field") == pytest.approx(expected, rel=1e-14)
+    assert parse_quantity(text, unit, "field") == close(expected, rel=1e-14)
 
 
 def test_the_same_length_in_any_unit_is_the_same_number():
@@ -58,7 +59,7 @@ def test_millimetres_are_the_number_that_python_writes(number):
 )
 def test_speed_of_rotation_counts_revolutions_unless_it_names_an_angle(text, per_second):
     value = parse_quantity(text, "rad/s", "speed")
-    assert value == pytest.approx(2.0 * math.pi * per_second, rel=1e-14)
+    assert value == close(2.0 * math.pi * per_second, rel=1e-14)
 
 
 @pytest.mark.parametrize("text", ["52 rad/s", "52 radian/second"])
@@ -180,6 +181,62 @@ def test_show_quantity(value, unit, shown):
 
 @given(st.floats(1e-3, 10.0))
 def test_shown_lengths_read_back(length):
-    assert parse_quantity(show_quantity(length, "m", 17), "m", "f") == pytest.approx(
-        length, rel=1e-14
-    )
+    assert parse_quantity(show_quantity(length, "m", 17), "m", "f") == close(length, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "320 mm*10**99999999",
+        "1 m**9**9**9",
+        "1 h^99999999",
+        "1 h⁹⁹⁹⁹⁹⁹⁹⁹",
+        "1 (((((h^9)^9)^9)^9)^9)^9",
+        "1 h squared squared squared squared squared squared",
+        "5 mm^60/km^60/s",
+        "5 Ym^30/ym^30/s",
+        "1 " + "(" * 100 + "m",
+        "1 m" + " " * 100_000 + "x",
+        "1" * 5000 + " mm",
+        10**400,
+        pytest.param(10**5000, id="thousands of digits"),
+    ],
+)
+@pytest.mark.parametrize("unit", ["m", "rad/s"])
+def test_no_text_takes_long_or_ends_unexpectedly(text, unit):
+    with pytest.raises(InputError, match=r"^field: given ") as caught:
+        parse_quantity(text, unit, "field")
+    assert len(str(caught.value)) < 300
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "expected"),
+    [
+        ("5 m²", "m^2", 5.0),
+        ("5 kg·m²", "kg m^2", 5.0),
+        ("5 kg m**2/(s^2 m)", "N", 5.0),
+        ("5 (mm^2)^0.5", "m", 0.005),
+        ("5 N/(mm)", "N/m", 5000.0),
+        ("180 °", "rad", math.pi),
+        ("5 m per s", "m/s", 5.0),
+    ],
+)
+def test_ways_to_write_powers(text, unit, expected):
+    assert parse_quantity(text, unit, "field") == close(expected, rel=1e-14)
+
+
+def test_a_failure_of_the_library_is_not_told_as_the_users(monkeypatch):
+    def fails(text):
+        raise TypeError("of the library")
+
+    monkeypatch.setattr(unit_registry(), "parse_units", fails)
+    with pytest.raises(TypeError, match="of the library"):
+        parse_quantity("170 mm", "m", "field")
+
+
+@pytest.mark.parametrize(
+    "number", [10**400, -(10**400), 10**5000], ids=["large", "negative", "endless"]
+)
+def test_numbers_too_large_for_a_float_are_refused(number):
+    with pytest.raises(InputError, match="not finite"):
+        parse_quantity(number, "", "field")

@@ -7,6 +7,7 @@ import gmsh
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_session
 from geometry.isolated import IsolatedProcess
@@ -68,9 +69,9 @@ def made(throw, graded):
 
 
 def test_volume_of_a_regular_tetrahedron():
-    assert np.linalg.norm(REGULAR[0] - REGULAR[1]) == pytest.approx(1.0)
+    assert np.linalg.norm(REGULAR[0] - REGULAR[1]) == close(1.0)
     expected = abs(np.linalg.det(REGULAR[1:] - REGULAR[0])) / 6.0
-    assert regular_volume(np.array([1.0, 0.02])) == pytest.approx([expected, 8e-6 * expected])
+    assert regular_volume(np.array([1.0, 0.02])) == close([expected, 8e-6 * expected])
 
 
 def test_expected_unknowns_scale_with_the_size(graded):
@@ -104,7 +105,7 @@ def test_expected_unknowns_are_about_those_made(throw, part, size):
     sizes = map_of(first, lambda points: np.full(len(points), size))
     mesh = mesh_throw(throw, 1.0, part, sizes)
     assert mesh.attempts == ()
-    assert sizes.expected_unknowns() == pytest.approx(mesh.unknowns, rel=0.4)
+    assert sizes.expected_unknowns() == close(mesh.unknowns, rel=0.4)
 
 
 def test_elements_have_the_sizes_of_the_map(made, throw):
@@ -141,8 +142,8 @@ def test_the_factor_scales_the_map(throw, graded):
 
 def test_the_mesh_is_checked_as_others_are(throw, made):
     volume = element_volumes(made.points, made.elements).sum()
-    assert 4.0 * made.solid.volume == pytest.approx(throw.volume, rel=1e-9)
-    assert volume == pytest.approx(made.solid.volume, rel=1e-3)
+    assert 4.0 * made.solid.volume == close(throw.volume, rel=1e-9)
+    assert volume == close(made.solid.volume, rel=1e-3)
 
 
 def test_a_map_too_coarse_for_the_volume_climbs_the_ladder(throw, coarse_mesh):
@@ -152,7 +153,7 @@ def test_a_map_too_coarse_for_the_volume_climbs_the_ladder(throw, coarse_mesh):
     assert all("differ by more than 0.1 %" in attempt for attempt in mesh.attempts)
     assert mesh.size_factor == LADDER[len(mesh.attempts)].share
     volume = element_volumes(mesh.points, mesh.elements).sum()
-    assert volume == pytest.approx(mesh.solid.volume, rel=1e-3)
+    assert volume == close(mesh.solid.volume, rel=1e-3)
     hopeless = map_of(coarse_mesh, lambda points: np.full(len(points), 0.2))
     with pytest.raises(MeshError, match="6 ways of meshing the throw failed"):
         mesh_throw(throw, sizes=hopeless)
@@ -215,4 +216,4 @@ def test_the_field_between_nodes_and_beside_the_map():
         a, b = 0.5 * sizes.sizes[[i, j]]
         length = np.linalg.norm(corners[i] - corners[j])
         room = length / a if math.isclose(a, b) else length * np.log(b / a) / (b - a)
-        assert found == pytest.approx(room, abs=1.5)
+        assert found == close(room, abs=1.5)

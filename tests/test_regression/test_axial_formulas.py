@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.formulas.arguments import fold_angle_deg
@@ -52,7 +53,7 @@ def test_ratio_to_finite_elements(dimensions, compliance, ratios):
     values = axial_formulas(throw_of_mm(*dimensions), constants={"k_gorbunov": 0.5})
     names = ("Anderson", "Gorbunov", "Skorchev", "Draminsky (1)", "Draminsky (2)", "Stoyanov")
     found = [values[name].value / (compliance * 1e-9) for name in names]
-    assert found == pytest.approx(ratios, abs=0.011)
+    assert found == close(ratios, abs=0.011)
 
 
 @pytest.mark.parametrize("variant", TSNIIMF_RANGE)
@@ -64,7 +65,7 @@ def test_range_of_tsniimf_beside_finite_elements(variant):
             ratios.append(values["TsNIIMF"].value / (compliance * 1e-9))
     # Two throws do not overlap: there the print has no value.
     assert len(ratios) == (6 if variant == "printed" else 8)
-    assert (min(ratios), max(ratios)) == pytest.approx(TSNIIMF_RANGE[variant], rel=0.03)
+    assert (min(ratios), max(ratios)) == close(TSNIIMF_RANGE[variant], rel=0.03)
 
 
 def test_low_speed_throw_without_overlap_agrees_within_a_quarter():
@@ -84,7 +85,7 @@ def test_guglielmotti_macchiotta_with_8_not_42(variant, ratios):
     # Finite elements at 180, 120 and 90 deg [1e-9 m/N]: with 42 nothing fits.
     value = axial_formula("Guglielmotti-Macchiotta", LOW_SPEED, variant=variant).value * 1e9
     found = [value / compliance for compliance in (0.761, 0.578, 0.448)]
-    assert found == pytest.approx(ratios, abs=0.01 if variant == "corrected" else 0.06)
+    assert found == close(ratios, abs=0.01 if variant == "corrected" else 0.06)
 
 
 def test_values_by_hand():
@@ -127,7 +128,7 @@ def test_values_by_hand():
         + ((0.139 + 0.0136) / area_pin + (0.12 + 0.0136) / area_journal) / E
         - 0.06 / (G * area_web),
     }
-    assert found == pytest.approx(expected, rel=1e-12)
+    assert found == close(expected, rel=1e-12)
 
 
 def test_names_are_complete():
@@ -156,7 +157,7 @@ def test_angle_is_folded(gamma):
     for same in (-gamma, 360.0 - gamma, gamma + 360.0):
         folded = axial_formulas(MEDIUM_SPEED, same)
         for name, value in straight.items():
-            assert folded[name].value == pytest.approx(value.value, rel=1e-9, abs=1e-22), name
+            assert folded[name].value == close(value.value, rel=1e-9, abs=1e-22), name
 
 
 def test_fold_of_240_is_120():
@@ -221,10 +222,10 @@ def test_guglielmotti_macchiotta_without_a_web_left_is_refused():
 
 def test_readings_of_tsniimf():
     plain = axial_formula("TsNIIMF", MEDIUM_SPEED, variant="plain").value
-    assert plain == pytest.approx(8 * 0.17**3 / (2.1e11 * 0.3 * 0.068**3), rel=1e-12)
+    assert plain == close(8 * 0.17**3 / (2.1e11 * 0.3 * 0.068**3), rel=1e-12)
     printed = axial_formula("TsNIIMF", MEDIUM_SPEED, variant="printed")
     # h_e = sqrt(s h): here the web becomes softer than without any overlap.
-    assert printed.value == pytest.approx(plain * (68 / 30) ** 1.5, rel=1e-9)
+    assert printed.value == close(plain * (68 / 30) ** 1.5, rel=1e-9)
     assert not printed.valid
     thick = throw_of_mm(130, 220, 190, 100, 130, 300, 60)  # s = 75 mm
     assert axial_formula("TsNIIMF", thick, variant="printed").valid
@@ -258,10 +259,10 @@ def test_formulas_without_an_angle_say_so():
     }
     with_factor = axial_formula("Guglielmotti-Macchiotta", LOW_SPEED, 120.0, constants={"C": 0.7})
     assert with_factor.valid
-    assert with_factor.value == pytest.approx(0.7 * values["Guglielmotti-Macchiotta"].value)
+    assert with_factor.value == close(0.7 * values["Guglielmotti-Macchiotta"].value)
     with_factor = axial_formula("Skorchev", LOW_SPEED, 120.0, constants={"k_or": 0.875})
     assert with_factor.valid
-    assert with_factor.value == pytest.approx(0.875 * values["Skorchev"].value)
+    assert with_factor.value == close(0.875 * values["Skorchev"].value)
 
 
 def test_anderson_without_a_web_left_is_refused():
@@ -330,7 +331,7 @@ def test_printed_leaves_out_what_cannot_be_evaluated():
     journal = 0.17**2 * 0.12 / (2.1e11 * math.pi * 0.22**4 / 64)
     pin = 0.17**2 * 0.139 / (2.1e11 * math.pi * 0.18**4 / 64)
     difference = corrected["Draminsky (1)"].value - printed["Draminsky (1)"].value
-    assert difference == pytest.approx(pin - journal, rel=1e-9)
+    assert difference == close(pin - journal, rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
 from regression.models.lookup import Lookup
+from regression.models.model_file import FILE_FORMAT, FORMAT_VERSION, checksum
 from regression.models.outside import OutsideRangeWarning
 from regression.models.response_model import ResponseModel
 
@@ -72,12 +74,12 @@ MODEL = make_model()
 def test_numbers_for_numbers_and_arrays_for_arrays():
     value = MODEL.axial_compliance(**MIDDLE)
     assert isinstance(value, float)
-    assert value == pytest.approx(1.4e-9 * (68 / 70) ** -1.2 * (139 / 140) ** 0.4, rel=1e-9)
+    assert value == close(1.4e-9 * (68 / 70) ** -1.2 * (139 / 140) ** 0.4, rel=1e-9)
     assert isinstance(MODEL.torsional_compliance(**MIDDLE), float)
     widths, lengths = np.array([0.28, 0.30, 0.32]), np.array([[0.13], [0.15]])
     table = MODEL.axial_compliance(web_width=widths, web_thickness=0.068, pin_length=lengths)
     assert table.shape == (2, 3)
-    assert table[1, 2] == pytest.approx(
+    assert table[1, 2] == close(
         MODEL.axial_compliance(web_width=0.32, web_thickness=0.068, pin_length=0.15), rel=1e-14
     )
     assert MODEL.axial_compliance(**(MIDDLE | {"web_width": [0.3]})).shape == (1,)
@@ -151,7 +153,7 @@ def test_lookup_outside_remarks_each_dimension_and_does_not_warn():
 def test_outside_the_range_warns_and_never_clips():
     with pytest.warns(OutsideRangeWarning, match="web_thickness: given 20 mm; .* 38 mm to 98 mm"):
         value = MODEL.axial_compliance(**(MIDDLE | {"web_thickness": 0.020}))
-    assert value == pytest.approx(1.4e-9 * (20 / 70) ** -1.2 * (139 / 140) ** 0.4, rel=1e-6)
+    assert value == close(1.4e-9 * (20 / 70) ** -1.2 * (139 / 140) ** 0.4, rel=1e-6)
     with pytest.warns(OutsideRangeWarning) as caught:
         MODEL.axial_compliance(
             web_width=[0.25, 0.30, 0.34, 0.35], web_thickness=0.068, pin_length=0.139
@@ -229,7 +231,7 @@ def test_a_factor_may_start_at_zero():
     model = ComplianceModel(
         responses={"axial_compliance": ResponseModel.from_fit(fit, symbol="e_n", unit="m/N")}
     )
-    assert model.axial_compliance(fillet_radius=0.0, web_thickness=0.07) == pytest.approx(1e-9)
+    assert model.axial_compliance(fillet_radius=0.0, web_thickness=0.07) == close(1e-9)
     with pytest.raises(InputError, match=r"fillet_radius: given -1 mm; .* \(or 0\)"):
         model.axial_compliance(fillet_radius=-0.001, web_thickness=0.07)
 
@@ -249,6 +251,8 @@ def damaged(text, kind):
             return ""
         case "newer":
             return json.dumps(record | {"version": 3})
+        case "long number":
+            return text.replace('"version": 2', f'"version": {"9" * 5000}')
         case "no responses":
             del record["responses"]
             return json.dumps(record)
@@ -264,6 +268,7 @@ def damaged(text, kind):
         ("list", "given a file of another kind"),
         ("empty", "not complete JSON"),
         ("newer", "given format version 3; allowed are 1 and 2"),
+        ("long number", "given a number of thousands of digits"),
         ("no responses", "checksum does not fit"),
     ],
 )
@@ -302,6 +307,91 @@ def test_contradictory_content_is_refused():
             ResponseModel(**(good | change))
     with pytest.raises(InputError, match="fixed: given web_width, which is a factor"):
         ComplianceModel(responses=MODEL.responses, fixed={"web_width": 0.3})
+
+
+def changed_file(path, model, change):
+    """Write a model whose numbers were changed by somebody who also mended the checksum."""
+    content = model.model_dump(mode="json")
+    change(content)
+    record = {"format": FILE_FORMAT, "version": FORMAT_VERSION, "checksum": checksum(content)}
+    path.write_text(json.dumps(record | content))
+    return path
+
+
+def of_axial(field, value, place=None):
+    def change(content):
+        response = content["responses"]["axial_compliance"]
+        if place is None:
+            response[field] = value
+        else:
+            response[field][place] = value
+
+    return change
+
+
+LINEAR = make_model("linear")
+# No model that was fitted has such numbers, though each of them is finite.
+IMPOSSIBLE = {
+    "half range no number can be divided by": (MODEL, of_axial("half_range", 1e-320, 0)),
+    "half range far too small": (MODEL, of_axial("half_range", 1e-6, 0)),
+    "half range far too large": (MODEL, of_axial("half_range", 1e300, 0)),
+    "center elsewhere": (MODEL, of_axial("center", 1e300, 0)),
+    "logarithm of a negative number": (MODEL, of_axial("lowest", -0.27, 0)),
+    "exponential overflows": (MODEL, of_axial("coefficients", 1000.0, 0)),
+    "exponential vanishes": (MODEL, of_axial("coefficients", -1000.0, 0)),
+    "coefficient overflows": (MODEL, of_axial("coefficients", 1e308, 1)),
+    "sum overflows": (LINEAR, of_axial("coefficients", [1e308] * 4)),
+    "below zero everywhere": (LINEAR, of_axial("coefficients", -1e-7, 0)),
+    "fixed length below zero": (MODEL, lambda c: c["fixed"].update(crank_radius=-0.17)),
+    "no runs": (MODEL, of_axial("runs", 0)),
+    "negative number of designs": (MODEL, of_axial("heldout_runs", -1)),
+    "r_squared": (MODEL, of_axial("r_squared", 1.5)),
+    "q_squared": (MODEL, of_axial("q_squared", 1.5)),
+    **{
+        name: (MODEL, of_axial(name, -0.5))
+        for name in (
+            *("largest_error", "mean_error", "largest_fe_error"),
+            *("largest_heldout_error", "mean_heldout_error"),
+        )
+    },
+}
+
+
+@pytest.mark.parametrize("kind", IMPOSSIBLE)
+def test_impossible_numbers_are_refused_at_load(tmp_path, kind):
+    path = changed_file(tmp_path / "model.json", *IMPOSSIBLE[kind])
+    with pytest.raises(InputError, match="given a damaged compliance model; ") as caught:
+        ComplianceModel.load(path)
+    assert "\n" not in str(caught.value)
+    assert "allowed is  " not in str(caught.value)
+
+
+def test_a_compliance_that_is_not_positive_is_no_answer(tmp_path):
+    """It is found where the model is asked: elsewhere in the range its equation is above zero."""
+    path = changed_file(tmp_path / "model.json", LINEAR, of_axial("coefficients", -1e-11, 0))
+    model = ComplianceModel.load(path)
+    thin = MIDDLE | {"web_thickness": 0.040}
+    assert model.axial_compliance(**thin) > 0.0
+    several = MIDDLE | {"web_thickness": np.array([0.040, 0.068])}
+    for ask, throw in (
+        (model.axial_compliance, MIDDLE),
+        (model.axial_compliance, several),
+        (lambda **asked: model.value("axial_compliance", **asked), MIDDLE),
+        (lambda **asked: model.lookup("axial_compliance", **asked), MIDDLE),
+    ):
+        with pytest.raises(InputError, match=r"^axial_compliance: given .*above zero"):
+            ask(**throw)
+
+
+def test_an_error_band_has_no_infinite_end(tmp_path):
+    def change(content):
+        of_axial("largest_fe_error", 1e308)(content)
+        of_axial("largest_error", 1.0 - 1e-16)(content)
+
+    model = ComplianceModel.load(changed_file(tmp_path / "model.json", MODEL, change))
+    found = model.lookup("axial_compliance", **MIDDLE)
+    assert found.upper is None
+    assert found.lower < found.value
 
 
 HEAVY = (

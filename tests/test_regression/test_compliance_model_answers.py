@@ -16,6 +16,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.fits.forms import FittedForm
@@ -73,8 +74,8 @@ def model():
 def test_band_of_a_compliance(model):
     found = model.lookup("axial_compliance", **MIDDLE)
     # |equation / fe - 1| <= 2 %, and the truth is up to 1 % above fe.
-    assert found.lower == pytest.approx(found.value / 1.02, rel=1e-12)
-    assert found.upper == pytest.approx(found.value / 0.98 * 1.01, rel=1e-12)
+    assert found.lower == close(found.value / 1.02, rel=1e-12)
+    assert found.upper == close(found.value / 0.98 * 1.01, rel=1e-12)
     assert (found.error, found.fe_error) == (0.02, 0.01)
     assert found.band == (
         "largest error 2 % at 10 held-out designs; the finite elements' own estimate is 1 %, by which "
@@ -86,8 +87,8 @@ def test_band_of_a_compliance(model):
 def test_band_of_a_response_that_may_err_either_way(model):
     for name in ("mass", "influence_coefficient", "tilt_stiffness_ratio"):
         found = model.lookup(name, **MIDDLE)
-        assert found.lower == pytest.approx(found.value / 1.02 * 0.99, rel=1e-12)
-        assert found.upper == pytest.approx(found.value / 0.98 * 1.01, rel=1e-12)
+        assert found.lower == close(found.value / 1.02 * 0.99, rel=1e-12)
+        assert found.upper == close(found.value / 0.98 * 1.01, rel=1e-12)
         assert "either way" in found.band
 
 
@@ -97,8 +98,8 @@ def test_a_larger_error_at_the_runs_widens_the_band():
     found = ComplianceModel(responses={"axial_compliance": worse}).lookup(
         "axial_compliance", **MIDDLE
     )
-    assert found.lower == pytest.approx(found.value / 1.05, rel=1e-12)
-    assert found.upper == pytest.approx(found.value / 0.95 * 1.01, rel=1e-12)
+    assert found.lower == close(found.value / 1.05, rel=1e-12)
+    assert found.upper == close(found.value / 0.95 * 1.01, rel=1e-12)
     assert found.error == 0.02
     assert found.band.startswith(
         "largest error 5 % at the 9 fitted runs, 2 % at 10 held-out designs; "
@@ -132,8 +133,8 @@ def test_bands_without_held_out_designs_or_estimates():
     found = ComplianceModel(responses={"axial_compliance": bare}).lookup(
         "axial_compliance", **MIDDLE
     )
-    assert found.lower == pytest.approx(found.value / 1.03, rel=1e-12)
-    assert found.upper == pytest.approx(found.value / 0.97, rel=1e-12)
+    assert found.lower == close(found.value / 1.03, rel=1e-12)
+    assert found.upper == close(found.value / 0.97, rel=1e-12)
     assert found.error is None
     assert "9 fitted runs themselves, without held-out designs too small an error" in found.band
     assert "was not estimated" in found.band
@@ -145,7 +146,7 @@ def test_a_band_of_100_percent_is_open():
         "axial_compliance", **MIDDLE
     )
     assert found.upper is None
-    assert found.lower == pytest.approx(found.value / 2.2, rel=1e-12)
+    assert found.lower == close(found.value / 2.2, rel=1e-12)
 
 
 def test_an_error_that_is_rounding_is_not_told_in_digits():
@@ -196,7 +197,7 @@ def test_distance_from_the_range(model, beyond, above, name):
     (remark,) = found.remarks
     assert not found.inside
     told = float(re.search(r"and (\S+) % of its width beyond", remark)[1])
-    assert told == pytest.approx(100.0 * beyond, rel=6e-3)  # three digits
+    assert told == close(100.0 * beyond, rel=6e-3)  # three digits
     with pytest.raises(InputError, match=r"because an answer \S+ % of its width beyond it"):
         model.value("mass", strict=True, **(MIDDLE | {name: value}))
     with pytest.raises(InputError, match=f"{name}: given .*; allowed is the range of the fit"):
@@ -220,7 +221,7 @@ def test_outside_counts_over_all_pieces_of_an_array(model):
     assert values.shape == widths.shape
     with pytest.warns(OutsideRangeWarning):
         one = model.axial_compliance(web_width=0.350, web_thickness=0.068)
-    assert values[PIECE + 5] == pytest.approx(one, rel=1e-14)
+    assert values[PIECE + 5] == close(one, rel=1e-14)
 
 
 def test_one_number_beside_a_large_array_is_told_once(model):
@@ -258,9 +259,9 @@ def test_angle_law(model, kind, gamma):
     ]
     value = getattr(model, kind)(gamma_deg=gamma, **MIDDLE)
     assert isinstance(value, float)
-    assert value == pytest.approx(law(gamma, *parts), rel=1e-12)
+    assert value == close(law(gamma, *parts), rel=1e-12)
     for same in (-gamma, 360.0 - gamma, 360.0 + gamma, int(gamma)):
-        assert model.value(kind, gamma_deg=same, **MIDDLE) == pytest.approx(value, rel=1e-12)
+        assert model.value(kind, gamma_deg=same, **MIDDLE) == close(value, rel=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["axial_compliance", "influence_coefficient"])
@@ -268,19 +269,19 @@ def test_limits_of_the_angle_law(model, kind):
     """In line and opposite are met to the last digit, and so are many angles at once."""
     ends = [model.value(f"{kind}_{end}", **MIDDLE) for end in ("in_line", "opposite")]
     assert model.value(kind, gamma_deg=0.0, **MIDDLE) == ends[0]
-    assert model.value(kind, gamma_deg=180.0, **MIDDLE) == pytest.approx(ends[1], rel=1e-15)
+    assert model.value(kind, gamma_deg=180.0, **MIDDLE) == close(ends[1], rel=1e-15)
     values = model.value(kind, gamma_deg=[0.0, 90.0, 180.0, 270.0], **MIDDLE)
     assert values[0] == ends[0]
-    assert values[1] == pytest.approx(values[3], rel=1e-14)
+    assert values[1] == close(values[3], rel=1e-14)
     assert np.all(np.diff(values[:3]) > 0.0)
     many = model.value(kind, gamma_deg=120.0, web_width=[0.3, 0.31], web_thickness=0.068)
-    assert many[0] == pytest.approx(model.value(kind, gamma_deg=120.0, **MIDDLE), rel=1e-14)
+    assert many[0] == close(model.value(kind, gamma_deg=120.0, **MIDDLE), rel=1e-14)
 
 
 def test_a_ratio_of_one_makes_the_law_linear_in_the_cosine():
     gamma = np.linspace(0.0, 180.0, 7)
     expected = 2.0 - 1.0 * np.cos(np.deg2rad(gamma))
-    assert between(gamma, 1.0, 3.0, 1.0) == pytest.approx(expected, rel=1e-12)
+    assert between(gamma, 1.0, 3.0, 1.0) == close(expected, rel=1e-12)
 
 
 def test_band_between_neighbors_covers_the_bands_of_its_parts(model):
@@ -300,7 +301,7 @@ def test_band_between_neighbors_covers_the_bands_of_its_parts(model):
     ]
     assert found.lower <= min(values) < max(values) <= found.upper
     # A softer throw, or a smaller rho, gives more.
-    assert found.upper == pytest.approx(
+    assert found.upper == close(
         law(120.0, parts[0].upper, parts[1].upper, parts[2].lower), rel=1e-12
     )
     assert found.support == "between neighbors at 120 deg"
@@ -420,8 +421,8 @@ def test_unequal_webs_make_the_angle_law_an_interpolation(model, throw, ranges, 
 def test_fold_angle():
     angles = np.array([0.0, 90.0, 180.0, 181.0, 270.0, 360.0, -30.0, 725.0])
     folded = [0.0, 90.0, 180.0, 179.0, 90.0, 0.0, 30.0, 5.0]
-    assert fold_angle(angles) == pytest.approx(folded)
-    assert [fold_angle(float(angle)) for angle in angles] == pytest.approx(folded)
+    assert fold_angle(angles) == close(folded)
+    assert [fold_angle(float(angle)) for angle in angles] == close(folded)
 
 
 # --------------------------------------------------------------------------------------- equations
@@ -474,7 +475,7 @@ def test_arrays_of_any_shape_in_pieces(model):
         one = model.axial_compliance(
             web_width=float(widths[i, j]), web_thickness=float(heights[i, 0])
         )
-        assert values[i, j] == pytest.approx(one, rel=1e-14)
+        assert values[i, j] == close(one, rel=1e-14)
 
 
 def test_kinds_of_numbers_give_one_answer(model):

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from comparing import close
 from regression.factor_labels import FactorLabel, factor_label
 from regression.fits.equation_text import equation_text, term_symbols
 from regression.fits.fits import fit_form
@@ -51,7 +52,7 @@ def test_printed_equation_reproduces_the_prediction(name):
     text = equation_text(found, symbol="e_n", unit="m/N")
     for point in POINTS:
         values = dict(zip(("B", "h", "L_shm"), point * 1e3, strict=True))
-        assert evaluate_text(text, values) == pytest.approx(float(found.predict(point)), rel=1e-4)
+        assert evaluate_text(text, values) == close(float(found.predict(point)), rel=1e-4)
 
 
 def test_printed_equation_of_a_narrow_box_takes_the_digits_it_needs():
@@ -62,7 +63,7 @@ def test_printed_equation_of_a_narrow_box_takes_the_digits_it_needs():
     text = equation_text(found.fitted, symbol="e_n", unit="m/N")
     for point in x:
         values = {"B": point[0] * 1e3, "h": point[1] * 1e3}
-        assert evaluate_text(text, values) == pytest.approx(float(found.predict(point)), rel=1e-4)
+        assert evaluate_text(text, values) == close(float(found.predict(point)), rel=1e-4)
 
 
 def test_equation_style():
@@ -125,7 +126,7 @@ def test_category_and_unlogged_column_in_a_logarithmic_form():
     assert text.endswith("- 2 ln(h/mm) + 0.02 (r/mm) + 0.1 [web_outline = rectangle]")
     point = [0.05, 0.008, 1.0]
     values = {"h": 50.0, "r": 8.0, "web_outline_rectangle": 1.0}
-    assert evaluate_text(text, values) == pytest.approx(float(mixed.predict(point)), rel=1e-4)
+    assert evaluate_text(text, values) == close(float(mixed.predict(point)), rel=1e-4)
 
 
 def test_equation_on_groups_is_dimensionless():

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
@@ -16,6 +17,7 @@ from geometry.throw_sections import Counterweight
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import HELD_OUT, MEASURED, RUN
+from regression.runs import study as study_module
 from regression.runs import supervised
 from regression.runs.export_table import export_table
 from regression.runs.store import ResultStore
@@ -209,7 +211,7 @@ def test_measured_values_stand_apart(store, tmp_path):
     assert first.dimensions["main_journal_bore"] == 0.02
     assert second.dimensions["main_journal_bore"] == 0.0  # as the study's throw has it
     assert third.dimensions["web_width"] == 0.285
-    assert first.responses == {"axial_compliance_pinned": pytest.approx(1.42e-9, rel=1e-15)}
+    assert first.responses == {"axial_compliance_pinned": close(1.42e-9, rel=1e-15)}
     assert first.errors == {}
     assert [row.role for row in table.rows[-3:]] == [MEASURED] * 3
 
@@ -423,7 +425,7 @@ def test_a_ratio_and_the_dimension_that_follows_must_agree(store, tmp_path):
     import_results(RATIO, store, table_of(tmp_path / "b.csv", head, *lines))
     with ResultStore(store, readonly=True) as opened:
         widths = [row.dimensions["web_width"] for row in opened.extra_rows(RATIO.key)]
-    assert widths == pytest.approx([0.288, 0.304, 0.304, 0.350], rel=SAME)
+    assert widths == close([0.288, 0.304, 0.304, 0.350], rel=SAME)
 
 
 WEIGHTED = THROW.model_copy(
@@ -553,17 +555,25 @@ def test_a_store_with_nothing_of_the_study_is_refused(store, tmp_path, other):
         import_results(PLAN, store, tmp_path / "other.sqlite")
 
 
-def test_results_of_an_earlier_model_are_left_out(store, tmp_path):
+def test_results_of_an_earlier_model_are_left_out(store, tmp_path, monkeypatch):
     other = tmp_path / "other.sqlite"
-    run_plan(StudyPlan.from_levels(THROW, {"web_width": (0.260, 0.310)}, held_out=1), other)
-    connection = sqlite3.connect(other)
-    connection.execute("UPDATE designs SET model_version = 3")
-    connection.commit()
-    connection.close()
+    with monkeypatch.context() as earlier:
+        earlier.setattr(study_module, "MODEL_VERSION", 3)
+        run_plan(StudyPlan.from_levels(THROW, {"web_width": (0.260, 0.310)}, held_out=1), other)
     with pytest.raises(
         InputError, match=r"in which 3 results are of another throw, .*model version"
     ):
         import_results(PLAN, store, other)
+
+
+def test_a_store_with_damaged_rows_alone_is_refused_and_it_is_said(store, tmp_path):
+    run_plan(PLAN, tmp_path / "other.sqlite")
+    connection = sqlite3.connect(tmp_path / "other.sqlite")
+    connection.execute("UPDATE designs SET seconds = 9.0")
+    connection.commit()
+    connection.close()
+    with pytest.raises(InputError, match=r"in which 0 results .*; \d+ rows are damaged in .*other"):
+        import_results(PLAN, store, tmp_path / "other.sqlite")
 
 
 def test_the_database_of_another_program_is_no_source(store, tmp_path):

@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans.factors import (
@@ -53,7 +54,7 @@ RICH = CrankThrow(
 )
 def test_levels_spread_over_a_range(spacing, levels):
     factor = Factor.spread("web_thickness", "m", 0.038, 0.098, 4, spacing)
-    assert factor.levels == pytest.approx(levels, rel=1e-11)  # rounded to 12 digits
+    assert factor.levels == close(levels, rel=1e-11)  # rounded to 12 digits
     assert factor.levels[0] == 0.038
     assert factor.levels[-1] == 0.098
 

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import qmc
 
+from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.fits.forms import FORMS
@@ -53,9 +54,9 @@ def test_recovers_its_own_form(form):
     )
     y = np.exp(total) if FORMS[form].logarithmic else total
     found = fit_form(form, FACTORS, RUNS, y, RUNS[:4], y[:4])
-    assert list(found.coefficients.values()) == pytest.approx(truth, rel=1e-7)
-    assert found.r_squared == pytest.approx(1.0, abs=1e-12)
-    assert found.q_squared == pytest.approx(1.0, abs=1e-10)
+    assert list(found.coefficients.values()) == close(truth, rel=1e-7)
+    assert found.r_squared == close(1.0, abs=1e-12)
+    assert found.q_squared == close(1.0, abs=1e-10)
     assert found.largest_error < 1e-12
     assert found.largest_heldout_error < 1e-12
 
@@ -91,7 +92,7 @@ def test_natural_coefficients_give_the_prediction(form):
         for term, c in natural.items()
     )
     expected = np.exp(total) if found.fitted.logarithmic else total
-    assert found.predict(HELDOUT) == pytest.approx(expected, rel=1e-9)
+    assert found.predict(HELDOUT) == close(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("form", KINDS)
@@ -104,7 +105,7 @@ def test_q_squared_equals_refitting_without_each_run(form):
         ]
     )
     expected = 1.0 - np.sum((Y - left_out) ** 2) / np.sum((Y - Y.mean()) ** 2)
-    assert found.q_squared == pytest.approx(expected, rel=1e-9)
+    assert found.q_squared == close(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("form", KINDS)
@@ -112,20 +113,20 @@ def test_errors_are_of_the_response_itself(form):
     found = fit(form)
     predicted = found.predict(RUNS)
     r_squared = 1.0 - np.sum((Y - predicted) ** 2) / np.sum((Y - Y.mean()) ** 2)
-    assert found.r_squared == pytest.approx(r_squared, rel=1e-12)
+    assert found.r_squared == close(r_squared, rel=1e-12)
     errors = np.abs(predicted / Y - 1.0)
     heldout = np.abs(found.predict(HELDOUT) / HELDOUT_Y - 1.0)
-    assert found.largest_error == pytest.approx(errors.max())
-    assert found.mean_error == pytest.approx(errors.mean())
-    assert found.largest_heldout_error == pytest.approx(heldout.max())
-    assert found.mean_heldout_error == pytest.approx(heldout.mean())
+    assert found.largest_error == close(errors.max())
+    assert found.mean_error == close(errors.mean())
+    assert found.largest_heldout_error == close(heldout.max())
+    assert found.mean_heldout_error == close(heldout.mean())
     assert (found.runs, found.heldout_runs) == (27, 12)
 
 
 def test_as_many_runs_as_coefficients_has_no_q_squared():
     x = np.array([[0.27], [0.30], [0.33]])
     found = fit_form("quadratic", ("web_width",), x, [3.0, 2.0, 1.5])
-    assert found.r_squared == pytest.approx(1.0)
+    assert found.r_squared == close(1.0)
     assert found.q_squared is None
     assert found.largest_heldout_error is None
 
@@ -133,7 +134,7 @@ def test_as_many_runs_as_coefficients_has_no_q_squared():
 def test_constant_response():
     found = fit_form("linear", FACTORS, RUNS, np.full(27, 2e-9))
     assert found.r_squared == 1.0
-    assert found.predict(HELDOUT) == pytest.approx(np.full(12, 2e-9))
+    assert found.predict(HELDOUT) == close(np.full(12, 2e-9))
 
 
 @settings(deadline=None, max_examples=30)
@@ -148,11 +149,9 @@ def test_unit_invariance(size, response_size, form):
     scaled = fit_form(
         form, FACTORS, RUNS / size, Y / response_size, HELDOUT / size, HELDOUT_Y / response_size
     )
-    assert scaled.predict(HELDOUT / size) * response_size == pytest.approx(
-        plain.predict(HELDOUT), rel=1e-9
-    )
-    assert scaled.q_squared == pytest.approx(plain.q_squared, rel=1e-7)
-    assert scaled.largest_heldout_error == pytest.approx(plain.largest_heldout_error, rel=1e-6)
+    assert scaled.predict(HELDOUT / size) * response_size == close(plain.predict(HELDOUT), rel=1e-9)
+    assert scaled.q_squared == close(plain.q_squared, rel=1e-7)
+    assert scaled.largest_heldout_error == close(plain.largest_heldout_error, rel=1e-6)
 
 
 def test_predict_takes_any_leading_shape():
@@ -259,7 +258,7 @@ def test_a_category_is_a_column_without_powers_or_logarithm():
     found = fit_form("power law", (*FACTORS, "web_outline=rectangle"), x, y)
     assert found.fitted.log_factors == (True, True, True, False)
     # ln of a constant share is its coefficient.
-    assert found.coefficients["web_outline=rectangle"] == pytest.approx(math.log(0.9), rel=1e-9)
+    assert found.coefficients["web_outline=rectangle"] == close(math.log(0.9), rel=1e-9)
     full = fit_form("log-quadratic", (*FACTORS, "web_outline=rectangle"), x, y)
     assert "web_outline=rectangle^2" not in full.coefficients
     assert "ln(web_width) * web_outline=rectangle" in full.coefficients
@@ -287,11 +286,11 @@ def test_scaled_response_is_the_same_fit():
     )
     plain = fit("log-quadratic")
     # ln(scale) is a term of the form: nothing but one coefficient changes.
-    assert found.largest_heldout_error == pytest.approx(plain.largest_heldout_error, rel=1e-7)
-    assert found.r_squared == pytest.approx(plain.r_squared, rel=1e-9)
-    assert found.q_squared == pytest.approx(plain.q_squared, rel=1e-9)
+    assert found.largest_heldout_error == close(plain.largest_heldout_error, rel=1e-7)
+    assert found.r_squared == close(plain.r_squared, rel=1e-9)
+    assert found.q_squared == close(plain.q_squared, rel=1e-9)
     power = found.fitted.natural_coefficients()
-    assert power[(0,)] == pytest.approx(plain.fitted.natural_coefficients()[(0,)] - 1.0, rel=1e-7)
+    assert power[(0,)] == close(plain.fitted.natural_coefficients()[(0,)] - 1.0, rel=1e-7)
     with pytest.raises(InputError, match=r"scale: given an array of shape \(3,\)"):
         fit_form("linear", FACTORS, RUNS, Y, scale=[1.0, 2.0, 3.0])
 
@@ -301,7 +300,7 @@ def test_statistics_of_natural_coefficients():
     found = fit("linear")
     plain = np.column_stack([np.ones(27), RUNS])
     covariance = found.statistics.residual_variance * np.linalg.inv(plain.T @ plain)
-    assert list(found.natural_standard_errors.values()) == pytest.approx(
+    assert list(found.natural_standard_errors.values()) == close(
         np.sqrt(np.diag(covariance)), rel=1e-8
     )
     assert (
@@ -312,7 +311,7 @@ def test_statistics_of_natural_coefficients():
 
 def test_ranges_are_those_of_the_runs():
     found = fit("linear")
-    assert found.lowest == pytest.approx(tuple(LOW))
-    assert found.highest == pytest.approx(tuple(HIGH))
+    assert found.lowest == close(tuple(LOW))
+    assert found.highest == close(tuple(HIGH))
     assert found.basis == "factors"
     assert fit_form("group power law", ("R/h",), RUNS[:, 1:2], Y).basis == "groups"

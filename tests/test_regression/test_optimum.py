@@ -10,6 +10,7 @@ import re
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
@@ -87,8 +88,8 @@ def test_lightest_throw_against_a_grid(model):
     (check,) = found.limits
     assert check.active
     assert check.worst <= 1.1e-9
-    assert check.worst == pytest.approx(1.1e-9, rel=1e-6)
-    assert found.lookups["axial_compliance"].upper == pytest.approx(check.worst, rel=1e-12)
+    assert check.worst == close(1.1e-9, rel=1e-6)
+    assert found.lookups["axial_compliance"].upper == close(check.worst, rel=1e-12)
     assert all(answer.inside for answer in found.lookups.values())
     assert found.throw.web_thickness == found.factors["web_thickness"]
     assert re.fullmatch(
@@ -108,10 +109,10 @@ def test_thinnest_web_has_the_widest_web_and_the_shortest_pin(model):
     band = model.lookup("axial_compliance", **found.factors)
     share = band.upper / band.value
     expected = 0.07 * (1.4 / 1.2 * share * 1.1**-0.8 * (6.0 / 7.0) ** 0.4) ** (1.0 / 1.2)
-    assert found.value == pytest.approx(expected, rel=1e-6)
+    assert found.value == close(expected, rel=1e-6)
     assert found.unit == "m"
     without = find_optimum(model, "web_thickness", [limit], margins=False)
-    assert without.value == pytest.approx(expected / share ** (1.0 / 1.2), rel=1e-6)
+    assert without.value == close(expected / share ** (1.0 / 1.2), rel=1e-6)
     assert "without margin" in without.remarks[0]
 
 
@@ -128,7 +129,7 @@ def test_fixed_factors_and_limits_on_dimensions(model):
     ]
     found = find_optimum(model, "web_thickness", limits, fixed={"pin_length": 0.150})
     assert found.factors["pin_length"] == 0.150
-    assert found.factors["web_width"] == pytest.approx(0.31, rel=1e-8)
+    assert found.factors["web_width"] == close(0.31, rel=1e-8)
     assert found.limits[2].worst >= 100.0
     assert found.dimensions["crank_radius"] == 0.170
 
@@ -144,8 +145,8 @@ def test_a_frequency_as_a_function_of_the_compliance(model):
     same = find_optimum(
         model, "web_thickness", [Limit(("axial_compliance",), at_most=needed, name="e")]
     )
-    assert found.value == pytest.approx(same.value, rel=1e-6)
-    assert found.limits[0].worst == pytest.approx(200.0, rel=1e-6)
+    assert found.value == close(same.value, rel=1e-6)
+    assert found.limits[0].worst == close(200.0, rel=1e-6)
     assert found.limits[0].value > found.limits[0].worst
 
 
@@ -156,7 +157,7 @@ def test_several_quantities_of_one_function(model):
     limit = Limit(("axial_compliance", "mass"), at_least=350.0, function=frequency, name="f")
     found = find_optimum(model, "mass", [limit])
     e, m = (found.lookups[name] for name in ("axial_compliance", "mass"))
-    assert found.limits[0].worst == pytest.approx(frequency(e.upper, m.upper), rel=1e-12)
+    assert found.limits[0].worst == close(frequency(e.upper, m.upper), rel=1e-12)
     assert found.limits[0].worst >= 350.0
 
 
@@ -175,11 +176,11 @@ def test_categories_are_tried_each():
     limit = Limit(("axial_compliance",), at_most=1e-9)
     found = find_optimum(model, "web_thickness", [limit], margins=False)
     assert found.factors["web_outline"] == "rectangle"
-    assert found.value == pytest.approx(0.063, rel=1e-6)
+    assert found.value == close(0.063, rel=1e-6)
     obround = find_optimum(
         model, "web_thickness", [limit], margins=False, fixed={"web_outline": "obround"}
     )
-    assert obround.value == pytest.approx(0.070, rel=1e-6)
+    assert obround.value == close(0.070, rel=1e-6)
 
 
 def test_relations_and_constraints_are_kept():
@@ -207,11 +208,11 @@ def test_relations_and_constraints_are_kept():
     found = find_optimum(model, "web_thickness", [limit], margins=False)
     # The wide web that the compliance alone would take breaks the constraint: B = 4 h and
     # B h = 1.6 D 0.07 meet at h^2 = 0.4 D 0.07.
-    assert found.value == pytest.approx((0.4 * 0.18 * 0.07) ** 0.5, rel=1e-6)
-    assert found.dimensions["web_width"] == pytest.approx(4.0 * found.value, rel=1e-6)
+    assert found.value == close((0.4 * 0.18 * 0.07) ** 0.5, rel=1e-6)
+    assert found.dimensions["web_width"] == close(4.0 * found.value, rel=1e-6)
     assert found.throw.web_width == found.dimensions["web_width"]
     narrow = find_optimum(model, "web_width", [limit], margins=False)
-    assert narrow.value == pytest.approx(1.2 * 0.18, rel=1e-9)
+    assert narrow.value == close(1.2 * 0.18, rel=1e-9)
 
 
 def test_a_throw_that_cannot_be_built_is_told():

@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans.factors import throw_fields
@@ -63,7 +64,7 @@ def value_of(text, unit="m"):
 def test_expressions(text, unit, expected):
     # Ten degrees stand above with ten digits.
     rel = 1e-9 if "deg" in str(text) else 1e-12
-    assert np.broadcast_to(value_of(text, unit), (2,)) == pytest.approx(
+    assert np.broadcast_to(value_of(text, unit), (2,)) == close(
         np.broadcast_to(expected, (2,)), rel=rel
     )
 
@@ -238,3 +239,26 @@ def test_one_design_and_many_give_the_same():
         one = {name: column[place] for name, column in VALUES.items()}
         assert calculate(expression, one, UNITS, "m") == many[place]
     assert math.isclose(many[0], 0.267, rel_tol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "9**9**9**9",
+        "(9**9)**9**9",
+        "((9**9)**9)**9 * 9**(9**9)**(9**9)",
+        "((pin_diameter**99)**99)**99",
+        "2 ** (9 ** 9) * pin_diameter",
+        "4 mm ** (1/2)",
+        "(-8) ** 0.5 * pin_diameter",
+        "pin_diameter" + " + pin_diameter" * 1000,
+        pytest.param(10**5000, id="thousands of digits"),
+    ],
+)
+def test_no_expression_takes_long_or_ends_unexpectedly(text):
+    with pytest.raises(InputError, match=r"^study\.relations\.x: given "):
+        value_of(text)
+
+
+def test_whole_numbers_are_calculated_as_others():
+    assert value_of("(9**3)**3 * (1/9)**9 * pin_diameter") == close(D, rel=1e-12)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from regression.fits.statistics import adjusted, explained, least_squares, press_without_each
 
@@ -21,26 +22,26 @@ def test_a_line_through_three_points():
     # y = 0, 1, 1 over x = -1, 0, 1: slope 1/2, mean 2/3, residuals -1/6, 1/3, -1/6.
     matrix = np.array([[1.0, -1.0], [1.0, 0.0], [1.0, 1.0]])
     found = least_squares(matrix, np.array([0.0, 1.0, 1.0]), names(matrix))
-    assert found.coefficients == pytest.approx([2 / 3, 1 / 2])
-    assert found.residuals == pytest.approx([-1 / 6, 1 / 3, -1 / 6])
-    assert found.residual_variance == pytest.approx(1 / 6)
-    assert found.standard_errors == pytest.approx([np.sqrt(1 / 18), np.sqrt(1 / 12)])
-    assert found.r_squared == pytest.approx(3 / 4)
-    assert found.adjusted_r_squared == pytest.approx(1 / 2)
-    assert found.f_value == pytest.approx(3.0)
-    assert found.leverage == pytest.approx([5 / 6, 1 / 3, 5 / 6])
+    assert found.coefficients == close([2 / 3, 1 / 2])
+    assert found.residuals == close([-1 / 6, 1 / 3, -1 / 6])
+    assert found.residual_variance == close(1 / 6)
+    assert found.standard_errors == close([np.sqrt(1 / 18), np.sqrt(1 / 12)])
+    assert found.r_squared == close(3 / 4)
+    assert found.adjusted_r_squared == close(1 / 2)
+    assert found.f_value == close(3.0)
+    assert found.leverage == close([5 / 6, 1 / 3, 5 / 6])
     # Left out one by one: -1 at the first, 1/2 at the second, 2 at the third.
-    assert found.left_out == pytest.approx([1.0, 0.5, 2.0])
-    assert found.press == pytest.approx(2.25)
-    assert found.q_squared == pytest.approx(1 - 2.25 / (2 / 3))
-    assert found.variance_inflation == pytest.approx([1.0])
-    assert found.condition_number == pytest.approx(np.sqrt(3 / 2))
+    assert found.left_out == close([1.0, 0.5, 2.0])
+    assert found.press == close(2.25)
+    assert found.q_squared == close(1 - 2.25 / (2 / 3))
+    assert found.variance_inflation == close([1.0])
+    assert found.condition_number == close(np.sqrt(3 / 2))
 
 
 def test_as_many_rows_as_columns_leave_nothing_to_judge_by():
     matrix, y = random_system(rows=6)
     found = least_squares(matrix, y, names(matrix))
-    assert found.fitted == pytest.approx(y, rel=1e-9)
+    assert found.fitted == close(y, rel=1e-9)
     assert found.residual_variance is None
     assert found.standard_errors is None
     assert found.t_values is None
@@ -65,7 +66,7 @@ def test_variance_inflation_of_a_column_that_nearly_repeats_another():
     matrix = np.column_stack([matrix, matrix[:, 5] + noise])
     found = least_squares(matrix, y, names(matrix))
     others = least_squares(matrix[:, :-1], matrix[:, -1], names(matrix))
-    assert found.variance_inflation[-1] == pytest.approx(1 / (1 - others.r_squared), rel=1e-9)
+    assert found.variance_inflation[-1] == close(1 / (1 - others.r_squared), rel=1e-9)
     assert found.variance_inflation[-1] > 1000
 
 
@@ -74,7 +75,7 @@ def test_press_without_each_equals_the_fits_without():
     found = press_without_each(matrix, y, [1, 3, 5])
     for place, value in zip([1, 3, 5], found, strict=True):
         without = np.delete(matrix, place, axis=1)
-        assert value == pytest.approx(least_squares(without, y, names(without)).press, rel=1e-10)
+        assert value == close(least_squares(without, y, names(without)).press, rel=1e-10)
 
 
 def test_press_is_infinite_where_a_row_cannot_be_missed():
@@ -94,5 +95,5 @@ def test_what_cannot_be_solved():
 
 
 def test_adjusted():
-    assert adjusted(0.9, 11, 3) == pytest.approx(0.875)
+    assert adjusted(0.9, 11, 3) == close(0.875)
     assert adjusted(0.9, 3, 3) is None

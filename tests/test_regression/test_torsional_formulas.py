@@ -2,6 +2,7 @@ import math
 
 import pytest
 
+from comparing import close
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES, torsional_formulas
@@ -67,7 +68,7 @@ def test_values_by_hand():
         ),
     }
     found = {name: value.value for name, value in torsional_formulas(MEDIUM_SPEED).items()}
-    assert found == pytest.approx(expected, rel=1e-12)
+    assert found == close(expected, rel=1e-12)
 
 
 def test_names_units_and_sources():
@@ -83,7 +84,7 @@ def test_all_lengths_doubled_divide_by_eight():
     double = throw_of_mm(340, 440, 360, 240, 278, 600, 136)
     for name, value in torsional_formulas(double).items():
         plain = torsional_formulas(MEDIUM_SPEED)[name].value
-        assert value.value == pytest.approx(plain / 8.0, rel=1e-12), name
+        assert value.value == close(plain / 8.0, rel=1e-12), name
 
 
 def test_ker_wilson_without_a_web_left_is_refused():
@@ -106,7 +107,7 @@ def test_zimanenko_says_what_the_other_diameter_gives():
 def test_modulus_scales_and_is_checked():
     half = torsional_formulas(MEDIUM_SPEED, youngs_modulus=1.05e11)
     for name, value in torsional_formulas(MEDIUM_SPEED).items():
-        assert half[name].value == pytest.approx(2.0 * value.value, rel=1e-12)
+        assert half[name].value == close(2.0 * value.value, rel=1e-12)
     with pytest.raises(InputError, match="youngs_modulus: given -1"):
         torsional_formulas(MEDIUM_SPEED, youngs_modulus=-1)
     with pytest.raises(InputError, match="youngs_modulus: given '2e11'"):

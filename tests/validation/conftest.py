@@ -1,7 +1,7 @@
 """Figures: what a validation test finds, beside what it should find and how far off it may be.
 
 ``figure`` stands in place of an assertion, so that the number that is shown is the number that is
-tested. ``pytest tests/validation --figures docs/validation-figures.json`` keeps them for
+tested. ``pytest tests/validation -m "" --figures docs/validation-figures.json`` keeps them for
 docs/build_validation.py, which makes docs/validation.md of them.
 """
 
@@ -9,13 +9,13 @@ import datetime
 import importlib.metadata
 import json
 import platform
-from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "gmsh")
+RECORDED = "figures"
 
 
 def compared(what, found, reference, allowed, unit="", kind="relative", scale=None):
@@ -91,14 +91,11 @@ def pytest_addoption(parser):
     parser.addoption("--figures", metavar="FILE", help="keep the figures of the validation in FILE")
 
 
-RECORDED = pytest.StashKey()
-
-
 @pytest.fixture
 def figure(request):
     """Compare a figure with its reference, and record it; see `compared`."""
-    found = request.config.stash.setdefault(RECORDED, defaultdict(dict))
-    own = found[request.path.stem, request.node.name]
+    own = {}
+    request.node.user_properties.append((RECORDED, own))
 
     def compare(what, *arguments, **named):
         own[what] = worse(own.get(what), compared(what, *arguments, **named))
@@ -106,18 +103,35 @@ def figure(request):
     return compare
 
 
-def pytest_sessionfinish(session, exitstatus):
-    path = session.config.getoption("--figures", default=None)
-    figures = session.config.stash.get(RECORDED, None)
-    if path is None or figures is None:
-        return
-    if exitstatus:
-        print(f"\n{path} is left as it was, because not all tests passed.")
-        return
-    path = Path(path)
-    before = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    versions = {"Python": platform.python_version()}
-    versions |= {name: importlib.metadata.version(name) for name in LIBRARIES}
-    date = datetime.datetime.now(datetime.UTC).date().isoformat()
-    text = json.dumps(kept(before, figures, versions, date), indent=1, ensure_ascii=False)
-    path.write_text(text + "\n", encoding="utf-8")
+class Recorder:
+    """Keeps what tests report of their figures, from whichever process."""
+
+    def __init__(self, path):
+        self.path, self.figures = path, {}
+
+    def pytest_runtest_logreport(self, report):
+        file, _, test = report.nodeid.partition("::")
+        for name, own in report.user_properties:
+            if report.when == "call" and name == RECORDED:
+                self.figures[Path(file).stem, test] = own
+
+    def pytest_sessionfinish(self, exitstatus):
+        if not self.figures:
+            return
+        if exitstatus:
+            print(f"\n{self.path} is left as it was, because not all tests passed.")
+            return
+        before = json.loads(self.path.read_text(encoding="utf-8")) if self.path.exists() else {}
+        versions = {"Python": platform.python_version()}
+        versions |= {name: importlib.metadata.version(name) for name in LIBRARIES}
+        date = datetime.datetime.now(datetime.UTC).date().isoformat()
+        after = kept(before, self.figures, versions, date)
+        text = json.dumps(after, indent=1, ensure_ascii=False)
+        self.path.write_text(text + "\n", encoding="utf-8")
+
+
+def pytest_configure(config):
+    path = config.getoption("--figures", default=None)
+    # Of several processes the one that the others report to.
+    if path is not None and not hasattr(config, "workerinput"):
+        config.pluginmanager.register(Recorder(Path(path)))

@@ -21,6 +21,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from comparing import close
 from dynamics.balance.balance import balance
 from dynamics.balance.hinged_rods import hinged_rod_effects, hodograph_change
 from dynamics.balance.moving_masses import moving_masses
@@ -74,10 +75,10 @@ def percent_of_mean(value, other):
 def test_masses_are_those_of_table_2():
     engine = eight_cylinders()
     main, hinged = moving_masses(engine)[0], moving_masses(engine)[4]
-    assert main.reciprocating == pytest.approx(RECIPROCATING, rel=1e-14)
-    assert hinged.reciprocating == pytest.approx(RECIPROCATING_HINGED, rel=1e-14)
+    assert main.reciprocating == close(RECIPROCATING, rel=1e-14)
+    assert hinged.reciprocating == close(RECIPROCATING_HINGED, rel=1e-14)
     of_throw = engine.rotating[0].static_moment / RADIUS
-    assert main.rotating + of_throw == pytest.approx(ROTATING, rel=1e-14)
+    assert main.rotating + of_throw == close(ROTATING, rel=1e-14)
 
 
 def test_pistons_move_as_equations_1_to_4_say(figure):
@@ -106,18 +107,18 @@ def test_pistons_move_as_equations_1_to_4_say(figure):
 def test_orders_of_the_accelerations():
     engine = eight_cylinders()
     main, hinged = (acceleration_orders(engine, number, SPEED) for number in (1, 5))
-    assert main.amplitude[0] == pytest.approx(RADIUS * SPEED**2, rel=1e-13)
-    assert hinged.amplitude[0] == pytest.approx(main.amplitude[0], rel=1e-13)
-    assert hinged.phase[0] == pytest.approx(main.phase[0], rel=1e-13)
-    assert main.amplitude[1] == pytest.approx(288.0, abs=0.05)
-    assert hinged.amplitude[1] == pytest.approx(255.4, abs=0.05)
+    assert main.amplitude[0] == close(RADIUS * SPEED**2, rel=1e-13)
+    assert hinged.amplitude[0] == close(main.amplitude[0], rel=1e-13)
+    assert hinged.phase[0] == close(main.phase[0], rel=1e-13)
+    assert main.amplitude[1] == close(288.0, abs=0.05)
+    assert hinged.amplitude[1] == close(255.4, abs=0.05)
     # Print: 13.3 %. Of the larger, of the smaller, of their mean:
     less = main.amplitude[1] - hinged.amplitude[1]
-    assert 100 * less / main.amplitude[1] == pytest.approx(11.3, abs=0.05)
-    assert 100 * less / hinged.amplitude[1] == pytest.approx(12.8, abs=0.05)
-    assert percent_of_mean(main.amplitude[1], hinged.amplitude[1]) == pytest.approx(12.0, abs=0.05)
+    assert 100 * less / main.amplitude[1] == close(11.3, abs=0.05)
+    assert 100 * less / hinged.amplitude[1] == close(12.8, abs=0.05)
+    assert percent_of_mean(main.amplitude[1], hinged.amplitude[1]) == close(12.0, abs=0.05)
     # The phase of a sine of second order against the main rod's: 8.11 deg of it.
-    assert math.degrees(main.phase[1] - hinged.phase[1]) == pytest.approx(8.11, abs=0.005)
+    assert math.degrees(main.phase[1] - hinged.phase[1]) == close(8.11, abs=0.005)
 
 
 def test_what_is_left_beyond_the_second_order(figure):
@@ -131,7 +132,7 @@ def test_what_is_left_beyond_the_second_order(figure):
         for place in (0, 1)
     )
     # Print: 0.17 % of the whole acceleration.
-    assert 100 * np.max(np.abs(left)) / np.max(whole) == pytest.approx(0.18, abs=0.005)
+    assert 100 * np.max(np.abs(left)) / np.max(whole) == close(0.18, abs=0.005)
     # Of the main rod's, the amplitude of the fourth order alone comes to that.
     largest = np.max(piston_acceleration(engine, 1, angles, SPEED))
     share = 100 * found.amplitude[3] / largest
@@ -148,31 +149,31 @@ def test_largest_differences_of_the_accelerations():
     apart = main - hinged
     largest, least = np.max(apart), np.min(apart)
     mean_maximum = 0.5 * (np.max(main) + np.max(hinged))
-    assert 100 * largest / mean_maximum == pytest.approx(2.8, abs=0.05)  # print 3.6
-    assert 100 * least / mean_maximum == pytest.approx(-3.1, abs=0.05)  # print 3.9
+    assert 100 * largest / mean_maximum == close(2.8, abs=0.05)  # print 3.6
+    assert 100 * least / mean_maximum == close(-3.1, abs=0.05)  # print 3.9
     # Print: 20 and 115 deg, plus half turns; where the curve is flat, an order off moves it.
-    assert math.degrees(angles[np.argmax(apart)]) % 180 == pytest.approx(20, abs=2)
-    assert math.degrees(angles[np.argmin(apart)]) % 180 == pytest.approx(115, abs=3)
+    assert math.degrees(angles[np.argmax(apart)]) % 180 == close(20, abs=2)
+    assert math.degrees(angles[np.argmin(apart)]) % 180 == close(115, abs=3)
     # The mean of the sizes of all four extremes, R w^2 nearly, comes nearer.
     extremes = 0.25 * sum(np.max(curve) - np.min(curve) for curve in (main, hinged))
-    assert extremes == pytest.approx(RADIUS * SPEED**2, rel=0.002)
-    assert 100 * largest / extremes == pytest.approx(3.37, abs=0.005)
-    assert 100 * least / extremes == pytest.approx(-3.70, abs=0.005)
+    assert extremes == close(RADIUS * SPEED**2, rel=0.002)
+    assert 100 * largest / extremes == close(3.37, abs=0.005)
+    assert 100 * least / extremes == close(-3.70, abs=0.005)
 
 
 def test_first_order_of_a_section(figure):
     found = section(1)
-    assert found.kinematics.major == pytest.approx(found.side_by_side.major, rel=1e-13)
-    assert found.kinematics.minor == pytest.approx(found.side_by_side.minor, rel=1e-13)
+    assert found.kinematics.major == close(found.side_by_side.major, rel=1e-13)
+    assert found.kinematics.minor == close(found.side_by_side.minor, rel=1e-13)
     # Of a V of 45 deg: m R w^2 (1 + cos 45) and m R w^2 (1 - cos 45).
     for axis, sign in ((found.side_by_side.major, 1), (found.side_by_side.minor, -1)):
         wanted = RECIPROCATING * RADIUS * SPEED**2 * (1 + sign * math.cos(BETWEEN_BANKS))
         figure("axes of the first order's ellipse, rods side by side", axis, wanted, 1e-13, "N")
     change = hodograph_change(found.hinged, found.side_by_side)
-    assert 100 * change.major == pytest.approx(-8.1, abs=0.05)
-    assert 100 * change.minor == pytest.approx(-9.2, abs=0.05)
+    assert 100 * change.major == close(-8.1, abs=0.05)
+    assert 100 * change.minor == close(-9.2, abs=0.05)
     # Towards the bank with the main rods, at -22.5 deg.
-    assert math.degrees(change.turn) == pytest.approx(-2.57, abs=0.005)
+    assert math.degrees(change.turn) == close(-2.57, abs=0.005)
 
 
 @pytest.mark.parametrize(
@@ -186,10 +187,10 @@ def test_first_order_of_a_section(figure):
 def test_second_order_of_a_section(case, major, minor, turn):
     found = section(2)
     change = hodograph_change(getattr(found, case), found.side_by_side)
-    assert 100 * change.major == pytest.approx(major, abs=0.05)
-    assert 100 * change.minor == pytest.approx(minor, abs=0.05)
+    assert 100 * change.major == close(major, abs=0.05)
+    assert 100 * change.minor == close(minor, abs=0.05)
     # Print: about 5, 5 and 10 deg.
-    assert math.degrees(change.turn) == pytest.approx(turn, abs=0.05)
+    assert math.degrees(change.turn) == close(turn, abs=0.05)
     assert abs(math.degrees(change.turn) + {"hinged": 10.0}.get(case, 5.0)) < 1.0
 
 
@@ -214,10 +215,10 @@ def test_lengths_that_give_the_print(figure):
     change = percent_of_mean(found.kinematics.minor, plain.minor)
     figure("minor axis by the kinematics, other lengths", change, -0.08, 0.005, "%", "absolute")
     turn = hodograph_change(found.kinematics, plain).turn
-    assert math.degrees(turn) == pytest.approx(-5.0, abs=0.5)
+    assert math.degrees(turn) == close(-5.0, abs=0.5)
     printed = section(2)
     made = percent_of_mean(printed.kinematics.major, printed.side_by_side.major)
-    assert made == pytest.approx(-13.0, abs=0.05)
+    assert made == close(-13.0, abs=0.05)
 
 
 @pytest.mark.parametrize("model", ["rigid", "two-mass"])
@@ -230,22 +231,22 @@ def test_only_the_second_order_force_remains(model):
         assert not found.of(2).force_balanced
     if model == "two-mass":
         four = section(2).hinged.times(4.0)
-        assert found.of(2).force.forward == pytest.approx(four.forward, rel=1e-12)
-        assert found.of(2).force.backward == pytest.approx(four.backward, rel=1e-12)
+        assert found.of(2).force.forward == close(four.forward, rel=1e-12)
+        assert found.of(2).force.backward == close(four.backward, rel=1e-12)
 
 
 def test_what_the_slave_pin_beside_the_main_rod_adds():
     """The foot of the hinged rod, 13 kg, lies 106 mm beside the main rod: the paper leaves it out."""
     engine = eight_cylinders()
     static = 13.0 * PIN_RADIUS * math.sin(BETWEEN_BANKS)
-    assert moving_masses(engine)[0].lateral == pytest.approx(static, rel=1e-14)
+    assert moving_masses(engine)[0].lateral == close(static, rel=1e-14)
     exact, plain = (
         balance(engine, SPEED, model=model).of(2).force for model in ("rigid", "two-mass")
     )
     # Across: S i (1 - lambda^2 sin^2(alpha) / 2 ...), whose second order is S lambda^2 w^2 nearly.
     side = balance(engine, SPEED).of(2).lateral.force
-    assert side.major == pytest.approx(4 * static * (RADIUS / LENGTH * SPEED) ** 2, rel=0.02)
+    assert side.major == close(4 * static * (RADIUS / LENGTH * SPEED) ** 2, rel=0.02)
     change = hodograph_change(exact, plain)
-    assert 100 * change.major == pytest.approx(0.6, abs=0.05)
-    assert 100 * change.minor == pytest.approx(-3.8, abs=0.05)
-    assert math.degrees(change.turn) == pytest.approx(1.5, abs=0.05)
+    assert 100 * change.major == close(0.6, abs=0.05)
+    assert 100 * change.minor == close(-3.8, abs=0.05)
+    assert math.degrees(change.turn) == close(1.5, abs=0.05)

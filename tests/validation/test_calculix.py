@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from comparing import close
 from fem.analysis import analyze_throw
 from fem.calculix import write_calculix
 from fem.calculix_cases import axial_case, bending_case, pin_case, torque_case
@@ -33,10 +34,13 @@ from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Counterweight, FurtherPin, Web
 
-pytestmark = pytest.mark.skipif(
-    shutil.which("ccx") is None,
-    reason="CalculiX is not installed: apt-get install calculix-ccx",
-)
+pytestmark = [
+    pytest.mark.further,
+    pytest.mark.skipif(
+        shutil.which("ccx") is None,
+        reason="CalculiX is not installed: apt-get install calculix-ccx",
+    ),
+]
 
 TOLERANCE = 1e-5
 SIZE_FACTOR = 5.0
@@ -122,12 +126,10 @@ def compared(request, dimensions, tmp_path_factory):
     return Compared(analyzed_on(mesh, throw), mesh, steps)
 
 
-@pytest.mark.slow
 def test_the_superelement_is_that_of_the_mesh(compared):
     assert compared.analysis.mesh.points is compared.mesh.points
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_axial_and_torsional_compliance(compared, support, figure):
     ours, steps = compared.analysis, compared.steps
@@ -138,7 +140,6 @@ def test_axial_and_torsional_compliance(compared, support, figure):
     figure(f"torsional compliance, {support}", torsional, twist, TOLERANCE, "rad/(N m)")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("axis", ["x", "y"])
 def test_bending_compliance(compared, axis, figure):
     tilts = [3, 9] if axis == "x" else [4, 10]
@@ -151,7 +152,6 @@ def test_bending_compliance(compared, axis, figure):
     figure(f"bending compliance about {axis}", load @ motions, theirs, TOLERANCE, "rad/(N m)")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_influence_coefficient(compared, support, figure):
     for pin in range(len(compared.mesh.pins)):
@@ -160,7 +160,6 @@ def test_influence_coefficient(compared, support, figure):
         figure(f"influence coefficient, {support}", ours, lengthening, TOLERANCE, "m/N")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_reactions(compared, support, figure):
     load = np.linalg.norm(PIN_FORCE)
@@ -175,7 +174,6 @@ def test_reactions(compared, support, figure):
             )
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_the_compression_is_c_z_over_e(compared, support, figure):
     """Our compression by a radial force Z beside c Z / e_n of two other steps of CalculiX."""
@@ -223,7 +221,7 @@ def bar():
 
 def test_calculix_on_a_bar(bar, tmp_path, figure):
     material = Material(youngs_modulus=2e11, poisson_ratio=0.0, density=7850.0)
-    assert uniform_pin_loads(bar).sum() == pytest.approx(1.0)
+    assert uniform_pin_loads(bar).sum() == close(1.0)
     cases = {
         "tension": axial_case(),
         "torque": torque_case(),
@@ -243,7 +241,7 @@ def test_calculix_on_a_bar(bar, tmp_path, figure):
         bent = motions[[left, right]]
         figure("CalculiX itself: a bar bent", bent, [-half, half], 1e-6, "rad/(N m)")
     # At rotation nodes forces are moments: the left end holds the torque.
-    assert found["torque"].forces[[5, 11]] == pytest.approx([-1.0, 1.0], rel=1e-6)
+    assert found["torque"].forces[[5, 11]] == close([-1.0, 1.0], rel=1e-6)
     # 3 N along x at HEIGHT / 2 above the axis turns the bar by -3 HEIGHT / 2 about z. Pinned ends take
     # no moments about x and y.
     expected = np.zeros(12)
@@ -252,4 +250,4 @@ def test_calculix_on_a_bar(bar, tmp_path, figure):
     others = np.setdiff1d(np.arange(12), along)
     forces = found["forces"].forces
     np.testing.assert_allclose(forces[others], expected[others], atol=2e-6)
-    assert forces[along].sum() == pytest.approx(0.0, abs=2e-6)
+    assert forces[along].sum() == close(0.0, abs=2e-6)

@@ -15,6 +15,7 @@ terms in t^4: the tests check that error, not only its size.
 import numpy as np
 import pytest
 
+from comparing import close
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_elements import ShaftMaterial, shaft_cylinder
 from dynamics.chains.shaft_line import ShaftLine
@@ -26,7 +27,7 @@ def test_free_chain_of_equal_masses(count, figure):
     modes = Chain(np.full(count, mass), np.full(count - 1, stiffness)).modes()
     j = np.arange(count)
     expected = np.sqrt(stiffness / mass) / np.pi * np.sin(j * np.pi / (2 * count))
-    assert modes.frequencies[0] == pytest.approx(0.0, abs=1e-12)
+    assert modes.frequencies[0] == close(0.0, abs=1e-12)
     figure("equal masses, free: frequencies", modes.frequencies[1:], expected[1:], 1e-12, "Hz")
     shapes = np.cos(np.outer(np.arange(count) + 0.5, j) * np.pi / count)
     shapes /= np.max(np.abs(shapes), axis=0)
@@ -74,8 +75,8 @@ def test_uniform_free_rod_is_bracketed_at_second_order(kind, modulus, figure):
         assert np.all(lumped < rod)
         assert np.all(rod < consistent)
         # The next terms are below t^4 / 1900 and t is at most 0.63: 0.5 % of the error.
-        assert 1.0 - lumped / rod == pytest.approx(t**2 / 24.0, rel=0.006)
-        assert consistent / rod - 1.0 == pytest.approx(t**2 / 24.0, rel=0.006)
+        assert 1.0 - lumped / rod == close(t**2 / 24.0, rel=0.006)
+        assert consistent / rod - 1.0 == close(t**2 / 24.0, rel=0.006)
         errors.append((1.0 - lumped / rod, consistent / rod - 1.0))
     orders = np.log2(np.array(errors)[:-1] / np.array(errors)[1:])
     # Half the element length leaves a quarter of the error; the terms in t^4 change that by 1 %.

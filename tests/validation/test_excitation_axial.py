@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from comparing import close
 from dynamics.excitation.torsion_to_axial import tangential_towards_flywheel, torsion_influence
 from fem.analysis import analyze_throw
 from fem.shaft import assemble_shaft, shaft_compliances, solve_shaft
@@ -146,4 +147,4 @@ def test_lengthening_by_torques_of_parts_knows_no_support(analysis, figure):
     largest = np.abs(other).max()
     figure("lengthening by tangential forces", found, other, 2e-6, "m/N", scale=largest)
     # No part between two cranks is twisted by the whole shaft's torque alone.
-    assert by_torque.sum(axis=1) == pytest.approx(through, rel=1e-9)
+    assert by_torque.sum(axis=1) == close(through, rel=1e-9)

@@ -20,6 +20,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from comparing import close
 from geometry.throw import CrankThrow
 from regression.formulas.angle_factors import ANGLE_FACTORS
 from regression.formulas.axial_formulas import axial_formula, axial_formulas
@@ -126,7 +127,7 @@ def test_blocked_frame_is_the_closed_form(figure):
     a = pin / 2
     m = (a + web / 2) / (a + web + j)
     bending = 2 * ((1 - m) ** 2 * a + web * (1 / 3 - m + m**2) + m**2 * j)
-    assert 2 * ((1 - m) * a + web / 3 - m * web / 2) == pytest.approx(bending, rel=1e-12)
+    assert 2 * ((1 - m) * a + web / 3 - m * web / 2) == close(bending, rel=1e-12)
     exact = frame_compliance(throw, tilt_blocked=True)
     figure("frame, tilt blocked: closed form", exact, bending + tension, 1e-9, "m/N")
 
@@ -144,11 +145,11 @@ def test_dorey_tends_to_the_frame_at_both_ends_of_the_angle(figure):
     throw = slender_throw()
     pin, web, tension = beam_parts(throw)
     opposite = axial_formula("Dorey", throw, 180.0).value
-    assert opposite == pytest.approx(pin + 0.667 * web, rel=1e-12)
+    assert opposite == close(pin + 0.667 * web, rel=1e-12)
     exact = frame_compliance(throw, tilt_blocked=False) - tension
     figure("Dorey beside the frame, 180 deg", opposite, exact, 1e-3, "m/N")
     parallel = axial_formula("Dorey", throw, 0.0).value
-    assert parallel == pytest.approx(0.5 * pin + 0.167 * web, rel=1e-12)
+    assert parallel == close(0.5 * pin + 0.167 * web, rel=1e-12)
     # Webs so flexible that journals and pin count as rigid.
     exact = frame_compliance(throw, tilt_blocked=True) - tension
     figure("Dorey beside the frame, 0 deg", parallel, exact, 0.02, "m/N")
@@ -165,9 +166,7 @@ def test_anderson_tends_to_the_frame_at_both_ends_of_the_angle(figure):
         (0.0, 0.55, k_1**2 * (1 / 2 - k_1 / 3)),
     ):
         value = axial_formula("Anderson", throw, gamma).value
-        assert value == pytest.approx(
-            pin_share * pin + web_share * web + tension + free_web, rel=1e-12
-        )
+        assert value == close(pin_share * pin + web_share * web + tension + free_web, rel=1e-12)
     # As k_1 tends to 1 (journals thin beside the crank radius) the shares are 2/3 and 1/6.
     for gamma, share, blocked in ((180.0, 2 / 3, False), (0.0, 1 / 6, True)):
         thin = CrankThrow(
@@ -183,7 +182,7 @@ def test_anderson_tends_to_the_frame_at_both_ends_of_the_angle(figure):
         web_part = axial_formula("Anderson", thin, gamma).value
         web_part -= (1.1 if gamma else 0.55) * pin + tension
         web_part -= 2 * (2.4 - 0.11) / (E / 2.6 * 0.012)
-        assert web_part == pytest.approx(share * web, rel=0.03)
+        assert web_part == close(share * web, rel=0.03)
         exact = frame_compliance(thin, tilt_blocked=blocked)
         value = axial_formula("Anderson", thin, gamma).value
         figure(f"Anderson beside the frame, {gamma:.0f} deg", value, exact, 0.15, "m/N")
@@ -197,7 +196,7 @@ def test_gorbunov_web_is_the_exact_web_at_half_the_printed_factor(figure):
     exact = frame_compliance(throw, tilt_blocked=False)
     figure("Gorbunov with 0.5 beside the frame", value, exact, 0.01, "m/N")
     more = axial_formula("Gorbunov", throw, constants={"k_gorbunov": 1.0}).value
-    assert more - value == pytest.approx(2 / 3 * web, rel=1e-9)
+    assert more - value == close(2 / 3 * web, rel=1e-9)
     assert value > pin
 
 
@@ -209,9 +208,9 @@ def test_guglielmotti_macchiotta_tends_to_the_frame_as_the_journal_gets_thin(mai
     pin, web, tension = beam_parts(throw)
     value = axial_formula("Guglielmotti-Macchiotta", throw).value
     frame_web = 8 * R**3 / (E * 0.25 * 0.05**3)
-    assert frame_web == pytest.approx(2 / 3 * web, rel=1e-12)
+    assert frame_web == close(2 / 3 * web, rel=1e-12)
     share = (1 - 0.44 * main_journal / R) ** 2
-    assert value - pin == pytest.approx(share * frame_web, rel=1e-9)
+    assert value - pin == close(share * frame_web, rel=1e-9)
     if main_journal == 0.005:
         exact = frame_compliance(throw, tilt_blocked=False) - tension
         # 0.44 D / R = 0.0018, twice.
@@ -228,9 +227,9 @@ def test_stoyanov_web_is_the_exact_web(figure):
     web_part = axial_formula("Stoyanov", throw, constants={"k_n": 2.0}).value - once
     # 4.72 R / (E B c h) beside 8.024 R^3 / (E B c h^3): web's shear beside its bending.
     shear = 4.72 * 1.2 / (E * 0.19 * 1.61 * c * 0.05)
-    assert web_part - shear == pytest.approx(4.72 * 1.7 / 12 * web / c, rel=1e-9)
+    assert web_part - shear == close(4.72 * 1.7 / 12 * web / c, rel=1e-9)
     printed = 4.72 * 1.7
-    assert printed == pytest.approx(8.0, rel=3.1e-3)
+    assert printed == close(8.0, rel=3.1e-3)
     exact = frame_compliance(throw, tilt_blocked=False)
     # Besides: 0.48 h on 0.9 m of the pin (2.7 % of it, 0.2 % of the whole).
     figure("Stoyanov beside the frame", c * web_part + pin, exact, 5e-3, "m/N")
@@ -255,7 +254,7 @@ def test_draminsky_2_with_k_4_tends_to_the_frame_at_both_ends_of_the_angle(figur
     ):
         value = axial_formula("Draminsky (2)", throw, gamma, variant="k/4").value
         parts = pin_share * longer * pin + web_share * web + tension + shear
-        assert value == pytest.approx(parts, rel=1e-12)
+        assert value == close(parts, rel=1e-12)
         # Besides: 0.33 h on the pin, the webs' shear, and at 0 deg journals that bend; all of them
         # fall with h^3 (2 % at h = 50 mm).
         exact = frame_compliance(throw, blocked)
@@ -270,12 +269,12 @@ def test_angle_factors_are_those_of_the_formulas():
     gammas = np.array([0.0, 37.0, 90.0, 120.0, 180.0])
     for name, factors in ANGLE_FACTORS.items():
         found = factors(gammas)
-        assert (found.pin[-1], found.web[-1]) == pytest.approx((1.0, 1.0), rel=1e-12)
+        assert (found.pin[-1], found.web[-1]) == close((1.0, 1.0), rel=1e-12)
         # Dropping h by 1000 raises the web's term by 1e9: only its factor is left.
         web = [value_of_parts(name, gamma, pin=0.0, web=1.0) for gamma in gammas]
         pin = [value_of_parts(name, gamma, pin=1.0, web=0.0) for gamma in gammas]
-        assert found.web == pytest.approx(np.array(web) / web[-1], abs=1e-9), name
-        assert found.pin == pytest.approx(np.array(pin) / pin[-1], abs=1e-9), name
+        assert found.web == close(np.array(web) / web[-1], abs=1e-9), name
+        assert found.pin == close(np.array(pin) / pin[-1], abs=1e-9), name
 
 
 def value_of_parts(name, gamma, pin, web):

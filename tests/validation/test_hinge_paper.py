@@ -23,6 +23,7 @@ tests hold to three digits are ours, a record for whoever changes the cycle mode
 import numpy as np
 import pytest
 
+from comparing import close
 from crankfem.files.hinge.hinge_file import load_hinge
 from dynamics.hinge.evening import best_pressure, flywheel_for
 from dynamics.hinge.moment import hinge_moment
@@ -58,14 +59,14 @@ def test_the_hinge_at_its_design_speed(point, profile, figure):
     """Bound: 0.1 % of the fluctuation without the hinge. Found: less than a millionth of it."""
     with_hinge = simulate_hinge(point, profile, samples=720)
     without = simulate_hinge(point, start_speed=point.speed, samples=720)
-    assert without.fluctuation == pytest.approx(1.68, abs=0.02)
+    assert without.fluctuation == close(1.68, abs=0.02)
     assert with_hinge.fluctuation < 1e-3 * without.fluctuation
     # Splines between 1440 radii, and a pressure curve whose second derivative jumps.
     left = with_hinge.fluctuation
     figure("fluctuation of speed with the hinge", left, 0.0, 1e-5, "", "absolute")
     # The same from the energy alone, which decides: 1.42e-6.
     found = steady_hinge_turn(point, profile)
-    assert found.fluctuation == pytest.approx(1.42e-6, abs=0.005e-6)
+    assert found.fluctuation == close(1.42e-6, abs=0.005e-6)
     figure("mean speed with the hinge", found.mean_speed, point.speed, 1e-12, "rad/s")
 
 
@@ -75,8 +76,8 @@ def test_the_series_costs_what_it_leaves_out(file, point, profile):
         name: steady_hinge_turn(point, file.profile(file.moment(kinematics=name))).fluctuation
         for name in ("series", "printed")
     }
-    assert left["series"] == pytest.approx(0.038, abs=0.002)
-    assert left["printed"] == pytest.approx(0.099, abs=0.003)
+    assert left["series"] == close(0.038, abs=0.002)
+    assert left["printed"] == close(0.099, abs=0.003)
     assert steady_hinge_turn(point, profile).fluctuation < 1e-5
 
 
@@ -95,7 +96,7 @@ def test_large_springs_make_round_guides(file, point):
 def test_all_guides_of_figure_4_can_be_made(file, point):
     for _, _, made in file.compared(point):
         assert all(check.met for check in made.checks)
-        assert made.radius[0] == pytest.approx(made.start_radius, abs=1e-12)
+        assert made.radius[0] == close(made.start_radius, abs=1e-12)
         # The gas force makes the spring shorter over all of the turn but a few degrees at the top.
         assert np.mean(made.compression > 0.0) > 0.97
 
@@ -109,10 +110,10 @@ def test_pressure_for_another_speed(file, profile):
     """
     fast = file.moment(142.0 * np.pi / 30.0)
     best = best_pressure(fast, profile)
-    assert best.ratio == pytest.approx(2.45, abs=0.02)
-    assert best.fitted_ratio == pytest.approx(2.38, abs=0.02)
-    assert best.moment_residual == pytest.approx(0.132, abs=0.005)
-    assert best.fluctuation == pytest.approx(0.86, abs=0.02)
+    assert best.ratio == close(2.45, abs=0.02)
+    assert best.fitted_ratio == close(2.38, abs=0.02)
+    assert best.moment_residual == close(0.132, abs=0.005)
+    assert best.fluctuation == close(0.86, abs=0.02)
     assert best.unchanged is None
     # Proportional in the pressure, (14).
     scaled = profile.moment_at(fast.angles, 1.95 * 5e6)
@@ -140,7 +141,7 @@ def test_proportional_forces(file, point, profile, figure):
         what = f"best pressure ratio for {times:.2f} times the force"
         figure(what, found[times].ratio, times, 0.005, "", "absolute")
     mild, square = found.values()
-    assert mild.fluctuation == pytest.approx(0.20, abs=0.01)
-    assert mild.moment_residual == pytest.approx(0.059, abs=0.002)
-    assert square.fluctuation == pytest.approx(0.058, abs=0.003)
+    assert mild.fluctuation == close(0.20, abs=0.01)
+    assert mild.moment_residual == close(0.059, abs=0.002)
+    assert square.fluctuation == close(0.058, abs=0.003)
     assert square.moment_residual < 0.01

@@ -20,10 +20,10 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from scipy.integrate import quad
 from scipy.special import binom
 
+from comparing import close
 from dynamics.balance.balance import balance
 from dynamics.balance.moving_masses import balancing_masses
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass
@@ -78,7 +78,7 @@ def rotating_balanced(cranks_deg, banks_deg=(0.0,), pin_step_deg=0.0):
 
 
 def approx(value):
-    return pytest.approx(value, rel=EXACT)
+    return close(value, rel=EXACT)
 
 
 def test_series_of_the_slider_crank(figure):
@@ -95,9 +95,9 @@ def test_series_of_the_slider_crank(figure):
         np.testing.assert_allclose(found.amplitude[2:8:2], 0.0, atol=1e-14 * unit)
         # What the first terms leave is of the order of the next one, with coefficients below 0.15.
         second = ratio + ratio**3 / 4 + 15 * ratio**5 / 128
-        assert coefficient(2, ratio) == pytest.approx(second, abs=0.15 * ratio**7)
+        assert coefficient(2, ratio) == close(second, abs=0.15 * ratio**7)
         fourth = -(ratio**3) / 4 - 3 * ratio**5 / 16
-        assert coefficient(4, ratio) == pytest.approx(fourth, abs=0.15 * ratio**7)
+        assert coefficient(4, ratio) == close(fourth, abs=0.15 * ratio**7)
 
 
 def test_one_cylinder():
@@ -105,7 +105,7 @@ def test_one_cylinder():
     first = found.of(1).force
     assert first.major == approx((RECIPROCATING + ROTATING) * RADIUS * SPEED**2)
     assert first.minor == approx(ROTATING * RADIUS * SPEED**2)
-    assert (first.angle, first.sense) == (pytest.approx(0.0, abs=1e-12), 1)
+    assert (first.angle, first.sense) == (close(0.0, abs=1e-12), 1)
     for order in (2, 4):
         assert found.of(order).force.major == approx(size(order))
         assert found.of(order).force.sense == 0
@@ -131,10 +131,10 @@ def test_one_cylinder_with_an_offset():
         wanted = RECIPROCATING * SPEED**2 * order**2 * complex(*parts)
         made = row.reciprocating.force
         # 1e-13 m of the way is 16 * 1e-13 / R of the force of fourth order.
-        assert 2.0 * made.forward.conjugate() == pytest.approx(wanted, abs=4e-11 * UNIT)
+        assert 2.0 * made.forward.conjugate() == close(wanted, abs=4e-11 * UNIT)
     # The offset brings a third order, of -(R sin a - e)^4 / (8 L^3); what follows is a tenth of it.
     third = 9.0 * RADIUS**2 * offset / (8.0 * LENGTH**3) * UNIT
-    assert found.of(3).force.major == pytest.approx(third, rel=0.15)
+    assert found.of(3).force.major == close(third, rel=0.15)
 
 
 def test_two_in_line():
@@ -157,7 +157,7 @@ def test_three_in_line():
         # Forces upwards have moments about the axis across.
         assert abs(found.of(order).moment.angle) == approx(math.pi / 2)
         assert found.of(order).moment.sense == 0
-    assert found.of(6).force.major == pytest.approx(3.0 * size(6), abs=EXACT * UNIT)
+    assert found.of(6).force.major == close(3.0 * size(6), abs=EXACT * UNIT)
     assert found.of(6).moment_balanced
     # The throws' own moment turns with the shaft.
     rotating = balance(engine([0.0, 240.0, 120.0]), SPEED).of(1).rotating.moment
@@ -211,7 +211,7 @@ def test_flat_twin():
         assert row.force_balanced
         assert row.moment.major == approx(size(row.order) * PITCH)
         # Forces to the side tilt the engine about the vertical.
-        assert row.moment.angle == pytest.approx(0.0, abs=1e-12)
+        assert row.moment.angle == close(0.0, abs=1e-12)
 
 
 def test_vee_of_90_degrees(figure):
@@ -225,7 +225,7 @@ def test_vee_of_90_degrees(figure):
     figure("V of 90 deg: force of order 2, across", second.major, wanted, EXACT, "N")
     assert abs(second.angle) == approx(math.pi / 2)
     assert fourth.major == approx(math.sqrt(2.0) * size(4))
-    assert fourth.angle == pytest.approx(0.0, abs=1e-12)
+    assert fourth.angle == close(0.0, abs=1e-12)
 
 
 def test_cross_plane_v8(figure):

@@ -19,6 +19,7 @@ import math
 import numpy as np
 import pytest
 
+from comparing import close
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import gas_forces
@@ -86,13 +87,13 @@ def test_masses_1_keep_all_but_the_lateral_static_moment(figure):
     at_center = ROD - rod.inertia * (1.0 + L_SHK / L_SHP) / below
     model = rod.model("three-mass")
     figure("masses (1)", model.masses, (at_crank, at_piston, at_center), 1e-13, "kg")
-    assert at_crank + at_piston + at_center == pytest.approx(ROD, rel=1e-13)
-    assert at_crank * L_SHK == pytest.approx(at_piston * L_SHP, rel=1e-13)
+    assert at_crank + at_piston + at_center == close(ROD, rel=1e-13)
+    assert at_crank * L_SHK == close(at_piston * L_SHP, rel=1e-13)
     about = at_crank * (L_SHK**2 + L_D**2) + at_piston * (L_SHP**2 + L_D**2)
-    assert about == pytest.approx(rod.inertia, rel=1e-13)
+    assert about == close(rod.inertia, rel=1e-13)
     # The lateral moment: the model's center of mass lies 1.3 mm from the axis, the rod's 9 mm.
-    assert L_D - model.center.imag == pytest.approx((at_crank + at_piston) * L_D / ROD)
-    assert L_D - model.center.imag == pytest.approx(7.70e-3, abs=5e-6)
+    assert L_D - model.center.imag == close((at_crank + at_piston) * L_D / ROD)
+    assert L_D - model.center.imag == close(7.70e-3, abs=5e-6)
 
 
 def positions(along):
@@ -109,7 +110,7 @@ def test_positions_3_and_4_hold_with_the_distance_from_the_crankpin(figure):
     angle_form = R * SINE - L_SHK * np.sin(BETA) + L_D * COS_BETA
     np.testing.assert_allclose(angle_form, x, rtol=0.0, atol=1e-15)
     x, y = positions(L_SHP)
-    assert largest(1j * x - y - wanted) == pytest.approx(L_SHP - L_SHK)
+    assert largest(1j * x - y - wanted) == close(L_SHP - L_SHK)
 
 
 def accelerations(first=-SINE, factor=4.0, lateral=LAMBDA):
@@ -140,13 +141,13 @@ def test_printed_accelerations_are_not_the_second_derivatives_of_the_positions()
     assert off(good[0], carried.imag) < 1e-14
     assert off(good[1], -carried.real) < 1e-14
     printed = accelerations(first=COSINE, factor=16.0, lateral=1.0)
-    assert off(printed[0], x) == pytest.approx(1.394, abs=5e-4)
-    assert off(printed[1], y) == pytest.approx(0.0862, abs=5e-5)
+    assert off(printed[0], x) == close(1.394, abs=5e-4)
+    assert off(printed[1], y) == close(0.0862, abs=5e-5)
     # Each misprint alone: cos a for -sin a in W_dx, l_d without lambda in W_dy, 16 for 4 in both.
-    assert off(accelerations(first=COSINE)[0], x) == pytest.approx(1.394, abs=5e-4)
-    assert off(accelerations(lateral=1.0)[1], y) == pytest.approx(0.0862, abs=5e-5)
+    assert off(accelerations(first=COSINE)[0], x) == close(1.394, abs=5e-4)
+    assert off(accelerations(lateral=1.0)[1], y) == close(0.0862, abs=5e-5)
     of_factor = [off(a, b) for a, b in zip(accelerations(factor=16.0), (x, y), strict=True)]
-    assert of_factor == pytest.approx([1.93e-4, 1.217e-3], rel=0.01)
+    assert of_factor == close([1.93e-4, 1.217e-3], rel=0.01)
 
 
 # --- Equilibrium of the rod.
@@ -213,7 +214,7 @@ def test_inertia_force_2_has_the_sign_that_5_does_not_take():
     push, x_d, y_d, wanted = paper_quantities(rod_of().model("three-mass"))
     found = equations_7_9_10(push, x_d, -y_d, sign=-1.0)
     wrong = [off(found[name], wanted[name]) for name in ("N", "Y_A", "t", "z")]
-    assert wrong == pytest.approx([0.0283, 0.0366, 0.0436, 0.0380], abs=5e-5)
+    assert wrong == close([0.0283, 0.0366, 0.0436, 0.0380], abs=5e-5)
 
 
 def test_correction_8_takes_the_other_length():
@@ -223,9 +224,9 @@ def test_correction_8_takes_the_other_length():
     wanted_correction = wanted["N"] + push * TAN
     assert off(x_d * L_SHK / L + rest, wanted_correction) < 1e-11
     printed = x_d * L_SHP / L + rest
-    assert off(printed, wanted_correction) == pytest.approx(0.692, abs=5e-4)
+    assert off(printed, wanted_correction) == close(0.692, abs=5e-4)
     of_side_force = largest(printed - wanted_correction) / largest(wanted["N"])
-    assert of_side_force == pytest.approx(0.0323, abs=5e-5)
+    assert of_side_force == close(0.0323, abs=5e-5)
 
 
 def test_equilibrium_11_and_12_of_two_masses_with_inertia(figure):
@@ -244,9 +245,9 @@ def test_equilibrium_11_and_12_of_two_masses_with_inertia(figure):
     radial = -push * np.cos(ANGLES + BETA) / COS_BETA
     assert off(tangential - part * COSINE, wanted["t"]) < 1e-12
     assert off(radial + part * SINE, wanted["z"]) < 1e-12
-    assert off(tangential + part * COSINE, wanted["t"]) == pytest.approx(0.0090, abs=5e-5)
+    assert off(tangential + part * COSINE, wanted["t"]) == close(0.0090, abs=5e-5)
     # With the other sign of M_dop t would hold and z fail.
-    assert off(radial - part * SINE, wanted["z"]) == pytest.approx(0.0083, abs=5e-5)
+    assert off(radial - part * SINE, wanted["z"]) == close(0.0083, abs=5e-5)
 
 
 def test_the_main_rod_of_a_hinged_one_obeys_7_with_the_load_of_its_pin():
@@ -336,7 +337,7 @@ def test_the_lateral_offset_matters_as_much_as_the_inertia():
     sides = ("rigid", "three-mass")
     for (length, motored), wanted in zip(CASES, (3.7, 3.8, 14.1, 13.4), strict=True):
         rigid, model = (forces_of(m, rod_of(length), motored=motored).side[0] for m in sides)
-        assert 100.0 * off(model, rigid) == pytest.approx(wanted, abs=0.06)
+        assert 100.0 * off(model, rigid) == close(wanted, abs=0.06)
 
 
 def test_mean_and_maximum_load_hardly_depend_on_the_model():
@@ -346,5 +347,5 @@ def test_mean_and_maximum_load_hardly_depend_on_the_model():
             for model in ("two-mass", "three-mass")
         )
         change = 100.0 * (1.0 - np.mean(dynamic) / np.mean(static))
-        assert change == pytest.approx(of_mean, abs=0.06)
+        assert change == close(of_mean, abs=0.06)
         assert abs(1.0 - np.max(dynamic) / np.max(static)) < 0.001

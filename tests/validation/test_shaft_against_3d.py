@@ -154,7 +154,7 @@ def test_shaft_in_bearings(superelement, throw, figure):
         assert likeness(motions[:, :, mode], ours.motions[:5, :, mode]) > 0.99
 
 
-@pytest.mark.slow
+@pytest.mark.further
 def test_calculix_finds_the_same_frequencies(throw, tmp_path, figure):
     """Our own three-dimensional reference is right: another program on the same mesh."""
     mesh = mesh_shaft(Crankshaft([throw] * 2, np.radians((0.0, 180.0))), 0.09)

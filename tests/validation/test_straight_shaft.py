@@ -25,6 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from comparing import close
 from fem.assembly import assemble_stiffness
 from fem.condensation import condense
 from fem.loads import NodalLoads
@@ -100,7 +101,7 @@ def flexibility(length, bore, end_sections):
     """Motions (6, 6) of the right end per unit force and moment there, the left end held."""
     mesh = shaft_quarter(length, bore)
     volume = element_volumes(mesh.points, mesh.elements).sum()
-    assert volume == pytest.approx(mesh.solid.volume, rel=1e-3)
+    assert volume == close(mesh.solid.volume, rel=1e-3)
     matrix = assemble_stiffness(mesh.points, mesh.elements, STEEL)
     no_pin = NodalLoads(np.empty(0, dtype=int), mirror_images(mesh), np.zeros((4, 0, 3, 6)))
     parts = [
@@ -166,10 +167,8 @@ def test_deflection(shafts, grown, section, figure):
         figure(what, found, expected, TOLERANCE_OF_DEFLECTIONS, "m/N")
         for length, motions in shafts.items():
             # The two pieces, at equal distances from the middle, leave the lever as it is.
-            assert abs(motions[across, tilt]) == pytest.approx(
-                0.5 * length * motions[tilt, tilt], rel=1e-6
-            )
-            assert motions[across, across] == pytest.approx(section.deflection(length), rel=0.02)
+            assert abs(motions[across, tilt]) == close(0.5 * length * motions[tilt, tilt], rel=1e-6)
+            assert motions[across, across] == close(section.deflection(length), rel=0.02)
 
 
 def test_averaged_ends_leave_beam_theory_as_it_is(averaged, section, figure):
@@ -186,7 +185,7 @@ def test_averaged_ends_leave_beam_theory_as_it_is(averaged, section, figure):
         figure(f"averaged ends: {what}", averaged[motion, motion], value, TOLERANCE, unit)
     for across, tilt in ((UX, RY), (UY, RX)):
         under_moment = length**2 / (2.0 * E * second)
-        assert abs(averaged[across, tilt]) == pytest.approx(under_moment, rel=TOLERANCE)
+        assert abs(averaged[across, tilt]) == close(under_moment, rel=TOLERANCE)
         expected = section.deflection(length)
         bound = TOLERANCE_OF_DEFLECTIONS
         figure("averaged ends: deflection", averaged[across, across], expected, bound, "m/N")
@@ -194,11 +193,11 @@ def test_averaged_ends_leave_beam_theory_as_it_is(averaged, section, figure):
 
 def test_a_round_shaft_has_no_preferred_plane(shafts, averaged):
     for motions in (*shafts.values(), averaged):
-        assert motions[UX, UX] == pytest.approx(motions[UY, UY], rel=1e-3)
-        assert motions[RX, RX] == pytest.approx(motions[RY, RY], rel=1e-3)
+        assert motions[UX, UX] == close(motions[UY, UY], rel=1e-3)
+        assert motions[RX, RX] == close(motions[RY, RY], rel=1e-3)
         # A force along y tilts the end about -x, one along x about +y.
         assert motions[RX, UY] < 0.0
-        assert motions[RX, UY] == pytest.approx(-motions[RY, UX], rel=1e-3)
+        assert motions[RX, UY] == close(-motions[RY, UX], rel=1e-3)
         size = np.sqrt(np.diag(motions))
         coupling = np.abs(motions / np.outer(size, size))
         assert coupling[np.ix_([UZ, RZ], [UX, UY, RX, RY])].max() < 1e-3

@@ -27,6 +27,7 @@ from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.response.forced import forced_response
 from dynamics.response.synthesis import synthesis
+from dynamics.running_limits import within
 from fem.throw_analysis import ThrowAnalysis
 
 if TYPE_CHECKING:
@@ -289,7 +290,7 @@ def _peak(engine_file: EngineFile, forced: ForcedVibration, chain: Chain) -> flo
     changed = damped_engine_chain(engine_file, replace(forced.engine_chain, chain=chain))
     response = forced_response(changed, with_resonances(forced.response.excitation, chain))
     low, high = engine_file.engine.lowest_speed, engine_file.engine.highest_speed
-    judged = (response.speeds >= low) & (response.speeds <= high)
+    judged = within(response.speeds, low, high)
     free_end = response.elastic
     summed = synthesis(
         free_end.orders,

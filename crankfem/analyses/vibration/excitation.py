@@ -32,6 +32,7 @@ from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.speed_grid import refined_speeds
+from dynamics.running_limits import within
 from fem.shaft import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
 
@@ -110,7 +111,7 @@ def calculated_speeds(
         (low, high),
         points=POINTS,
     )
-    ends = [end for end in judged_ends(engine_file) if low <= end <= high]
+    ends = [min(end, high) for end in judged_ends(engine_file) if within(end, low, high)]
     return joined_speeds(speeds, ends)
 
 

@@ -66,6 +66,23 @@ def vibration_pictures(folder: Path, run: EngineVibration) -> list[ToDraw]:
     return made
 
 
+def picture_names(*, forced: bool, coupled: bool) -> list[str]:
+    """Return the names of the files that an engine's vibration surely needs, before it is computed.
+
+    Parameters
+    ----------
+    forced : bool
+        Whether the gas pressure is known.
+    coupled : bool
+        Whether the whole crankshaft is calculated.
+    """
+    of_kind = ("modes", "campbell", "amplitude") if forced else ("modes", "campbell")
+    names = [f"{kind}_{name}" for kind in MOTION for name in of_kind]
+    names += ["torsional_stress"] if forced else []
+    names += ["shaft_modes", "shaft_shares"] if coupled else []
+    return [f"{name}.svg" for name in names]
+
+
 def _kind_pictures(
     folder: Path, run: EngineVibration, vibration: Vibration, forced: ForcedVibration | None
 ) -> list[ToDraw]:

@@ -7,7 +7,7 @@ import typer
 
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import JsonOption, QuietOption, UnitsOption
+from crankfem.cli.commands.options import ForceOption, JsonOption, QuietOption, UnitsOption
 from crankfem.cli.console import print_json
 
 
@@ -24,6 +24,7 @@ def check(
         Path | None,
         typer.Option(metavar="THROW.svg", help="Also draw the throw with its dimensions."),
     ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     units: UnitsOption = None,
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
@@ -39,6 +40,7 @@ def check(
     record = check_record(checked)
     if picture is not None:
         from crankfem.analyses.throw.pictures.drawing import check_drawing_ending, write_drawing
+        from crankfem.jobs.outputs import check_writable
 
         if checked.throw is None:
             raise InputError(
@@ -46,7 +48,7 @@ def check(
                 "that is drawn."
             )
         check_drawing_ending(picture)
-        console.check_folder(picture)
+        check_writable(picture, "picture", checked.path)
         record["picture"] = str(write_drawing(checked.throw, picture, checked.path.stem))
     if json:
         print_json(record)

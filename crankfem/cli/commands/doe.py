@@ -9,7 +9,7 @@ from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import JsonOption, QuietOption, WorkersOption
+from crankfem.cli.commands.options import ForceOption, JsonOption, QuietOption, WorkersOption
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
@@ -58,11 +58,14 @@ def doe(
     plan: Annotated[
         bool, typer.Option("--plan", help="Show what would be computed, and compute nothing.")
     ] = False,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Run a design of experiments, or continue it where it stopped."""
     from crankfem.files.engine.throw_file import load_study
+    from crankfem.files.reading.data_files import engine_path
+    from crankfem.jobs.outputs import check_apart, check_writable
     from regression.runs.export_table import check_export, export_table
 
     limits = {
@@ -78,8 +81,11 @@ def doe(
     if plan:
         _show_plan(read, json)
         return
+    files = [store, engine_path(study), *(import_ or ())]
     if export is not None:
         check_export(export)
+        check_apart({"--store": store, "--export": export})
+        check_writable(export, "table", *files, name=f"--export {export}")
     for file in import_ or ():
         _import(read, store, file, quiet)
     table = _run(read, store, workers, {"dask": dask, **limits}, quiet)
@@ -92,7 +98,7 @@ def doe(
             console.print_line(text)
 
     say(_summary(table, store))
-    for text in _warnings(table):
+    for text in _warnings(table, store):
         say(f"Note: {text}")
     if export is not None:
         count = export_table(table, export)
@@ -114,15 +120,21 @@ def _summary(table: "StudyTable", store: Path) -> str:
     return f"{text}."
 
 
-def _warnings(table: "StudyTable") -> list[str]:
+def _warnings(table: "StudyTable", store: Path) -> list[str]:
     """What makes the errors of a fit say less than they seem to."""
+    from regression.runs.store_rows import told_of
+
     held_out = int(table.held_out.sum())
+    found = []
+    if table.damaged:
+        told = told_of(table.damaged, store)
+        found.append(f"{told}; import them again.")
     if 0 < held_out < FEW_HELD_OUT:
-        return [
+        found.append(
             f"only {held_out} held-out designs judge the fits; with fewer than {FEW_HELD_OUT} their largest "
             "error says little of the space between the runs."
-        ]
-    return []
+        )
+    return found
 
 
 def _show_fits(table: "StudyTable", json: bool) -> None:
@@ -165,6 +177,8 @@ def _import(plan: "StudyPlan", store: Path, file: Path, quiet: bool) -> None:
         f"{file}: {found.designs} finished designs and {found.rows} further rows taken over{left_out}{own}.",
         quiet,
     )
+    if found.damaged:
+        console.note(f"Note: {found.damaged}.", quiet)
 
 
 def _run(

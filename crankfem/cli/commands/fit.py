@@ -7,7 +7,7 @@ import typer
 
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import JsonOption, QuietOption
+from crankfem.cli.commands.options import ForceOption, JsonOption, QuietOption
 from crankfem.cli.console import print_json
 
 
@@ -35,8 +35,9 @@ def fit(
         str | None, typer.Option(help="Response to print in detail; the axial compliance else.")
     ] = None,
     plots: Annotated[Path | None, typer.Option(help="Folder to write diagrams to (SVG).")] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    quiet: QuietOption = False,
 ) -> None:
     """Fit equations to a study's results and save the best as a model."""
     from crankbase.errors import InputError
@@ -45,17 +46,26 @@ def fit(
     from crankfem.analyses.study.plots.fit_plots import plot_fits
     from crankfem.analyses.study.studies import study_key
     from crankfem.cli.tables.fit_tables import MAIN_RESPONSE, print_comparisons, print_fits
+    from crankfem.jobs.outputs import check_writable
+    from regression.models.model_file import is_model
+    from regression.runs.store_rows import told_of
     from regression.runs.study import read_study
 
-    console.check_folder(model)
     if model.is_dir():
         raise InputError(
             f"--model: given {model}, which is a folder; allowed is a file to write, like "
             f"{model / 'model.json'}."
         )
+    inputs = [store]
+    if study is not None and study.endswith(".toml"):
+        inputs.append(Path(study))
+    check_writable(model, "model", *inputs, name=f"--model {model}", recognized=is_model)
     if study is not None and study.endswith(".toml"):
         study = study_key(study)
     table = read_study(store, study)
+    if table.damaged:
+        again = "run the study again (crankfem doe), which computes their designs"
+        console.note(f"Note: {told_of(table.damaged, store)}; {again}.", quiet)
     fits = fit_study(table)
     if response is not None and response not in fits:
         raise InputError(

@@ -9,7 +9,13 @@ import typer
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import JsonOption, QuietOption, SpeedOption, UnitsOption
+from crankfem.cli.commands.options import (
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    SpeedOption,
+    UnitsOption,
+)
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
@@ -59,6 +65,7 @@ def harmonics(
         str | None,
         typer.Option(metavar="FOLDER", help="Write torque, harmonics and star diagrams as SVG."),
     ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     units: UnitsOption = None,
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
@@ -100,6 +107,7 @@ def _of_table(source: str, asked: _Asked) -> dict[str, Any]:
     from crankfem.analyses.mechanism.harmonics_record import harmonics_record
     from crankfem.analyses.mechanism.plots.plots import plot_torque
     from crankfem.files.reading.data_files import torque_path
+    from crankfem.jobs.outputs import check_outputs
     from dynamics.torque_table import read_torque_table
 
     for name, value, lacks in (
@@ -115,7 +123,7 @@ def _of_table(source: str, asked: _Asked) -> dict[str, Any]:
     table = read_torque_table(path, strokes=4 if asked.strokes is None else asked.strokes)
     found = table.harmonics()
     _check_resolved(asked.orders, found)
-    folder = console.check_outputs(asked.csv, asked.pictures, path)
+    folder = check_outputs(asked.csv, asked.pictures, path)
     if folder is not None:
         plot_torque(folder / "torque.svg", table.torque, found)
     return {"table": path.name} | harmonics_record(found)
@@ -128,6 +136,7 @@ def _of_engine(source: str, asked: _Asked) -> dict[str, Any]:
     from crankfem.cli.tables.harmonics_tables import engine_record, pin_force_record
     from crankfem.files.engine.input_files import mechanism_inputs
     from crankfem.files.engine.mechanism_file import load_mechanism
+    from crankfem.jobs.outputs import check_outputs
     from dynamics.torque.pin_harmonics import pin_force_harmonics
     from dynamics.torque.torque import engine_torque
 
@@ -145,7 +154,7 @@ def _of_engine(source: str, asked: _Asked) -> dict[str, Any]:
             f"--cylinder: given {cylinder}; allowed is 1 to {len(engine.cylinders)}, because the "
             "engine has that many."
         )
-    folder = console.check_outputs(asked.csv, asked.pictures, *mechanism_inputs(mechanism))
+    folder = check_outputs(asked.csv, asked.pictures, *mechanism_inputs(mechanism))
     pressure = mechanism.pressure or None
     torque = engine_torque(engine, speed, pressure, throws=mechanism.throws)
     _check_resolved(asked.orders, torque.harmonics())

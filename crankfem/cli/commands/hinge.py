@@ -7,7 +7,13 @@ import typer
 
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import JsonOption, QuietOption, UnitsOption, checked_choice
+from crankfem.cli.commands.options import (
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    UnitsOption,
+    checked_choice,
+)
 from crankfem.cli.console import print_json
 
 
@@ -36,6 +42,7 @@ def hinge(
     pictures: Annotated[
         str | None, typer.Option(metavar="FOLDER", help="Write moments, guides and speeds.")
     ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     units: UnitsOption = None,
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
@@ -48,6 +55,7 @@ def hinge(
     from crankfem.cli.column_file import write_columns
     from crankfem.cli.tables.hinge_tables import print_hinge
     from crankfem.files.hinge.hinge_file import load_hinge
+    from crankfem.jobs.outputs import check_outputs
     from dynamics.hinge.reduced import KINEMATICS
 
     shown = parse_output_units(units)
@@ -56,7 +64,7 @@ def hinge(
     described = checked_choice(
         "--kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
     )
-    folder = console.check_outputs(csv, pictures, loaded.path)
+    folder = check_outputs(csv, pictures, loaded.path)
     run = run_hinge(loaded, described, other)
     record = hinge_record(run)
     if csv is not None:

@@ -8,6 +8,7 @@ import typer
 from crankfem.cli import console
 from crankfem.cli.commands.options import (
     EngineArgument,
+    ForceOption,
     JsonOption,
     QuietOption,
     SpeedOption,
@@ -35,6 +36,7 @@ def mechanism(
     pictures: Annotated[
         str | None, typer.Option(metavar="FOLDER", help="Write load diagrams and hodographs.")
     ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     units: UnitsOption = None,
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
@@ -51,12 +53,13 @@ def mechanism(
     from crankfem.cli.tables.mechanism_tables import print_mechanism
     from crankfem.files.engine.input_files import mechanism_inputs
     from crankfem.files.engine.mechanism_file import load_mechanism
+    from crankfem.jobs.outputs import check_outputs
     from dynamics.mechanism.rods import ROD_MODELS
 
     shown = parse_output_units(units)
     loaded, turning = load_mechanism(engine), parse_speed(speed)
     rods = checked_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")
-    folder = console.check_outputs(csv, pictures, *mechanism_inputs(loaded))
+    folder = check_outputs(csv, pictures, *mechanism_inputs(loaded))
     run = run_mechanism(loaded, turning, rods, motored=motored)
     record = mechanism_record(run)
     balanced, hinged = balance_record(run.balance), hinged_rods_record(run.hinged_rods)

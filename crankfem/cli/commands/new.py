@@ -1,6 +1,6 @@
 """A file to start from: a template that explains itself, or a copy of a shipped one."""
 
-import shutil
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +9,7 @@ import typer
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import JsonOption, QuietOption
+from crankfem.cli.commands.options import ForceOption, JsonOption, QuietOption
 from crankfem.cli.console import print_json
 
 CYLINDERS, STROKES = 6, 4
@@ -47,10 +47,13 @@ def new(
         typer.Option(help="Its strokes per cycle, 2 or 4.", show_default=str(STROKES)),
     ] = None,
     listed: Annotated[bool, typer.Option("--list", help="List what is shipped.")] = False,
+    force: ForceOption = False,
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Write an engine file that explains itself and runs as it is, or copy a shipped one."""
+    from crankfem.jobs.outputs import check_writable
+
     if listed:
         if file is not None or source is not None:
             raise InputError(
@@ -63,9 +66,9 @@ def new(
             "new: given no file; allowed is the name of one to write, like `crankfem new mine.toml`, or "
             "--list."
         )
-    if file.exists():
-        raise InputError(f"{file}: exists already; give a new file name.")
-    console.check_folder(file)
+    if os.path.lexists(file) and not force:
+        raise InputError(f"{file}: exists already; give a new file name, or --force to replace it.")
+    check_writable(file, "input file")
     if source is None:
         kind = "engine"
         _write_template(file, cylinders, strokes)
@@ -88,6 +91,7 @@ def new(
 
 
 def _write_template(file: Path, cylinders: int | None, strokes: int | None) -> None:
+    from crankbase.outputs import hand_over
     from crankfem.files.engine.engine_template import engine_template
 
     text = engine_template(
@@ -95,12 +99,14 @@ def _write_template(file: Path, cylinders: int | None, strokes: int | None) -> N
         CYLINDERS if cylinders is None else cylinders,
         STROKES if strokes is None else strokes,
     )
-    file.write_text(text, encoding="utf-8")
+    hand_over(file, text.encode(), "input file")
 
 
 def _copy(source: str, file: Path) -> str:
     """Copy a shipped file; return its kind."""
+    from crankbase.outputs import hand_over
     from crankfem.files.reading.shipped import shipped_files
+    from crankfem.jobs.outputs import check_writable
 
     known = {one.name: one for one in shipped_files()}
     found = known.get(source.removesuffix(".toml"))
@@ -108,7 +114,8 @@ def _copy(source: str, file: Path) -> str:
         raise InputError(
             f"--from: given {source!r}; allowed are {', '.join(known)}, because these are shipped."
         )
-    shutil.copyfile(found.path, file)
+    check_writable(file, "input file", found.path)
+    hand_over(file, found.path.read_bytes(), "input file")
     return found.kind
 
 

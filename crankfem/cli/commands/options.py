@@ -7,9 +7,17 @@ from typing import Annotated, TypeVar
 import typer
 
 from crankbase.errors import InputError
+from crankbase.outputs import replacing_files
 from crankfem.cli.commands import completion
 
 Choice = TypeVar("Choice", bound=str)
+
+
+def _let_replace(command: typer.Context, force: bool) -> bool:
+    """Set by which rules the command that begins writes its files."""
+    command.with_resource(replacing_files(force))
+    return force
+
 
 EngineArgument = Annotated[
     str,
@@ -56,6 +64,14 @@ JsonOption = Annotated[
 ]
 QuietOption = Annotated[
     bool, typer.Option("--quiet", "-q", help="Nothing on standard error but errors.")
+]
+ForceOption = Annotated[
+    bool,
+    typer.Option(
+        "--force",
+        help="Replace files too that crankfem has not made, but none that is read here.",
+        callback=_let_replace,
+    ),
 ]
 UnitsOption = Annotated[
     str | None,

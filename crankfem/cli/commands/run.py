@@ -9,6 +9,7 @@ from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands.options import (
     EngineArgument,
+    ForceOption,
     JsonOption,
     QuietOption,
     StrictOption,
@@ -29,6 +30,7 @@ def run(
     ] = None,
     workers: WorkersOption = 2,
     strict: StrictOption = False,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     units: UnitsOption = None,
     json: JsonOption = False,
     quiet: QuietOption = False,
@@ -81,6 +83,7 @@ def _print(results: dict[str, Any], units: "OutputUnits") -> None:
 
 def report(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of a finished run.")],
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -89,14 +92,19 @@ def report(
 
     from jinja2 import TemplateError
 
-    from crankfem.jobs.run_files import PICTURES, REPORT, RESULTS, write_whole
-    from crankfem.report.writing import render_report
+    from crankbase.outputs import check_output, files_of_a_run, is_plain, protect
+    from crankfem.jobs.run_files import PICTURES, REPORT, RESULTS, list_older_run
+    from crankfem.report.writing import render_report, write_report_text
 
     path = folder / RESULTS
-    if not path.is_file():
+    if not is_plain(path):
         raise InputError(
             f"{folder}: has no {RESULTS}; give the folder that crankfem run has written."
         )
+    protect(path)
+    list_older_run(folder)
+    with files_of_a_run():
+        check_output(folder / REPORT, "report")
     content = path.read_bytes()
     try:
         results = json_module.loads(content.decode("utf-8"))
@@ -112,7 +120,7 @@ def report(
         raise InputError(
             f"{path}: is not what crankfem run writes ({error}); run it again."
         ) from None
-    made = write_whole(folder / REPORT, text)
+    made = write_report_text(folder / REPORT, text)
     if unread is not None:
         console.note(f"Note: {unread}", quiet)
     if json:

@@ -7,7 +7,7 @@ import typer
 
 from crankbase.errors import InputError
 from crankfem.cli import console
-from crankfem.cli.commands.options import EngineArgument, JsonOption, QuietOption
+from crankfem.cli.commands.options import EngineArgument, ForceOption, JsonOption, QuietOption
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
@@ -33,12 +33,14 @@ def export(
             "--calculix", help="Into .inp write a whole deck: mesh, supports, load cases."
         ),
     ] = False,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
     from crankfem.files.engine.throw_file import load_crankshaft, load_throw
     from crankfem.files.reading.file_kinds import engine_sections
+    from crankfem.jobs.outputs import check_writable
     from fem.calculix import write_calculix
     from geometry.mesh_files import ENDINGS as MESH_ENDINGS
     from geometry.mesh_files import SOLID_ENDINGS, SURFACE_ENDINGS, write_mesh
@@ -47,7 +49,6 @@ def export(
 
     content = engine_sections(engine)
     throw, material = load_throw(content)
-    console.check_folder(file)
     record: dict[str, Any] = {"file": str(file)}
     if calculix and (file.suffix != ".inp" or part != "full"):
         raise InputError(
@@ -57,6 +58,7 @@ def export(
     if shaft or file.suffix.lower() in ENDINGS:
         if size != 1.0:
             raise InputError(f"--size: given {size:g}; allowed only for meshes, not for solids.")
+        check_writable(file, "solid", content.path)
         write_step(load_crankshaft(content) if shaft else throw, file, part)
     else:
         if file.suffix.lower() not in MESH_ENDINGS:
@@ -66,6 +68,7 @@ def export(
             )
         if not 0.05 <= size <= 10.0:
             raise InputError(f"--size: given {size:g}; allowed is 0.05 to 10.")
+        check_writable(file, "deck" if calculix else "mesh", content.path)
         mesh = mesh_isolated(throw, size, part)
         if calculix:
             write_calculix(mesh, material, file)
@@ -101,6 +104,7 @@ def draw(
     shaft: Annotated[
         Path | None, typer.Option(metavar="SHAFT.png", help="Picture of the whole crankshaft.")
     ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
@@ -114,14 +118,16 @@ def draw(
     from crankfem.files.engine.throw_file import load_crankshaft, load_throw
     from crankfem.files.reading.data_files import engine_path
     from crankfem.files.reading.file_kinds import engine_sections
+    from crankfem.jobs.outputs import check_apart, check_writable
 
-    name = engine_path(engine).stem
-    drawing = output or Path(f"{name}-throw.svg")
+    source = engine_path(engine)
+    drawing = output or Path(f"{source.stem}-throw.svg")
     check_drawing_ending(drawing)
     for file in filter(None, (picture, shaft)):
         check_picture_ending(file)
+    check_apart({"--output": drawing, "--picture": picture, "--shaft": shaft})
     for file in filter(None, (drawing, picture, shaft)):
-        console.check_folder(file)
+        check_writable(file, "picture", source)
     content = engine_sections(engine)
     dimensions, _ = load_throw(content)
     crankshaft = load_crankshaft(content) if shaft else None

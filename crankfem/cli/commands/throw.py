@@ -10,6 +10,7 @@ from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands.options import (
     EngineArgument,
+    ForceOption,
     JsonOption,
     QuietOption,
     ThrowArgument,
@@ -98,26 +99,38 @@ def stress(
     pictures: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="Folder for a picture of each load.")
     ] = None,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     units: UnitsOption = None,
     json: JsonOption = False,
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Find the stresses at a throw's fillets under unit loads, and their concentration factors."""
+    from crankbase.outputs import check_output, protect
     from crankbase.tables.output_units import parse_output_units
+    from crankfem.analyses.throw.pictures.stress_picture import picture_name
     from crankfem.analyses.throw.stress import stress_record
     from crankfem.cli.tables.stress_tables import print_stresses
     from crankfem.files.engine.throw_file import load_throw
+    from crankfem.files.reading.data_files import engine_path
     from fem.fillet_stress import fillet_stresses
+    from fem.loads import radial_directions
+    from fem.unit_loads import unit_loads
 
     shown = parse_output_units(units)
     part, material = load_throw(engine)
     if pictures is not None:
-        console.check_folder(pictures)
+        if not pictures.absolute().parent.is_dir():
+            raise InputError(
+                f"{pictures}: cannot be written; there is no folder {pictures.parent}."
+            )
         if pictures.exists() and not pictures.is_dir():
             raise InputError(
                 f"--pictures: given {pictures}, which is a file; allowed is a folder, for there is a "
                 "picture of each load."
             )
+        protect(engine_path(engine))
+        for load in unit_loads(radial_directions(part)):
+            check_output(pictures / picture_name(load), "picture")
     stresses = fillet_stresses(part, material, accuracy, end_sections=cast(Any, end_sections))
     record = stress_record(stresses)
     if pictures is not None:

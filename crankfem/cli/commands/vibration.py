@@ -8,7 +8,13 @@ import typer
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import JsonOption, QuietOption, StrictOption, UnitsOption
+from crankfem.cli.commands.options import (
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    StrictOption,
+    UnitsOption,
+)
 from crankfem.cli.commands.strict import check_judged, end_strictly
 from crankfem.cli.console import print_json
 
@@ -48,6 +54,7 @@ def vibration(
         typer.Option(metavar="FOLDER", help="Write mode shapes, Campbell diagrams and amplitudes."),
     ] = None,
     strict: StrictOption = False,
+    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
     units: UnitsOption = None,
     json: JsonOption = False,
     quiet: QuietOption = False,
@@ -63,6 +70,8 @@ def vibration(
         _of_chain(engine, content, json, shown, only_engines=others)
         return
     from crankbase.drawing.diagram_style import make_folder
+    from crankbase.outputs import check_output, protect
+    from crankfem.analyses.shaft.motion import MOTION
     from crankfem.analyses.vibration.forced_records import forced_columns
     from crankfem.analyses.vibration.records import run_record
     from crankfem.analyses.vibration.run import engine_vibration
@@ -70,21 +79,34 @@ def vibration(
     from crankfem.analyses.vibration.run_up import run_up as turned_up
     from crankfem.analyses.vibration.run_up_records import run_up_record
     from crankfem.analyses.vibration.vibration_pictures import (
+        picture_names,
         picture_run_up,
         picture_vibration,
     )
     from crankfem.cli.column_file import write_columns
     from crankfem.cli.tables.vibration_tables import print_run, print_run_up
     from crankfem.files.engine.engine_file import load_engine
+    from crankfem.files.engine.input_files import engine_tables
+    from crankfem.files.engine.mechanism_file import mechanism_of
 
     duration = None if run_up is None else parse_duration(run_up)
     read = load_engine(content)
     if strict:
         check_judged(read)
+    if csv is not None or pictures is not None:
+        protect(read.path, *engine_tables(read, mechanism_of(read)))
     folders = [None if given is None else Path(given) for given in (csv, pictures)]
     for folder in folders:
         if folder is not None:
             make_folder(folder)
+    if folders[0] is not None:
+        for kind in MOTION:
+            check_output(folders[0] / f"{kind}.csv", "table")
+    if folders[1] is not None:
+        known = read.gas is not None or read.gas_map is not None
+        made = picture_names(forced=known, coupled=coupled)
+        for name in [*made, *([] if run_up is None else ["run_up.svg"])]:
+            check_output(folders[1] / name, "picture")
     with console.RunProgress(quiet) as progress:
         run = engine_vibration(read, coupled=coupled, step=progress.step)
         found = None

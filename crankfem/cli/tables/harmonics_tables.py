@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from crankbase.outputs import written
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.tables.table_units import table_unit
@@ -218,7 +219,7 @@ def _what(record: Record) -> str:
 
 def write_table(path: Path, record: Record) -> None:
     """Write harmonics as CSV; the first line names what they are of, the row of order 0 is the mean."""
-    with path.open("w", encoding="utf-8", newline="") as stream:
+    with written(path, "table") as part, part.open("w", encoding="utf-8", newline="") as stream:
         stream.write(f"# {_what(record)}\n")
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(["of", "unit", "order", "cosine", "sine", "amplitude", "phase_deg"])

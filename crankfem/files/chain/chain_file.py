@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.errors import InputError
+from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
 from crankfem.files.chain.chain_build import Section, chain_of
 from crankfem.files.chain.chain_sections import AxialChainSection, TorsionalChainSection
 from crankfem.files.chain.chain_text import read_chain_text
@@ -65,6 +66,7 @@ def load_chain(path: str | Path | TomlFile) -> ChainFile:
     """
     found = path.path if isinstance(path, TomlFile) else chain_path(path)
     if found.suffix.lower() != ".toml":
+        check_file_size(found, LARGEST_TEXT_FILE, "the text of a chain")
         try:
             text = found.read_text(encoding="utf-8-sig")
         except (OSError, UnicodeDecodeError) as error:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile
 from crankfem.files.reading.data_files import find_table
 
@@ -13,3 +14,14 @@ def mechanism_inputs(mechanism: MechanismFile) -> tuple[Path, ...]:
         return (mechanism.path,)
     table = find_table("gas.pressure_table", mechanism.path, gas.pressure_table)
     return (mechanism.path, table)
+
+
+def engine_tables(engine_file: EngineFile, mechanism: MechanismFile) -> tuple[Path, ...]:
+    """Return the tables that an engine file names: of pressures, at points of a map, of torque."""
+    points = () if engine_file.gas_map is None else engine_file.gas_map.points
+    on_map = [
+        find_table("gas_map.points.pressure_table", engine_file.path, point.pressure_table)
+        for point in points
+    ]
+    torque = () if engine_file.torque_table is None else (engine_file.torque_table,)
+    return (*mechanism_inputs(mechanism)[1:], *on_map, *torque)

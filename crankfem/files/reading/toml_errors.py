@@ -1,7 +1,12 @@
 """What is wrong with a file that is not TOML, in words for someone who knows no TOML."""
 
 import re
+import tomllib
 
+from crankbase.errors import shortened
+
+# Of a line that is looked at.
+LONGEST_LINE = 500
 # Where the parser stopped.
 AT_LINE = re.compile(r"\(at line (\d+), column \d+\)")
 # A number followed by letters, with no quotes about them: "= 9 in", "value = 17 kg", "[0 deg, ...".
@@ -9,7 +14,7 @@ BARE = re.compile(
     r"[=\[,]\s*([+-]?\d[\d.]*(?:[eE][+-]?\d+)?\s*[A-Za-z%°µ][^\s,}\]#\"']*(?: [A-Za-z][\w^/*]*)*)"
 )
 NAME = re.compile(r"\s*([\w.-]+|\"[^\"]*\"|'[^']*')\s*=")
-HEADER = re.compile(r"\s*\[(?!\[)\s*([^\]]+?)\s*\]")
+HEADER = re.compile(r"\s*\[(?!\[)([^\]]+)\]")
 QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'[^']*'")
 
 
@@ -28,13 +33,16 @@ def not_toml(text: str, error: Exception) -> str:
     str
         Such as ``line 46, web_width = 9 in: a quantity stands without quotes; write "9 in" ...``.
     """
+    if not isinstance(error, tomllib.TOMLDecodeError):
+        return "given a number of thousands of digits; allowed are numbers of 64 bits, as TOML has them."
     found = AT_LINE.search(str(error))
-    lines = text.splitlines()
+    # What is wrong shows at the beginning of a line; patterns would take long over all of a very long one.
+    lines = [line[:LONGEST_LINE] for line in text.splitlines()]
     place = int(found[1]) if found else 0
     if not 1 <= place <= len(lines):
         return f"is not TOML ({error}); allowed is a TOML file."
     line = lines[place - 1]
-    shown = f"line {place}, {line.strip()}:"
+    shown = f"line {place}, {shortened(line.strip())}:"
     before = _before(lines, place)
     if before is not None:
         return (
@@ -60,7 +68,8 @@ def _before(lines: list[str], place: int) -> int | None:
             (
                 number
                 for number, other in enumerate(lines[: place - 1], start=1)
-                if (found := HEADER.match(other)) is not None and found[1] == header[1]
+                if (found := HEADER.match(other)) is not None
+                and found[1].strip() == header[1].strip()
             ),
             None,
         )

@@ -10,7 +10,9 @@ from typing import Any, TypeVar
 from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
+from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
 from crankfem.files.reading.toml_errors import not_toml
+from crankfem.files.reading.toml_limits import check_content, check_keys, too_deep
 
 Model = TypeVar("Model", bound=InputModel)
 
@@ -154,16 +156,21 @@ def read_toml(path: Path) -> TomlFile:
         raise InputError(
             f"{path}: is a STEP file; allowed is a TOML file here, for only `crankfem throw` takes STEP."
         )
+    check_file_size(path, LARGEST_TEXT_FILE, "a file of dimensions")
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
             f"{path}: cannot be read as text ({error}); allowed is a TOML file."
         ) from None
+    check_keys(path.name, text)
     try:
         content = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except RecursionError:
+        raise too_deep(path.name) from None
+    except ValueError as error:  # not TOML, or a number of thousands of digits
         raise InputError(f"{path}: {not_toml(text, error)}") from None
+    check_content(path.name, content)
     sources = content.pop("sources", {})
     if not isinstance(sources, dict):
         raise InputError(
@@ -224,6 +231,8 @@ def _split(
 def _cite(text: str, sources: Mapping[str, str]) -> str:
     """Replace the short names of sources by brackets that the report explains."""
     for name in sources:
+        if name not in text:  # most are not, and a pattern takes long to make
+            continue
         text = re.sub(rf"\b{re.escape(name)}\b", f"[{name}]", text)
     return text
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from crankbase.errors import InputError
+from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
 from crankbase.units.quantity import parse_quantity
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor, ThrowField, throw_fields, unknown_field
@@ -77,6 +78,7 @@ def _read_csv(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     if not path.is_file():
         found = "that is a folder" if path.is_dir() else "there is no such file"
         raise InputError(f"study.file: given {path.name!r}; {found} beside the study file.")
+    check_file_size(path, LARGEST_TABLE_FILE, "a table of designs")
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
@@ -89,7 +91,10 @@ def _read_csv(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
         ) from None
     delimiter = ";" if ";" in text.partition("\n")[0] else ","
     reader = csv.reader(text.splitlines(), delimiter=delimiter)
-    lines = [(reader.line_num, line) for line in reader if any(cell.strip() for cell in line)]
+    try:
+        lines = [(reader.line_num, line) for line in reader if any(cell.strip() for cell in line)]
+    except csv.Error as error:
+        raise InputError(f"study.file: given {path.name!r}, which is no table ({error}).") from None
     if len(lines) < 2:
         raise InputError(
             f"study.file: given {path.name!r} without any run; allowed is a line of factor names and a "

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 from crankbase.errors import InputError
+from crankbase.outputs import write_text
 from crankfem.report.interactive.style import Part
 
 
@@ -36,7 +37,7 @@ def write_figure(path: Path, traces: list[Part], layout: Part) -> Path:
         ensure_ascii=False,
     )
     try:
-        path.write_text(text + "\n", encoding="utf-8")
+        write_text(path, text + "\n", "plot")
     except OSError as error:
         raise InputError(
             f"path: given {path}, which cannot be written ({error.strerror}); allowed is a file in a folder "

@@ -1,7 +1,6 @@
 """Pictures of a throw's or a crankshaft's solid, seen from the side with the free end to the left."""
 
 import math
-import shutil
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
+from crankbase.outputs import copy_file
 from crankbase.processes import scratch_folder
 from crankfem.analyses.throw.pictures.offscreen import (
     OffscreenProcess,
@@ -132,7 +132,7 @@ def _write(
     with scratch_folder() as folder:
         OffscreenProcess("crankfem.analyses.throw.pictures.solid_picture", arrays, folder).wait()
         try:
-            shutil.copyfile(folder / PICTURE, path)
+            copy_file(folder / PICTURE, path, "picture")
         except OSError as error:
             raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
     return path

@@ -1,7 +1,6 @@
 """Pictures of the stress all over a throw under each unit load, the largest one at a fillet marked."""
 
 import math
-import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from crankbase.drawing.diagram_style import STYLE
 from crankbase.errors import InputError
+from crankbase.outputs import check_output, copy_file
 from crankbase.processes import scratch_folder
 from crankbase.units.units import UNITS
 from crankfem.analyses.throw.pictures.offscreen import (
@@ -83,13 +83,15 @@ def picture_stresses(stresses: FilletStresses, folder: str | Path) -> tuple[Path
     """
     folder = Path(folder)
     names = [picture_name(load) for load in stresses.loaded.loads]
+    for name in names:
+        check_output(folder / name, "picture")
     with scratch_folder() as scratch:
         arrays = picture_arrays(stresses)
         OffscreenProcess("crankfem.analyses.throw.pictures.stress_picture", arrays, scratch).wait()
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for name in names:
-                shutil.copyfile(scratch / name, folder / name)
+                copy_file(scratch / name, folder / name, "picture")
         except OSError as error:
             raise InputError(f"{folder}: cannot be written ({error.strerror or error}).") from None
     return tuple(folder / name for name in names)

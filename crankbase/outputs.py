@@ -1,0 +1,365 @@
+"""The files that crankfem writes: each in one step, and none in the place of somebody else's.
+
+A hidden file in each folder lists what was written there, of which kind and with which checksum; only
+what says itself whose it is, as a model does, needs no list. A file gives way to a new one of its kind if
+it is still what was written, or if it is empty; any other belongs to the user. What is written gets its
+name when it is complete, and is listed before that, so that an interrupt at any moment leaves a file that
+the next run knows.
+"""
+
+import hashlib
+import json
+import os
+import secrets
+import stat
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from crankbase.errors import InputError
+
+LISTED = ".crankfem-outputs.json"
+FORMAT = "crankfem outputs"
+DATABASE = b"SQLite format 3\0"
+# A file that crankfem wrote, or the one before it: which one is there, an interrupt decides.
+REMEMBERED = 2
+
+Recognized = Callable[[Path], bool]
+Kind = Literal[
+    "picture", "plot", "table", "mesh", "solid", "deck", "model", "results", "report", "input file"
+]
+
+
+@dataclass(frozen=True)
+class _Rules:
+    """Under which files are written now."""
+
+    force: bool = False
+    run: bool = False
+    # None outside of any context, where nobody could take them out again.
+    inputs: list[Path] | None = None
+
+
+_USUAL = _Rules()
+_RULES = ContextVar("_RULES", default=_USUAL)
+
+
+@contextmanager
+def replacing_files(force: bool = True) -> Iterator[None]:
+    """Let what is written inside this context take the place of files that crankfem has not made.
+
+    Files that are read stay what they are all the same, and so do stores of studies.
+
+    Parameters
+    ----------
+    force : bool
+        Whether to let it.
+
+    Examples
+    --------
+    >>> with replacing_files():
+    ...     pass
+    """
+    with _rules(replace(_RULES.get(), force=force)):
+        yield
+
+
+def protect(*inputs: Path) -> None:
+    """Let nothing that is written until the end of the context take the place of these files."""
+    known = _RULES.get().inputs
+    if known is not None:
+        known.extend(inputs)
+
+
+@contextmanager
+def protected(*inputs: Path) -> Iterator[None]:
+    """Let nothing that is written inside this context take the place of these files."""
+    with _rules(_RULES.get()):
+        protect(*inputs)
+        yield
+
+
+@contextmanager
+def files_of_a_run() -> Iterator[None]:
+    """List what is written inside this context as a run's, and let it replace only a run's files."""
+    with _rules(replace(_RULES.get(), run=True)):
+        yield
+
+
+@contextmanager
+def _rules(rules: _Rules) -> Iterator[None]:
+    token = _RULES.set(replace(rules, inputs=list(rules.inputs or ())))
+    try:
+        yield
+    finally:
+        _RULES.reset(token)
+
+
+# ------------------------------------------------------------------------------------------- check
+
+
+def check_output(
+    path: Path, kind: Kind, *, recognized: Recognized | None = None, name: str = ""
+) -> None:
+    """Refuse to write a file that is somebody else's, or that is read.
+
+    Parameters
+    ----------
+    path : Path
+        The file; nothing is refused where there is none yet.
+    kind : str
+        What would be written.
+    recognized : callable, optional
+        Tells by its content that a file is one of this kind as crankfem wrote it; with it only the files
+        of runs are listed.
+    name : str, optional
+        What the message calls the file; its path by default.
+
+    Raises
+    ------
+    InputError
+        That names the file and why it may not be written.
+    """
+    shown, rules = name or str(path), _RULES.get()
+    if path.is_dir():
+        raise InputError(f"{shown}: cannot be written, because it is a folder; name a file in it.")
+    if not os.path.lexists(path):
+        return
+    if any(_same(path, other) for other in rules.inputs or ()):
+        raise InputError(
+            f"{shown}: cannot be written, because this command reads that file; name another."
+        )
+    if path.exists() and not os.access(path, os.W_OK):
+        raise InputError(f"{shown}: cannot be written, because the file may not be changed.")
+    if path.exists() and not path.is_file():  # a device or a pipe, which holds nothing
+        return
+    if _begins(path, DATABASE):
+        raise InputError(
+            f"{shown}: cannot be written, because it is a database, such as the store of a study; name "
+            "another."
+        )
+    reason = None if rules.force else _not_ours(path, kind, recognized, rules.run)
+    if reason is not None:
+        raise InputError(
+            f"{shown}: is not replaced, because {reason}; name another {'folder' if rules.run else 'file'}, "
+            "or allow it with --force (in Python: with crankfem.replacing_files())."
+        )
+
+
+def _not_ours(path: Path, kind: Kind, recognized: Recognized | None, run: bool) -> str | None:
+    """Why a file may not be replaced by one of a kind; None if it may."""
+    if path.is_symlink():
+        return "it is a link that crankfem has not made"
+    if path.stat().st_size == 0:
+        return None
+    if recognized is not None and not run:
+        return (
+            None if recognized(path) else f"it is no {kind} that crankfem made and nobody changed"
+        )
+    entry = _read_list(path.parent).get(path.name)
+    if entry is None or (run and not entry["run"]):
+        return "no run of crankfem has made it" if run else "crankfem has not made it"
+    if _checksum(path) not in entry["sha256"]:
+        return "it was changed since crankfem wrote it"
+    if entry["kind"] != kind:
+        return f"it is a {entry['kind']} and no {kind}"
+    return None
+
+
+def _same(path: Path, other: Path) -> bool:
+    try:
+        return path.samefile(other)
+    except OSError:
+        return False
+
+
+def _begins(path: Path, content: bytes) -> bool:
+    try:
+        with path.open("rb") as file:
+            return file.read(len(content)) == content
+    except OSError:
+        return False
+
+
+# ------------------------------------------------------------------------------------------- write
+
+
+@contextmanager
+def written(path: Path, kind: Kind, *, recognized: Recognized | None = None) -> Iterator[Path]:
+    """Yield the name of a private file to write, which takes its own name when it is complete.
+
+    It lies in the same folder and has the same ending. Where writing fails, what was there stays.
+
+    Parameters
+    ----------
+    path, kind, recognized
+        As for `check_output`.
+
+    Yields
+    ------
+    Path
+        An empty file; of a device or a pipe itself.
+
+    Raises
+    ------
+    InputError
+        As `check_output`.
+    OSError
+        If the file cannot be written; it names `path`.
+    """
+    check_output(path, kind, recognized=recognized)
+
+    def enter(part: Path) -> None:
+        check_output(path, kind, recognized=recognized)
+        if recognized is None or _RULES.get().run:
+            _list_file(path, kind, _checksum(part))
+
+    with _in_one_step(path, enter) as part:
+        yield part
+
+
+@contextmanager
+def _in_one_step(path: Path, enter: Callable[[Path], None]) -> Iterator[Path]:
+    """Yield a private file that takes the place of `path` in the end, once `enter` has let it."""
+    if path.exists() and not path.is_file():
+        yield path
+        return
+    part = path.with_name(f".crankfem-{secrets.token_hex(8)}{path.suffix}")
+    try:
+        # It is made here and never followed, and its rights are those of any new file.
+        part.open("x").close()
+        yield part
+        with _alone(path.parent):
+            enter(part)
+            os.replace(part, path)
+    except BaseException as error:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.filename in (None, str(part), part):
+            raise OSError(error.errno, error.strerror or str(error), str(path)) from error
+        raise
+
+
+def write_text(path: Path, text: str, kind: Kind, *, recognized: Recognized | None = None) -> Path:
+    """Write a text in UTF-8 as `written` does, and return its path."""
+    with written(path, kind, recognized=recognized) as part:
+        part.write_text(text, encoding="utf-8")
+    return path
+
+
+def copy_file(source: Path, path: Path, kind: Kind) -> Path:
+    """Copy a file as `written` does, and return the path of the copy."""
+    with written(path, kind) as part:
+        part.write_bytes(source.read_bytes())
+    return path
+
+
+def hand_over(path: Path, content: bytes, kind: Kind) -> None:
+    """Write a file that is the user's from then on: it is not listed, and so never replaced again."""
+    with _in_one_step(path, lambda _: check_output(path, kind)) as part:
+        part.write_bytes(content)
+
+
+# -------------------------------------------------------------------------------------------- list
+
+
+def is_listed(path: Path) -> bool:
+    """Whether a file is listed as one that crankfem wrote, changed since then or not."""
+    return path.name in _read_list(path.parent)
+
+
+def files_listed(folder: Path) -> list[Path]:
+    """Return the files of a run in a folder that are listed there and still what the run wrote."""
+    return [
+        folder / name
+        for name, entry in _read_list(folder).items()
+        if entry["run"] and is_plain(folder / name) and _checksum(folder / name) in entry["sha256"]
+    ]
+
+
+def list_as_written(path: Path, kind: Kind) -> None:
+    """List a file that an earlier release wrote, as one of a run."""
+    with files_of_a_run(), _alone(path.parent):
+        _list_file(path, kind, _checksum(path))
+
+
+def is_plain(path: Path) -> bool:
+    """Whether a path is that of a file, and neither of a link nor of anything else."""
+    try:
+        return stat.S_ISREG(path.lstat().st_mode)
+    except OSError:
+        return False
+
+
+def _checksum(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _read_list(folder: Path) -> dict[str, dict[str, Any]]:
+    """Read what is listed in a folder; a list that is none lists nothing."""
+    path = folder / LISTED
+    if not is_plain(path):
+        return {}
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        if content["format"] != FORMAT:
+            return {}
+        return {
+            name: {
+                "kind": str(entry["kind"]),
+                "run": entry["run"] is True,
+                "sha256": [str(one) for one in entry["sha256"]],
+            }
+            for name, entry in content["files"].items()
+            # A name, and no way out of the folder.
+            if name not in ("", ".", "..") and Path(name).name == name
+        }
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
+        return {}
+
+
+def _list_file(path: Path, kind: Kind, checksum: str) -> None:
+    """List a file that is to be put in its place; what is gone from the folder is listed no more."""
+    listed = {
+        name: entry
+        for name, entry in _read_list(path.parent).items()
+        if os.path.lexists(path.parent / name)
+    }
+    before = listed.get(path.name, {"sha256": []})["sha256"]
+    entry = {
+        "kind": kind,
+        "run": _RULES.get().run,
+        "sha256": list(dict.fromkeys([checksum, *before]))[:REMEMBERED],
+    }
+    content = {"format": FORMAT, "files": listed | {path.name: entry}}
+    part = path.with_name(f".crankfem-{secrets.token_hex(8)}.json")
+    try:
+        with part.open("x", encoding="utf-8") as file:
+            file.write(json.dumps(content, indent=1) + "\n")
+        os.replace(part, path.parent / LISTED)
+    except BaseException:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Keep other processes of crankfem from changing the list of a folder meanwhile."""
+    try:
+        import fcntl
+
+        handle = os.open(folder, os.O_RDONLY)
+    except (ImportError, OSError):  # no such locks here
+        yield
+        return
+    try:
+        with suppress(OSError):
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)

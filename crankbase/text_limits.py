@@ -1,0 +1,47 @@
+"""How large what is read from outside may be: far above what people write, far below what takes minutes."""
+
+from pathlib import Path
+
+from crankbase.errors import InputError
+
+# Characters of a quantity such as "7850 kg/m^3", and of an expression of a study.
+LONGEST_QUANTITY = 200
+LONGEST_EXPRESSION = 1000
+# Of all exponents in a unit or an expression, multiplied: m^4 kg^2 s^2 has 16.
+LARGEST_POWER = 1000.0
+# Bytes of an input file in TOML or of the text of a chain, and of a table or a model.
+LARGEST_TEXT_FILE = 1_000_000
+LARGEST_TABLE_FILE = 50_000_000
+# Values in a TOML file, names in a dotted key or tables in tables, and characters of one name or text.
+MOST_VALUES = 10_000
+DEEPEST_TABLE = 30
+LONGEST_TEXT = 10_000
+# TOML guarantees integers of 64 bits, one of them the sign.
+MOST_BITS = 63
+
+
+def check_file_size(path: Path, most: int, what: str) -> None:
+    """Refuse a file that is too large to be what it is given for, before it is read.
+
+    Parameters
+    ----------
+    path : Path
+        What cannot be looked at is left to the reading.
+    most : int
+        Bytes.
+    what : str
+        What the file is meant to be, for the message.
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        size = path.stat().st_size
+    except OSError:
+        return
+    if size > most:
+        raise InputError(
+            f"{path}: given a file of {size / 1e6:.3g} MB; allowed are {most / 1e6:g} MB, because {what} "
+            "has far less."
+        )

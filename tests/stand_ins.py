@@ -1,0 +1,64 @@
+"""Light runs: what takes long and is tested elsewhere is done once, coarsely or not at all."""
+
+import importlib
+import sys
+from functools import cache
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+import crankfem as cf
+from crankbase.errors import MissingLibraryError
+from fem import fillet_stress
+from fem.analysis import analyze_throw
+
+# Constants of fem.fillet_stress with which meshes are as coarse as can be.
+COARSE_STRESSES = {"BULK": 2.5, "COARSE": 1.0, "COARSEST": 0.5, "FINE": 1.5, "MOST_MESHES": 2}
+PACKAGES = ("crankfem", "geometry", "fem", "regression", "dynamics")
+
+analyzed = cache(analyze_throw)
+stressed = cache(fillet_stress.fillet_stresses)
+
+
+class NotRendered:
+    """The rendering of a machine without an OpenGL library."""
+
+    def __init__(self, *_):
+        self.files = {}
+
+    def wait(self):
+        raise MissingLibraryError("there is no OpenGL library")
+
+    def stop(self):
+        pass
+
+
+def save_nothing(figure, path, **_):
+    """Write an empty diagram: to lay diagrams out takes half of a run."""
+    Path(path).write_text('<svg xmlns="http://www.w3.org/2000/svg"/>', encoding="utf-8")
+
+
+def put_everywhere(monkeypatch, original, other):
+    """Put another function or class in the place of one, in all modules that have imported it."""
+    name = original.__name__
+    getattr(cf, name, None)  # crankfem keeps what it has once given
+    for place, module in list(sys.modules.items()):
+        if place.partition(".")[0] in PACKAGES and vars(module).get(name) is original:
+            monkeypatch.setattr(module, name, other)
+
+
+def lighten(monkeypatch):
+    """Let runs in this process share analyses and coarse stresses of their throws, and render nothing."""
+    importlib.import_module("crankfem.jobs.pipeline")  # loads whatever runs use
+    offscreen = importlib.import_module("crankfem.analyses.throw.pictures.offscreen")
+    put_everywhere(monkeypatch, analyze_throw, analyzed)
+    put_everywhere(monkeypatch, fillet_stress.fillet_stresses, stressed)
+    for kind in offscreen.OffscreenProcess.__subclasses__():
+        put_everywhere(monkeypatch, kind, NotRendered)
+    for name, value in COARSE_STRESSES.items():
+        monkeypatch.setattr(fillet_stress, name, value)
+
+
+def draw_nothing(monkeypatch):
+    """Leave diagrams empty where nothing depends on what they show."""
+    monkeypatch.setattr(Figure, "savefig", save_nothing)

@@ -1,0 +1,212 @@
+"""Numbers that no result can be calculated from are refused in a sentence, wherever they enter."""
+
+import math
+
+import numpy as np
+import pytest
+
+from comparing import close
+from crankbase.checks.arrays import (
+    HIGHEST_SPEED,
+    LARGEST,
+    SMALLEST,
+    finite_array,
+    nonnegative_number,
+    positive_number,
+    positive_vector,
+    turning_speeds,
+)
+from crankbase.errors import InputError
+from dynamics.assessment.limit_rules import crankshaft_limit, propulsion_shaft_limit
+from dynamics.assessment.limits import LimitCurve, axial_force_limit, given_limit
+from dynamics.balance.balance import balance
+from dynamics.chains.chain import Chain
+from dynamics.chains.shaft_elements import ShaftCone
+from dynamics.crankshaft.surroundings import AxialSupport
+from dynamics.critical import critical_speeds, engine_orders
+from dynamics.engine.cylinder import EngineCylinder
+from dynamics.engine.forces import mechanism_forces
+from dynamics.engine.layout import EngineLayout
+from dynamics.engine.motions import reduced_inertia
+from dynamics.engine.orders import acceleration_orders, piston_acceleration
+from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
+from dynamics.excitation.cylinders import cylinder_forces
+from dynamics.excitation.pressure_map import PressureMap
+from dynamics.excitation.propeller import PropellerForces, propeller_excitation
+from dynamics.gas.pressure import GasPressure, gas_pressure
+from dynamics.mechanism.rods import ConnectingRod
+from dynamics.response.excitation import OrderExcitation
+from dynamics.running_limits import at_most, within
+from dynamics.torque.pin_harmonics import pin_force_harmonics
+from dynamics.torque.star import star_diagram
+from dynamics.torque.torque import engine_torque
+
+ROD = ConnectingRod(length=0.2, mass=1.0, center_distance=0.07, inertia=0.006)
+ENGINE = EngineLayout(
+    0.05,
+    [
+        EngineCylinder(0.1, 1.0, ROD, crank_angle=angle, position=0.1 * place)
+        for place, angle in enumerate((0.0, math.pi, math.pi, 0.0))
+    ],
+    [1, 3, 4, 2],
+)
+ANGLES = np.radians(np.arange(0.0, 720.0, 2.0))
+PRESSURE = 2e5 + 6e6 * np.exp(-8.0 * (np.mod(ANGLES + np.pi, 4.0 * np.pi) - np.pi - 0.2) ** 2)
+GAS = gas_pressure(ANGLES, PRESSURE, 4)
+HARMONICS = cylinder_harmonics(ENGINE, 4.0, GAS)
+CHAIN = Chain([1.0, 2.0, 3.0], [1e5, 2e5])
+AT_RATED = {"blades": 4, "rated_thrust": 1e5, "rated_torque": 1e5}
+AT_RATED |= {"thrust_shares": [0.1], "torque_shares": [0.1]}
+PROPELLER = PropellerForces(**AT_RATED, rated_speed=10.0)
+MODELS = tuple(cylinder.rod.model("rigid") for cylinder in ENGINE.cylinders)
+
+# Everything that takes the speed of a shaft.
+OF_SPEED = {
+    "mechanism_forces": lambda speed: mechanism_forces(ENGINE, ANGLES, speed),
+    "mechanism_forces at each angle": lambda speed: mechanism_forces(
+        ENGINE, ANGLES, np.append(np.full(ANGLES.size - 1, 100.0), speed)
+    ),
+    "balance": lambda speed: balance(ENGINE, speed),
+    "engine_torque": lambda speed: engine_torque(ENGINE, speed, GAS),
+    "pin_force_harmonics": lambda speed: pin_force_harmonics(ENGINE, speed),
+    "piston_acceleration": lambda speed: piston_acceleration(ENGINE, 1, ANGLES, speed),
+    "acceleration_orders": lambda speed: acceleration_orders(ENGINE, 1, speed),
+    "cylinder_forces": lambda speed: cylinder_forces(ENGINE, [50.0, speed], 4.0, GAS),
+    "harmonics, phasors": lambda speed: HARMONICS.phasors(np.array([50.0, speed])),
+    "harmonics, at": lambda speed: HARMONICS.at(ANGLES, speed),
+    "OrderExcitation": lambda speed: OrderExcitation([1.0], [50.0, speed], np.ones((1, 2, 3))),
+    "critical_speeds": lambda speed: critical_speeds([10.0], [1.0], (5.0, speed)),
+    "propeller_excitation": lambda speed: propeller_excitation(
+        PROPELLER, CHAIN, 2, [5.0, speed], kind="torsional"
+    ),
+    "mean_torque": lambda speed: PROPELLER.mean_torque([5.0, speed]),
+    "crankshaft_limit": lambda speed: crankshaft_limit(speed, strokes=4),
+}
+
+
+@pytest.mark.parametrize("speed", [math.nan, math.inf, 1e308, 1e200, 2.0 * HIGHEST_SPEED])
+@pytest.mark.parametrize("name", OF_SPEED)
+def test_speeds_of_no_shaft_are_refused(name, speed):
+    with pytest.raises(InputError, match=r"given .*; allowed (is|are) .*because") as caught:
+        OF_SPEED[name](speed)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", OF_SPEED)
+def test_any_speed_of_a_shaft_is_taken(name):
+    OF_SPEED[name](1e4)
+
+
+# What the same numbers do elsewhere: they overflowed, or divided by zero.
+ELSEWHERE = {
+    "rod length": lambda: ConnectingRod(
+        length=1e308, mass=1.0, center_distance=0.07, inertia=0.006
+    ),
+    "piston mass": lambda: EngineCylinder(0.1, 1e308, ROD),
+    "inertia of a chain": lambda: Chain([1.0, 1e-320, 3.0], [1e5, 2e5]),
+    "stiffness of a chain": lambda: Chain([1.0, 2.0, 3.0], [1e308, 2e5]),
+    "forces": lambda: OrderExcitation([1.0], [50.0], np.full((1, 1, 3), 1e308)),
+    "complex forces": lambda: OrderExcitation([1.0], [50.0], np.full((1, 1, 3), 1e308 + 1e308j)),
+    "cone": lambda: ShaftCone(0.1, 1e308, 0.1),
+    "propeller's speed": lambda: PropellerForces(**AT_RATED, rated_speed=1e-320),
+    "propeller's ratio": lambda: propeller_excitation(
+        PROPELLER, CHAIN, 2, [5.0], kind="torsional", ratio="a"
+    ),
+    "rated speed": lambda: propulsion_shaft_limit(6e8, 0.3, 1e-320),
+    "web thickness": lambda: axial_force_limit(5e7, 0.1, 0.2, 1e-320, source="maker"),
+    "limit for passing": lambda: given_limit(
+        "force", 1.0, "N", applies_to="shaft", source="maker", passing="a"
+    ),
+    "highest order": lambda: engine_orders(4, 1e50),
+    "orders": lambda: cylinder_harmonics(ENGINE, "a", GAS),
+    "star": lambda: star_diagram(ENGINE, 1e308),
+    "angle": lambda: reduced_inertia(ENGINE, MODELS, np.array([0.0, np.nan])),
+    "acceleration": lambda: mechanism_forces(ENGINE, ANGLES, 1.0, crank_acceleration=-1e308),
+    "support": lambda: AxialSupport(0, "a"),
+    "pressure map's speeds": lambda: PressureMap(
+        np.array([10.0, np.nan]), None, (GAS, GAS), "linear"
+    ),
+    "pressure map's loads": lambda: PressureMap(
+        np.array([10.0]), np.array([np.nan]), (GAS,), "linear"
+    ),
+    "pressure map's diagrams": lambda: PressureMap(np.array([10.0]), None, (GAS, GAS), "linear"),
+    "limit from": lambda: LimitCurve(np.ones_like, np.nan),
+    "limit from text": lambda: LimitCurve(np.ones_like, "a"),
+    "limit to": lambda: LimitCurve(np.ones_like, 5.0, 4.0),
+    "limit to no number": lambda: LimitCurve(np.ones_like, 5.0, np.nan),
+}
+
+
+@pytest.mark.parametrize("name", ELSEWHERE)
+def test_numbers_that_leave_what_can_be_calculated_are_refused(name):
+    with pytest.raises(InputError, match="given") as caught:
+        ELSEWHERE[name]()
+    assert "\n" not in str(caught.value)
+
+
+def test_the_bounds_themselves_are_taken():
+    assert positive_number("mass", LARGEST, "kg", "") == LARGEST
+    assert positive_number("mass", SMALLEST, "kg", "") == SMALLEST
+    assert positive_number("speed", HIGHEST_SPEED, "rad/s", "") == HIGHEST_SPEED
+    assert nonnegative_number("damping", 1e-300, "", "") == 1e-300  # as good as none
+    assert turning_speeds("speed", -HIGHEST_SPEED) == -HIGHEST_SPEED
+    assert finite_array("force", [-LARGEST]).tolist() == [-LARGEST]
+    for call, field in (
+        (lambda: positive_number("mass", 2.0 * LARGEST, "kg", ""), "mass"),
+        (lambda: positive_vector("mass", [1.0, 0.5 * SMALLEST], "kg", ""), r"mass\[1\]"),
+        (lambda: turning_speeds("speed", [0.0, -2.0 * HIGHEST_SPEED]), r"speed\[1\]"),
+        (lambda: finite_array("force", [[0.0, -2.0 * LARGEST]]), r"force\[0\]\[1\]"),
+    ):
+        with pytest.raises(InputError, match=rf"^{field}: given .* a computer can calculate\.$"):
+            call()
+
+
+def test_a_hair_of_a_bore_is_none():
+    solid, hair = (ShaftCone(0.1, 0.10, 0.12, bore) for bore in (0.0, 1e-320))
+    assert hair.axial_compliance == close(solid.axial_compliance)
+    assert hair.torsional_compliance == close(solid.torsional_compliance)
+    small = ShaftCone(0.1, 0.10, 0.12, 1e-6)
+    assert small.axial_compliance == close(solid.axial_compliance, rel=1e-8)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -1e5, 0.0, 1e308])
+def test_a_gas_pressure_is_checked_however_it_is_made(bad):
+    spoiled = GAS.pressure.copy()
+    spoiled[3] = bad
+    with pytest.raises(InputError, match=r"^pressure\[3\]: given"):
+        GasPressure(GAS.angles, spoiled, 4)
+
+
+@pytest.mark.parametrize(
+    ("angles", "strokes", "message"),
+    [
+        (np.where(GAS.angles == GAS.angles[3], np.nan, GAS.angles), 4, r"angles\[3\]: given nan"),
+        (GAS.angles[:-1], 4, "angles: given 359 angles for 360 pressures"),
+        (GAS.angles - np.pi, 4, "do not begin at the top"),
+        (GAS.angles + 1e-3 * np.sin(GAS.angles), 4, "are not even"),
+        (GAS.angles, 2, "allowed is one cycle of 360 deg"),
+        (GAS.angles, 3, "strokes: given 3"),
+    ],
+)
+def test_a_gas_pressure_has_even_angles_of_one_cycle(angles, strokes, message):
+    assert GasPressure(GAS.angles, GAS.pressure, 4).at(1.0) == GAS.at(1.0)
+    with pytest.raises(InputError, match=message):
+        GasPressure(angles, GAS.pressure, strokes)
+
+
+@pytest.mark.parametrize("end", [1.15 * n for n in (10.0, 47.123889803846896, 187.0)])
+def test_ranges_of_speed_have_closed_ends(end):
+    """A speed that is meant to be the end may have been rounded to either side of it."""
+    places = np.array([end * (1.0 + steps * np.finfo(float).eps) for steps in (-4, -1, 0, 1, 4)])
+    assert within(places, end, 2.0 * end).all()
+    assert within(places, 0.0, end).all()
+    assert at_most(places, end).all()
+    assert at_most(end, places).all()
+    beside = np.array([end * (1.0 - 1e-12), end * (1.0 + 1e-12)])
+    assert within(beside, 0.0, end).tolist() == [True, False]
+    assert within(beside, end, 2.0 * end).tolist() == [False, True]
+
+
+def test_an_array_for_one_number_is_told_by_its_shape():
+    with pytest.raises(InputError, match=r"^speed: given an array of shape \(360,\); allowed"):
+        balance(ENGINE, ANGLES)
