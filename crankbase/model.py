@@ -3,12 +3,13 @@
 import inspect
 import re
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
 from typing import TYPE_CHECKING, Any, ClassVar, Self, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
+from crankbase.checks.choices import allowed_names
+from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.units.quantity import parse_quantity, show_quantity
 from crankbase.units.units import DISPLAY_UNITS
@@ -215,7 +216,9 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
         converted: dict[str, Any] = {}
         for key, text in values.items():
             if key not in cls.model_fields:
-                raise InputError(f"{prefix}{key}: unknown field; {_allowed_names(cls, key)}.")
+                raise InputError(
+                    f"{prefix}{key}: unknown field; {allowed_names(key, cls.model_fields)}."
+                )
             info = cls.model_fields[key]
             unit, part = field_extra(info, "unit"), part_kind(info)
             if part is not None:
@@ -261,15 +264,6 @@ def field_extra(info: FieldInfo, key: str) -> Any:
     return extra.get(key) if isinstance(extra, dict) else None
 
 
-def _allowed_names(model: type[BaseModel], given: str) -> str:
-    import difflib
-
-    names = list(model.model_fields)
-    close = difflib.get_close_matches(given, names, n=1)
-    hint = f"did you mean {close[0]}? " if close else ""
-    return f"{hint}allowed are {', '.join(names)}"
-
-
 def _sentence(model: type[InputModel], error: ValidationError) -> str:
     """Turn pydantic's first finding into one sentence for people."""
     first = error.errors()[0]
@@ -287,15 +281,14 @@ def _sentence(model: type[InputModel], error: ValidationError) -> str:
         info = model.model_fields[name]
         return f"{field}: missing; {_describe(info)} must be given{_allowed_range(info)}."
     if first["type"] == "extra_forbidden":
-        return f"{field}: unknown field; {_allowed_names(model, name)}."
+        return f"{field}: unknown field; {allowed_names(name, model.model_fields)}."
     known = model.model_fields.get(name)
     if known is None:
         return f"{field}: given {quoted(given)}; {first['msg']}."
     unit = field_extra(known, "unit")
     shown = quoted(given)
-    if unit is not None and isinstance(given, int | float) and not isinstance(given, bool):
-        with suppress(OverflowError):  # an integer of hundreds of digits
-            shown = show_quantity(float(given), unit)
+    if unit is not None and is_number(given):
+        shown = show_quantity(float(given), unit)
     if first["type"] == "literal_error":
         expected = str(first["ctx"]["expected"]).replace("'", "")
         return f"{field}: given {quoted(given)}; allowed is {expected}."

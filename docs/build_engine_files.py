@@ -6,6 +6,7 @@ Run by hand after a change of a field: ``python docs/build_engine_files.py``; a 
 from pathlib import Path
 
 from crankfem.files.sections.field_tables import section_tables
+from fem.wished_accuracy import COMPLIANCE_ACCURACY
 
 INTRODUCTION = """# Engine files
 
@@ -100,7 +101,7 @@ file (throws, webs, materials, sections) have the same method. `cf.engines.mecha
 mechanism of an engine as it is, for `cf.run_mechanism`.
 """
 
-STUDY = """
+STUDY = f"""
 ## [study] (optional)
 
 | field | unit | allowed | meaning |
@@ -109,7 +110,7 @@ STUDY = """
 | runs | | whole number | of a Latin hypercube or Sobol sequence |
 | held_out | | 1 to 1000, default 10 | further designs that judge the fits |
 | seed | | whole number, default 1 | of all that is drawn by chance |
-| accuracy | | 0.001 to 0.1, default 0.01 | relative accuracy of each design's axial compliance |
+| accuracy | | {COMPLIANCE_ACCURACY}, default 0.01 | relative accuracy of each design's axial compliance |
 | stresses | | true or false (default) | also the largest stress concentration factor at the fillets |
 | constraints | | comparisons | what every design must fulfill |
 | throw | | a name, default that at the free end | which of several throws [throws.NAME] varies |

@@ -39,7 +39,7 @@ MAIN = {
         ("drawing",),
         ("model",),
         ("units",),
-        ("choices",),
+        ("checks",),
         ("processes",),
         ("errors",),
     ),

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     FloatArray,
     finite_vector,
@@ -12,8 +14,6 @@ from crankbase.checks.arrays import (
     positive_number,
     positive_vector,
 )
-from numpy.typing import ArrayLike
-
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row

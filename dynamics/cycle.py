@@ -3,8 +3,8 @@
 from typing import Literal
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 
 # What keeps angles from standing evenly over one cycle.
@@ -21,7 +21,7 @@ def checked_strokes(strokes: int) -> int:
     InputError
         For any other value.
     """
-    if isinstance(strokes, bool) or strokes not in (2, 4):
+    if strokes not in (2, 4):
         raise InputError(
             f"strokes: given {strokes!r}; allowed are 2 and 4, because the cycle takes one or two "
             "crankshaft revolutions."

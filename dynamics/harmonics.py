@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
@@ -11,8 +13,6 @@ from crankbase.checks.arrays import (
     positive_number,
     read_only,
 )
-from numpy.typing import ArrayLike
-
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError

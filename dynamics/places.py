@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 from typing import SupportsIndex
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, nonnegative_number, nonnegative_vector
-from crankbase.checks.scalars import is_whole
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, nonnegative_number, nonnegative_vector
+from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError, quoted
 
 
@@ -89,24 +89,9 @@ def place_of(field: str, given: object, names: Sequence[str], what: str, reason:
     """
     if isinstance(given, str) and given in names:
         return names.index(given)
-    if isinstance(given, int | np.integer) and is_whole(given) and 0 <= given < len(names):
+    if is_whole_within(given, 0, len(names) - 1):
         return int(given)
     raise InputError(
         f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {len(names) - 1} and the "
         f"names of {what}, because {reason}."
-    )
-
-
-def place_number(field: str, given: object, count: int, reason: str) -> int:
-    """Return the number of one of `count` places, 0 the first.
-
-    Raises
-    ------
-    InputError
-        If it is not a whole number from 0 to count - 1.
-    """
-    if isinstance(given, int | np.integer) and is_whole(given) and 0 <= given < count:
-        return int(given)
-    raise InputError(
-        f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {count - 1}, because {reason}."
     )

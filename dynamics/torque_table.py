@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, read_only
 
+from crankbase.checks.arrays import FloatArray, read_only
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError

@@ -23,6 +23,7 @@ from fem.recovery import EnergyErrors, energy_errors
 from fem.refinement import refined_sizes
 from fem.solver import SharedSolver
 from fem.symmetry import SymmetryClass, axial_class
+from fem.wished_accuracy import COMPLIANCE_ACCURACY
 from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw, expected_unknowns, mesh_isolated
 from geometry.size_map import SizeMap
@@ -212,7 +213,4 @@ def _check(throw: Throw, accuracy: float, material: Material) -> None:
         )
     if not isinstance(material, Material):
         raise InputError(f"material: given {material!r}; allowed is a Material, like STEEL.")
-    if not isinstance(accuracy, int | float) or not 0.001 <= accuracy <= 0.1:
-        raise InputError(
-            f"accuracy: given {accuracy!r}; allowed is 0.001 to 0.1, the relative error of e_n."
-        )
+    COMPLIANCE_ACCURACY.checked("accuracy", accuracy)

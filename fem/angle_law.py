@@ -18,9 +18,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from crankbase.checks.choices import check_choice
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.arrays import finite_array
+from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import BLUE, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError, quoted
@@ -87,18 +88,7 @@ class AngleLaw:
         InputError
             If an angle is not a finite number.
         """
-        try:
-            angles = np.asarray(gamma_deg)
-            if angles.dtype.kind not in "iufO":  # text like "120" and True would be converted
-                raise TypeError
-            angles = angles.astype(np.float64)
-        except (TypeError, ValueError, OverflowError):
-            angles = np.array(np.nan)
-        if not np.all(np.isfinite(angles)):
-            raise InputError(
-                f"gamma_deg: given {quoted(gamma_deg)}; allowed are finite angles in deg."
-            )
-        half = np.deg2rad(angles) / 2.0
+        half = np.deg2rad(finite_array("gamma_deg", gamma_deg)) / 2.0
         sine, cosine = np.sin(half) ** 2, np.cos(half) ** 2
         return np.asarray(sine / (sine + self.ratio * cosine))
 

@@ -19,10 +19,10 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from crankbase.checks.scalars import is_number
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from crankbase.checks.scalars import is_number, whole_within
 from crankbase.drawing.diagram_style import GRAY, new_axes
 from crankbase.errors import InputError, quoted
 from crankbase.stopwatch import Stopwatch
@@ -120,11 +120,7 @@ class DynamicSuperelement:
         InputError
             If it has not so many natural modes.
         """
-        if isinstance(count, bool) or not isinstance(count, int) or not 0 <= count <= self.natural:
-            raise InputError(
-                f"count: given {quoted(count)}; allowed is 0 to {self.natural}, because the superelement has "
-                "no more natural modes."
-            )
+        whole_within("count", count, 0, self.natural, "the superelement has no more natural modes")
         kept = slice(0, 12 + count)
         return replace(
             self,
@@ -230,12 +226,12 @@ def dynamic_superelement(
     SolveError
         If the modes cannot be found.
     """
-    if not (is_number(highest_frequency) and 0.0 <= highest_frequency < np.inf):
+    if not (is_number(highest_frequency) and highest_frequency >= 0.0):
         raise InputError(
             f"highest_frequency: given {quoted(highest_frequency)}; allowed is a finite frequency from 0 Hz, "
             "because modes are kept in proportion to it."
         )
-    if not (is_number(cutoff_factor) and 1.0 <= cutoff_factor < np.inf):
+    if not (is_number(cutoff_factor) and cutoff_factor >= 1.0):
         raise InputError(
             f"cutoff_factor: given {quoted(cutoff_factor)}; allowed is a finite number from 1, because modes "
             "below the highest frequency must not be missing."

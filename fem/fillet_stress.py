@@ -24,6 +24,7 @@ from fem.material import STEEL, Material
 from fem.nominal_stress import nominal_stress
 from fem.principal import largest_principal, principal_stresses, von_mises
 from fem.unit_loads import LoadedThrow, UnitLoad, solve_unit_loads, unit_loads
+from fem.wished_accuracy import STRESS_ACCURACY
 from geometry.mesher import mesh_isolated
 from geometry.size_map import SizeMap
 from geometry.throw import CrankThrow
@@ -275,10 +276,7 @@ def _check(throw: CrankThrow, material: Material, accuracy: float) -> None:
         )
     if not isinstance(material, Material):
         raise InputError(f"material: given {material!r}; allowed is a Material, like STEEL.")
-    if not isinstance(accuracy, int | float) or not 0.02 <= accuracy <= 0.2:
-        raise InputError(
-            f"accuracy: given {accuracy!r}; allowed is 0.02 to 0.2, the relative error of stresses."
-        )
+    STRESS_ACCURACY.checked("accuracy", accuracy)
     if not throw_fillets(throw.parts):
         raise InputError(
             "fillet_radius: given 0 at all main journals and pins; allowed is at least one fillet, because "

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError, quoted
 from fem.condensation import CondensedClass
 from fem.loads import Distribution, NodalLoads, pin_load, pin_surfaces
@@ -44,10 +45,8 @@ def checked_pin(pin: int, count: int) -> int:
     InputError
         If there is no such pin.
     """
-    if isinstance(pin, bool) or not isinstance(pin, int | np.integer) or not 0 <= pin < count:
-        allowed = "0, for the throw has one pin" if count == 1 else f"0 to {count - 1}"
-        raise InputError(f"pin: given {quoted(pin)}; allowed is {allowed}.")
-    return int(pin)
+    pins = "one pin" if count == 1 else f"{count} pins"
+    return whole_within("pin", pin, 0, count - 1, f"the throw has {pins}")
 
 
 def spread_load(

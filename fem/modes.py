@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from crankbase.checks.scalars import is_number
 from numpy.typing import NDArray
 
+from crankbase.checks.scalars import is_number, whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.errors import InputError, quoted
 from crankbase.stopwatch import Stopwatch
@@ -203,17 +203,11 @@ def _check_wish(count: int | None, highest_frequency: float | None) -> None:
             f"count, highest_frequency: given {quoted(count)} and {quoted(highest_frequency)}; allowed is "
             "one of them, because each alone says how many modes there are."
         )
-    if count is not None and (
-        isinstance(count, bool)
-        or not isinstance(count, int | np.integer)
-        or not 1 <= count <= MOST_MODES
-    ):
-        raise InputError(
-            f"count: given {quoted(count)}; allowed is a whole number from 1 to {MOST_MODES}, because higher "
-            "modes have waves shorter than a throw's details."
-        )
+    if count is not None:
+        reason = "higher modes have waves shorter than a throw's details"
+        whole_within("count", count, 1, MOST_MODES, reason)
     if highest_frequency is not None and not (
-        is_number(highest_frequency) and 0.0 < highest_frequency < np.inf
+        is_number(highest_frequency) and highest_frequency > 0.0
     ):
         raise InputError(
             f"highest_frequency: given {quoted(highest_frequency)}; allowed is a finite frequency above 0 "

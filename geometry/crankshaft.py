@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.arrays import finite_vector
 from crankbase.errors import InputError, MeshError
 from crankbase.summaries import summarized
 from crankbase.units.quantity import show_quantity
@@ -72,10 +73,7 @@ class Crankshaft:
                 f"crank_angles: given {len(self.crank_angles)} for {len(self.throws)} throws; allowed is "
                 "one for each of at least one throw."
             )
-        if not np.all(np.isfinite(self.crank_angles)):
-            raise InputError(
-                f"crank_angles: given {list(self.crank_angles)}; allowed are finite angles."
-            )
+        finite_vector("crank_angles", self.crank_angles)
         for number, (first, second) in enumerate(
             zip(self.throws, self.throws[1:], strict=False), start=1
         ):

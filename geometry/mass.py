@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from geometry.mesh import ThrowMesh
@@ -55,8 +56,7 @@ def check_density(density: object) -> None:
     ------
     InputError
     """
-    number = isinstance(density, int | float | np.number) and not isinstance(density, bool)
-    if not number or not 0.0 < float(density) <= LARGEST_DENSITY:  # type: ignore[arg-type]
+    if not is_number(density) or not 0.0 < density <= LARGEST_DENSITY:
         raise InputError(
             f"density: given {density!r}; allowed are numbers above 0 and up to {LARGEST_DENSITY:g} in "
             "kg/m^3, because every body has mass."

@@ -5,6 +5,7 @@ import re
 from functools import cache
 from typing import Any
 
+from crankbase.checks.scalars import is_number, is_whole
 from crankbase.errors import InputError, quoted, shortened
 from crankbase.text_limits import LARGEST_POWER, LONGEST_QUANTITY
 from crankbase.units.units import DISPLAY_UNITS, POWER_OF_TEN
@@ -126,9 +127,9 @@ def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> fl
     shown = DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
     if shown.startswith(POWER_OF_TEN):
         shown = unit  # "1e-9 m/N" is shown, but no unit to be written
-    if isinstance(text, bool) or not isinstance(text, str | int | float):
+    if not isinstance(text, str) and not is_number(text):
         raise InputError(f'{given}; write a number with its unit, like "1 {shown}"{limits}.')
-    if isinstance(text, int | float):
+    if not isinstance(text, str):
         raise InputError(
             f"{given}, a bare number that could be in any unit; "
             f'write it with its unit, like "{_shown(text)} {shown}"{limits}.'
@@ -189,15 +190,11 @@ def _names_an_angle(quantity: Any) -> bool:
 
 
 def _pure_number(text: object, given: str, limits: str) -> float:
-    if isinstance(text, bool) or not isinstance(text, int | float):
+    if not isinstance(text, float) and not is_whole(text):
         raise InputError(f"{given}; write a plain number without a unit{limits}.")
-    try:
-        number = float(text)
-    except OverflowError:  # an integer of hundreds of digits
-        number = math.inf
-    if not math.isfinite(number):
+    if not is_number(text):  # also a whole number of hundreds of digits
         raise InputError(f"{given}, which is not finite{limits}.")
-    return number
+    return float(text)
 
 
 def _kind(unit: str) -> str:

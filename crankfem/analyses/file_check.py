@@ -9,14 +9,14 @@ import numpy as np
 from crankbase.model import field_extra
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, input_records
-from crankfem.files.chain.chain_file import ChainFile, is_chain_file, load_chain
+from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
-from crankfem.files.engine.mechanism_file import MechanismFile, load_any, load_mechanism
-from crankfem.files.engine.throw_file import ThrowFile
+from crankfem.files.engine.mechanism_file import MechanismFile, load_any, mechanism_of
+from crankfem.files.engine.throw_file import ThrowFile, load_study
 from crankfem.files.hinge.hinge_file import SECTIONS as HINGE_SECTIONS
 from crankfem.files.hinge.hinge_file import HingeFile, load_hinge
-from crankfem.files.reading.data_files import shipped_hinges
-from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
+from crankfem.files.reading.file_kinds import any_sections, describes_a_chain, describes_a_hinge
+from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import PLAIN
 from crankfem.files.sections.engine_sections import Engine
 from geometry.throw import CrankThrow
@@ -73,12 +73,14 @@ def check_file(given: str) -> CheckedFile:
     InputError
         With one sentence that names the field, what was given and what is allowed.
     """
-    if _is_hinge(given):
-        return _hinge(load_hinge(given))
-    if is_chain_file(given):
-        return _chain(load_chain(given))
-    read = load_any(given)
-    content = read_toml(read.path)
+    content = any_sections(given)
+    if content is None or describes_a_chain(content):
+        return _chain(load_chain(content or given))
+    if describes_a_hinge(content):
+        return _hinge(load_hinge(content), content)
+    read = load_any(content)
+    if "study" in content.sections:
+        _ = load_study(content).planned  # refuses a study of which nothing can be built
     if isinstance(read, ThrowFile):
         return _throw(read, content)
     if isinstance(read, MechanismFile):
@@ -140,18 +142,7 @@ def _dimensions(throw: CrankThrow) -> list[Record]:
     ]
 
 
-def _is_hinge(given: str) -> bool:
-    """Tell whether a path or name is that of a hinge: by sections that only such files have."""
-    path = Path(given)
-    if not path.is_file():
-        return path.parent == Path() and path.name.removesuffix(".toml") in shipped_hinges()
-    if path.suffix.lower() != ".toml":
-        return False
-    return bool({"sliding", "hinge", "operation"} & set(read_toml(path).sections))
-
-
-def _hinge(read: HingeFile) -> CheckedFile:
-    content = read_toml(read.path)
+def _hinge(read: HingeFile, content: TomlFile) -> CheckedFile:
     return CheckedFile(
         read.path,
         "hinge",
@@ -262,7 +253,7 @@ def _checked_mechanism(read: EngineFile) -> Iterable[str]:
 
     if read.gas_map is not None:
         gas_map_pressure(read.gas_map, read.engine.strokes, read.path)
-    return load_mechanism(read.path).remarks
+    return mechanism_of(read).remarks
 
 
 def _without_gas() -> str:

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from crankbase.checks.arrays import FloatArray
-
 from crankbase.outputs import written
 
 

@@ -2,19 +2,20 @@
 
 from crankfem.cli import console
 from crankfem.files.engine.throw_file import load_throw, names_of_throws
+from crankfem.files.reading.toml_file import TomlFile
 from fem.material import Material
 from geometry.throw import CrankThrow
 
 
 def chosen_throw(
-    engine: str, name: str | None = None, quiet: bool = False
+    engine: str | TomlFile, name: str | None = None, quiet: bool = False
 ) -> tuple[CrankThrow, Material]:
     """Read the throw of a name; without one that at the free end, and say so where there are others.
 
     Parameters
     ----------
-    engine : str
-        File, or the name of a shipped engine.
+    engine : str or TomlFile
+        File, or the name of a shipped engine; or its sections, read already.
     name : str, optional
         As `--throw` gives it.
     quiet : bool

@@ -65,7 +65,7 @@ class RunResult:
 
 
 def run_engine(
-    engine: str | Path,
+    engine: str | Path | RunInputs,
     output: str | Path | None = None,
     *,
     workers: int = 2,
@@ -81,7 +81,7 @@ def run_engine(
     Parameters
     ----------
     engine : path
-        Engine file, or the name of a shipped engine.
+        Engine file, or the name of a shipped engine; or what `read_inputs` has read of it.
     output : path, optional
         Folder for the results; ``NAME-results`` in the working directory by default. A study found
         there is continued.
@@ -106,7 +106,7 @@ def run_engine(
     told = Timed(progress or Silent())
     told.step("Reading the engine file")
     check_workers(workers)
-    inputs = read_inputs(engine)
+    inputs = engine if isinstance(engine, RunInputs) else read_inputs(engine)
     path = inputs.engine_file.path
     folder = Path(f"{path.stem}-results" if output is None else output)
     read, study = inputs.paths, inputs.engine_file.study is not None

@@ -7,7 +7,7 @@ from crankfem.analyses.about import file_records
 from crankfem.analyses.record import Record
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.input_files import engine_tables
-from crankfem.files.engine.mechanism_file import MechanismFile, load_mechanism
+from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of
 from dynamics.torque_table import TorqueTable, read_torque_table
 
 
@@ -50,7 +50,9 @@ def read_inputs(engine: str | Path) -> RunInputs:
         With one sentence that names the field, what was given and what is allowed.
     """
     engine_file = load_engine(engine)
-    mechanism = load_mechanism(engine_file.path)
+    if engine_file.study is not None:
+        _ = engine_file.study.planned  # refuses a study of which nothing can be built
+    mechanism = mechanism_of(engine_file)
     torque, table = None, engine_file.torque_table
     if table is not None:
         torque = read_torque_table(table, strokes=engine_file.engine.strokes)

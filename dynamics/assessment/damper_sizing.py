@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
 
+from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
 from crankbase.errors import InputError
 from crankbase.units.quantity import show_quantity
 from dynamics.assessment.damper_search import (

@@ -4,8 +4,8 @@ import math
 from typing import Literal
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, positive_number
 
+from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
 from dynamics.assessment.limits import LimitCurve, VibrationLimit, checked_rated_speed
 

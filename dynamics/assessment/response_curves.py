@@ -3,9 +3,9 @@
 from collections.abc import Callable
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, positive_number
 from numpy.typing import NDArray
 
+from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.chains.chain import Chain

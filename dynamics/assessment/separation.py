@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, nonnegative_vector, positive_vector
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, nonnegative_vector, positive_vector
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.quantity import show_quantity

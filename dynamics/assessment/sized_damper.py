@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Literal
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice
-
 from crankbase.drawing.diagram_style import BLUE, RED, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.summaries import summarized

@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, positive_vector
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, positive_vector
+from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
@@ -204,7 +205,7 @@ def places_of(chain: Chain, spread: Spread) -> list[int]:
     names = chain.elements if field != "dashpots" else ()
     numbers = [names.index(p) if isinstance(p, str) and p in names else p for p in spread.places]
     for number in numbers:
-        if not isinstance(number, int) or not 0 <= number < count:
+        if not is_whole_within(number, 0, count - 1):
             known = f" and {', '.join(names)}" if names else ""
             raise InputError(
                 f"spread of {spread.name}: given {number!r}; allowed are the whole numbers 0 to "

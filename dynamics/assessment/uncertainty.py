@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
-from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 from scipy.stats import qmc
 
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.scalars import whole_number, whole_within
 from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
@@ -17,7 +17,6 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.assessment.spreads import FIELDS, Spread, places_of, scaled_chain, scales_of
 from dynamics.chains.chain import Chain
-from dynamics.places import place_number
 from dynamics.plots.coordinates import name_axis, number_axis
 
 if TYPE_CHECKING:
@@ -100,7 +99,9 @@ class Samples:
             more.
         """
         columns = self.values.reshape(len(self.values), -1)
-        number = place_number("place", place, columns.shape[1], "each sample has that many results")
+        number = whole_within(
+            "place", place, 0, columns.shape[1] - 1, "each sample has that many results"
+        )
         bars = whole_number("bins", bins, 1, "samples are counted in bars")
         own = columns[:, number]
         bounded = own[np.isfinite(own)]

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, positive_vector
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.arrays import FloatArray, positive_vector
 from crankbase.errors import InputError
 
 # Maxima that reach this share of a curve's largest value are refined: on a grid that refines resonances

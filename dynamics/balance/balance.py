@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
+
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
@@ -14,7 +15,6 @@ from crankbase.checks.arrays import (
     positive_number,
 )
 from crankbase.checks.choices import check_choice
-
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError

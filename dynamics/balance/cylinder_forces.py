@@ -4,8 +4,8 @@ import cmath
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from dynamics.balance.hodograph import Hodograph
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion

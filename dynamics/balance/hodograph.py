@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array
-from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import ComplexArray, FloatArray, complex_array, finite_array
+from crankbase.checks.choices import check_choice
+from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
@@ -266,7 +266,7 @@ def order_vectors(vectors: ArrayLike, orders: Sequence[int]) -> tuple[Hodograph,
     >>> round(found.major, 9), round(found.minor, 9), found.sense
     (4.0, 2.0, 1)
     """
-    given = np.asarray(vectors, dtype=np.complex128)
+    given = complex_array("vectors", vectors)
     if given.ndim != 1 or not np.all(np.isfinite(given)):
         raise InputError(
             f"vectors: given an array of shape {given.shape} with {np.count_nonzero(~np.isfinite(given))} "

@@ -5,7 +5,6 @@ import math
 from dataclasses import dataclass
 
 from crankbase.checks.arrays import nonnegative_number
-
 from crankbase.summaries import summarized
 from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout

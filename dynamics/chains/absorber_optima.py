@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 from crankbase.checks.arrays import positive_number
 from crankbase.checks.scalars import whole_number
-
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain

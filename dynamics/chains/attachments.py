@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 from crankbase.checks.arrays import nonnegative_number, positive_number
-
 from crankbase.errors import InputError
 
 # Shares of the dry propeller that designers often take before they know better; assumed here, no

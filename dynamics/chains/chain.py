@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     FloatArray,
     nonnegative_vector,
@@ -11,8 +13,6 @@ from crankbase.checks.arrays import (
     positive_vector,
     read_only,
 )
-from numpy.typing import ArrayLike
-
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain_modes import Modes, collected, elastic_modes, scaled

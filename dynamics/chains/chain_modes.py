@@ -5,9 +5,9 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from crankbase.checks.arrays import FloatArray, read_only
 from crankbase.checks.scalars import whole_number
-
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.summaries import summarized

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 from crankbase.checks.arrays import nonnegative_number, positive_number
-
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import add_node, with_ground, with_inertia

@@ -10,8 +10,8 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
-from crankbase.checks.arrays import nonnegative_number
 
+from crankbase.checks.arrays import nonnegative_number
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import Dashpot, Gear

@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     FloatArray,
     nonnegative_number,
@@ -13,8 +15,6 @@ from crankbase.checks.arrays import (
     positive_vector,
 )
 from crankbase.checks.scalars import whole_number
-from numpy.typing import ArrayLike
-
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.attachments import DrivenMachine

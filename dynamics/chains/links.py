@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, finite_vector, positive_number
 from numpy.typing import NDArray
 
+from crankbase.checks.arrays import FloatArray, finite_vector, positive_number
 from crankbase.errors import InputError
 from dynamics.places import node_index
 

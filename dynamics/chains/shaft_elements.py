@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 from crankbase.checks.arrays import SMALLEST, nonnegative_number, positive_number
-
 from crankbase.errors import InputError
 
 Motion = Literal["torsional", "axial"]

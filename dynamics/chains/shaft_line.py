@@ -6,7 +6,6 @@ from typing import Literal, get_args
 
 from crankbase.checks.arrays import nonnegative_number
 from crankbase.checks.scalars import whole_number
-
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.attachments import Propeller

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from typing import Literal, get_args
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
@@ -12,8 +14,6 @@ from crankbase.checks.arrays import (
     one_for_each,
     positive_number,
 )
-from numpy.typing import ArrayLike
-
 from crankbase.errors import InputError
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout

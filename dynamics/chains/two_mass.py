@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 from crankbase.checks.arrays import positive_number
-
 from crankbase.summaries import summarized
 from crankbase.units.units import RPM
 from dynamics.cycle import order_step

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, nonnegative_vector
 
+from crankbase.checks.arrays import FloatArray, nonnegative_vector
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.crankshaft.rigid_motions import rigid_motions, rings_of

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.checks.choices import check_choice
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.choices import check_choice
 from crankbase.drawing.curves import Curves, Series, draw_curves
 from crankbase.drawing.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.checks.scalars import is_whole
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
@@ -116,7 +116,7 @@ def pins_of_cylinders(
             pin_throws.index(throw) if throw in pin_throws else len(pin_throws) for throw in throws
         ]
     count = len(pin_throws)
-    if len(pins) != len(throws) or not all(is_whole(pin) and 0 <= pin < count for pin in pins):
+    if len(pins) != len(throws) or not all(is_whole_within(pin, 0, count - 1) for pin in pins):
         raise InputError(
             f"pins: given {list(pins)}; allowed is a whole number from 0 to {count - 1} for each of the "
             f"{len(throws)} cylinders, because its rod sits on one of {count} pins."

@@ -4,10 +4,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
 from crankbase.checks.choices import check_not_given
-from crankbase.checks.scalars import is_whole, whole_number
-
+from crankbase.checks.scalars import whole_number, whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
@@ -131,11 +131,7 @@ class ShaftModes:
             draw_mode_shares(axes, self.shares[:, shown], self.frequencies[shown])
             write_title(axes, "Energy of the elastic modes")
             return axes
-        if not is_whole(mode) or not 0 <= mode < len(self.names):
-            raise InputError(
-                f"mode: given {mode!r}; allowed are 0 to {len(self.names) - 1}, because the shaft has that "
-                "many modes."
-            )
+        whole_within("mode", mode, 0, len(self.names) - 1, "the shaft has that many modes")
         if radius is None:
             raise InputError(
                 "radius: given none; allowed is the crank radius in m, because rotation about the shaft is "

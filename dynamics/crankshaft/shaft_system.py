@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
+
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.checks.choices import check_choice
-
 from crankbase.summaries import summarized
 from dynamics.crankshaft.assembly import AssembledShaft
 from dynamics.crankshaft.shaft_modes import ShaftModes, crankshaft_modes

@@ -4,13 +4,13 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
     positive_number,
     read_only,
 )
-
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 from crankbase.checks.arrays import finite_array, nonnegative_number, positive_number
 from crankbase.checks.scalars import is_whole
-
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.mechanism.rods import ConnectingRod

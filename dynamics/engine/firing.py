@@ -5,7 +5,6 @@ from collections.abc import Sequence
 
 from crankbase.checks.arrays import finite_vector
 from crankbase.checks.scalars import is_whole
-
 from crankbase.errors import InputError
 from dynamics.cycle import cycle_degrees
 

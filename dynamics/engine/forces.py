@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
@@ -12,9 +14,7 @@ from crankbase.checks.arrays import (
     finite_vector,
     turning_speeds,
 )
-from crankbase.checks.scalars import is_whole
-from numpy.typing import ArrayLike
-
+from crankbase.checks.scalars import whole_within
 from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
@@ -115,12 +115,8 @@ class MechanismForces:
         InputError
             If there is no such cylinder.
         """
-        count = len(self.gas)
-        if not is_whole(cylinder) or not 1 <= cylinder <= count:
-            raise InputError(
-                f"cylinder: given {cylinder!r}; allowed is 1 to {count}, because the engine has that many."
-            )
-        place, cycle = cylinder - 1, self.engine.cycle
+        place = whole_within("cylinder", cylinder, 1, len(self.gas), "the engine has that many") - 1
+        cycle = self.engine.cycle
         degrees = np.degrees((self.shaft_angles - self.engine.firing[place]) % cycle)
         order = np.argsort(degrees)
         axes = new_axes(axes)

@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, finite_vector, nonnegative_number
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, finite_vector, nonnegative_number
 from crankbase.errors import InputError
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, finite_array
 
+from crankbase.checks.arrays import FloatArray, finite_array
 from crankbase.summaries import summarized
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout

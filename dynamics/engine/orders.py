@@ -4,15 +4,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     finite_vector,
     positive_number,
 )
-from crankbase.checks.scalars import is_whole
-from numpy.typing import ArrayLike, NDArray
-
+from crankbase.checks.scalars import is_whole, whole_within
 from crankbase.errors import InputError
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
@@ -114,12 +114,7 @@ def checked_cylinder(engine: EngineLayout, number: int) -> int:
         If the engine has no such cylinder.
     """
     count = len(engine.cylinders)
-    if not is_whole(number) or not 1 <= number <= count:
-        raise InputError(
-            f"cylinder: given {number!r}; allowed are the whole numbers 1 to {count}, because the "
-            f"engine has {count} cylinders."
-        )
-    return int(number)
+    return whole_within("cylinder", number, 1, count, f"the engine has {count} cylinders")
 
 
 def piston_acceleration(

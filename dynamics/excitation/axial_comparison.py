@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array
-from crankbase.checks.scalars import is_whole, whole_number
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array
+from crankbase.checks.scalars import whole_number, whole_within
 from crankbase.drawing.diagram_style import COLORS, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
@@ -120,11 +120,7 @@ class AxialForceComparison:
         InputError
             If there is no such throw, or the number of orders is not 1 or more.
         """
-        count = self.alone.shape[2]
-        if not is_whole(throw) or not 1 <= throw <= count:
-            raise InputError(
-                f"throw: given {throw!r}; allowed is 1 to {count}, because the shaft has that many."
-            )
+        whole_within("throw", throw, 1, self.alone.shape[2], "the shaft has that many")
         alone, in_shaft = (
             KILO * np.abs(found[:, :, throw - 1]) for found in (self.alone, self.in_shaft)
         )

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
@@ -15,8 +17,6 @@ from crankbase.checks.arrays import (
     turning_speeds,
 )
 from crankbase.checks.scalars import whole_number
-from numpy.typing import ArrayLike
-
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import even_angles

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
@@ -12,12 +14,9 @@ from crankbase.checks.arrays import (
     read_only,
 )
 from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import is_whole, whole_number
-from numpy.typing import ArrayLike
-
+from crankbase.checks.scalars import whole_number, whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
-from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.engine.layout import EngineLayout
@@ -157,11 +156,7 @@ class CylinderForces:
         InputError
             If there is no such cylinder or force, or the number of orders is not 1 or more.
         """
-        count = len(self.throws)
-        if not is_whole(cylinder) or not 1 <= cylinder <= count:
-            raise InputError(
-                f"cylinder: given {cylinder!r}; allowed is 1 to {count}, because the engine has that many."
-            )
+        whole_within("cylinder", cylinder, 1, len(self.throws), "the engine has that many")
         check_choice("show", show, ("tangential", "radial"), "these are the forces on a crankpin")
         most = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")
         phasors = self.tangential if show == "tangential" else self.radial

@@ -4,14 +4,14 @@ from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
     nonnegative_number,
     positive_number,
 )
-from numpy.typing import ArrayLike
-
 from crankbase.errors import InputError
 from crankbase.units.units import RPM
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, nonnegative_number
 
+from crankbase.checks.arrays import FloatArray, nonnegative_number
 from crankbase.errors import InputError
 from dynamics.engine.gas_forces import Pressure
 from dynamics.engine.layout import EngineLayout

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
@@ -10,8 +12,6 @@ from crankbase.checks.arrays import (
     positive_number,
     read_only,
 )
-from numpy.typing import ArrayLike
-
 from crankbase.errors import InputError
 from dynamics.cycle import order_step
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics

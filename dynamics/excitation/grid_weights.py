@@ -3,8 +3,8 @@
 from typing import Literal
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from dynamics.excitation.engine_load import per_minute
 

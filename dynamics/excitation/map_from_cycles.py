@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, finite_array, finite_vector
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, finite_array, finite_vector
 from crankbase.errors import InputError
 from dynamics.excitation.engine_load import per_minute
 from dynamics.excitation.grid_weights import Method

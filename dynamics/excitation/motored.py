@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from crankbase.checks.arrays import finite_array
 
+from crankbase.checks.arrays import finite_array
 from crankbase.errors import InputError
 from dynamics.gas.cylinder_volume import CylinderVolume
 from dynamics.gas.pressure import GasPressure, gas_pressure

@@ -3,6 +3,8 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
@@ -10,8 +12,6 @@ from crankbase.checks.arrays import (
     positive_vector,
 )
 from crankbase.checks.scalars import is_whole
-from numpy.typing import ArrayLike, NDArray
-
 from crankbase.errors import InputError
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces

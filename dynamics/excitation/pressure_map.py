@@ -6,6 +6,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from crankbase.checks.arrays import (
     FloatArray,
     finite_vector,
@@ -14,8 +16,6 @@ from crankbase.checks.arrays import (
     read_only,
     turning_speeds,
 )
-from numpy.typing import ArrayLike, NDArray
-
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_below, write_title
 from crankbase.errors import InputError

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
@@ -14,8 +16,6 @@ from crankbase.checks.arrays import (
     turning_speeds,
 )
 from crankbase.checks.scalars import whole_number
-from numpy.typing import ArrayLike
-
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain

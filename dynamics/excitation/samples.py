@@ -3,9 +3,9 @@
 from typing import cast
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from dynamics.critical import engine_orders
 from dynamics.cycle import order_step

@@ -1,6 +1,8 @@
 """Axial forces that torque in the shaft excites: throws whose neighbors tilt them also lengthen."""
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
@@ -9,8 +11,6 @@ from crankbase.checks.arrays import (
     positive_number,
     positive_vector,
 )
-from numpy.typing import ArrayLike
-
 from crankbase.errors import InputError
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.on_chains import axial_section_forces

@@ -5,9 +5,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, finite_array, positive_number
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, finite_array, positive_number
 from crankbase.errors import InputError
 
 Position = Callable[[FloatArray], FloatArray]

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice
-from crankbase.checks.scalars import is_number
-
+from crankbase.checks.scalars import is_number, whole_number
 from crankbase.drawing.diagram_style import BLUE, new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
@@ -273,12 +273,7 @@ def _checked_count(cycle: GasCycle, samples: int | None) -> int:
     if samples is None:
         return SAMPLES_PER_TURN * turns
     least = FEWEST_PER_TURN * turns
-    if isinstance(samples, bool) or not isinstance(samples, int) or samples < least:
-        raise InputError(
-            f"samples: given {samples!r}; allowed are whole numbers from {least}, because steps "
-            "above 1 deg miss the peak."
-        )
-    return samples
+    return whole_number("samples", samples, least, "steps above 1 deg miss the peak")
 
 
 def _check_heat_alone(heat: float | None, peak: float | None, mean_pressure: float | None) -> None:

@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, finite_vector, positive_number
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, finite_vector, positive_number
 from crankbase.errors import InputError
 from dynamics.cycle import checked_strokes
 

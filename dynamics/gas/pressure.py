@@ -6,6 +6,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
@@ -13,8 +15,6 @@ from crankbase.checks.arrays import (
     positive_vector,
     read_only,
 )
-from numpy.typing import ArrayLike
-
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError

@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass
 
 from crankbase.checks.arrays import finite_array, nonnegative_number, positive_number
-
 from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from crankbase.checks.arrays import positive_number
 
+from crankbase.checks.arrays import positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.hinge.moment import HingeMoment

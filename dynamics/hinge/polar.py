@@ -1,8 +1,8 @@
 """Curves in polar coordinates: curvature, and the curve at a distance that a roller runs on."""
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.errors import InputError
 
 

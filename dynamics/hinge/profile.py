@@ -5,6 +5,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
@@ -13,7 +14,6 @@ from crankbase.checks.arrays import (
     read_only,
 )
 from crankbase.checks.choices import check_choice
-
 from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, finite_vector
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, finite_vector
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.engine.forces import rod_models

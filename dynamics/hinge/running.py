@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from crankbase.checks.arrays import (
     FloatArray,
     nonnegative_number,
     positive_number,
     read_only,
 )
-
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from crankbase.checks.arrays import finite_array, positive_number
 
+from crankbase.checks.arrays import finite_array, positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray
 from numpy.typing import NDArray
+
+from crankbase.checks.arrays import ComplexArray, FloatArray
 
 Coordinate: TypeAlias = tuple[Any, str, str]
 

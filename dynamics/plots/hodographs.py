@@ -5,8 +5,8 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import COLORS, GRAY
 from crankbase.drawing.legends import legend_below
 from dynamics.plots.quantities import KILO

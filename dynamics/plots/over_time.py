@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, finite_array
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, finite_array
 from crankbase.drawing.diagram_style import BLUE, GRAY, ORANGE, new_axes
 from crankbase.drawing.legends import legend_above, write_title
 from crankbase.errors import InputError

@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE
 from crankbase.drawing.legends import legend_inside
 

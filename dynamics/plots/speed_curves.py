@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.curves import (
     Band,
     Curves,

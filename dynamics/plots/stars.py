@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.drawing.diagram_style import GRAY, ORANGE, RED
 
 if TYPE_CHECKING:

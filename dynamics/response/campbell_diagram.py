@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from crankbase.checks.arrays import checked_range, nonnegative_vector, positive_vector
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import checked_range, nonnegative_vector, positive_vector
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError

@@ -4,14 +4,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     FloatArray,
     nonnegative_vector,
     one_for_each,
     positive_number,
 )
-from numpy.typing import ArrayLike
-
+from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
@@ -233,9 +234,9 @@ def of_elements(
     if isinstance(values, Mapping):
         full = np.full(count, missing)
         for key, value in values.items():
-            full[_element_index(field, key, count)] = nonnegative_vector(
-                f"{field}[{key}]", [value], unit, PASSIVE
-            )[0]
+            name = f"{field}[{key!r}]"
+            place = whole_within(name, key, 0, count - 1, f"the chain has {count} elements")
+            full[place] = nonnegative_vector(name, [value], unit, PASSIVE)[0]
         return full
     return one_for_each(field, values, count, "elements", unit, PASSIVE)
 
@@ -247,15 +248,6 @@ def _if_any(values: ByPlace | None) -> ByPlace | None:
 
 def _largest(values: FloatArray) -> float:
     return float(np.max(values, initial=0.0))
-
-
-def _element_index(field: str, key: object, count: int) -> int:
-    if not isinstance(key, int | np.integer) or isinstance(key, bool) or not 0 <= key < count:
-        raise InputError(
-            f"{field}: given element {key!r}; allowed are the whole numbers 0 to {count - 1}, "
-            f"because the chain has {count} elements."
-        )
-    return int(key)
 
 
 def _inverse_magnifiers(values: ArrayLike | Mapping[int, float] | None, chain: Chain) -> FloatArray:

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
@@ -13,9 +15,7 @@ from crankbase.checks.arrays import (
     positive_vector,
     read_only,
 )
-from crankbase.checks.scalars import is_whole, whole_number
-from numpy.typing import ArrayLike, NDArray
-
+from crankbase.checks.scalars import whole_number, whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
@@ -308,12 +308,8 @@ def checked_speed_index(speed_index: int, speeds: FloatArray) -> int:
     InputError
         If there is no such place.
     """
-    if not is_whole(speed_index) or not 0 <= speed_index < speeds.size:
-        raise InputError(
-            f"speed_index: given {speed_index!r}; allowed are the whole numbers 0 to "
-            f"{speeds.size - 1}, because there are {speeds.size} speeds."
-        )
-    return int(speed_index)
+    reason = f"there are {speeds.size} speeds"
+    return whole_within("speed_index", speed_index, 0, speeds.size - 1, reason)
 
 
 def _ascending(field: str, values: FloatArray, unit: str, why: str) -> None:

@@ -5,9 +5,9 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray, positive_vector
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray, positive_vector
 from crankbase.errors import InputError
 from dynamics.response.linear_system import LinearSystem
 

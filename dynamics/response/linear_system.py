@@ -3,10 +3,10 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, one_for_each, positive_number
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh, qr
 
+from crankbase.checks.arrays import FloatArray, one_for_each, positive_number
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes

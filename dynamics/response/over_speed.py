@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray
 from numpy.typing import NDArray
+
+from crankbase.checks.arrays import ComplexArray, FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray
 from numpy.typing import NDArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.summaries import summarized

@@ -5,9 +5,9 @@ from math import pi
 from typing import Literal
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray
 from numpy.typing import NDArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row

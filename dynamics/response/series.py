@@ -6,10 +6,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray, finite_vector
-from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray, finite_vector
+from crankbase.checks.scalars import whole_number
 from crankbase.drawing.curves import Curves
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title

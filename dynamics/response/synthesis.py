@@ -6,15 +6,15 @@ from math import gcd, lcm
 from typing import TYPE_CHECKING
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray
 from numpy.typing import NDArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.scalars import whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from dynamics.places import place_number
 from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import draw_over_speed, over_speed
@@ -92,7 +92,7 @@ class Synthesis:
             If there is no such place or quantity.
         """
         count = int(np.prod(self.amplitude.shape[1:]))
-        number = place_number("place", place, count, "the sum was taken at that many places")
+        number = whole_within("place", place, 0, count - 1, "the sum was taken at that many places")
         drawn = shown(quantity, "SI")
         total, plain = (
             values.reshape(len(self.speeds), -1)[:, number]

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from crankbase.checks.arrays import FloatArray, nonnegative_number
-from crankbase.checks.choices import check_choice
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, nonnegative_number
+from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.summaries import summarized

@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 
 from crankbase.checks.scalars import is_whole
-
 from crankbase.errors import InputError
 from dynamics.engine.firing import IN_LINE
 from dynamics.engine.layout import EngineLayout

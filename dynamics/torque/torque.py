@@ -5,13 +5,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, nonnegative_number, read_only
-from crankbase.checks.scalars import is_whole
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, nonnegative_number, read_only
+from crankbase.checks.scalars import whole_within
 from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE, new_axes
 from crankbase.drawing.legends import legend_above, write_title
-from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.engine.forces import mechanism_forces
@@ -215,12 +214,8 @@ class EngineTorque:
         )
 
     def _checked_throw(self, throw: int) -> int:
-        if not is_whole(throw) or not 1 <= throw <= len(self.throws):
-            raise InputError(
-                f"throw: given {throw!r}; allowed is 1 to {len(self.throws)}, because the shaft has that "
-                "many throws."
-            )
-        return throw - 1
+        reason = "the shaft has that many throws"
+        return whole_within("throw", throw, 1, len(self.throws), reason) - 1
 
 
 def engine_torque(

@@ -5,10 +5,10 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number
-
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 from numpy.typing import NDArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.over_speed import OverSpeed

@@ -4,7 +4,6 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice
-
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.places import place_of

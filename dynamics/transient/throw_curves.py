@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray
 
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from dynamics.chains.throw_inertias import cylinder_inertia
 from dynamics.engine.forces import rod_models
 from dynamics.engine.layout import EngineLayout

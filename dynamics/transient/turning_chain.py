@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.engine_chains import EngineChain

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from crankbase.checks.arrays import ComplexArray, FloatArray, positive_number
-from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import ComplexArray, FloatArray, positive_number
+from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError

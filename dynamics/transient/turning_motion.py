@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from dynamics.transient.turning_chain import TurningChain
 

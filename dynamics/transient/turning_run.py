@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray, finite_array, positive_number
-from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray, finite_array, positive_number
+from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid

@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from crankbase.checks.arrays import positive_number
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain

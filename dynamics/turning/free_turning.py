@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
+
 from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
@@ -14,8 +16,6 @@ from crankbase.checks.arrays import (
 )
 from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number
-from numpy.typing import ArrayLike
-
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
@@ -13,7 +14,6 @@ from crankbase.checks.arrays import (
     read_only,
 )
 from crankbase.checks.scalars import whole_number
-
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 from crankbase.checks.arrays import FloatArray, finite_array, positive_number
 from crankbase.checks.scalars import whole_number
-
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized

@@ -3,7 +3,6 @@
 import math
 
 from crankbase.checks.scalars import is_number
-
 from crankbase.errors import InputError, quoted
 
 

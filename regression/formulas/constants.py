@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from crankbase.checks.scalars import is_number
-
 from crankbase.errors import InputError
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import finite_array
 from crankbase.errors import InputError, quoted
 from regression.formulas.arguments import fold_angle_deg
 
@@ -30,16 +31,11 @@ def fold_angle(gamma_deg: ArrayLike) -> Any:
     """
     if isinstance(gamma_deg, float) and math.isfinite(gamma_deg):
         return fold_angle_deg(gamma_deg)
-    try:
-        angles = np.asarray(gamma_deg)
-        if angles.dtype.kind not in "iuf" or angles.size == 0:
-            raise TypeError
-    except (TypeError, ValueError, OverflowError):
-        angles = np.array(math.nan)
-    if not np.all(np.isfinite(angles)):
+    angles = finite_array("gamma_deg", gamma_deg)
+    if not angles.size:
         raise InputError(
-            f"gamma_deg: given {quoted(gamma_deg)}; allowed are finite angles in degrees, because they "
-            "stand between neighboring cranks."
+            f"gamma_deg: given {quoted(gamma_deg)}; allowed are one or more angles in degrees, because each "
+            "has an answer."
         )
     if angles.ndim == 0:
         return fold_angle_deg(float(angles))

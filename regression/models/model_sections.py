@@ -4,9 +4,10 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from crankbase.checks.choices import check_not_given
 from numpy.typing import ArrayLike, NDArray
 
+from crankbase.checks.choices import check_not_given
+from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import BLUE, RED, new_axes
 from crankbase.drawing.legends import shown_unit, write_title
 from crankbase.errors import InputError
@@ -108,7 +109,7 @@ def response_grid(
     dimensions: Mapping[str, Any],
 ) -> Any:
     """Return responses on a grid of factors as an xarray dataset; see `ComplianceModel.to_xarray`."""
-    most = _checked_points(points)
+    most = whole_number("points", points, 2, "a factor's range has two ends")
     given: dict[str, Any] = dict(dimensions)
     if gamma_deg is not None:
         given[ANGLE] = gamma_deg
@@ -147,17 +148,6 @@ def middle(family: Family) -> dict[str, float | str]:
     """Return the middle of each factor's range, and the first label of each choice."""
     numbers = {name: 0.5 * (low + high) for name, (low, high) in family.ranges.items()}
     return numbers | {name: labels[0] for name, labels in family.categories.items()}
-
-
-def _checked_points(points: object) -> int:
-    """Return the number of points along each factor, two or more."""
-    number = points if isinstance(points, int | np.integer) else 0
-    if isinstance(points, bool) or number < 2:
-        raise InputError(
-            f"points: given {points!r}; allowed are whole numbers of 2 or more, because a factor's range "
-            "has two ends."
-        )
-    return int(number)
 
 
 def _others(family: Family, asked: Mapping[str, Any], gamma_deg: float | None) -> str:

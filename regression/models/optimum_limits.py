@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from regression.models.angle import between_values
 from regression.models.compliance_model import ANGLE_LAWS, ComplianceModel
@@ -55,7 +56,7 @@ class Limit:
     def __post_init__(self) -> None:
         shown = self.name or ", ".join(self.quantities)
         given = [bound for bound in (self.at_most, self.at_least) if bound is not None]
-        if len(given) != 1 or not np.isfinite(given[0]):
+        if len(given) != 1 or not is_number(given[0]):
             raise InputError(
                 f"limit on {shown}: given at most {self.at_most}, at least {self.at_least}; allowed is "
                 "one finite bound, because each limit is checked by itself."

@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass, fields
 
-from crankbase.errors import InputError
+from crankbase.checks.choices import check_choice
+from crankbase.checks.scalars import is_whole_within
+from crankbase.errors import InputError, quoted
 from regression.plans.designs_factorial import ROMAN
 from regression.plans.designs_surface import FACES
 
@@ -55,10 +57,7 @@ class DesignChoice:
     rows: tuple[tuple[float, ...], ...] | None = None
 
     def __post_init__(self) -> None:
-        if self.kind not in OPTIONS:
-            raise InputError(
-                f"study.design: given {self.kind!r}; allowed are {', '.join(OPTIONS)}."
-            )
+        check_choice("study.design", self.kind, OPTIONS, "these are the designs that are known")
         for option in fields(self):
             value = getattr(self, option.name)
             takers = [kind for kind, options in OPTIONS.items() if option.name in options]
@@ -67,7 +66,7 @@ class DesignChoice:
                     f"study.{option.name}: given {value!r} with the design {self.kind!r}; allowed is "
                     f"it with {' and '.join(takers)} only."
                 )
-        if "runs" in OPTIONS[self.kind] and not _whole(self.runs, 1, LARGEST_DESIGN):
+        if "runs" in OPTIONS[self.kind] and not is_whole_within(self.runs, 1, LARGEST_DESIGN):
             given = "missing" if self.runs is None else f"given {self.runs!r}"
             raise InputError(
                 f"study.runs: {given}; allowed with {self.kind!r} is a whole number from 1 to "
@@ -78,16 +77,17 @@ class DesignChoice:
                 f"study.resolution: given {self.resolution!r}; allowed are "
                 f"{', '.join(ROMAN.values())} (3 to 8)."
             )
+        if self.generators is not None and not isinstance(self.generators, str):
+            raise InputError(
+                f"study.generators: given {quoted(self.generators)}; allowed is text in quotes, like "
+                '"a b c abc".'
+            )
         if self.resolution is not None and self.generators is not None:
             raise InputError(
                 "study.generators: given beside study.resolution; allowed is one of the two, because "
                 "generators fix the resolution."
             )
-        if self.face is not None and self.face not in FACES:
-            raise InputError(f"study.face: given {self.face!r}; allowed are {', '.join(FACES)}.")
+        if self.face is not None:
+            check_choice("study.face", self.face, FACES, "these say where its star points stand")
         if self.kind == "file" and not self.rows:
             raise InputError("study.file: given no row; allowed is a table of one run or more.")
-
-
-def _whole(value: object, low: int, high: int) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and low <= value <= high

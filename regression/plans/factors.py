@@ -1,14 +1,14 @@
 """What a study varies: fields of a throw, ratios and choices, each over a range or at levels."""
 
-import difflib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
-from crankbase.checks.scalars import is_number
 
+from crankbase.checks.choices import check_choice, did_you_mean
+from crankbase.checks.scalars import is_number, is_whole_within
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.units.quantity import show_quantity
@@ -134,11 +134,8 @@ class Factor:
             If a spacing is unknown, or is logarithmic over a range that reaches zero.
         """
         field = f"study.factors.{name}"
-        if spacing not in SPACINGS:
-            raise InputError(
-                f"{field}.spacing: given {spacing!r}; allowed are {', '.join(SPACINGS)}."
-            )
-        if isinstance(levels, bool) or not isinstance(levels, int) or not 2 <= levels <= 1000:
+        check_choice(f"{field}.spacing", spacing, SPACINGS, "these are the ways to spread levels")
+        if not is_whole_within(levels, 2, 1000):
             raise InputError(
                 f"{field}.levels: given {levels!r}; allowed is a whole number from 2 to 1000."
             )
@@ -276,7 +273,5 @@ def unknown_field(path: str, fields: Mapping[str, ThrowField], throw: CrankThrow
             break
         if not any(name.startswith(f"{part}.") for name in fields):
             return f"the throw has no {part} to vary; give it in [throw]"
-    close = difflib.get_close_matches(path, fields, n=1)
-    hint = f"did you mean {close[0]}? " if close else ""
     own = [name for name in fields if "." not in name or getattr(throw, name.split(".")[0])]
-    return f"{hint}allowed are {', '.join(own)}"
+    return f"{did_you_mean(path, fields)}allowed are {', '.join(own)}"

@@ -2,13 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.errors import InputError
+from crankbase.checks.scalars import whole_within
+from crankbase.errors import InputError, quoted
 from fem.material import STEEL, Material
+from fem.wished_accuracy import COMPLIANCE_ACCURACY
 from geometry.throw import CrankThrow
 from regression.plans.design_choice import SPACE_FILLING, DesignChoice
 from regression.plans.designs import (
@@ -27,6 +30,7 @@ from regression.records import HELD_OUT, RUN, content_key
 
 # Raise when a change of the model changes results: stored results of older versions are not used.
 MODEL_VERSION = 4
+LARGEST_SEED = 2**31 - 1
 
 
 @dataclass(frozen=True)
@@ -46,21 +50,22 @@ class StudyPlan:
     constraints : tuple of str
         Comparisons that every design must fulfil, or it is excluded.
     held_out : int
-        Number of further designs, spread over the ranges by a Latin hypercube, that are run and kept
-        out of the fit: the fit is judged by them. They depend on the ranges, the relations, the
+        Number of further designs, 1 to 1000, spread over the ranges by a Latin hypercube, that are run
+        and kept out of the fit: the fit is judged by them. They depend on the ranges, the relations, the
         constraints and the seed, not on the design, so different designs are judged by the same.
     seed : int
         Of everything drawn by chance.
     material : Material
     accuracy : float
-        Relative accuracy of each design's axial compliance.
+        Relative accuracy of each design's axial compliance, 0.001 to 0.1.
     stresses : bool
         Whether the fillet stresses are computed as well.
 
     Raises
     ------
     InputError
-        If a factor, relation or constraint names something unknown or does not fit the others.
+        If a factor, relation or constraint names something unknown or does not fit the others, or a
+        number is out of range.
     """
 
     throw: CrankThrow
@@ -77,20 +82,26 @@ class StudyPlan:
     def __post_init__(self) -> None:
         object.__setattr__(self, "factors", tuple(self.factors))
         object.__setattr__(self, "relations", dict(self.relations))
+        if not isinstance(self.constraints, list | tuple):
+            raise InputError(
+                f"study.constraints: given {quoted(self.constraints)}; allowed is a list of comparisons, "
+                'like ["web_thickness >= 0.25 * pin_diameter"].'
+            )
         object.__setattr__(self, "constraints", tuple(self.constraints))
-        if isinstance(self.held_out, bool) or self.held_out < 1:
+        checked = {
+            "held_out": whole_within(
+                "study.held_out", self.held_out, 1, 1000, "they tell the error between the levels"
+            ),
+            "seed": whole_within(
+                "study.seed", self.seed, 0, LARGEST_SEED, "the study is repeated by it"
+            ),
+            "accuracy": COMPLIANCE_ACCURACY.checked("study.accuracy", self.accuracy),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        if not isinstance(self.stresses, bool):
             raise InputError(
-                f"study.held_out: given {self.held_out}; allowed is 1 or more, because the error between "
-                "the levels cannot be seen without held-out designs."
-            )
-        if self.seed < 0:
-            raise InputError(
-                f"study.seed: given {self.seed}; allowed is a whole number from 0, which makes the "
-                "study repeatable."
-            )
-        if not 0.0 < self.accuracy < 1.0:
-            raise InputError(
-                f"study.accuracy: given {self.accuracy!r}; allowed is a number between 0 and 1."
+                f"study.stresses: given {quoted(self.stresses)}; allowed are true and false."
             )
         if all(factor.categorical for factor in self.factors):
             raise InputError(
@@ -208,6 +219,11 @@ class StudyPlan:
             accuracy=record["accuracy"],
             stresses=record["stresses"],
         )
+
+    @cached_property
+    def planned(self) -> "PlannedStudy":
+        """Its designs, listed when they are first asked for; errors as of `plan_designs`."""
+        return plan_designs(self)
 
     @property
     def key(self) -> str:

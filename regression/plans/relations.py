@@ -5,7 +5,6 @@ pint would take loosely ("a b" is a product to it, "1,6" is 16, "410 mm / 2 mm" 
 set in brackets before pint sees it.
 """
 
-import difflib
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -15,6 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.checks.choices import did_you_mean
+from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.text_limits import LARGEST_POWER, LONGEST_EXPRESSION
 from crankbase.units.quantity import show_quantity, unit_registry
@@ -88,11 +89,11 @@ def read_expression(text: object, field: str, units: Units) -> Expression:
     InputError
         If it is no such text or names something unknown.
     """
-    if isinstance(text, int | float) and not isinstance(text, bool):
+    if is_number(text):
         text = quoted(text)
     if not isinstance(text, str) or not text.strip():
         raise InputError(
-            f'{field}: given {text!r}; allowed is an expression in quotes, like "1.6 * pin_diameter".'
+            f'{field}: given {quoted(text)}; allowed is an expression in quotes, like "1.6 * pin_diameter".'
         )
     _check_length(text, field)
     names: list[str] = []
@@ -212,10 +213,8 @@ def _check_unit(token: str, text: str, field: str, units: Units) -> None:
 
 
 def _unknown_name(token: str, text: str, field: str, units: Units) -> InputError:
-    close = difflib.get_close_matches(token, units, n=1)
-    hint = f"did you mean {close[0]}? " if close else ""
-    if is_unit(token):
-        hint = "a unit stands after a number, like 1 mm; "
+    unit = is_unit(token)
+    hint = "a unit stands after a number, like 1 mm; " if unit else did_you_mean(token, units)
     return InputError(
         f"{field}: given {text!r}, in which {token} is no known quantity; {hint}allowed are the "
         "factors, the fields of [throw] that have a value, and numbers with units."

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from crankbase.checks.scalars import is_number
 from regression.records import ExtraRow, Outcome
 
 # What is recorded of a design, and of a row from elsewhere beside the study that it was imported into.
@@ -185,6 +186,5 @@ def _numbers(text: object, column: str) -> dict[str, float]:
 
 def _check_numbers(found: Mapping[Any, object], column: str) -> None:
     for name, value in found.items():
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not number or not -LARGEST <= value <= LARGEST:  # type: ignore[operator]
+        if not is_number(value) or not -LARGEST <= value <= LARGEST:
             raise DamagedRowError(f"{name} among its {column} is {value!r}, no finite number")

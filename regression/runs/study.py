@@ -3,18 +3,17 @@
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
-from numbers import Integral
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
 from regression.plans.plan import (
     MODEL_VERSION,
     PlannedStudy,
     StudyPlan,
-    plan_designs,
     planned_design,
 )
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, content_key
@@ -36,7 +35,6 @@ __all__ = [
     "StudyTable",
     "check_workers",
     "import_results",
-    "plan_designs",
     "read_study",
     "run_plan",
 ]
@@ -52,8 +50,7 @@ def check_workers(workers: int) -> None:
     ------
     InputError
     """
-    whole = isinstance(workers, Integral) and not isinstance(workers, bool)
-    if not whole or not 1 <= workers <= 256:
+    if not is_whole_within(workers, 1, 256):
         raise InputError(
             f"workers: given {workers!r}; allowed is 1 to 256 processes, as a whole number."
         )
@@ -106,7 +103,7 @@ def run_plan(
         from regression.runs.dask_cluster import check_address
 
         check_address(dask)
-    planned = plan_designs(plan)
+    planned = plan.planned
     unique = {design.key: design.inputs for design in planned.designs}
     with ResultStore(store) as results:
         _register(results, plan, planned)
@@ -277,7 +274,7 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
         raise InputError(f"import: given {str(path)!r}, which is a folder; allowed is a file.")
     if not path.is_file():
         raise InputError(f"import: given {str(path)!r}; there is no such file.")
-    planned = plan_designs(plan)
+    planned = plan.planned
     if not is_database(path):
         rows = read_rows(path, plan)
         with ResultStore(store) as results:
@@ -333,7 +330,7 @@ def _as_registered(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
 
     They are those of the plan, unless a later release of numpy or scipy draws other points.
     """
-    planned = plan_designs(plan)
+    planned = plan.planned
     registered = results.study_designs(plan.key)
     if not registered or [key for _, key, _ in registered] == [d.key for d in planned.designs]:
         return planned

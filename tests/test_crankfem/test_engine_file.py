@@ -8,6 +8,7 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_crankshaft, load_study, load_throw
+from crankfem.files.reading import toml_file
 from crankfem.files.reading.data_files import engine_path, shipped_engines
 
 SIX_LEVELS = '["60 mm", "68 mm", "76 mm"]'
@@ -301,10 +302,6 @@ REFUSED = {
         ["study.factors.web_with", "unknown", "web_width"],
     ),
     "no factor": ({"[study.factors]": None}, ["study.factors", "at least one"]),
-    "no combination that can be built": (
-        {"study.factors.web_width": '["215 mm", "225 mm"]'},
-        ["study.factors", "none of the", "can be used", "215 mm"],
-    ),
     "nothing held out": ({"study.held_out": "0"}, ["study.held_out", "given 0", "1 to 1000"]),
     "half a design held out": ({"study.held_out": "1.5"}, ["study.held_out", "given 1.5"]),
     "negative seed": ({"study.seed": "-1"}, ["study.seed", "given -1", "0 to"]),
@@ -337,6 +334,54 @@ def test_refusals_are_one_clear_sentence(case, tmp_path, six_cylinders, edit, ca
     assert answer.code == 2
     assert answer.out == ""
     assert answer.err == f"Error: {message}\n"
+
+
+@pytest.mark.parametrize("command", [("check",), ("run",), ("doe", "--plan"), ("doe",)])
+def test_a_study_of_which_nothing_can_be_built(
+    tmp_path, monkeypatch, six_cylinders, edit, call, command
+):
+    """Commands that need the study say so before anything is computed; others need no study."""
+    monkeypatch.chdir(tmp_path)
+    text = edit(six_cylinders, {"study.factors.web_width": '["215 mm", "225 mm"]'})
+    (tmp_path / "wrong.toml").write_text(text, encoding="utf-8")
+    assert load_engine("wrong.toml").study is not None
+    answer = call(*command, "wrong.toml")
+    assert answer.code == 2
+    assert answer.out == ""
+    sentences = [line for line in answer.err.splitlines() if line.startswith("Error: ")]
+    assert len(sentences) == 1
+    assert sentences[0].startswith("Error: study.factors: none of the ")
+    assert "215 mm" in sentences[0]
+    assert [path.name for path in tmp_path.iterdir()] == ["wrong.toml"]
+
+
+@pytest.mark.parametrize("command", ["mechanism", "vibration", "throw", "run"])
+def test_a_hinge_is_no_engine(tmp_path, monkeypatch, call, command):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "hinge.toml").write_text('[sliding]\n[hinge]\nheight = "1 m"\n', encoding="utf-8")
+    answer = call(command, "hinge.toml")
+    assert answer.code == 2
+    assert answer.err.endswith("describes an elastic hinge; use it with hinge.\n")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("check",),
+        ("mechanism",),
+        ("vibration",),
+        ("draw", "--output", "a.svg"),
+        ("export", "a.step", "--shaft"),
+    ],
+)
+def test_a_file_is_read_once(tmp_path, monkeypatch, six_cylinders, call, command):
+    """Everything that a command takes from a file is of one state of it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "six.toml").write_text(six_cylinders, encoding="utf-8")
+    read, paths = toml_file.tomllib.loads, []
+    monkeypatch.setattr(toml_file.tomllib, "loads", lambda text: paths.append(text) or read(text))
+    assert call(command[0], "six.toml", *command[1:]).code == 0
+    assert paths.count(six_cylinders) == 1
 
 
 def test_unknown_section(tmp_path, six_cylinders):

@@ -183,9 +183,14 @@ ERRORS = [
     ),
     (study('design = "taguchi"'), "study.design: given 'taguchi'; allowed are full factorial, "),
     (study("design = 3"), "study.design: given 3; allowed are"),
-    (study("held_out = 0"), "study.held_out: given 0; allowed is a whole number from 1 to 1000"),
+    (study("held_out = 0"), "study.held_out: given 0; allowed are the whole numbers 1 to 1000"),
     (study("held_out = 2.5"), "study.held_out: given 2.5"),
     (study("held_out = true"), "study.held_out: given True"),
+    (study("generators = 3"), "study.generators: given 3"),
+    (
+        study('design = "fractional factorial"\ngenerators = 3'),
+        "study.generators: given 3; allowed",
+    ),
     (study("seed = -1"), "study.seed: given -1"),
     (study("accuracy = 1"), "study.accuracy: given 1; allowed is a number from 0.001 to 0.1"),
     (study('accuracy = "1 %"'), "study.accuracy: given '1 %'"),
@@ -200,7 +205,7 @@ ERRORS = [
         study('design = "fractional factorial"\nresolution = 4'),
         "study.resolution: given 4; allowed are III, IV, V, VI, VII, VIII, in quotes",
     ),
-    (study('design = "central composite"\nface = 1'), "study.face: given 1; allowed is text"),
+    (study('design = "central composite"\nface = 1'), "study.face: given 1; allowed are faced, "),
     (study('file = "a.csv"'), "study.file: given 'a.csv' with the design 'full factorial'"),
     ("[study]\nfactors = 3\n", "study.factors: given 3; allowed is a section [study.factors]"),
     ("[study]\nrelations = 3\n", "study.relations: given 3; allowed is a section"),
@@ -278,7 +283,7 @@ ERRORS = [
 @pytest.mark.parametrize(("text", "message"), ERRORS)
 def test_what_a_file_cannot_say(read, text, message):
     with pytest.raises(InputError) as caught:
-        read(text)
+        _ = read(text).planned
     assert str(caught.value).startswith(message)
     assert str(caught.value).endswith(".")
     assert "\n" not in str(caught.value)
@@ -385,7 +390,7 @@ def test_ratios_in_a_file(read, tmp_path):
 )
 def test_rows_that_cannot_be(read_rows, rows, factors, message):
     with pytest.raises(InputError) as caught:
-        read_rows(rows, factors)
+        _ = read_rows(rows, factors).planned
     assert str(caught.value).startswith(message)
     assert str(caught.value).endswith(".")
 

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+
+from comparing import close
 from crankbase.checks.arrays import (
     HIGHEST_SPEED,
     LARGEST,
@@ -14,9 +16,6 @@ from crankbase.checks.arrays import (
     positive_vector,
     turning_speeds,
 )
-from dynamics.running_limits import at_most, within
-
-from comparing import close
 from crankbase.errors import InputError
 from dynamics.assessment.limit_rules import crankshaft_limit, propulsion_shaft_limit
 from dynamics.assessment.limits import LimitCurve, axial_force_limit, given_limit
@@ -37,6 +36,7 @@ from dynamics.excitation.propeller import PropellerForces, propeller_excitation
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.response.excitation import OrderExcitation
+from dynamics.running_limits import at_most, within
 from dynamics.torque.pin_harmonics import pin_force_harmonics
 from dynamics.torque.star import star_diagram
 from dynamics.torque.torque import engine_torque

@@ -142,7 +142,9 @@ def test_harmonics_of_throws_add_up_to_the_engines():
     whole = found.harmonics()
     assert added == close(whole.cosine + 1j * whole.sine, abs=1e-9)
     for throw in (3, 0, 1.5, True):
-        with pytest.raises(InputError, match=f"throw: given {throw}; allowed is 1 to 2"):
+        with pytest.raises(
+            InputError, match=f"throw: given {throw}; allowed are the whole numbers 1 to 2"
+        ):
             found.harmonics(throw)
     with pytest.raises(InputError, match="cylinder: given 5"):
         found.cylinder_harmonics(5)

@@ -77,7 +77,7 @@ def test_undamped_on_purpose():
         ({"modal_damping": [0.1, 0.1]}, "modal_damping: given 2 values"),
         ({"loss_factor": -0.1}, "loss_factor.0.: given -0.1"),
         ({"relative": [1.0, 1.0]}, "relative: given 2 values for 1 elements"),
-        ({"relative": {1: 1.0}}, "relative: given element 1; allowed are"),
+        ({"relative": {1: 1.0}}, r"relative\[1\]: given 1; allowed is 0, because"),
         ({"element_magnifier": 0.0}, "element_magnifier.0.: given 0"),
         ({"absolute": {2: 1.0}}, "absolute"),
     ],

@@ -457,7 +457,7 @@ def test_stress_depends_on_poissons_ratio_alone(mesh, loads, loaded):
     ("changes", "arguments", "sentence"),
     [
         ({"fillet_radius": 0.0}, {}, "fillet_radius: given 0 at all .*; allowed is .* no bound"),
-        ({}, {"accuracy": 0.001}, "accuracy: given 0.001; allowed is 0.02 to 0.2"),
+        ({}, {"accuracy": 0.001}, "accuracy: given 0.001; allowed is a number from 0.02 to 0.2"),
         ({}, {"material": "steel"}, "material: given 'steel'; allowed is a Material"),
         ({}, {"end_sections": "soft"}, "end_sections: given 'soft'; allowed are"),
     ],

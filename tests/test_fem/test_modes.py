@@ -231,7 +231,7 @@ def test_a_mode_that_misses_its_equation_is_refused(coarse, monkeypatch):
     [
         ({}, r"^count, highest_frequency: given None and None; allowed is one of them"),
         ({"count": 3, "highest_frequency": 1e3}, r"^count, highest_frequency: given 3 and 1000.0"),
-        ({"count": 0}, r"^count: given 0; allowed is a whole number from 1 to 500"),
+        ({"count": 0}, r"^count: given 0; allowed are the whole numbers 1 to 500"),
         ({"count": 501}, r"^count: given 501; allowed"),
         ({"count": 2.5}, r"^count: given 2.5; allowed"),
         ({"count": True}, r"^count: given True; allowed"),

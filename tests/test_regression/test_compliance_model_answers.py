@@ -325,7 +325,7 @@ def test_angles_outside_the_range_of_the_dimensions_warn_once(model):
     ("name", "gamma", "match"),
     [
         ("mass", 90.0, "gamma_deg: given for mass; allowed is an angle for axial_compliance and"),
-        ("axial_compliance", float("nan"), "gamma_deg: given nan; allowed are finite angles"),
+        ("axial_compliance", float("nan"), "gamma_deg: given nan; allowed are finite numbers"),
         ("axial_compliance", float("inf"), "gamma_deg: given inf"),
         ("axial_compliance", "120 deg", "gamma_deg: given '120 deg'"),
         ("axial_compliance", [], r"gamma_deg: given \[\]"),

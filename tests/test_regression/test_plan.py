@@ -327,7 +327,11 @@ def test_a_study_of_which_nothing_remains(design, message):
             {},
             r"^study\.factors\.counterweight\.angle: unknown .* has no counterweight to vary",
         ),
-        ((WIDTH,), {"held_out": 0}, r"^study\.held_out: given 0; allowed is 1 or more"),
+        (
+            (WIDTH,),
+            {"held_out": 0},
+            r"^study\.held_out: given 0; allowed are the whole numbers 1 to 1000",
+        ),
         ((WIDTH,), {"seed": -1}, r"^study\.seed: given -1"),
         ((WIDTH,), {"accuracy": 0.0}, r"^study\.accuracy: given 0.0"),
         (
@@ -360,6 +364,17 @@ def test_a_study_of_which_nothing_remains(design, message):
             {"relations": {"pin_length": "web_thickness", "web_thickness": "pin_length"}},
             r"^study\.relations: given a circle",
         ),
+        ((WIDTH,), {"constraints": "web_width > 3"}, r"^study\.constraints: given 'web_width > 3'"),
+        (
+            (WIDTH,),
+            {"accuracy": 0.5},
+            r"^study\.accuracy: given 0\.5; allowed is a number from 0\.001",
+        ),
+        ((WIDTH,), {"accuracy": True}, r"^study\.accuracy: given True; "),
+        ((WIDTH,), {"held_out": 2.5}, r"^study\.held_out: given 2\.5; "),
+        ((WIDTH,), {"held_out": True}, r"^study\.held_out: given True; "),
+        ((WIDTH,), {"seed": 1.0}, r"^study\.seed: given 1\.0; "),
+        ((WIDTH,), {"stresses": 1}, r"^study\.stresses: given 1; "),
         (
             (WIDTH,),
             {"constraints": ("web_width > 3",)},
@@ -498,3 +513,11 @@ def test_a_plan_of_another_model_is_refused():
         InputError, match=rf"^study: given a study of model version {MODEL_VERSION - 1}"
     ):
         StudyPlan.from_record(record)
+
+
+def test_designs_are_listed_once_and_anew_for_another_plan():
+    plan = StudyPlan(THROW, (WIDTH,))
+    assert plan.planned is plan.planned
+    assert plan.planned.designs == plan_designs(plan).designs
+    other = dataclasses.replace(plan, held_out=3)
+    assert len(other.planned.designs) == len(plan.planned.designs) - plan.held_out + 3

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.units.units import RPM
 from crankfem.analyses.hinge.hinge_run import HingeRun, OtherSpeed
 from crankfem.analyses.record import Record, assumed_values

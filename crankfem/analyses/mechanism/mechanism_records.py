@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.tables.table import listed
 from crankbase.units.units import RPM
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.checks.scalars import is_whole
-
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table

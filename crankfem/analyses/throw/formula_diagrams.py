@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from crankbase.checks.arrays import positive_number
 
+from crankbase.checks.arrays import positive_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import shown_unit, write_title
 from crankbase.errors import InputError

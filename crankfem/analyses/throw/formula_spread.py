@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from crankbase.checks.choices import check_choice
-
 from crankbase.drawing.bars import PALE, draw_rows
 from crankbase.drawing.diagram_style import BLUE, new_axes
 from crankbase.drawing.legends import write_title

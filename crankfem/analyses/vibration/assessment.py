@@ -4,10 +4,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice
-from dynamics.running_limits import within
-
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
@@ -30,6 +29,7 @@ from dynamics.chains.chain import Chain
 from dynamics.critical import engine_orders
 from dynamics.response.forced import forced_response
 from dynamics.response.synthesis import synthesis
+from dynamics.running_limits import within
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

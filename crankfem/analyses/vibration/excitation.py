@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from dynamics.running_limits import within
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
@@ -34,6 +33,7 @@ from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.speed_grid import refined_speeds
+from dynamics.running_limits import within
 from fem.shaft import ShaftCompliances
 
 # Speeds below the lowest running one are passed on every start; rules of limits go on above the highest

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
-from crankbase.checks.choices import check_choice, check_not_given
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized

@@ -1,8 +1,8 @@
 """Forced vibration as plain numbers, and the columns of its file."""
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.units.units import RPM
 from crankfem.analyses.record import ASSUMED, Record, finite_or_none
 from crankfem.analyses.shaft.motion import MOTION

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
+
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.checks.scalars import whole_number
-from numpy.typing import NDArray
-
 from crankbase.drawing.bars import draw_rows
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title

@@ -157,9 +157,8 @@ def _quantity(text: str | None, unit: str, option: str) -> float | None:
 
 def _show_plan(plan: "StudyPlan", json: bool) -> None:
     from crankfem.cli.tables.design_tables import plan_record, print_plan
-    from regression.plans.plan import plan_designs
 
-    planned = plan_designs(plan)
+    planned = plan.planned
     if json:
         print_json(plan_record(planned))
     else:

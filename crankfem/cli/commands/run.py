@@ -40,15 +40,17 @@ def run(
     With --quiet only the path of the report is printed.
     """
     from crankbase.tables.output_units import parse_output_units
-    from crankfem.files.engine.engine_file import load_engine
     from crankfem.jobs.pipeline import run_engine
+    from crankfem.jobs.run_inputs import RunInputs, read_inputs
 
     shown = parse_output_units(units)
+    source: str | RunInputs = engine
     if strict:
-        check_judged(load_engine(engine))
+        source = read_inputs(engine)
+        check_judged(source.engine_file)
     with console.RunProgress(quiet) as progress:
         try:
-            made = run_engine(engine, output, workers=workers, progress=progress)
+            made = run_engine(source, output, workers=workers, progress=progress)
         except KeyboardInterrupt:
             if not progress.total:  # there is no study, or nothing of it is known yet
                 raise

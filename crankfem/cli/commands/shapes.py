@@ -1,7 +1,7 @@
 """A throw as drawing, picture, solid or mesh."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -15,6 +15,9 @@ from crankfem.cli.commands.options import (
     ThrowOption,
 )
 from crankfem.cli.console import print_json
+
+if TYPE_CHECKING:
+    from crankfem.files.reading.toml_file import TomlFile
 
 
 def export(
@@ -44,7 +47,7 @@ def export(
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
     from crankfem.cli.throw_choice import chosen_throw
     from crankfem.files.engine.throw_file import load_crankshaft
-    from crankfem.files.reading.data_files import engine_path
+    from crankfem.files.reading.file_kinds import engine_sections
     from crankfem.jobs.outputs import check_writable
     from fem.calculix import write_calculix
     from geometry.mesh_files import ENDINGS as MESH_ENDINGS
@@ -53,7 +56,8 @@ def export(
     from geometry.solid_files import ENDINGS, write_step
 
     _refuse_beside_shaft(name, shaft)
-    throw, material = chosen_throw(engine, name, quiet or shaft)
+    content = engine_sections(engine)
+    throw, material = chosen_throw(content, name, quiet or shaft)
     record: dict[str, Any] = {"file": str(file)}
     if calculix and (file.suffix != ".inp" or part != "full"):
         raise InputError(
@@ -63,8 +67,8 @@ def export(
     if shaft or file.suffix.lower() in ENDINGS:
         if size != 1.0:
             raise InputError(f"--size: given {size:g}; allowed only for meshes, not for solids.")
-        check_writable(file, "solid", engine_path(engine))
-        write_step(load_crankshaft(engine) if shaft else throw, file, part)
+        check_writable(file, "solid", content.path)
+        write_step(load_crankshaft(content) if shaft else throw, file, part)
     else:
         if file.suffix.lower() not in MESH_ENDINGS:
             raise InputError(
@@ -73,7 +77,7 @@ def export(
             )
         if not 0.05 <= size <= 10.0:
             raise InputError(f"--size: given {size:g}; allowed is 0.05 to 10.")
-        check_writable(file, "deck" if calculix else "mesh", engine_path(engine))
+        check_writable(file, "deck" if calculix else "mesh", content.path)
         mesh = mesh_isolated(throw, size, part)
         if calculix:
             write_calculix(mesh, material, file)
@@ -132,6 +136,7 @@ def draw(
     from crankfem.cli.throw_choice import chosen_throw
     from crankfem.files.engine.throw_file import load_crankshaft
     from crankfem.files.reading.data_files import engine_path
+    from crankfem.files.reading.file_kinds import engine_sections
     from crankfem.jobs.outputs import check_apart, check_writable
 
     source = engine_path(engine)
@@ -143,9 +148,10 @@ def draw(
     check_apart({"--output": drawing, "--picture": picture, "--shaft": shaft})
     for file in filter(None, (drawing, picture, shaft)):
         check_writable(file, "picture", source)
-    dimensions, _ = chosen_throw(engine, name, quiet)
-    crankshaft = load_crankshaft(engine) if shaft else None
-    title = _title(engine) if name is None else f"{_title(engine)}, throw {name}"
+    content = engine_sections(engine)
+    dimensions, _ = chosen_throw(content, name, quiet)
+    crankshaft = load_crankshaft(content) if shaft else None
+    title = _title(content) if name is None else f"{_title(content)}, throw {name}"
     files = [write_drawing(dimensions, drawing, title)]
     if picture:
         files.append(picture_throw(dimensions, picture))
@@ -158,11 +164,7 @@ def draw(
         console.output.print(f"{file} written.", soft_wrap=True)
 
 
-def _title(engine: str) -> str:
+def _title(content: "TomlFile") -> str:
     """Return the engine's name, or its file's where that says none."""
-    from crankfem.files.reading.data_files import engine_path
-    from crankfem.files.reading.toml_file import read_toml
-
-    path = engine_path(engine)
-    name = read_toml(path).sections.get("engine", {}).get("name")
-    return name if isinstance(name, str) and name.strip() else path.stem
+    name = content.sections.get("engine", {}).get("name")
+    return name if isinstance(name, str) and name.strip() else content.path.stem

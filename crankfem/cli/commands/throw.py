@@ -18,12 +18,15 @@ from crankfem.cli.commands.options import (
     UnitsOption,
 )
 from crankfem.cli.console import print_json
+from fem.wished_accuracy import COMPLIANCE_ACCURACY, STRESS_ACCURACY
 
 
 def throw(
     engine: ThrowArgument,
     name: ThrowOption = None,
-    accuracy: Annotated[float, typer.Option(help="Relative accuracy of e_n, 0.001 to 0.1.")] = 0.01,
+    accuracy: Annotated[
+        float, typer.Option(help=f"Relative accuracy of e_n, {COMPLIANCE_ACCURACY}.")
+    ] = 0.01,
     pins: Annotated[
         list[str] | None,
         typer.Option("--pin", help="Name of a crankpin's face in a STEP file; once for each pin."),
@@ -98,7 +101,7 @@ def stress(
     engine: EngineArgument,
     name: ThrowOption = None,
     accuracy: Annotated[
-        float, typer.Option(help="Relative accuracy of the largest stresses, 0.02 to 0.2.")
+        float, typer.Option(help=f"Relative accuracy of the largest stresses, {STRESS_ACCURACY}.")
     ] = 0.05,
     end_sections: Annotated[str, typer.Option(help="rigid, or averaged (free to warp).")] = "rigid",
     pictures: Annotated[

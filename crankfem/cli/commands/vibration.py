@@ -20,6 +20,7 @@ from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
     from crankbase.tables.output_units import OutputUnits
+    from crankfem.files.reading.toml_file import TomlFile
 
 
 def vibration(
@@ -60,12 +61,13 @@ def vibration(
 ) -> None:
     """Natural frequencies, forced vibration over the speeds, and a verdict against limits."""
     from crankbase.tables.output_units import parse_output_units
-    from crankfem.files.chain.chain_file import is_chain_file
+    from crankfem.files.reading.file_kinds import any_sections, describes_a_chain
 
     shown = parse_output_units(units)
-    if is_chain_file(engine):
+    content = any_sections(engine)
+    if content is None or describes_a_chain(content):
         others = coupled or strict or any(given is not None for given in (run_up, csv, pictures))
-        _of_chain(engine, json, shown, only_engines=others)
+        _of_chain(engine, content, json, shown, only_engines=others)
         return
     from crankbase.drawing.diagram_style import make_folder
     from crankbase.outputs import check_output, protect
@@ -88,7 +90,7 @@ def vibration(
     from crankfem.files.engine.mechanism_file import mechanism_of
 
     duration = None if run_up is None else parse_duration(run_up)
-    read = load_engine(engine)
+    read = load_engine(content)
     if strict:
         check_judged(read)
     if csv is not None or pictures is not None:
@@ -138,7 +140,9 @@ def vibration(
         end_strictly(record)
 
 
-def _of_chain(path: str, json: bool, units: "OutputUnits", *, only_engines: bool) -> None:
+def _of_chain(
+    path: str, content: "TomlFile | None", json: bool, units: "OutputUnits", *, only_engines: bool
+) -> None:
     """Print the modes of a chain file.
 
     Raises
@@ -154,7 +158,7 @@ def _of_chain(path: str, json: bool, units: "OutputUnits", *, only_engines: bool
             f"{path}: is a chain file, which has no cylinders; allowed with it are --json, --units and "
             "--quiet, because the other options are about what an engine excites."
         )
-    record = chain_record(load_chain(path))
+    record = chain_record(load_chain(content or path))
     if json:
         print_json(record)
     else:

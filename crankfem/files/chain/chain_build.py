@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from crankbase.checks.arrays import positive_number
-
 from crankbase.errors import InputError
 from crankfem.files.chain.chain_sections import (
     AxialChainSection,

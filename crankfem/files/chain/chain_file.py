@@ -11,8 +11,8 @@ from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
 from crankfem.files.chain.chain_build import Section, chain_of
 from crankfem.files.chain.chain_sections import AxialChainSection, TorsionalChainSection
 from crankfem.files.chain.chain_text import read_chain_text
-from crankfem.files.reading.data_files import chain_path, shipped_chains
-from crankfem.files.reading.toml_file import InputRecord, read_toml
+from crankfem.files.reading.data_files import chain_path
+from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_elements import Motion
 from fem.material import STEEL, Material
@@ -52,28 +52,21 @@ class ChainFile:
     sources: dict[str, str]
 
 
-def is_chain_file(given: str | Path) -> bool:
-    """Tell whether a path or name is that of a chain and not of an engine."""
-    path = Path(given)
-    if not path.is_file():
-        return path.parent == Path() and path.name.removesuffix(".toml") in shipped_chains()
-    return path.suffix.lower() != ".toml" or "chain" in read_toml(path).sections
-
-
-def load_chain(path: str | Path) -> ChainFile:
+def load_chain(path: str | Path | TomlFile) -> ChainFile:
     """Read and check a chain file.
 
     Parameters
     ----------
     path : path
-        A TOML file, any other file as plain text, or the name of a shipped one.
+        A TOML file, any other file as plain text, or the name of a shipped one; or the sections of a
+        TOML file, read already.
 
     Raises
     ------
     InputError
         With one sentence that names what was given and what is allowed.
     """
-    found = chain_path(path)
+    found = path.path if isinstance(path, TomlFile) else chain_path(path)
     if found.suffix.lower() != ".toml":
         check_file_size(found, LARGEST_TEXT_FILE, "the text of a chain")
         try:
@@ -85,7 +78,7 @@ def load_chain(path: str | Path) -> ChainFile:
         read = read_chain_text(text, found.name)
         _check_sizes(found.name, read.chain)
         return ChainFile(found, read.name or found.stem, read.kind, read.chain, (), {})
-    content = read_toml(found)
+    content = path if isinstance(path, TomlFile) else read_toml(found)
     content.check_sections({"chain": True, "material": False})
     kind = content.sections["chain"].get("kind")
     if not isinstance(kind, str) or kind not in KINDS:

@@ -17,12 +17,13 @@ from crankfem.files.engine.mechanism_cylinders import (
     throws_of,
 )
 from crankfem.files.engine.throw_file import ThrowFile
-from crankfem.files.reading.data_files import engine_path, find_table
+from crankfem.files.reading.data_files import find_table
 from crankfem.files.reading.file_kinds import (
     REQUIRED,
     check_sections,
     describes_a_throw,
     describes_mechanism,
+    engine_sections,
 )
 from crankfem.files.reading.section_changes import (
     Change,
@@ -31,7 +32,7 @@ from crankfem.files.reading.section_changes import (
     changes,
     without_changed,
 )
-from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
+from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,
     first_name,
@@ -67,7 +68,7 @@ from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
-from regression.plans.plan import StudyPlan, plan_designs
+from regression.plans.plan import StudyPlan
 
 
 @summarized("engine.name", "path", "engine.rated_speed [rad/s]", "pins")
@@ -258,24 +259,23 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
         material = made.get("material", self.material)
         if (throws[name], material) != (study.throw, study.material):
             study = replace(study, throw=throws[name], material=material)
-            plan_designs(study)  # refuses a study of which nothing can be built
         return study
 
 
-def load_engine(path: str | Path) -> EngineFile:
+def load_engine(path: str | Path | TomlFile) -> EngineFile:
     """Read and check an engine file.
 
     Parameters
     ----------
     path : path
-        The file, or the name of a shipped engine.
+        The file, or the name of a shipped engine; or its sections, where they have been read already.
 
     Raises
     ------
     InputError
         With one sentence that names the field, what was given and what is allowed.
     """
-    content = read_toml(engine_path(path))
+    content = engine_sections(path)
     if describes_a_throw(content):
         raise InputError(
             f"{content.path.name}: describes a throw, not an engine; add the sections "
@@ -338,16 +338,16 @@ def load_engine(path: str | Path) -> EngineFile:
     )
 
 
-def load_engine_or_throw(path: str | Path) -> EngineFile | ThrowFile:
+def load_engine_or_throw(path: str | Path | TomlFile) -> EngineFile | ThrowFile:
     """Read and check a file: as an engine if it has any of its sections, else as a throw.
 
     Raises
     ------
     InputError
     """
-    content = read_toml(engine_path(path))
+    content = engine_sections(path)
     if not describes_a_throw(content):
-        return load_engine(path)
+        return load_engine(content)
     check_sections(content, ["throw"])
     throws = read_throws(content)
     material = content.model("material", Material) or STEEL

@@ -19,9 +19,12 @@ from crankfem.files.engine.mechanism_cylinders import (
     throws_of,
 )
 from crankfem.files.engine.throw_file import ThrowFile
-from crankfem.files.reading.data_files import engine_path
-from crankfem.files.reading.file_kinds import check_sections, describes_mechanism
-from crankfem.files.reading.toml_file import InputRecord, read_toml
+from crankfem.files.reading.file_kinds import (
+    check_sections,
+    describes_mechanism,
+    engine_sections,
+)
+from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,
     read_throws,
@@ -109,23 +112,22 @@ class MechanismFile:
         return throw_starts(self.crank_throws)
 
 
-def load_mechanism(path: str | Path) -> MechanismFile:
+def load_mechanism(path: str | Path | TomlFile) -> MechanismFile:
     """Read the crank mechanism of an engine file, or of a shipped engine.
 
     Parameters
     ----------
     path : path
-        The file, or the name of a shipped engine. It needs the sections [engine], [throw] (or
-        several [throws.NAME]), [rod] and [piston]; [gas], [hinged_rods] and [shaft] are read where given.
+        The file, or the name of a shipped engine; or its sections, read already. It needs
+        the sections [engine], [throw] (or several [throws.NAME]), [rod] and [piston]; [gas],
+        [hinged_rods] and [shaft] are read where given.
 
     Raises
     ------
     InputError
         With one sentence that names the field, what was given and what is allowed.
     """
-    content = read_toml(engine_path(path))
-    if "sliding" in content.sections:
-        raise InputError(f"{content.path.name}: describes an elastic hinge; use it with hinge.")
+    content = engine_sections(path)
     check_sections(content, NEEDED)
     engine, throws = content.required("engine", Engine), read_throws(content)
     rod, piston = content.required("rod", Rod), content.required("piston", Piston)
@@ -265,16 +267,17 @@ class _Mechanism:
         )
 
 
-def load_any(path: str | Path) -> EngineFile | MechanismFile | ThrowFile:
+def load_any(path: str | Path | TomlFile) -> EngineFile | MechanismFile | ThrowFile:
     """Read and check a file as what it describes: a whole engine, a mechanism, or a throw.
 
     Raises
     ------
     InputError
     """
-    if describes_mechanism(read_toml(engine_path(path))):
-        return load_mechanism(path)
-    return load_engine_or_throw(path)
+    content = engine_sections(path)
+    if describes_mechanism(content):
+        return load_mechanism(content)
+    return load_engine_or_throw(content)
 
 
 def with_throws(

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from crankbase.errors import InputError
-from crankfem.files.reading.data_files import engine_path
-from crankfem.files.reading.file_kinds import check_sections
-from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
+from crankfem.files.reading.file_kinds import check_sections, engine_sections
+from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,
     Throws,
@@ -25,7 +24,7 @@ from geometry.throw import CrankThrow
 from regression.plans.plan import StudyPlan
 
 
-def load_throw(path: str | Path, name: str | None = None) -> tuple[CrankThrow, Material]:
+def load_throw(path: str | Path | TomlFile, name: str | None = None) -> tuple[CrankThrow, Material]:
     """Read only a throw and its material from an engine or study file.
 
     Parameters
@@ -39,21 +38,21 @@ def load_throw(path: str | Path, name: str | None = None) -> tuple[CrankThrow, M
     ------
     InputError
     """
-    content = read_toml(engine_path(path))
+    content = engine_sections(path)
     check_sections(content, ["throw"])
     throws = read_throws(content)
     throw = throw_of_name(throws, name, "throw", _first(content, throws))
     return throw, content.model("material", Material) or STEEL
 
 
-def names_of_throws(path: str | Path) -> tuple[str, ...]:
+def names_of_throws(path: str | Path | TomlFile) -> tuple[str, ...]:
     """Return the names of the throws in a file, first that at the free end; "throw" for a plain file.
 
     Raises
     ------
     InputError
     """
-    content = read_toml(engine_path(path))
+    content = engine_sections(path)
     check_sections(content, ["throw"])
     throws = read_throws(content)
     first = _first(content, throws)
@@ -83,7 +82,7 @@ class ThrowFile:
     records: tuple[InputRecord, ...]
 
 
-def load_crankshaft(path: str | Path) -> Crankshaft:
+def load_crankshaft(path: str | Path | TomlFile) -> Crankshaft:
     """Read the whole crankshaft of an engine file: its throws at their angles, and the ends.
 
     The angles are ``throw_angles`` of the section [shaft], or the crank angles of [engine].
@@ -93,7 +92,7 @@ def load_crankshaft(path: str | Path) -> Crankshaft:
     InputError
         Also if the file has neither.
     """
-    content = read_toml(engine_path(path))
+    content = engine_sections(path)
     check_sections(content, ["throw"])
     throws = read_throws(content)
     layout = content.model("shaft", ShaftLayout)
@@ -118,14 +117,14 @@ def load_crankshaft(path: str | Path) -> Crankshaft:
     return Crankshaft(throws_along_shaft(throws, names, angles), angles, ends)
 
 
-def load_study(path: str | Path) -> StudyPlan:
+def load_study(path: str | Path | TomlFile) -> StudyPlan:
     """Read the plan of a study from a file with the sections [throw] and [study].
 
     Raises
     ------
     InputError
     """
-    content = read_toml(engine_path(path))
+    content = engine_sections(path)
     check_sections(content, ["throw", "study"])
     throws = read_throws(content)
     first = _first(content, throws)

@@ -20,7 +20,7 @@ from crankfem.files.hinge.hinge_sections import (
     Sliding,
 )
 from crankfem.files.reading.data_files import hinge_path
-from crankfem.files.reading.toml_file import InputRecord, read_toml
+from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.gas_force import piston_gas_force, two_stroke_cycle
 from dynamics.hinge.moment import HingeMoment, hinge_moment
@@ -150,20 +150,20 @@ SECTIONS = {
 }
 
 
-def load_hinge(path: str | Path = "crosshead-30-100") -> HingeFile:
+def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
     """Read and check a hinge file.
 
     Parameters
     ----------
     path : path, optional
-        The file, or the name of a shipped one.
+        The file, or the name of a shipped one; or its sections, read already.
 
     Raises
     ------
     InputError
         With one sentence that names the field, what was given and what is allowed.
     """
-    content = read_toml(hinge_path(path))
+    content = path if isinstance(path, TomlFile) else read_toml(hinge_path(path))
     content.check_sections(SECTIONS)
     crank, rod = (
         content.required(Crank.section, Crank),

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from types import NoneType
 from typing import get_args, get_type_hints
 
+from crankbase.checks.choices import allowed_names
+from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra
 from crankbase.units.quantity import show_quantity
@@ -46,9 +47,7 @@ def changed_section(owner: object, name: str, given: object) -> InputModel | Non
     """
     kinds = _section_kinds(type(owner))
     if name not in kinds:
-        close = get_close_matches(name, kinds, n=1)
-        hint = f"did you mean {close[0]}? " if close else ""
-        raise InputError(f"{name}: unknown section; {hint}allowed are {', '.join(kinds)}.")
+        raise InputError(f"{name}: unknown section; {allowed_names(name, kinds)}.")
     kind, optional = kinds[name]
     if given is None:
         if optional:
@@ -170,6 +169,6 @@ def _changes(prefix: str, before: object, after: InputModel | None) -> Iterator[
 def _shown(value: object, unit: str | None) -> str:
     if isinstance(value, tuple):
         return ", ".join(_shown(item, unit) for item in value)
-    if unit is not None and isinstance(value, int | float) and not isinstance(value, bool):
+    if unit is not None and is_number(value):
         return show_quantity(value, unit)
     return str(value)

@@ -4,10 +4,10 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
 
+from crankbase.checks.choices import did_you_mean
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
@@ -75,8 +75,7 @@ class TomlFile:
         """
         for name in self.sections:
             if name not in allowed:
-                close = get_close_matches(name, allowed, n=1, cutoff=0.7)
-                hint = f"did you mean [{close[0]}]? " if close else ""
+                hint = did_you_mean(name, allowed, cutoff=0.7, form="[{}]")
                 raise InputError(
                     f"{self.path.name}: [{name}] is an unknown section; {hint}allowed are "
                     f"{', '.join(allowed)}."

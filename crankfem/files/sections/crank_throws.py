@@ -90,7 +90,7 @@ def first_name(throws: Throws, layout: ShaftLayout | None) -> str:
     return next((name for name in names if name in throws), next(iter(throws)))
 
 
-def throw_of_name(throws: Throws, name: str | None, field: str, default: str) -> CrankThrow:
+def throw_of_name(throws: Throws, name: object, field: str, default: str) -> CrankThrow:
     """Return the throw that a field or option asks for, or the one taken by default.
 
     Raises
@@ -105,7 +105,7 @@ def throw_of_name(throws: Throws, name: str | None, field: str, default: str) ->
             f"{field}: given {name!r}; allowed is it with sections like [throws.a], because the file has "
             "one throw, without a name."
         )
-    if name not in throws:
+    if not isinstance(name, str) or name not in throws:
         raise InputError(
             f"{field}: given {name!r}; allowed are {', '.join(throws)}, because these throws are in the "
             "file."

@@ -1,9 +1,9 @@
 """The section [study] of a file: what varies, over which ranges, by which design."""
 
 from collections.abc import Iterator, Mapping
-from difflib import get_close_matches
 from typing import Any
 
+from crankbase.checks.choices import allowed_names
 from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity
 from crankfem.files.reading.toml_file import TomlFile
@@ -11,10 +11,10 @@ from crankfem.files.sections.crank_throws import Throws, throw_of_name
 from crankfem.files.study.design_file import read_design
 from fem.material import Material
 from geometry.throw import CrankThrow
-from regression.plans.design_choice import OPTIONS, DesignChoice
+from regression.plans.design_choice import DesignChoice
 from regression.plans.designs_factorial import ROMAN
 from regression.plans.factors import Factor, ThrowField, throw_fields, unknown_field
-from regression.plans.plan import StudyPlan, plan_designs
+from regression.plans.plan import StudyPlan
 
 FIELDS = (
     "design",
@@ -32,6 +32,8 @@ FIELDS = (
     "relations",
     "throw",
 )
+# What the plan takes and checks as the file says it.
+PLAIN_FIELDS = ("held_out", "seed", "accuracy", "stresses", "constraints")
 RANGE_KEYS = ("from", "to", "levels", "spacing")
 
 
@@ -52,18 +54,18 @@ def study_plan(
     Raises
     ------
     InputError
-        If something is unknown or out of range, or none of the designs can be built.
+        If something is unknown or out of range. Whether its designs can be built is found out when they
+        are listed, by `StudyPlan.planned`.
     """
     values = content.sections.get("study")
     if values is None:
         return None
     for name in values:
         if name not in FIELDS:
-            close = get_close_matches(name, FIELDS, n=1)
-            hint = f"did you mean {close[0]}? " if close else ""
-            raise InputError(f"study.{name}: unknown field; {hint}allowed are {', '.join(FIELDS)}.")
-    throw = throw_of_name(throws, _text(values, "throw"), "study.throw", default)
-    kind = _kind(values.get("design", "full factorial"))
+            raise InputError(f"study.{name}: unknown field; {allowed_names(name, FIELDS)}.")
+    throw = throw_of_name(throws, values.get("throw"), "study.throw", default)
+    kind = values.get("design", DesignChoice.kind)
+    kind = kind.casefold() if isinstance(kind, str) else kind
     factors = _factors(_table(values, "factors"), throw)
     rows = None
     if kind == "file":
@@ -73,34 +75,21 @@ def study_plan(
             f"study.file: given {values['file']!r} with the design {kind!r}; allowed is it with 'file' "
             "only."
         )
-    plan = StudyPlan(
+    return StudyPlan(
         throw=throw,
         factors=factors,
         design=DesignChoice(
             kind=kind,
             runs=values.get("runs"),
             resolution=_resolution(values.get("resolution")),
-            generators=_text(values, "generators"),
-            face=_text(values, "face"),
+            generators=values.get("generators"),
+            face=values.get("face"),
             rows=rows,
         ),
         relations=_relations(_table(values, "relations")),
-        constraints=_constraints(values.get("constraints", [])),
-        held_out=_whole(values, "held_out", 1, 1000, 10),
-        seed=_whole(values, "seed", 0, 2**31 - 1, 1),
         material=material,
-        accuracy=_accuracy(values.get("accuracy", 0.01)),
-        stresses=_truth(values, "stresses"),
+        **{name: values[name] for name in PLAIN_FIELDS if name in values},
     )
-    plan_designs(plan)  # refuses a study of which nothing can be built, before anything is computed
-    return plan
-
-
-def _kind(given: object) -> str:
-    kind = given.casefold() if isinstance(given, str) else given
-    if kind not in OPTIONS:
-        raise InputError(f"study.design: given {given!r}; allowed are {', '.join(OPTIONS)}.")
-    return str(kind)
 
 
 def _table(values: Mapping[str, Any], name: str) -> Mapping[str, Any]:
@@ -209,41 +198,3 @@ def _relations(table: Mapping[str, Any]) -> dict[str, str]:
         else:
             found[name] = given
     return found
-
-
-def _constraints(given: object) -> tuple[str, ...]:
-    if not isinstance(given, list):
-        raise InputError(
-            f"study.constraints: given {given!r}; allowed is a list of comparisons, like "
-            '["web_thickness >= 0.25 * pin_diameter"].'
-        )
-    return tuple(given)
-
-
-def _text(values: Mapping[str, Any], name: str) -> str | None:
-    given = values.get(name)
-    if given is not None and not isinstance(given, str):
-        raise InputError(f"study.{name}: given {given!r}; allowed is text in quotes.")
-    return given
-
-
-def _whole(values: Mapping[str, Any], name: str, low: int, high: int, default: int) -> int:
-    given = values.get(name, default)
-    if isinstance(given, bool) or not isinstance(given, int) or not low <= given <= high:
-        raise InputError(
-            f"study.{name}: given {given!r}; allowed is a whole number from {low} to {high}."
-        )
-    return given
-
-
-def _accuracy(given: object) -> float:
-    if isinstance(given, bool) or not isinstance(given, int | float) or not 0.001 <= given <= 0.1:
-        raise InputError(f"study.accuracy: given {given!r}; allowed is a number from 0.001 to 0.1.")
-    return float(given)
-
-
-def _truth(values: Mapping[str, Any], name: str) -> bool:
-    given = values.get(name, False)
-    if not isinstance(given, bool):
-        raise InputError(f"study.{name}: given {given!r}; allowed are true and false.")
-    return given

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.units.quantity import show_quantity

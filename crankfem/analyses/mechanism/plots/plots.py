@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from crankbase.checks.arrays import FloatArray
-
 from crankbase.drawing.diagram_style import figure
 from dynamics.harmonics import Harmonics
 from dynamics.plots.bars import draw_harmonics

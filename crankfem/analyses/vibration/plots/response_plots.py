@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from crankbase.checks.arrays import finite_array
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import finite_array
 from crankbase.drawing.diagram_style import figure
 from crankfem.analyses.titles import add_title
 from dynamics.plots.campbell import Meeting, draw_campbell

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from crankbase.checks.arrays import finite_vector
 from numpy.typing import ArrayLike
 
+from crankbase.checks.arrays import finite_vector
 from crankbase.drawing.diagram_style import figure
 from crankbase.errors import InputError
 from crankfem.analyses.titles import add_title

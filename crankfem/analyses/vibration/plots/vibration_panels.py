@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from crankbase.checks.arrays import FloatArray
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import BLUE
 from crankbase.drawing.legends import legend_inside
 from dynamics.plots.mode_shapes import draw_chain_shapes

@@ -1,8 +1,7 @@
-"""Words and numbers that an option may be."""
+"""Words and names that are allowed, and what a wrong one may have been meant for."""
 
-import math
 from collections.abc import Iterable
-from numbers import Real
+from difflib import get_close_matches
 
 from crankbase.errors import InputError, quoted
 
@@ -37,15 +36,28 @@ def check_not_given(option: str, given: object, shown: str, because: str) -> Non
         )
 
 
-def is_number(value: object) -> bool:
-    """Whether this is one finite real number; True and False are none.
+def did_you_mean(given: str, names: Iterable[str], cutoff: float = 0.6, form: str = "{}") -> str:
+    """Return "did you mean NAME? " of the closest name, or nothing if none is close.
+
+    Parameters
+    ----------
+    given : str
+    names : iterable of str
+    cutoff : float
+        How close it must be, 0 to 1.
+    form : str
+        How a name is written, such as ``"[{}]"``.
 
     Examples
     --------
-    >>> is_number(1), is_number(0.5), is_number("1"), is_number(True), is_number(math.nan)
-    (True, True, False, False, False)
+    >>> did_you_mean("lenght", ["length", "mass"])
+    'did you mean length? '
     """
-    try:
-        return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
-    except OverflowError:  # a whole number larger than any float
-        return False
+    close = get_close_matches(given, list(names), n=1, cutoff=cutoff)
+    return f"did you mean {form.format(close[0])}? " if close else ""
+
+
+def allowed_names(given: str, names: Iterable[str]) -> str:
+    """Return which names are allowed in place of an unknown one, the one that may be meant first."""
+    known = list(names)
+    return f"{did_you_mean(given, known)}allowed are {', '.join(known)}"

@@ -1,8 +1,6 @@
-"""Checks of numbers and arrays that come from outside, each failing with one clear sentence."""
+"""Checks of arrays of SI values, and of single values that may be arrays without a dimension."""
 
 import math
-import operator
-from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,12 +15,6 @@ LARGEST, SMALLEST = 1e60, 1e-60
 # [rad/s] A speed above this is a slip: the rim of a shaft of half a meter would outrun light.
 HIGHEST_SPEED = 1e9
 _SPEED_UNIT = "rad/s"
-# Speeds this near the end of a range, as a share, lie in it: 1.15 times a speed is rounded.
-AT_END = 8.0 * float(np.finfo(np.float64).eps)
-# No samples, steps, cycles or places are as many.
-MOST_COUNTED = 10_000_000
-# Longest time that is followed, a day [s], and the most turns of a shaft: each takes milliseconds.
-LONGEST_RUN, MOST_TURNS = 86_400.0, 20_000
 
 
 def finite_array(field: str, values: ArrayLike) -> FloatArray:
@@ -33,7 +25,7 @@ def finite_array(field: str, values: ArrayLike) -> FloatArray:
     InputError
         If a value is not a real number, not finite, larger than 1e60, or the rows are of unequal length.
     """
-    raw = _regular_array(field, values, "iuf", "real numbers only")
+    raw = regular_array(field, values, "iuf", "real numbers only")
     array = np.array(raw, dtype=np.float64)
     check_sizes(field, array)
     return array
@@ -78,16 +70,6 @@ def turning_speeds(field: str, speeds: ArrayLike) -> FloatArray:
     array = finite_array(field, speeds)
     check_sizes(field, array, HIGHEST_SPEED)
     return array
-
-
-def within(speeds: float | FloatArray, low: float, high: float) -> NDArray[np.bool_]:
-    """Tell which speeds lie in a range; both ends do, a few units in the last place either way."""
-    return np.asarray(at_most(low, speeds) & at_most(speeds, high))
-
-
-def at_most(one: float | FloatArray, other: float | FloatArray) -> NDArray[np.bool_]:
-    """Tell whether a speed is another or less, a few units in the last place aside."""
-    return np.asarray(one <= other * (1.0 + AT_END))
 
 
 def finite_vector(field: str, values: ArrayLike) -> FloatArray:
@@ -151,77 +133,6 @@ def nonnegative_number(field: str, value: float, unit: str, reason: str) -> floa
     return _bounded_number(field, value, unit, reason, zero_allowed=True)
 
 
-def run_time(field: str, value: float) -> float:
-    """Return a time that a motion is followed for [s].
-
-    Raises
-    ------
-    InputError
-        If it is no finite number above zero, or more than a day.
-    """
-    time = positive_number(field, value, "s", "time runs forward")
-    if time > LONGEST_RUN:
-        raise InputError(
-            f"{field}: given {time:g} s; allowed is up to {LONGEST_RUN:g} s, a day, because a motion is "
-            "followed turn by turn."
-        )
-    return time
-
-
-def turns_followed(field: str, turns: float) -> float:
-    """Return a number of turns that a motion is followed for.
-
-    Raises
-    ------
-    InputError
-        If it is no finite number above zero, or more than can be followed.
-    """
-    number = positive_number(field, turns, "", "the shaft turns forward")
-    if number > MOST_TURNS:
-        raise InputError(
-            f"{field}: given {number:g}; allowed are up to {MOST_TURNS} turns, because each is followed by "
-            "itself."
-        )
-    return number
-
-
-def too_many_turns(field: str, time: float, turns: float) -> InputError:
-    """Return the error for a time in which a shaft turns more often than can be followed."""
-    return InputError(
-        f"{field}: given {time:g} s, in which the shaft turns {turns:g} times or more; allowed are "
-        f"{MOST_TURNS} turns, because each is followed by itself."
-    )
-
-
-def is_whole(value: object) -> bool:
-    """Tell whether a value is a whole number by its type: neither True nor 2.0 names a cylinder."""
-    return isinstance(value, int | np.integer) and not isinstance(value, bool)
-
-
-def whole_number(field: str, given: int, least: int, reason: str) -> int:
-    """Return a whole number.
-
-    Raises
-    ------
-    InputError
-        If it is no whole number, below `least`, or more than anything is counted to.
-    """
-    try:
-        number = None if isinstance(given, bool) else operator.index(given)
-    except TypeError:
-        number = None
-    if number is None or number < least:
-        raise InputError(
-            f"{field}: given {quoted(given)}; allowed are whole numbers of {least} or more, because {reason}."
-        )
-    if number > MOST_COUNTED:
-        raise InputError(
-            f"{field}: given {quoted(given)}; allowed is up to {MOST_COUNTED}, because more can be neither "
-            "calculated nor kept."
-        )
-    return number
-
-
 def one_for_each(
     field: str,
     values: ArrayLike,
@@ -267,11 +178,11 @@ def complex_array(field: str, values: ArrayLike) -> ComplexArray:
     InputError
         If a value is no number, or the rows are of unequal length.
     """
-    raw = _regular_array(field, values, "iufc", "real and complex numbers")
+    raw = regular_array(field, values, "iufc", "real and complex numbers")
     return np.array(raw, dtype=np.complex128)
 
 
-def _regular_array(field: str, values: ArrayLike, kinds: str, allowed: str) -> NDArray[np.generic]:
+def regular_array(field: str, values: ArrayLike, kinds: str, allowed: str) -> NDArray[np.generic]:
     """Return values as an array of one of numpy's kinds of numbers.
 
     Raises
@@ -287,75 +198,12 @@ def _regular_array(field: str, values: ArrayLike, kinds: str, allowed: str) -> N
             "because every value is used at its place."
         ) from None
     if raw.dtype.kind not in kinds:
+        given = f"values of type {raw.dtype.name}" if raw.ndim else repr(values)
         raise InputError(
-            f"{field}: given values of type {raw.dtype.name}; allowed are {allowed}, "
+            f"{field}: given {given}; allowed are {allowed}, "
             "because text and other types carry no value in SI units."
         )
     return raw
-
-
-def checked_limits(
-    limits: Mapping[str, ArrayLike] | None, speed_count: int
-) -> dict[str, FloatArray]:
-    """Return limits that are drawn over speeds, each with a value at every speed.
-
-    Parameters
-    ----------
-    limits : mapping of str to float or array_like of shape (S,), or None
-        In SI; inf where none is stated.
-    speed_count : int
-        S.
-
-    Raises
-    ------
-    InputError
-        If it is no mapping, or a limit is neither a number nor one for each speed, below zero or not
-        a number.
-    """
-    if limits is None:
-        return {}
-    if not isinstance(limits, Mapping):
-        raise InputError(
-            f"limits: given {quoted(limits)}; allowed is a mapping of names to limits, because each is drawn "
-            "with its name."
-        )
-    found = {}
-    for name, values in limits.items():
-        field = f"limits[{name!r}]"
-        array = np.array(_regular_array(field, values, "iuf", "real numbers only"), dtype=float)
-        if array.shape not in ((), (speed_count,)):
-            raise InputError(
-                f"{field}: given an array of shape {array.shape}; allowed is one number, or "
-                f"{speed_count}, because a limit is constant or has a value at each speed."
-            )
-        if not np.all(array >= 0.0):
-            worst = float(array[~(array >= 0.0)].flat[0])
-            raise InputError(
-                f"{field}: given {worst:g}; allowed are numbers of zero or more, inf where no limit is "
-                "stated, because amplitudes are compared with it."
-            )
-        found[str(name)] = np.array(np.broadcast_to(array, (speed_count,)))
-    return found
-
-
-def checked_barred(barred: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return barred ranges of speed [rad/s].
-
-    Raises
-    ------
-    InputError
-        If one is no pair of finite numbers of zero or more, the lower first.
-    """
-    if isinstance(barred, str) or not isinstance(barred, Sequence | np.ndarray):
-        raise InputError(
-            f"barred: given {quoted(barred)}; allowed are pairs of speeds in rad/s, because each "
-            "range is shaded."
-        )
-    reason = "a range from one to the other is shaded"
-    return [
-        checked_range(f"barred[{place}]", ends, "rad/s", reason)
-        for place, ends in enumerate(barred)
-    ]
 
 
 def checked_range(field: str, ends: object, unit: str, reason: str) -> tuple[float, float]:

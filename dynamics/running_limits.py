@@ -1,0 +1,64 @@
+"""Which speeds lie in a range, and how long a motion is followed."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.checks.arrays import FloatArray, positive_number
+from crankbase.errors import InputError
+
+# Speeds this near the end of a range, as a share, lie in it: 1.15 times a speed is rounded.
+AT_END = 8.0 * float(np.finfo(np.float64).eps)
+# Longest time that is followed, a day [s], and the most turns of a shaft: each takes milliseconds.
+LONGEST_RUN, MOST_TURNS = 86_400.0, 20_000
+
+
+def within(speeds: float | FloatArray, low: float, high: float) -> NDArray[np.bool_]:
+    """Tell which speeds lie in a range; both ends do, a few units in the last place either way."""
+    return np.asarray(at_most(low, speeds) & at_most(speeds, high))
+
+
+def at_most(one: float | FloatArray, other: float | FloatArray) -> NDArray[np.bool_]:
+    """Tell whether a speed is another or less, a few units in the last place aside."""
+    return np.asarray(one <= other * (1.0 + AT_END))
+
+
+def run_time(field: str, value: float) -> float:
+    """Return a time that a motion is followed for [s].
+
+    Raises
+    ------
+    InputError
+        If it is no finite number above zero, or more than a day.
+    """
+    time = positive_number(field, value, "s", "time runs forward")
+    if time > LONGEST_RUN:
+        raise InputError(
+            f"{field}: given {time:g} s; allowed is up to {LONGEST_RUN:g} s, a day, because a motion is "
+            "followed turn by turn."
+        )
+    return time
+
+
+def turns_followed(field: str, turns: float) -> float:
+    """Return a number of turns that a motion is followed for.
+
+    Raises
+    ------
+    InputError
+        If it is no finite number above zero, or more than can be followed.
+    """
+    number = positive_number(field, turns, "", "the shaft turns forward")
+    if number > MOST_TURNS:
+        raise InputError(
+            f"{field}: given {number:g}; allowed are up to {MOST_TURNS} turns, because each is followed by "
+            "itself."
+        )
+    return number
+
+
+def too_many_turns(field: str, time: float, turns: float) -> InputError:
+    """Return the error for a time in which a shaft turns more often than can be followed."""
+    return InputError(
+        f"{field}: given {time:g} s, in which the shaft turns {turns:g} times or more; allowed are "
+        f"{MOST_TURNS} turns, because each is followed by itself."
+    )
