@@ -89,7 +89,8 @@ def test_pictures(tmp_path):
     plot_hinged_rods(again, engine, SPEED, cylinders=[1, 2])
     assert again.read_bytes() == (tmp_path / "hinged.svg").read_bytes()
     assert all(
-        file.read_text(encoding="utf-8").rstrip().endswith("</svg>") for file in tmp_path.iterdir()
+        file.read_text(encoding="utf-8").rstrip().endswith("</svg>")
+        for file in tmp_path.glob("*.svg")
     )
     with pytest.raises(InputError, match="panels: given none"):
         plot_hodographs(again, [])

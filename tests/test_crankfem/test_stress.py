@@ -147,7 +147,7 @@ def computed(found, monkeypatch):
 
 
 def test_command_prints_json_and_nothing_else(computed, capsys):
-    commands.stress("6chn25-34", 0.1, end_sections="averaged", json=True)
+    commands.stress("6chn25-34", accuracy=0.1, end_sections="averaged", json=True)
     record = json.loads(capsys.readouterr().out)
     assert record["pictures"] == []
     (throw, _, accuracy), options = computed[0]
