@@ -40,9 +40,8 @@ PICTURED = frozenset(
     for first, endings in {
         "": (
             *("drawing", "throw_mesh", "throw_deformed", "throw_view", "piston_forces", "balance"),
-            *("hinged_rods", "response", "parity", "effects", "residuals", "torque", "formulas"),
-            *("angles", "stress-radial", "stress-torsion", "shaft_modes", "shaft_shares"),
-            "axial_split",
+            *("hinged_rods", "response", "parity", "effects", "torque", "formulas"),
+            *("stress-radial", "stress-torsion", "shaft_modes", "axial_split"),
         ),
         "crankpin_": ("polar", "developed"),
         "main_bearing_": ("polar", "developed"),

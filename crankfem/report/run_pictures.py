@@ -12,7 +12,6 @@ from crankfem.analyses.study.fitting import ResponseFits
 from crankfem.analyses.study.plots import fit_plots
 from crankfem.analyses.throw.pictures import formula_plots
 from crankfem.analyses.to_draw import ToDraw
-from regression.formulas.angle_factors import ANGLE_FACTORS
 from regression.runs.study_table import StudyTable
 
 
@@ -23,18 +22,11 @@ def study_pictures(folder: Path, table: StudyTable, fits: ResponseFits) -> list[
         ToDraw(folder / "response.svg", lambda path: fit_plots.plot_response(path, table, fits)),
         ToDraw(folder / "parity.svg", lambda path: fit_plots.plot_parity(path, table, fits)),
         ToDraw(folder / "effects.svg", lambda path: fit_plots.plot_effects(path, fits, chosen)),
-        ToDraw(
-            folder / "residuals.svg",
-            lambda path: fit_plots.plot_residuals(path, table, fits, chosen),
-        ),
     ]
 
 
 def angle_pictures(folder: Path, found: Mapping[str, Any]) -> list[ToDraw]:
-    """Return the pictures of compliances over the angle between cranks, from the results of a run.
-
-    Where the webs differ, the angle law and its picture are left out.
-    """
+    """Return the picture of compliances over the angle between cranks, from the results of a run."""
     law, supports = found["angle_law"], found["throw"]["supports"]
     gammas, fe = np.array(law["gamma_deg"]), np.array(law["fe"])
 
@@ -50,11 +42,4 @@ def angle_pictures(folder: Path, found: Mapping[str, Any]) -> list[ToDraw]:
             (supports["guided"]["axial_compliance"], supports["pinned"]["axial_compliance"]),
         )
 
-    def draw_factors(path: Path) -> None:
-        factors = {name: factor(gammas) for name, factor in ANGLE_FACTORS.items()}
-        formula_plots.plot_angle_factors(path, gammas, fe / fe[-1], law["law"]["rho"], factors)
-
-    made = [ToDraw(folder / "formulas.svg", draw_formulas)]
-    if law["law"] is not None:
-        made.append(ToDraw(folder / "angles.svg", draw_factors))
-    return made
+    return [ToDraw(folder / "formulas.svg", draw_formulas)]

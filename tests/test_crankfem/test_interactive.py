@@ -31,7 +31,7 @@ from crankfem.report.interactive.mechanism import (
 )
 from crankfem.report.interactive.over_speed import Curve, amplitudes_over_speed
 from crankfem.report.interactive.rounding import rounded
-from crankfem.report.interactive.shaft import axial_split, mode_shares, shaft_modes
+from crankfem.report.interactive.shaft import axial_split, shaft_modes
 from crankfem.report.interactive.shapes import mode_shapes
 from crankfem.report.interactive.study import interactive_study, parity, response_over_factors
 from crankfem.report.interactive.thinning import seen_points
@@ -265,17 +265,6 @@ def test_motion_along_the_shaft():
     assert [one["label"] for one in menu["buttons"]][:2] == ["10.0 Hz: kind 1", "20.0 Hz: kind 2"]
 
 
-def test_shares_of_the_energy():
-    modes = shaft()
-    traces, layout = mode_shares(modes, "x")
-    assert layout["xaxis"]["title"]["text"] == "share of the mode's energy [%]"
-    assert [trace["name"] for trace in traces] == ["axial", "torsional", "bending"]
-    for trace, shares in zip(traces, modes.shares, strict=True):
-        assert floats(trace["x"]) == close(100.0 * shares[1:13], rel=FIVE_DIGITS)
-    assert traces[0]["customdata"][:2] == ["10.0 Hz", "20.0 Hz"]
-    assert layout["yaxis"]["ticktext"][:2] == ["10.0", "20.0"]
-
-
 def test_what_excites_the_axial_vibration():
     speeds = np.linspace(20.0, 60.0, 9)
     curves = [1e-5 * np.sin(speeds / number) ** 2 for number in (5.0, 6.0, 7.0)]
@@ -410,7 +399,6 @@ def known_record():
             "gamma_deg": gammas.tolist(),
             "fe": fe.tolist(),
             "formulas": {"Ours": [None, *(2e-9 * np.ones(6)).tolist()]},
-            "law": {"rho": 2.5},
         },
         "throw": {
             "supports": {
@@ -424,25 +412,12 @@ def known_record():
 def test_formulas_over_the_angle(tmp_path, strict):
     record = known_record()
     made = interactive_angles(tmp_path, record)
-    assert [path.name for path in made] == ["formulas.json", "angles.json"]
-    formulas, angles = (read(path, strict) for path in made)
+    assert [path.name for path in made] == ["formulas.json"]
+    formulas = read(made[0], strict)
     assert units_told(formulas)
-    assert units_told(angles)
     fe, ours = formulas["data"]
     assert floats(fe["y"]) == close(1e9 * np.array(record["angle_law"]["fe"]), rel=FIVE_DIGITS)
     assert ours["y"] == [None, *[2] * 6]
-    law = named(angles["data"], "finite elements, ρ = 2.50")
-    share = np.array(record["angle_law"]["fe"]) / record["angle_law"]["fe"][-1]
-    assert floats(law["y"]) == close(share, rel=FIVE_DIGITS)
-    assert law["y"][-1] == 1
-    (menu,) = angles["layout"]["updatemenus"]
-    visible = [button["args"][0]["visible"] for button in menu["buttons"]]
-    # Law and straight line always, of the formulas' factors one term's.
-    assert [one[:2] for one in visible] == [[True, True]] * 2
-    assert [first != second for first, second in zip(*(one[2:] for one in visible), strict=True)]
-    assert sum(visible[0]) == sum(visible[1]) == 2 + (len(visible[0]) - 2) / 2
-    record["angle_law"]["law"] = None
-    assert len(interactive_angles(tmp_path, record)) == 1
 
 
 def test_torque_table(tmp_path, strict):
@@ -765,7 +740,6 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
         "torsional_amplitude",
         "torsional_stress",
         "shaft_modes",
-        "shaft_shares",
         "axial_split",
     ]
     assert sum(path.stat().st_size for path in made) < 5e5

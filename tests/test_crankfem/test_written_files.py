@@ -229,7 +229,7 @@ def test_a_run_refuses_what_is_in_its_way_before_it_computes(
     def computed(*_, **__):
         raise AssertionError("nothing is computed for it")
 
-    monkeypatch.setattr("crankfem.jobs.pipeline.analyze_throw", computed)
+    monkeypatch.setattr("crankfem.jobs.pipeline.analyze_throws", computed)
     (tmp_path / "mine.toml").write_text(quick_six, encoding="utf-8")
     file = tmp_path / folder / name
     file.parent.mkdir(parents=True, exist_ok=True)

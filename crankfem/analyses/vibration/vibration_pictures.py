@@ -6,7 +6,6 @@ from crankbase.drawing.diagram_style import figure, make_folder
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.plots.shaft_mode_plots import (
     plot_axial_split,
-    plot_mode_shares,
     plot_shaft_modes,
 )
 from crankfem.analyses.to_draw import ToDraw, draw_all
@@ -56,7 +55,6 @@ def vibration_pictures(folder: Path, run: EngineVibration) -> list[ToDraw]:
         modes, radius = run.whole.modes, run.engine_file.throw.crank_radius
         made += [
             ToDraw(folder / "shaft_modes.svg", lambda path: plot_shaft_modes(path, modes, radius)),
-            ToDraw(folder / "shaft_shares.svg", lambda path: plot_mode_shares(path, modes)),
         ]
     if run.comparison is not None and run.comparison.coupled is not None:
         coupled = run.comparison.coupled
@@ -79,7 +77,7 @@ def picture_names(*, forced: bool, coupled: bool) -> list[str]:
     of_kind = ("modes", "campbell", "amplitude") if forced else ("modes", "campbell")
     names = [f"{kind}_{name}" for kind in MOTION for name in of_kind]
     names += ["torsional_stress"] if forced else []
-    names += ["shaft_modes", "shaft_shares"] if coupled else []
+    names += ["shaft_modes"] if coupled else []
     return [f"{name}.svg" for name in names]
 
 

@@ -16,16 +16,14 @@ from crankfem.cli.commands.options import (
     checked_choice,
 )
 from crankfem.cli.console import print_json
+from dynamics.mechanism.rod_model_names import ROD_MODELS
 
 
 def mechanism(
     engine: EngineArgument,
     speed: SpeedOption = None,
     model: Annotated[
-        str,
-        typer.Option(
-            help='Of the rods\' masses: rigid, three-mass, two-mass, or "two-mass with inertia".'
-        ),
+        str, typer.Option(help=f"Of the rods' masses, one of: {', '.join(ROD_MODELS)}.")
     ] = "rigid",
     motored: Annotated[
         bool, typer.Option("--motored", help="Turn the engine without combustion.")
@@ -54,7 +52,6 @@ def mechanism(
     from crankfem.files.engine.input_files import mechanism_inputs
     from crankfem.files.engine.mechanism_file import load_mechanism
     from crankfem.jobs.outputs import check_outputs
-    from dynamics.mechanism.rods import ROD_MODELS
 
     shown = parse_output_units(units)
     loaded, turning = load_mechanism(engine), parse_speed(speed)

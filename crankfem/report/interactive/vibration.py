@@ -10,7 +10,7 @@ from crankfem.analyses.vibration.plots.vibration_panels import free_end_title, s
 from crankfem.analyses.vibration.run import EngineVibration
 from crankfem.report.interactive.campbell import campbell
 from crankfem.report.interactive.over_speed import Curve, amplitudes_over_speed
-from crankfem.report.interactive.shaft import axial_split, mode_shares, shaft_modes
+from crankfem.report.interactive.shaft import axial_split, shaft_modes
 from crankfem.report.interactive.shapes import mode_shapes
 from crankfem.report.interactive.style import Figure
 from crankfem.report.interactive.writing import write_figure
@@ -66,8 +66,6 @@ def interactive_vibration(folder: Path, run: EngineVibration) -> list[Path]:
             run.whole.modes, radius, f"{engine.name}, modes of the whole crankshaft"
         )
         made.append(write_figure(folder / "shaft_modes.json", *modes))
-        shares = mode_shares(run.whole.modes, f"{engine.name}, energy of the modes")
-        made.append(write_figure(folder / "shaft_shares.json", *shares))
     if run.comparison is not None and run.comparison.coupled is not None:
         split = axial_split(run.comparison.coupled, f"{engine.name}, whole crankshaft")
         made.append(write_figure(folder / "axial_split.json", *split))
