@@ -22,6 +22,7 @@ from crankfem.analyses.vibration.tables import (
 )
 from crankfem.report.figures import load_figures
 from crankfem.report.numbers import FILTERS
+from crankfem.report.plots import PLOTS
 from crankfem.report.summary import summary
 
 if TYPE_CHECKING:
@@ -132,6 +133,7 @@ def _environment() -> "Environment":
         lstrip_blocks=True,
     )
     environment.filters |= FILTERS | {make.__name__: make for make in TABLES}
+    environment.filters["plot"] = PLOTS.__getitem__
     return environment
 
 

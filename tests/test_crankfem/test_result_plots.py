@@ -31,6 +31,7 @@ from crankfem.analyses.vibration.run_up import run_up
 from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.hinge.hinge_file import load_hinge
 from crankfem.files.reading.data_files import data_folder, engine_path
+from crankfem.report.interactive.vibration import VIBRATION
 from geometry.mass import MassProperties
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.formula_value import FormulaValue
@@ -389,9 +390,9 @@ def test_campbell_diagrams_without_gas_have_dots_in_files_too(vibration, tmp_pat
         lambda path, *given, **_: drawn.update({path.stem: given[3]}),
     )
     free = replace(vibration, forced_axial=None, forced_torsional=None, assessment=None)
-    for one in vibration_pictures.vibration_pictures(tmp_path, free):
-        if one.path.stem.endswith("campbell"):
-            one.draw(one.path)
+    for one in VIBRATION.of(free):
+        if one.name.endswith("campbell"):
+            one.draw(tmp_path, free)
     own = {f"{one.kind}_campbell": one.criticals for one in (free.axial, free.torsional)}
     assert {name: [dot.frequency for dot in found] for name, found in drawn.items()} == {
         name: [one.critical.frequency for one in found] for name, found in own.items()

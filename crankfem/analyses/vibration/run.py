@@ -111,6 +111,10 @@ class EngineVibration:
         """The torsional chain with the compliances of the chosen source."""
         return self.torsional.chosen.chain.chain
 
+    def forced(self, kind: str) -> ForcedVibration | None:
+        """Forced vibration of one kind; None where the gas pressure is not known."""
+        return self.forced_axial if kind == "axial" else self.forced_torsional
+
     @property
     def worst_check(self) -> LimitCheck | None:
         """The limit of which most is used at its worst speed; None where nothing is forced."""

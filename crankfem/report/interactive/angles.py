@@ -1,13 +1,11 @@
 """Axial compliance over the angle between neighboring cranks: finite elements and formulas."""
 
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import CURVES, make_folder
+from crankbase.drawing.diagram_style import CURVES
 from crankfem.report.interactive.style import (
     QUIET_COLOR,
     Figure,
@@ -17,44 +15,12 @@ from crankfem.report.interactive.style import (
     line,
     literal,
 )
-from crankfem.report.interactive.writing import write_figure
 
 Array = NDArray[np.float64]
 
 NANO = 1e9
 FE_COLOR = "#000000"
 ANGLE_TITLE = "angle between neighboring cranks γ [deg]"
-
-
-def interactive_angles(folder: Path, record: Mapping[str, Any]) -> list[Path]:
-    """Write the interactive diagram over the angle between cranks, in a folder made if not there.
-
-    Parameters
-    ----------
-    folder : Path
-    record : mapping
-        Results of a run: its "angle_law" and "throw".
-
-    Returns
-    -------
-    list of Path
-        ``formulas.json``.
-
-    Raises
-    ------
-    InputError
-        If the folder or a file cannot be written.
-    """
-    make_folder(folder)
-    law, supports = record["angle_law"], record["throw"]["supports"]
-    gammas, fe = np.array(law["gamma_deg"]), np.array(law["fe"])
-    # None becomes nan.
-    formulas = {
-        name: np.array(values, dtype=np.float64) for name, values in law["formulas"].items()
-    }
-    bounds = {name: supports[name]["axial_compliance"] for name in ("guided", "pinned")}
-    figure = formulas_over_angle(gammas, fe, formulas, bounds)
-    return [write_figure(folder / "formulas.json", *figure)]
 
 
 def formulas_over_angle(

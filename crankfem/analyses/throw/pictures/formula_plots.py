@@ -13,7 +13,11 @@ Array = NDArray[np.float64]
 
 
 def plot_formulas(
-    path: Path, gammas: Array, fe: Array, formulas: Mapping[str, Array], bounds: tuple[float, float]
+    path: Path,
+    gammas: Array,
+    fe: Array,
+    formulas: Mapping[str, Array],
+    bounds: Mapping[str, float],
 ) -> None:
     """Plot the published formulas and FE over the angle between neighboring cranks.
 
@@ -27,10 +31,8 @@ def plot_formulas(
         FE compliance in a helix of that angle [m/N].
     formulas : mapping
         Formula name to (g,) values [m/N], nan where it does not apply.
-    bounds : (float, float)
-        FE values guided and pinned [m/N].
+    bounds : mapping
+        Support to its FE value [m/N].
     """
     with figure(path) as axes:
-        draw_over_angle(
-            axes, gammas, formulas, fe, dict(zip(("guided", "pinned"), bounds, strict=True))
-        )
+        draw_over_angle(axes, gammas, formulas, fe, bounds)
