@@ -1,18 +1,17 @@
 """What the command harmonics tells of a torque table or an engine: records, tables, files."""
 
-import csv
 import math
 from pathlib import Path
 
 import numpy as np
 
-from crankbase.outputs import written
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.tables.table_units import table_unit
 from crankbase.units.units import RPM
 from crankfem.analyses.mechanism.harmonics_record import harmonics_record
 from crankfem.analyses.record import Record
+from crankfem.cli.column_file import write_rows
 from crankfem.cli.console import number, print_line, print_notes, print_table
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.torque.pin_harmonics import PinForceHarmonics
@@ -219,8 +218,5 @@ def _what(record: Record) -> str:
 
 def write_table(path: Path, record: Record) -> None:
     """Write harmonics as CSV; the first line names what they are of, the row of order 0 is the mean."""
-    with written(path, "table") as part, part.open("w", encoding="utf-8", newline="") as stream:
-        stream.write(f"# {_what(record)}\n")
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(["of", "unit", "order", "cosine", "sine", "amplitude", "phase_deg"])
-        writer.writerows(table_rows(record))
+    names = ["of", "unit", "order", *COLUMNS[1:]]
+    write_rows(path, names, table_rows(record), _what(record))
