@@ -4,10 +4,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import finite_array, positive_number
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.checks import finite_array, positive_number
 from dynamics.mechanism.rod_model_names import ROD_MODELS, RodModelName
 
 # A rod may reach beyond its pins, and to each side, by this share of its length: room for big ends.

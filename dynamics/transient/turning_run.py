@@ -7,22 +7,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_array, positive_number
+from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from dynamics.checks import (
-    MOST_TURNS,
-    FloatArray,
-    finite_array,
-    positive_number,
-    run_time,
-    too_many_turns,
-    whole_number,
-)
 from dynamics.plots.coordinates import name_axis, time_axis
 from dynamics.plots.over_time import RunCurve, plot_run
+from dynamics.running_limits import MOST_TURNS, run_time, too_many_turns
 from dynamics.transient.envelope import Envelope, envelope_over
 from dynamics.transient.order_forces import cycle_turns
 from dynamics.transient.picking import Moving, axis_names, pick, units_of

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import psutil
+from crankbase.checks.scalars import is_number
 
-from crankbase.choices import is_number
 from crankbase.errors import InputError
 from crankbase.processes import end_child, signal_name, start_child
 

@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
+from dynamics.running_limits import within
 
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
@@ -21,7 +23,6 @@ from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import Samples, chain_samples, frequency_bounds
 from dynamics.assessment.verdict import LimitCheck, Verdict, judge
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray, within
 from dynamics.critical import engine_orders
 from dynamics.response.forced import forced_response
 from dynamics.response.synthesis import synthesis

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
+
 from dynamics.plots.mode_shapes import draw_chain_shapes
 
 if TYPE_CHECKING:
