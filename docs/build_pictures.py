@@ -8,7 +8,7 @@ import numpy as np
 import crankfem as cf
 from crankfem.analyses.throw.pictures.drawing import write_drawing
 from crankfem.files.engine.mechanism_file import load_mechanism
-from dynamics.mechanism.rods import RodModelName
+from dynamics.mechanism.rod_model_names import RodModelName
 
 HERE = Path(__file__).parent
 ENGINE = "8chn26-26"

@@ -1,7 +1,7 @@
-"""Write columns of numbers as CSV."""
+"""Write tables of plain numbers as CSV."""
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from crankbase.checks.arrays import FloatArray
@@ -9,12 +9,21 @@ from crankbase.outputs import written
 
 
 def write_columns(path: Path, columns: Mapping[str, FloatArray], heading: str = "") -> None:
-    """Write columns of equal length, units in their names.
+    """Write columns of equal length to 12 digits, units in their names; see `write_rows`."""
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    write_rows(path, list(columns), ([f"{value:.12g}" for value in row] for row in rows), heading)
+
+
+def write_rows(
+    path: Path, names: Sequence[str], rows: Iterable[Sequence[object]], heading: str = ""
+) -> None:
+    """Write rows below the names of their columns.
 
     Parameters
     ----------
     path : Path
-    columns : mapping of str to (m,) arrays
+    names : sequence of n str
+    rows : iterable of sequences of n cells
     heading : str, optional
         What the first line says after a number sign; no such line if empty.
     """
@@ -22,6 +31,5 @@ def write_columns(path: Path, columns: Mapping[str, FloatArray], heading: str = 
         if heading:
             file.write(f"# {heading}\n")
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-        writer.writerows([f"{value:.12g}" for value in row] for row in rows)
+        writer.writerow(names)
+        writer.writerows(rows)

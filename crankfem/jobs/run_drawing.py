@@ -1,29 +1,19 @@
 """What a run draws once all its numbers stand in its results, so that no picture may take them away."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from crankfem.analyses.mechanism.plots.mechanism_pictures import mechanism_pictures
-from crankfem.analyses.mechanism.plots.plots import plot_torque
-from crankfem.analyses.study.studies import StudyResult
 from crankfem.analyses.throw.export import write_vtu
 from crankfem.analyses.throw.pictures.drawing import write_drawing
-from crankfem.analyses.to_draw import ToDraw
-from crankfem.analyses.vibration.vibration_pictures import vibration_pictures
 from crankfem.jobs.run_computation import RunComputation
 from crankfem.jobs.run_files import MESH_FILE, PICTURES
 from crankfem.jobs.run_pictures import Pictures, Renderings
-from crankfem.report.interactive.angles import interactive_angles
-from crankfem.report.interactive.mechanism import interactive_mechanism
-from crankfem.report.interactive.study import interactive_study
+from crankfem.report.interactive.mechanism_plots import MECHANISM
 from crankfem.report.interactive.throw_view import throw_view
-from crankfem.report.interactive.torque import interactive_torque
-from crankfem.report.interactive.vibration import interactive_vibration
-from crankfem.report.run_pictures import angle_pictures, study_pictures
-from dynamics.harmonics import Harmonics
-from dynamics.torque_table import TorqueTable
-from geometry.throw import CrankThrow
+from crankfem.report.interactive.vibration import VIBRATION
+from crankfem.report.plots import ANGLES, STUDY, TORQUE
 
 # Of the responses of a study, the one that is pictured.
 PICTURED = "axial_compliance"
@@ -55,49 +45,28 @@ def draw_run(
     Pictures
         What is there.
     """
-    place = folder / PICTURES
-    pictures = Pictures(place, note)
+    pictures = Pictures(folder / PICTURES, note)
     _draw_throw(pictures, computed)
-    run = computed.mechanism
-    if run is not None:
-        pictures.draw("the mechanism", lambda: mechanism_pictures(place, run))
-        pictures.plot("the mechanism", lambda: interactive_mechanism(place, run))
+    if computed.mechanism is not None:
+        pictures.draw(MECHANISM, computed.mechanism)
     if computed.study is not None:
-        _draw_study(pictures, computed.study)
+        pictures.draw(STUDY, (computed.study.table, computed.study.fits[PICTURED]))
     if computed.torque is not None and computed.harmonics is not None:
-        _draw_torque(pictures, computed.torque, computed.harmonics)
-    pictures.draw("the vibration", lambda: vibration_pictures(place, computed.vibration))
-    pictures.plot("the vibration", lambda: interactive_vibration(place, computed.vibration))
-    pictures.draw("the formulas", lambda: angle_pictures(place, found))
-    pictures.plot("the formulas", lambda: interactive_angles(place, found))
+        pictures.draw(TORQUE, (computed.torque.torque, computed.harmonics))
+    pictures.draw(VIBRATION, computed.vibration)
+    pictures.draw(ANGLES, found)
     renderings.collect(pictures)
     pictures.tried(MESH_FILE, lambda: write_vtu(computed.throw.analysis, folder / MESH_FILE))
     return pictures
 
 
 def _draw_throw(pictures: Pictures, computed: RunComputation) -> None:
-    engine_file, place = computed.engine_file, pictures.folder
-    name, first = engine_file.engine.name, computed.throw
-
-    def drawing(file: str, throw: CrankThrow, title: str) -> ToDraw:
-        return ToDraw(place / file, lambda path: write_drawing(throw, path, title))
-
-    drawings = [drawing("drawing.svg", engine_file.throw, name)]
+    engine_file, first = computed.engine_file, computed.throw
+    name = engine_file.engine.name
+    pictures.draw_one("drawing", lambda path: write_drawing(engine_file.throw, path, name))
     for own in list(computed.throws)[1:]:
-        throw = engine_file.named_throws[own]
-        drawings.append(drawing(f"drawing-{own}.svg", throw, f"{name}, throw {own}"))
-    pictures.draw("the throw", lambda: drawings)
-    pictures.plot("the throw", lambda: [throw_view(place, first.analysis, first.stresses)])
-
-
-def _draw_study(pictures: Pictures, study: StudyResult) -> None:
-    place, table = pictures.folder, study.table
-    pictures.draw("the study", lambda: study_pictures(place, table, study.fits[PICTURED]))
-    pictures.plot("the study", lambda: interactive_study(place, table, study.fits[PICTURED]))
-
-
-def _draw_torque(pictures: Pictures, torque: TorqueTable, harmonics: Harmonics) -> None:
-    place, samples = pictures.folder, torque.torque
-    drawing = ToDraw(place / "torque.svg", lambda path: plot_torque(path, samples, harmonics))
-    pictures.draw("the torque", lambda: [drawing])
-    pictures.plot("the torque", lambda: interactive_torque(place, samples, harmonics))
+        throw, title = engine_file.named_throws[own], f"{name}, throw {own}"
+        pictures.draw_one(f"drawing-{own}", partial(write_drawing, throw, title=title))
+    pictures.plot_one(
+        "throw_view", lambda folder: throw_view(folder, first.analysis, first.stresses)
+    )

@@ -25,6 +25,7 @@ from crankbase.outputs import (
     write_text,
     written,
 )
+from crankfem.report.plots import PLOTS
 from regression.models.model_file import is_model
 
 RESULTS, REPORT, MODEL, STORE = "results.json", "report.html", "model.json", "study.sqlite"
@@ -35,22 +36,7 @@ ENDINGS: dict[str, tuple[Kind, tuple[str, ...]]] = {
     "interactive": ("plot", (".json",)),
 }
 # What files of pictures are called, but for their endings; a file so called stands in a run's way.
-PICTURED = frozenset(
-    f"{first}{last}"
-    for first, endings in {
-        "": (
-            *("drawing", "throw_mesh", "throw_deformed", "throw_view", "piston_forces", "balance"),
-            *("hinged_rods", "response", "parity", "effects", "residuals", "torque", "formulas"),
-            *("angles", "stress-radial", "stress-torsion", "shaft_modes", "shaft_shares"),
-            "axial_split",
-        ),
-        "crankpin_": ("polar", "developed"),
-        "main_bearing_": ("polar", "developed"),
-        "axial_": ("modes", "campbell", "amplitude", "stress"),
-        "torsional_": ("modes", "campbell", "amplitude", "stress"),
-    }.items()
-    for last in endings
-)
+PICTURED = frozenset({*PLOTS, "throw_mesh", "throw_deformed", "stress-radial", "stress-torsion"})
 # Of what earlier releases wrote: the start of a report, and of a mesh by the package that writes it.
 REPORT_MARKS = (b"<!DOCTYPE html>", b": crankshaft vibration</title>")
 MESH_MARKS = (b"<VTKFile", b"created by meshio")

@@ -2,7 +2,7 @@
 
 import os
 import traceback
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
@@ -13,8 +13,8 @@ from typing import Protocol, Self
 from crankbase.errors import MissingLibraryError, RenderError
 from crankbase.outputs import copy_file
 from crankbase.processes import scratch_folder
-from crankfem.analyses.to_draw import ToDraw
 from crankfem.jobs.error_sentences import TRACEBACK, told
+from crankfem.report.interactive.plot import Plots, Run
 
 
 class Pictures:
@@ -63,20 +63,26 @@ class Pictures:
             self.notes.append(sentence)
             self._note(sentence)
 
-    def draw(self, what: str, pictures: Callable[[], Iterable[ToDraw]]) -> None:
-        """Draw static pictures, each by itself; `what` they are stands in the message without one."""
-        waiting: list[ToDraw] = []
-        self.tried(f"picture of {what}", lambda: waiting.extend(pictures()))
-        for picture in waiting:
-            path = picture.path
-            if self.tried(f"picture {path.stem}", partial(picture.draw, path)):
-                self.static[path.stem] = path.name
+    def draw(self, plots: Plots[Run], run: Run) -> None:
+        """Draw the plots of one thing, each by itself, on paper and for a screen."""
+        for plot in plots.of(run):
+            if plot.static is not None and self.tried(
+                f"picture {plot.name}", partial(plot.draw, self.folder, run)
+            ):
+                self.static[plot.name] = f"{plot.name}.svg"
+            if plot.interactive is not None:
+                self.plot_one(plot.name, partial(plot.write, run=run))
 
-    def plot(self, what: str, plots: Callable[[], Iterable[Path]]) -> None:
-        """Make the interactive plots of one thing."""
-        made: list[Path] = []
-        if self.tried(f"interactive plot of {what}", lambda: made.extend(plots())):
-            self.interactive |= {path.stem: path.name for path in made}
+    def draw_one(self, name: str, draw: Callable[[Path], object]) -> None:
+        """Draw one static picture."""
+        path = self.folder / f"{name}.svg"
+        if self.tried(f"picture {name}", partial(draw, path)):
+            self.static[name] = path.name
+
+    def plot_one(self, name: str, write: Callable[[Path], object]) -> None:
+        """Make one interactive plot, which is written into the folder it is given."""
+        if self.tried(f"interactive plot {name}", partial(write, self.folder)):
+            self.interactive[name] = f"{name}.json"
 
 
 class Renderer(Protocol):

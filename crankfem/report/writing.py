@@ -10,18 +10,24 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from crankbase.outputs import files_of_a_run, write_text
+from crankfem.analyses.mechanism.harmonics_record import harmonics_table
 from crankfem.analyses.mechanism.load_tables import bearing_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
+from crankfem.analyses.throw.stress import mirrored, stress_tables
+from crankfem.analyses.throw.throw_tables import reaction_table, support_table
 from crankfem.analyses.vibration.tables import (
     critical_table,
     element_table,
     limit_table,
     margin_table,
+    mode_table,
     resonance_table,
+    source_table,
     whole_table,
 )
 from crankfem.report.figures import load_figures
-from crankfem.report.numbers import FILTERS
+from crankfem.report.numbers import FILTERS, source_words
+from crankfem.report.plots import PLOTS
 from crankfem.report.summary import summary
 
 if TYPE_CHECKING:
@@ -47,8 +53,15 @@ TABLES = (
     element_table,
     limit_table,
     margin_table,
+    mode_table,
     resonance_table,
+    source_table,
     whole_table,
+    harmonics_table,
+    support_table,
+    reaction_table,
+    stress_tables,
+    mirrored,
 )
 TEMPLATE, STYLE, DRAWING = "report.html.j2", "report/style.css", "interactive.js"
 
@@ -132,6 +145,8 @@ def _environment() -> "Environment":
         lstrip_blocks=True,
     )
     environment.filters |= FILTERS | {make.__name__: make for make in TABLES}
+    environment.globals["source_words"] = source_words
+    environment.filters["plot"] = PLOTS.__getitem__
     return environment
 
 

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
-from crankbase.checks.choices import check_not_given
-from crankbase.checks.scalars import whole_number, whole_within
+from crankbase.checks.scalars import whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
@@ -16,7 +15,7 @@ from crankbase.tables.frames import grid, table
 from dynamics.crankshaft.assembly import AssembledShaft
 from dynamics.crankshaft.stations import CLASSES
 from dynamics.plots.coordinates import name_axis
-from dynamics.plots.mode_shapes import draw_mode_shares, draw_shaft_shape
+from dynamics.plots.mode_shapes import draw_shaft_shape
 from dynamics.response.linear_system import natural_modes
 
 if TYPE_CHECKING:
@@ -97,21 +96,18 @@ class ShaftModes:
         *,
         mode: int | None = None,
         radius: float | None = None,
-        count: int = 12,
     ) -> "Axes":
-        """Draw the energy shares of the first elastic modes as bars, or the shape of one mode.
+        """Draw the shape of one mode along the shaft.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
             Where to draw; those of a new figure if not given.
         mode : int, optional
-            Number of the mode to be drawn along the shaft, as in the arrays, rigid motions included.
+            Its number, as in the arrays, rigid motions included; the first elastic one by default.
         radius : float, optional
-            Crank radius, at which rotation about the shaft is shown as displacement [m]; the shape of
-            a mode needs it, bars do not.
-        count : int, optional
-            How many modes get a bar, if no mode is given.
+            Crank radius, at which rotation about the shaft is shown as displacement [m]; without it
+            nothing can be drawn.
 
         Returns
         -------
@@ -120,17 +116,9 @@ class ShaftModes:
         Raises
         ------
         InputError
-            If there is no such mode, or no radius for its shape.
+            If there is no such mode, or no radius.
         """
-        if mode is None:
-            check_not_given("radius", radius, "energy", "only the shape of a mode needs it")
-            most = whole_number("count", count, 1, "a diagram shows some modes")
-            shown = slice(self.rigid, self.rigid + most)
-            bars = self.shares[:, shown].shape[1]
-            axes = new_axes(axes, height=1.4 + 0.28 * bars)
-            draw_mode_shares(axes, self.shares[:, shown], self.frequencies[shown])
-            write_title(axes, "Energy of the elastic modes")
-            return axes
+        mode = self.rigid if mode is None else mode
         whole_within("mode", mode, 0, len(self.names) - 1, "the shaft has that many modes")
         if radius is None:
             raise InputError(

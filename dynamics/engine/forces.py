@@ -23,7 +23,8 @@ from crankbase.tables.frames import grid
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import CylinderMotion, cylinder_motion
-from dynamics.mechanism.rods import RodModel, RodModelName
+from dynamics.mechanism.rod_model_names import RodModelName
+from dynamics.mechanism.rods import RodModel
 from dynamics.plots.coordinates import angle_axis, number_axis
 
 if TYPE_CHECKING:
@@ -196,7 +197,7 @@ def mechanism_forces(
     gas : array_like of shape (n, m), (m,) or a number
         Force on each piston towards the shaft [N].
     model : str, optional
-        "rigid", "three-mass", "two-mass with inertia" or "two-mass".
+        One of `ROD_MODELS`.
     friction : array_like of shape (n, m), (m,) or a number
         Force on each piston along its axis, positive away from the shaft [N].
     crank_acceleration : float or ndarray of shape (m,), optional

@@ -26,7 +26,7 @@ from dynamics.excitation.engine_load import Load
 from dynamics.excitation.gas_sources import GasSource, Pressures, Weights, gas_sources
 from dynamics.excitation.samples import asked_orders, order_places, phasors_of_samples
 from dynamics.gas.pressure import ATMOSPHERE
-from dynamics.mechanism.rods import RodModelName
+from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
 from dynamics.torque.throws import checked_throws, throws_along_shaft
 

@@ -27,7 +27,7 @@ from dynamics.excitation.cylinder_harmonics import (
 from dynamics.excitation.engine_load import Load, per_minute
 from dynamics.excitation.gas_sources import Pressures
 from dynamics.gas.pressure import ATMOSPHERE
-from dynamics.mechanism.rods import RodModelName
+from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.plots.coordinates import number_axis, orders_and_speeds
 from dynamics.plots.quantities import KILO
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis
@@ -236,7 +236,7 @@ def cylinder_forces(
     motored : as pressure, optional
         That pressure without combustion; needed for misfire.
     model : str, optional
-        Of the rods: "rigid", "three-mass", "two-mass with inertia" or "two-mass".
+        Of the rods, one of `ROD_MODELS`.
     inertia : bool, optional
         Whether moving masses excite, by the square of the speed. Leave them out where the equations
         of motion hold the variable inertia itself.

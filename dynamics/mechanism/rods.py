@@ -2,16 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 
 from crankbase.checks.arrays import finite_array, positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
+from dynamics.mechanism.rod_model_names import ROD_MODELS, RodModelName
 
-RodModelName = Literal["rigid", "three-mass", "two-mass with inertia", "two-mass"]
-ROD_MODELS: tuple[RodModelName, ...] = get_args(RodModelName)
 # A rod may reach beyond its pins, and to each side, by this share of its length: room for big ends.
 REACH = 0.5
 
@@ -88,7 +86,7 @@ class ConnectingRod:
         return complex(self.center_distance, self.center_offset)
 
     def model(self, name: RodModelName = "rigid") -> "RodModel":
-        """Return a model of the rod's mass: "rigid", "three-mass", "two-mass with inertia", "two-mass".
+        """Return a model of the rod's mass, one of `ROD_MODELS`.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Mode shapes of a chain over its nodes and of a whole shaft along it, and shares of its energy."""
+"""Mode shapes of a chain over its nodes, and of a whole shaft along it."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -7,7 +7,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
-from crankbase.drawing.legends import legend_above, legend_below
+from crankbase.drawing.legends import legend_above
 from dynamics.plots.quantities import MILLI
 
 if TYPE_CHECKING:
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
 # Letters that stand side by side under the axis.
 ROOM = 90
-SHARE_NAMES = ("axial", "torsional", "bending")
 
 
 def draw_chain_shapes(
@@ -132,30 +131,6 @@ def draw_shaft_shape(
         )
     axes.set_ylim(-1.1, 1.1)
     axes.set_xlabel("place along the shaft [mm]")
-
-
-def draw_mode_shares(axes: "Axes", shares: FloatArray, frequencies: FloatArray) -> None:
-    """Draw the axial, torsional and bending shares of modes as bars.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    shares : ndarray of shape (3, m)
-        Of sum 1.
-    frequencies : ndarray of shape (m,)
-        [Hz]
-    """
-    rows = np.arange(shares.shape[1])
-    left = np.zeros(len(rows))
-    for values, name, color in zip(100.0 * shares, SHARE_NAMES, COLORS[:3], strict=True):
-        axes.barh(rows, values, left=left, color=color, label=name, height=0.7)
-        left = left + values
-    axes.set_yticks(rows, [f"{value:.1f} Hz" for value in frequencies], fontsize=8)
-    axes.invert_yaxis()
-    axes.set_xlim(0.0, 100.0)
-    axes.set_xlabel("share of the mode's energy [%]")
-    axes.grid(visible=False, axis="y")
-    legend_below(axes, 3)
 
 
 def _between(positions: tuple[float, ...], pairs: Sequence[tuple[int, int]]) -> list[float]:

@@ -9,18 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.checks.scalars import whole_within
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import Quantity, shown
-from dynamics.plots.speed_curves import draw_over_speed, over_speed
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from xarray import Dataset
 
 # Largest denominator of an order: 1/2 in a four-stroke engine, teeth of a gear behind it.
@@ -67,43 +62,6 @@ class Synthesis:
     plain_sum: FloatArray
     unbounded: NDArray[np.bool_]
     period: float
-
-    def plot(
-        self, axes: "Axes | None" = None, place: int = 0, *, quantity: Quantity | None = None
-    ) -> "Axes":
-        """Draw the amplitude of all orders together and their plain sum over the speed.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
-        place : int, optional
-            Which one, from 0; several dimensions are counted in rows.
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            If there is no such place or quantity.
-        """
-        count = int(np.prod(self.amplitude.shape[1:]))
-        number = whole_within("place", place, 0, count - 1, "the sum was taken at that many places")
-        drawn = shown(quantity, "SI")
-        total, plain = (
-            values.reshape(len(self.speeds), -1)[:, number]
-            for values in (self.amplitude, self.plain_sum)
-        )
-        axes = new_axes(axes)
-        none = np.empty((0, len(self.speeds)))
-        curves = over_speed(self.speeds, none[:, 0], none, total, plain, self.unbounded, drawn)
-        draw_over_speed(axes, curves)
-        write_title(axes, "all orders together")
-        return axes
 
     def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
         """Return amplitude, extremes and plain sum over speed and place.

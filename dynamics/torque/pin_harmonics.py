@@ -17,7 +17,7 @@ from dynamics.engine.gas_forces import Pressure
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics
-from dynamics.mechanism.rods import RodModelName
+from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.plots.bars import draw_harmonics
 from dynamics.plots.quantities import KILO
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas

@@ -21,7 +21,7 @@ from dynamics.engine.orders import checked_cylinder
 from dynamics.gas.indicated import indicated_work
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics, harmonics
-from dynamics.mechanism.rods import RodModelName
+from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.plots.coordinates import angle_axis, number_axis
 from dynamics.plots.quantities import KILO
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
@@ -241,7 +241,7 @@ def engine_torque(
     samples : int, optional
         Over one cycle; they resolve orders up to half their number per revolution.
     model : str, optional
-        Of the rods: "rigid", "three-mass", "two-mass with inertia" or "two-mass".
+        Of the rods, one of `ROD_MODELS`.
     throws : sequence of n int, optional
         Throw of each cylinder, 0 next to the free end. Without it, cylinders of different banks
         with equal crank angles and nearly equal positions share one.

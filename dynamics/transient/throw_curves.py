@@ -11,7 +11,7 @@ from dynamics.chains.throw_inertias import cylinder_inertia
 from dynamics.engine.forces import rod_models
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinders import CylinderForces
-from dynamics.mechanism.rods import RodModelName
+from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.transient.order_forces import cycle_turns
 from dynamics.turning.curves import TurnCurves, turn_curves
 

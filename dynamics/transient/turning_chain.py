@@ -12,7 +12,7 @@ from crankbase.summaries import summarized
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinders import CylinderForces
-from dynamics.mechanism.rods import RodModelName
+from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.places import node_index
 from dynamics.response.excitation import checked_speed_index
 from dynamics.transient.throw_curves import ThrowCurves, throw_curves
@@ -181,7 +181,7 @@ def turning_chain(
     load_node : int, optional
         Where the load brakes, from 0; by default the last node.
     model : str, optional
-        Of the rods: "rigid", "three-mass", "two-mass with inertia" or "two-mass".
+        Of the rods, one of `ROD_MODELS`.
     loss_as, loss_frequency, magnifier, modal_damping
         As for `viscous_system`. Absolute damping of the chain acts on the vibration only: its
         dampers turn with the mean speed.

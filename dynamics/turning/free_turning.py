@@ -24,7 +24,7 @@ from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
-from dynamics.mechanism.rods import RodModelName
+from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import KILO
 from dynamics.running_limits import MOST_TURNS, run_time, too_many_turns
@@ -206,7 +206,7 @@ def turn_freely(
     gravity : float, optional
         Acceleration of gravity along -y [m/s^2].
     model : str, optional
-        Of the rods: "rigid", "three-mass", "two-mass with inertia" or "two-mass".
+        Of the rods, one of `ROD_MODELS`.
     crankcase_pressure : float, optional
         Absolute pressure under the pistons [Pa]; for pressures only.
     times : array_like of shape (m,), optional

@@ -10,7 +10,7 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray, finite_array
 from dynamics.engine.forces import rod_models
 from dynamics.engine.layout import EngineLayout
-from dynamics.mechanism.rods import RodModelName
+from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.turning.curves import TurnCurves, engine_curves
 from dynamics.turning.given_functions import checked_inertia, checked_moment
 from dynamics.turning.piston_gas import Gas, PistonGas, piston_gas

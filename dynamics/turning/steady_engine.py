@@ -4,7 +4,7 @@ import math
 
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
-from dynamics.mechanism.rods import RodModelName
+from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.turning.piston_gas import Gas
 from dynamics.turning.shaft_moments import Resistance, shaft_moments
 from dynamics.turning.steady_turning import SteadyTurning, steady_turning

@@ -9,7 +9,6 @@ the web has 2/3 at gamma = 180 deg and 1/6 at 0, as a slender frame.
 """
 
 from crankbase.units.quantity import show_quantity
-from regression.formulas.angle_factors import anderson_k_phi
 from regression.formulas.case import ThrowCase
 from regression.formulas.reading import AxialFormula, Reading
 from regression.formulas.remarks import Remark, negative_shear_remarks
@@ -23,7 +22,7 @@ def _web_share(case: ThrowCase) -> float:
 
 
 def _corrected(case: ThrowCase) -> float:
-    k_phi = anderson_k_phi(case.cosine)
+    k_phi = 0.75 - 0.25 * case.cosine
     k_1 = _web_share(case)
     bending = 1.1 * k_phi * case.pin + k_1**2 * (k_phi - k_1 / 3.0) * case.web
     return bending + case.tension + case.shear_of_length(-2.0 * case.throw.overlap)
@@ -44,6 +43,8 @@ def _remarks(case: ThrowCase) -> list[Remark]:
 
 
 ANDERSON = AxialFormula(
+    "Anderson",
+    "And",
     "G. Anderson, in: Marine low-speed turbocharged engines, ed. N. N. Ivanchenko, Leningrad, 1967",
     {"corrected": Reading(_corrected, _remarks)},
     "its shear term 2 [R - 0.5 (D_km + D_shm)] / (G I_w) is in 1/(N m), not in m/N, because "

@@ -15,15 +15,18 @@ from regression.formulas.tsniimf import TSNIIMF
 
 AXIAL_FORMULAS: Mapping[str, AxialFormula] = MappingProxyType(
     {
-        "Guglielmotti-Macchiotta": GUGLIELMOTTI_MACCHIOTTA,
-        "Draminsky (1)": DRAMINSKY_1,
-        "Draminsky (2)": DRAMINSKY_2,
-        "TsNIIMF": TSNIIMF,
-        "Anderson": ANDERSON,
-        "Gorbunov": GORBUNOV,
-        "Dorey": DOREY,
-        "Skorchev": SKORCHEV,
-        "Stoyanov": STOYANOV,
+        formula.name: formula
+        for formula in (
+            GUGLIELMOTTI_MACCHIOTTA,
+            DRAMINSKY_1,
+            DRAMINSKY_2,
+            TSNIIMF,
+            ANDERSON,
+            GORBUNOV,
+            DOREY,
+            SKORCHEV,
+            STOYANOV,
+        )
     }
 )
 AXIAL_FORMULA_NAMES: tuple[str, ...] = tuple(AXIAL_FORMULAS)

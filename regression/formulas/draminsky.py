@@ -10,7 +10,6 @@ gamma = 0 the web's factor would be -1/3, which no throw has, and with the tilt 
 with flexible webs has 1/2 pin + 1/6 web, that is k/4 in both places ("k/4").
 """
 
-from regression.formulas.angle_factors import draminsky_k
 from regression.formulas.case import ThrowCase, round_inertia
 from regression.formulas.reading import AxialFormula, Reading
 from regression.formulas.remarks import (
@@ -39,7 +38,7 @@ def _first_printed(case: ThrowCase) -> float:
 
 
 def _second_with(case: ThrowCase, pin_divisor: float, web_divisor: float) -> float:
-    k = draminsky_k(case.cosine)
+    k = 1.0 + case.cosine
     pin = case.pin_of_length(case.throw.pin_length + 0.33 * case.throw.web_thickness)
     shear = case.shear_of_length(2.0 * case.throw.crank_radius)
     return (
@@ -84,6 +83,8 @@ def _second_remarks(case: ThrowCase) -> list[Remark]:
 
 
 DRAMINSKY_1 = AxialFormula(
+    "Draminsky (1)",
+    "D1",
     _AUTHORS,
     {
         "corrected": Reading(_first, _first_remarks),
@@ -91,6 +92,8 @@ DRAMINSKY_1 = AxialFormula(
     },
 )
 DRAMINSKY_2 = AxialFormula(
+    "Draminsky (2)",
+    "D2",
     _AUTHORS,
     {
         "corrected": Reading(_second, _second_remarks),

@@ -8,7 +8,6 @@ k_2^3 makes the first the web of a frame, 8 R^3 / (E B k_2^3), which proves the 
 0.8 would have to be 0.5 for the web of a frame at 180 deg; it is left as printed (`k_gorbunov`).
 """
 
-from regression.formulas.angle_factors import gorbunov_k_phi
 from regression.formulas.case import ThrowCase
 from regression.formulas.reading import AxialFormula, Reading
 from regression.formulas.remarks import Remark, negative_shear_remarks
@@ -16,7 +15,7 @@ from regression.formulas.tsniimf import FRAME_WEB, overlapped_thickness
 
 
 def _angle_factor(case: ThrowCase) -> float:
-    return gorbunov_k_phi(case.cosine, case.constants["k_gorbunov"])
+    return case.constants["k_gorbunov"] * (1.0 - case.cosine)
 
 
 def _corrected(case: ThrowCase) -> float:
@@ -56,6 +55,8 @@ def _remarks(case: ThrowCase) -> list[Remark]:
 
 
 GORBUNOV = AxialFormula(
+    "Gorbunov",
+    "Gor",
     "Yu. S. Barshai, E. Ya. Gorbunov, Trudy TsNII morskogo flota, 1975, no. 192, pp. 70-79",
     {"corrected": Reading(_corrected, _remarks)},
     "its web term 2 pi R^3 / (B k_2) is in m, its pin term 2 R L_1 / D^4 in 1/m^2 and the "

@@ -75,6 +75,8 @@ def _printed_remarks(case: ThrowCase) -> list[Remark]:
 
 
 GUGLIELMOTTI_MACCHIOTTA = AxialFormula(
+    "Guglielmotti-Macchiotta",
+    "GM",
     "L. Guglielmotti, R. Macchiotta, in: Marine low-speed turbocharged engines, "
     "ed. N. N. Ivanchenko, Leningrad, 1967",
     {"corrected": Reading(_corrected, _remarks), "printed": Reading(_printed, _printed_remarks)},

@@ -49,6 +49,9 @@ class AxialFormula:
 
     Attributes
     ----------
+    name : str
+    short : str
+        Head of its column where all formulas stand beside each other.
     authors : str
         Who published it, and where.
     readings : mapping of str to Reading
@@ -57,6 +60,8 @@ class AxialFormula:
         Why the print cannot be evaluated for any throw, if it is not among the readings.
     """
 
+    name: str
+    short: str
     authors: str
     readings: Mapping[str, Reading]
     printed_fault: str = ""

@@ -22,6 +22,8 @@ def _remarks(case: ThrowCase) -> list[Remark]:
 _READING = Reading(_as_printed, _remarks)
 
 SKORCHEV = AxialFormula(
+    "Skorchev",
+    "Sko",
     "N. S. Skorchev, thesis abstract, Leningrad, 1972",
     {"corrected": _READING, "printed": _READING},
 )

@@ -69,6 +69,8 @@ def _remarks(case: ThrowCase) -> list[Remark]:
 _READING = Reading(_as_printed, _remarks)
 
 STOYANOV = AxialFormula(
+    "Stoyanov",
+    "Sto",
     "V. S. Stoyanov, thesis abstract, Leningrad, 1970",
     {"corrected": _READING, "printed": _READING},
 )

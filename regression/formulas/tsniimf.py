@@ -85,6 +85,8 @@ def _printed_remarks(case: ThrowCase) -> list[Remark]:
 
 
 TSNIIMF = AxialFormula(
+    "TsNIIMF",
+    "TsN",
     "TsNIIMF: V. I. Zinchenko, Trudy TsNII morskogo flota, 1970, no. 125, pp. 80-103",
     {
         "corrected": Reading(_corrected, _remarks),

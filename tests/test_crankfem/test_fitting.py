@@ -490,7 +490,7 @@ def test_diagrams(study, request, tmp_path):
     paths = plot_fits(tmp_path / "plots", some, found)
     assert [path.name for path in paths] == [
         f"axial_compliance_{name}.svg"
-        for name in ("response", "parity", "effects", "residuals", "sensitivities")
+        for name in ("response", "parity", "effects", "sensitivities")
     ]
     for path in paths:
         # Well-formed, and more than empty axes.

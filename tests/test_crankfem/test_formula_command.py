@@ -11,14 +11,13 @@ from comparing import close
 from crankfem.analyses.throw import formula_spread
 from crankfem.analyses.throw.formula_records import fe_axial
 from crankfem.analyses.throw.formula_spread import EngineSpread, Ratio, formula_spreads
-from crankfem.analyses.throw.pictures.formula_plots import plot_angle_factors, plot_formulas
+from crankfem.analyses.throw.pictures.formula_plots import plot_formulas
 from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading import data_files
 from fem.analysis import analyze_throw
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Web
-from regression.formulas.angle_factors import ANGLE_FACTORS
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
@@ -217,18 +216,6 @@ def test_pictures_of_the_angle(tmp_path):
     gammas = np.linspace(0.0, 180.0, 37)
     share = np.sin(np.deg2rad(gammas) / 2) ** 2
     law = 0.2 + 0.8 * share / (share + 2.65 * (1 - share))
-    plot_angle_factors(
-        tmp_path / "factors.svg",
-        gammas,
-        law,
-        2.65,
-        {n: f(gammas) for n, f in ANGLE_FACTORS.items()},
-    )
-    shown = texts(tmp_path / "factors.svg")
-    for name in ANGLE_FACTORS:
-        assert shown.count(name) == 1
-    assert any("= 2.65" in text for text in shown)
-    assert sum("angle between neighboring cranks" in text for text in shown) == 2
     throw, _ = load_throw("6chn25-34")
     tables = [axial_formulas(throw, gamma) for gamma in gammas]
     values = {name: np.array([t[name].value for t in tables]) for name in AXIAL_FORMULA_NAMES}

@@ -20,31 +20,31 @@ from comparing import close
 from crankbase.drawing.curves import ON_PAPER, draw_curves
 from crankbase.errors import InputError
 from crankfem.analyses.study.fitting import fit_study, predicted
-from crankfem.report.interactive.angles import formulas_over_angle, interactive_angles
+from crankfem.report.interactive.angles import formulas_over_angle
 from crankfem.report.interactive.campbell import campbell
 from crankfem.report.interactive.curves import UNSEEN, figure_of
 from crankfem.report.interactive.decimation import fewer_triangles
 from crankfem.report.interactive.mechanism import (
     developed_load,
-    interactive_mechanism,
     polar_load,
 )
+from crankfem.report.interactive.mechanism_plots import MECHANISM
 from crankfem.report.interactive.over_speed import Curve, amplitudes_over_speed
 from crankfem.report.interactive.rounding import rounded
-from crankfem.report.interactive.shaft import axial_split, mode_shares, shaft_modes
+from crankfem.report.interactive.shaft import axial_split, shaft_modes
 from crankfem.report.interactive.shapes import mode_shapes
-from crankfem.report.interactive.study import interactive_study, parity, response_over_factors
+from crankfem.report.interactive.study import parity, response_over_factors
 from crankfem.report.interactive.thinning import seen_points
 from crankfem.report.interactive.throw_view import (
     DRAWN_DISPLACEMENT,
     MOST_STRESSED,
     throw_view,
 )
-from crankfem.report.interactive.torque import interactive_torque
 from crankfem.report.interactive.triangles import TriangleSurface, trails
-from crankfem.report.interactive.vibration import interactive_vibration
+from crankfem.report.interactive.vibration import VIBRATION
 from crankfem.report.interactive.words import designs_told
 from crankfem.report.interactive.writing import write_figure
+from crankfem.report.plots import ANGLES, STUDY, TORQUE
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
 from dynamics.engine.loads import LoadDiagram
 from dynamics.harmonics import harmonics
@@ -72,6 +72,11 @@ def floats(values):
 
 def named(traces, name):
     return next(trace for trace in traces if trace["name"] == name)
+
+
+def written(plots, folder, run):
+    """Write the interactive ones of some plots."""
+    return [plot.write(folder, run) for plot in plots.of(run) if plot.interactive is not None]
 
 
 def read(path, strict):
@@ -265,17 +270,6 @@ def test_motion_along_the_shaft():
     assert [one["label"] for one in menu["buttons"]][:2] == ["10.0 Hz: kind 1", "20.0 Hz: kind 2"]
 
 
-def test_shares_of_the_energy():
-    modes = shaft()
-    traces, layout = mode_shares(modes, "x")
-    assert layout["xaxis"]["title"]["text"] == "share of the mode's energy [%]"
-    assert [trace["name"] for trace in traces] == ["axial", "torsional", "bending"]
-    for trace, shares in zip(traces, modes.shares, strict=True):
-        assert floats(trace["x"]) == close(100.0 * shares[1:13], rel=FIVE_DIGITS)
-    assert traces[0]["customdata"][:2] == ["10.0 Hz", "20.0 Hz"]
-    assert layout["yaxis"]["ticktext"][:2] == ["10.0", "20.0"]
-
-
 def test_what_excites_the_axial_vibration():
     speeds = np.linspace(20.0, 60.0, 9)
     curves = [1e-5 * np.sin(speeds / number) ** 2 for number in (5.0, 6.0, 7.0)]
@@ -410,7 +404,6 @@ def known_record():
             "gamma_deg": gammas.tolist(),
             "fe": fe.tolist(),
             "formulas": {"Ours": [None, *(2e-9 * np.ones(6)).tolist()]},
-            "law": {"rho": 2.5},
         },
         "throw": {
             "supports": {
@@ -423,32 +416,19 @@ def known_record():
 
 def test_formulas_over_the_angle(tmp_path, strict):
     record = known_record()
-    made = interactive_angles(tmp_path, record)
-    assert [path.name for path in made] == ["formulas.json", "angles.json"]
-    formulas, angles = (read(path, strict) for path in made)
+    made = written(ANGLES, tmp_path, record)
+    assert [path.name for path in made] == ["formulas.json"]
+    formulas = read(made[0], strict)
     assert units_told(formulas)
-    assert units_told(angles)
     fe, ours = formulas["data"]
     assert floats(fe["y"]) == close(1e9 * np.array(record["angle_law"]["fe"]), rel=FIVE_DIGITS)
     assert ours["y"] == [None, *[2] * 6]
-    law = named(angles["data"], "finite elements, ρ = 2.50")
-    share = np.array(record["angle_law"]["fe"]) / record["angle_law"]["fe"][-1]
-    assert floats(law["y"]) == close(share, rel=FIVE_DIGITS)
-    assert law["y"][-1] == 1
-    (menu,) = angles["layout"]["updatemenus"]
-    visible = [button["args"][0]["visible"] for button in menu["buttons"]]
-    # Law and straight line always, of the formulas' factors one term's.
-    assert [one[:2] for one in visible] == [[True, True]] * 2
-    assert [first != second for first, second in zip(*(one[2:] for one in visible), strict=True)]
-    assert sum(visible[0]) == sum(visible[1]) == 2 + (len(visible[0]) - 2) / 2
-    record["angle_law"]["law"] = None
-    assert len(interactive_angles(tmp_path, record)) == 1
 
 
 def test_torque_table(tmp_path, strict):
     samples = 100.0 + 50.0 * np.sin(np.linspace(0.0, 4.0 * np.pi, 24, endpoint=False) + 0.3)
     found = harmonics(samples, strokes=4)
-    (path,) = interactive_torque(tmp_path, samples, found)
+    (path,) = written(TORQUE, tmp_path, (samples, found))
     figure = read(path, strict)
     assert path.name == "torque.json"
     assert units_told(figure)
@@ -505,6 +485,8 @@ def test_forces_of_a_mechanism(load, tmp_path, strict):
     run = SimpleNamespace(
         mechanism=SimpleNamespace(name="engine"),
         speed=100.0,
+        balance=SimpleNamespace(rows=()),
+        hinged_rods=None,
         crankpins=(load,),
         bearings=(load,),
         forces=SimpleNamespace(
@@ -512,7 +494,7 @@ def test_forces_of_a_mechanism(load, tmp_path, strict):
         ),
         layout=SimpleNamespace(firing=np.array([math.pi, 0.0]), cycle=4.0 * math.pi),
     )
-    made = interactive_mechanism(tmp_path, run)
+    made = written(MECHANISM, tmp_path, run)
     assert [path.stem for path in made] == [
         "crankpin_polar",
         "crankpin_developed",
@@ -553,7 +535,7 @@ def studied(request):
 
 def test_study(studied, tmp_path, strict):
     table, found = studied
-    made = interactive_study(tmp_path, table, found)
+    made = written(STUDY, tmp_path, (table, found))
     assert [path.name for path in made] == ["response.json", "parity.json"]
     assert all(units_told(read(path, strict)) for path in made)
     traces, layout = response_over_factors(table, found)
@@ -755,7 +737,7 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
     import plotly.graph_objects
 
     run = coupled_vibration("6chn25-34")
-    made = interactive_vibration(tmp_path, run)
+    made = written(VIBRATION, tmp_path, run)
     assert [path.stem for path in made] == [
         "axial_modes",
         "axial_campbell",
@@ -765,7 +747,6 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
         "torsional_amplitude",
         "torsional_stress",
         "shaft_modes",
-        "shaft_shares",
         "axial_split",
     ]
     assert sum(path.stat().st_size for path in made) < 5e5

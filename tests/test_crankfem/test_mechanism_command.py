@@ -8,10 +8,10 @@ from comparing import close
 from crankbase.tables.table import merged_rows
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
-from crankfem.analyses.mechanism.plots.mechanism_pictures import picture_mechanism
 from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism
+from crankfem.report.interactive.mechanism_plots import MECHANISM
 
 
 @pytest.fixture(scope="module")
@@ -143,5 +143,5 @@ def test_rows_alike_become_one():
 @pytest.mark.slow
 def test_a_balanced_engine_has_no_picture_of_what_is_left(v8, tmp_path):
     six = run_mechanism(load_mechanism("6chn25-34"))
-    assert "balance.svg" not in {path.name for path in picture_mechanism(tmp_path / "six", six)}
-    assert "balance.svg" in {path.name for path in picture_mechanism(tmp_path / "eight", v8)}
+    assert "balance.svg" not in {path.name for path in MECHANISM.draw(tmp_path / "six", six)}
+    assert "balance.svg" in {path.name for path in MECHANISM.draw(tmp_path / "eight", v8)}

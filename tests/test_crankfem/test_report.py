@@ -464,8 +464,8 @@ AS_STORED = [
     ),
     ("inputs", "Young's modulus 210 GPa Density 7850 kg/m³"),
     ("inputs", "27 of 37 values are assumed"),
-    ("throw", "pinned ends tilt freely 1.289 41.31 0.6159 0.4777 guided"),
-    ("throw", "ends do not tilt 0.2580 25.72 0.06621 0.2566"),
+    ("throw", "pinned 1.289 41.31 0.6159 0.4777 guided"),
+    ("throw", "guided 0.2580 25.72 0.06621 0.2566"),
     ("throw", "discretization error of en: 0.96 % (asked for: 1 %); the true"),
     ("throw", "rigid, 15 597 unknowns."),
     ("throw", "axial 0.76, 0.63, 0.36, 0.36, 0.63, 0.76; torsional 0.91, 0.78, 0.91"),
@@ -474,11 +474,14 @@ AS_STORED = [
     ("throw", "without rods: mass 1131 kg Crankshaft: moment of inertia 26.39 kg m²"),
     ("throw", "Z = 417.2 kN towards the shaft axis, the gas force at peak pressure;"),
     ("throw", "P = c Z / en = 199.3 kN where they are pinned"),
-    ("throw", "pinned left 0.0 208.6 199.3 0.00 0.00 0.00 pinned right 0.0 208.6 -199.3"),
-    ("throw", "guided left 0.0 208.6 107.1 -11.44 0.00 0.00"),
+    (
+        "throw",
+        "pinned left 0.000 208.621 199.306 0.000 0.000 0.000 pinned right 0.000 208.621 -199.306",
+    ),
+    ("throw", "guided left 0.000 208.621 107.068 -11.435 0.000 0.000"),
     ("fillets", "at most 2.7 % (asked for: 10 %): enough"),
-    ("fillets", "axial force1 kN left main journal 12 -0.9131 0.8073 0.7740 1.18 pin, left web"),
-    ("fillets", "torque1 kN m left main journal 12 1.352 1.843 0.4783 2.83 pin, left web"),
+    ("fillets", "left journal -0.9131 0.8073 0.7740 1.18 0 117 66 pin, left web"),
+    ("fillets", "left journal 1.352 1.843 0.4783 2.83 77.0 87.5 66.2 pin, left web"),
     (
         "formulas",
         "give 0.59 to 2.31 of the axial compliance by finite elements and 0.99 to 1.14 of",
@@ -576,7 +579,7 @@ CHANGED = [
     ("balance", "static unbalance 14.95 kg m, dynamic unbalance about its middle 3.250 kg m²."),
     ("balance", "[kN m] 1 44.15 balanced 2 balanced 2.070 4 balanced balanced"),
     ("torque", "720 samples over one cycle resolve orders up to 12. Mean torque 123.46 N m."),
-    ("torque", "1 0.5 -214.25 179.78 279.68 -129.84 2 1 10.00 0.00 10.00 90.00"),
+    ("torque", "0.5 -214.25 179.78 279.68 -129.84 1 10.00 0.00 10.00 90.00"),
     (
         "torque",
         "stiffness 942.9 kN m/rad, natural frequency 3261.5 rad/s = 31145 1/min; order 14 is",
@@ -731,6 +734,6 @@ def test_speeds_at_which_cylinders_act_together_are_marked(results, page):
 
 
 def test_fillets_of_a_throw_that_is_its_mirror_image_stand_once(results, page):
-    assert "right" not in page(results).section("fillets").partition("have the same")[2]
+    assert "right journal" not in page(results).section("fillets")
     results["fillets"]["solved_part"] = "half"
-    assert "right main journal" in page(results).section("fillets")
+    assert "right journal" in page(results).section("fillets")

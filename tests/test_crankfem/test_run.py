@@ -16,6 +16,8 @@ import pytest
 from comparing import close
 from crankfem.analyses.vibration import vibration_pictures
 from crankfem.jobs import pipeline, run_drawing
+from crankfem.report.interactive import mechanism_plots
+from crankfem.report.interactive import vibration as interactive_vibration
 from fem.solver import SolveError
 from regression.models.compliance_model import ComplianceModel
 
@@ -382,7 +384,7 @@ def test_what_cannot_be_drawn_costs_no_other_result(
         raise ValueError("no such picture")
 
     monkeypatch.setattr(vibration_pictures, "plot_response_campbell", fail)
-    monkeypatch.setattr(run_drawing, "interactive_mechanism", fail)
+    monkeypatch.setattr(mechanism_plots, "polar_load", fail)
     monkeypatch.setattr(run_drawing, "write_vtu", fail)
     answer = call("run", one_cylinder("Engine SECOND"), "--json")
     assert answer.code == 0, answer.err
@@ -391,7 +393,7 @@ def test_what_cannot_be_drawn_costs_no_other_result(
     assert set(results["pictures"]) == set(drawn) - lost
     assert {"axial_campbell", "drawing"} - set(results["interactive"]) == {"drawing"}
     assert "crankpin_polar" not in results["interactive"]
-    for what in ("picture axial_campbell", "interactive plot of the mechanism", "throw.vtu"):
+    for what in ("picture axial_campbell", "interactive plot crankpin_polar", "throw.vtu"):
         sentence = f"There is no {what}: ValueError: no such picture"
         assert sentence in results["picture_note"]
         assert sentence in " ".join(answer.err.split())
@@ -422,7 +424,7 @@ def test_a_run_that_fails_leaves_the_last_one_whole(
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(run_drawing, "interactive_vibration", interrupt)
+    monkeypatch.setattr(interactive_vibration, "campbell", interrupt)
     answer = call("run", one_cylinder("Engine THIRD"))
     assert answer.code == 130
     results = json.loads((folder / "results.json").read_text(encoding="utf-8"))

@@ -2,12 +2,12 @@
 
 import pytest
 
-from crankbase.errors import MissingLibraryError, RenderError
+from crankbase.errors import InputError, MissingLibraryError, RenderError
 from crankbase.outputs import written
 from crankfem.analyses.throw.pictures import offscreen
 from crankfem.analyses.throw.pictures.offscreen import ADVICE, OffscreenProcess, render_failure
-from crankfem.analyses.to_draw import ToDraw
 from crankfem.jobs.run_pictures import Pictures, Renderings
+from crankfem.report.interactive.plot import Plot, Plots
 
 
 @pytest.fixture
@@ -49,38 +49,36 @@ class Made:
         self.stopped = True
 
 
-def test_one_picture_that_fails_leaves_the_others(pictures, told, tmp_path):
+def test_one_plot_that_fails_leaves_the_others(pictures, told, tmp_path):
+    figure = ([], {})
     pictures.draw(
-        "a throw",
-        lambda: [
-            ToDraw(tmp_path / "a.svg", write),
-            ToDraw(tmp_path / "b.svg", write_half_and_fail),
-            ToDraw(tmp_path / "c.svg", write),
-        ],
+        Plots(
+            (
+                Plot("a", "", "", lambda path, _: write(path), lambda _: figure),
+                Plot("b", "", "", lambda path, _: write_half_and_fail(path), lambda _: figure),
+                Plot("c", "", "", lambda path, _: write(path), fail),
+                Plot("d", "", "", lambda path, _: write(path), needs="gas"),
+            )
+        ),
+        None,
     )
     assert pictures.static == {"a": "a.svg", "c": "c.svg"}
-    assert not (tmp_path / "b.svg").exists()
+    assert pictures.interactive == {"a": "a.json", "b": "b.json"}
+    assert {path.name for path in tmp_path.glob("[!.]*")} == {"a.svg", "c.svg", "a.json", "b.json"}
     assert told == pictures.notes
-    (note,) = told
-    assert note.startswith(
+    first, second = told
+    assert first.startswith(
         "There is no picture b: ValueError: no such thing, which nobody expected"
     )
+    assert second == "There is no interactive plot c: b.json: No space left on device."
 
 
-def test_what_cannot_even_be_listed_is_told(pictures, told):
-    pictures.draw("a throw", fail)
-    pictures.plot("a throw", fail)
-    assert pictures.static == pictures.interactive == {}
-    assert told == [
-        "There is no picture of a throw: b.json: No space left on device.",
-        "There is no interactive plot of a throw: b.json: No space left on device.",
-    ]
-
-
-def test_plots_that_are_made_are_named(pictures, told, tmp_path):
-    pictures.plot("a throw", lambda: [tmp_path / "a.json", tmp_path / "b.json"])
-    assert pictures.interactive == {"a": "a.json", "b": "b.json"}
-    assert told == []
+def test_nothing_is_drawn_over_what_is_somebody_elses(tmp_path):
+    (tmp_path / "b.svg").write_text("precious", encoding="utf-8")
+    plots = Plots(tuple(Plot(name, "", "", lambda path, _: write(path)) for name in "ab"))
+    with pytest.raises(InputError, match=r"b\.svg: is not replaced, because"):
+        plots.draw(tmp_path, None)
+    assert not (tmp_path / "a.svg").exists()
 
 
 def test_an_interrupt_is_no_picture_that_fails(pictures):

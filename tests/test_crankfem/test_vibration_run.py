@@ -18,11 +18,11 @@ from crankfem.analyses.vibration.records import run_record
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.run_up import parse_duration, run_up
 from crankfem.analyses.vibration.run_up_records import run_up_record
-from crankfem.analyses.vibration.vibration_pictures import picture_vibration
 from crankfem.cli.column_file import write_columns
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import engine_path
+from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.excitation.on_chains import axial_excitation
 from dynamics.response.forced import forced_response
 from dynamics.torque.torque import engine_torque
@@ -248,7 +248,7 @@ def test_records_pictures_and_columns(run, tmp_path):
     assert json.loads(text)["assessment"]["status"] == run.assessment.verdict.status
     assert record["whole"] is None
     assert [limit["assumed"] for limit in record["assessment"]["limits"]] == [True]
-    made = picture_vibration(tmp_path / "pictures", run)
+    made = VIBRATION.draw(tmp_path / "pictures", run)
     assert {path.stem for path in made} == {
         *(f"{kind}_{what}" for kind in ("axial", "torsional") for what in ("modes", "campbell")),
         "axial_amplitude",

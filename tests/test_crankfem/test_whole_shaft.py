@@ -17,7 +17,6 @@ from crankfem.analyses.shaft.chains import (
 )
 from crankfem.analyses.shaft.plots.shaft_mode_plots import (
     plot_axial_split,
-    plot_mode_shares,
     plot_shaft_modes,
 )
 from crankfem.analyses.shaft.sources import compliances_in_shaft
@@ -112,8 +111,7 @@ def test_whole_shaft_of_an_engine(engine, coupled_vibration, tmp_path):
         assert verdict.response is not None
     plot_shaft_modes(tmp_path / "modes.svg", modes, engine_file.throw.crank_radius)
     plot_axial_split(tmp_path / "split.svg", found.coupled)
-    plot_mode_shares(tmp_path / "shares.svg", modes)
-    for name in ("modes", "split", "shares"):
+    for name in ("modes", "split"):
         assert (tmp_path / f"{name}.svg").read_text(encoding="utf-8").startswith("<?xml")
     with pytest.raises(InputError, match=r"^count: given 0"):
         plot_shaft_modes(tmp_path / "none.svg", modes, 0.1, count=0)

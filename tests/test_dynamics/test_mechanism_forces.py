@@ -22,7 +22,8 @@ from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.forces import mechanism_forces, rod_models, summed
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion, reduced_inertia
-from dynamics.mechanism.rods import ROD_MODELS, ConnectingRod
+from dynamics.mechanism.rod_model_names import ROD_MODELS
+from dynamics.mechanism.rods import ConnectingRod
 
 SPEED, GAIN = 220.0, 9000.0
 ANGLES = np.linspace(0.0, 4.0 * math.pi, 24, endpoint=False)

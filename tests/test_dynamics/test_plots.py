@@ -338,13 +338,6 @@ CASES = {
         1,
         lambda o: {"limit": (rpm_of(o), np.full(5, 1e-4))},
     ),
-    "Synthesis": (
-        lambda: response().synthesis,
-        {"place": 1, "quantity": "displacement"},
-        2,
-        0,
-        lambda o: {"plain sum": (rpm_of(o), 1e6 * o.plain_sum[:, 1])},
-    ),
     "ForcedResponse": (
         response,
         {"node": "pulley", "quantity": "twist"},
@@ -589,10 +582,9 @@ CASES = {
         0,
         lambda o: {"speed": over_cycle(o.angles, RPM * o.speed)},
     ),
-    "ShaftModes": (shaft_modes, {}, 0, 6, None),
-    "ShaftModes, shape": (
+    "ShaftModes": (
         shaft_modes,
-        {"mode": 1, "radius": 0.1},
+        {"radius": 0.1},
         5,
         0,
         lambda o: {
@@ -665,7 +657,7 @@ CASES = {
     ),
 }
 # Without a unit: a star has no axes, and nodes stand at their names.
-NO_UNIT = {"Star": "xy", "Modes": "x", "Modes, one": "x", "ShaftModes": "y"}
+NO_UNIT = {"Star": "xy", "Modes": "x", "Modes, one": "x"}
 
 
 def has_line(axes, label, x, y):
@@ -750,7 +742,6 @@ def test_a_verdict_draws_the_worst_five_and_counts_the_rest():
         (response, {"node": 7}, "node: given 7"),
         (response, {"quantity": "noise"}, "quantity: given 'noise'"),
         (loads, {"part": "none"}, "part: given 'none'"),
-        (lambda: response().synthesis, {"place": 2}, "place: given 2"),
         (torque, {"throw": 3}, "throw: given 3"),
         (forces, {"cylinder": 0}, "cylinder: given 0"),
         (cylinder_forces, {"cylinder": 3}, "cylinder: given 3"),
@@ -794,7 +785,6 @@ WRONG = {
     "OrderExcitation": (lambda: response().excitation, ORDERS),
     "CylinderForces": (cylinder_forces, ORDERS | {"show": [["radial"]]}),
     "AxialForceComparison": (axial_comparison, ORDERS),
-    "Synthesis": (lambda: response().synthesis, PLACES),
     "Samples": (samples, PLACES | {"bins": [0, -3, "z", 1.5]}),
     "TransientMotion": (run, RUN_OPTIONS | PLACES | {"quantity": [["twist"]]}),
     "TurningRun": (turning_run, RUN_OPTIONS),
@@ -802,7 +792,7 @@ WRONG = {
     "Hodograph": (lambda: Hodograph(1, 100.0, 20.0), {"quantity": ["torque", 3, None]}),
     "CoupledResponse": (coupled, {"point": ["x", 3]}),
     "LoadDiagram": (load_diagram, {"mark_step_deg": [0, NAN, "a"], "frame": [3]}),
-    "ShaftModes": (shaft_modes, {"radius": [0.1], "count": [0, "a"]}),
+    "ShaftModes": (shaft_modes, {"radius": [None, "a", -0.1]}),
     "PressureMap": (pressures, {"speed": [1e9, "x"], "load": [99, "x", NAN]}),
     "Envelope": (lambda: run().envelope(), {"over": ["angle", 3], "quantity": [["torque"]]}),
 }

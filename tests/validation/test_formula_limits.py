@@ -13,7 +13,6 @@ compared with the frame, the tolerance is what the formula has besides: 0.167 fo
 """
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,10 +21,8 @@ from hypothesis import strategies as st
 
 from comparing import close
 from geometry.throw import CrankThrow
-from regression.formulas.angle_factors import ANGLE_FACTORS
 from regression.formulas.axial_formulas import axial_formula, axial_formulas
-from regression.formulas.catalogue import AXIAL_FORMULAS, AXIAL_VARIANTS
-from regression.formulas.constants import DEFAULT_CONSTANTS
+from regression.formulas.catalogue import AXIAL_VARIANTS
 
 E = 2.1e11
 
@@ -262,40 +259,6 @@ def test_draminsky_2_with_k_4_tends_to_the_frame_at_both_ends_of_the_angle(figur
     # The print's 12 and 2 miss the frame at 0 deg by half of the web.
     wrong = axial_formula("Draminsky (2)", throw, 0.0).value
     assert wrong < 0.0 < frame_compliance(throw, tilt_blocked=True)
-
-
-def test_angle_factors_are_those_of_the_formulas():
-    # Slender webs and no pin to speak of, then a slender pin and no web to speak of.
-    gammas = np.array([0.0, 37.0, 90.0, 120.0, 180.0])
-    for name, factors in ANGLE_FACTORS.items():
-        found = factors(gammas)
-        assert (found.pin[-1], found.web[-1]) == close((1.0, 1.0), rel=1e-12)
-        # Dropping h by 1000 raises the web's term by 1e9: only its factor is left.
-        web = [value_of_parts(name, gamma, pin=0.0, web=1.0) for gamma in gammas]
-        pin = [value_of_parts(name, gamma, pin=1.0, web=0.0) for gamma in gammas]
-        assert found.web == close(np.array(web) / web[-1], abs=1e-9), name
-        assert found.pin == close(np.array(pin) / pin[-1], abs=1e-9), name
-
-
-def value_of_parts(name, gamma, pin, web):
-    """Evaluate a formula of which only the crankpin's or the web's bending is left."""
-
-    # Journals as thin as can be beside the crank: Anderson's k_1 tends to 1.
-    throw = unchecked(slender_throw(), main_journal_diameter=1e-12, pin_diameter=1e-12)
-    case = SimpleNamespace(
-        throw=throw,
-        gamma_deg=gamma,
-        cosine=math.cos(math.radians(gamma)),
-        constants=DEFAULT_CONSTANTS,
-        pin=pin,
-        web=web,
-        tension=0.0,
-        pin_of_length=lambda _: pin,
-        web_of_thickness=lambda _: web,
-        tension_of_lengths=lambda *_: 0.0,
-        shear_of_length=lambda _: 0.0,
-    )
-    return AXIAL_FORMULAS[name].readings["corrected"].evaluate(case)
 
 
 @given(

@@ -51,7 +51,6 @@ def plot_guides(path: Path, run: HingeRun) -> None:
 
 
 def plot_speeds(path: Path, run: HingeRun) -> None:
-    """Plot the speed over a turn: with and without the hinge, and what hinge and flywheel leave."""
-    with figure(path, columns=2, width=9.6) as (left, right):
-        run.plot(left, show="speed")
-        run.plot(right, show="fluctuation")
+    """Plot the speed over a turn: with the hinge, with a flywheel, and without either."""
+    with figure(path) as axes:
+        run.plot(axes, show="speed")

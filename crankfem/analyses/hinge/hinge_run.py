@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
     from crankfem.analyses.hinge.plots.hinge_panels import RunningPoint
 
-Shown = Literal["moment", "gas force", "speed", "fluctuation", "guides"]
-SHOWN: tuple[Shown, ...] = ("moment", "gas force", "speed", "fluctuation", "guides")
+Shown = Literal["moment", "gas force", "speed", "guides"]
+SHOWN: tuple[Shown, ...] = ("moment", "gas force", "speed", "guides")
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,9 +99,8 @@ class HingeRun:
         axes : matplotlib.axes.Axes, optional
             New ones by default.
         show : str
-            "moment" for constant speed, or "gas force", at all running points; "speed" over a turn, or
-            its "fluctuation", with hinge and flywheel; "guides": the rollers' path, of the largest
-            spring where several are compared.
+            "moment" for constant speed, or "gas force", at all running points; "speed" over a turn;
+            "guides": the rollers' path, of the largest spring where several are compared.
 
         Returns
         -------
@@ -114,7 +113,6 @@ class HingeRun:
         """
         from crankfem.analyses.hinge.plots.hinge_panels import (
             Turn,
-            draw_fluctuations,
             draw_gas_force,
             draw_moments,
             draw_speeds,
@@ -136,10 +134,7 @@ class HingeRun:
             Turn(wheel.angles, wheel.speed, wheel.mean_speed),
             Turn(hinge.angle, hinge.speed, hinge.mean_speed),
         )
-        if show == "speed":
-            draw_speeds(axes, *turns, flywheel=self.flywheel, from_speed=self.point.speed)
-        else:
-            draw_fluctuations(axes, *turns[1:])
+        draw_speeds(axes, *turns, flywheel=self.flywheel, from_speed=self.point.speed)
         return axes
 
     @property

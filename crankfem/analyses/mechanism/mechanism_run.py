@@ -20,7 +20,7 @@ from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_load
 from dynamics.engine.motions import piston_ends
 from dynamics.gas.indicated import indicated_mean_effective_pressure
 from dynamics.gas.pressure import ATMOSPHERE, GasPressure
-from dynamics.mechanism.rods import RodModelName
+from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, samples_and_gas
 from dynamics.torque.torque import EngineTorque, engine_torque
 from geometry.mass import MassProperties

@@ -7,7 +7,7 @@ import numpy as np
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from dynamics.engine.forces import MechanismForces, mechanism_forces
 from dynamics.engine.loads import crankpin_loads
-from dynamics.mechanism.rods import ROD_MODELS, RodModelName
+from dynamics.mechanism.rod_model_names import ROD_MODELS, RodModelName
 
 
 @dataclass(frozen=True)

@@ -87,10 +87,9 @@ class WholeShaft:
         *,
         mode: int | None = None,
         radius: float | None = None,
-        count: int = 12,
     ) -> "Axes":
-        """Draw the energy shares of the first elastic modes, or one mode; see `ShaftModes.plot`."""
-        return self.modes.plot(axes, mode=mode, radius=radius, count=count)
+        """Draw the shape of one mode; see `ShaftModes.plot`."""
+        return self.modes.plot(axes, mode=mode, radius=radius)
 
     def to_pandas(self) -> Any:
         """Return a table of the natural modes; see `ShaftModes.to_pandas`."""

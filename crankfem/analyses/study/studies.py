@@ -12,7 +12,6 @@ from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.summaries import summarized
 from crankfem.analyses.study.fit_diagrams import (
     draw_fit_elasticities,
-    draw_fit_errors,
     draw_fit_parity,
     draw_fit_sobol,
     draw_over_factor,
@@ -29,10 +28,10 @@ from regression.runs.study_table import StudyTable
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Shown = Literal["parity", "errors", "response", "effects", "elasticities", "sobol"]
-SHOWN: tuple[Shown, ...] = ("parity", "errors", "response", "effects", "elasticities", "sobol")
+Shown = Literal["parity", "response", "effects", "elasticities", "sobol"]
+SHOWN: tuple[Shown, ...] = ("parity", "response", "effects", "elasticities", "sobol")
 # Diagrams of one equation.
-OF_A_FORM: tuple[Shown, ...] = ("parity", "errors", "effects")
+OF_A_FORM: tuple[Shown, ...] = ("parity", "effects")
 
 
 @summarized("study: table.plan.key", "designs: table.values", "fits", keeps_text=True)
@@ -69,13 +68,13 @@ class StudyResult:
         response : str, optional
             A name in `fits`; the first by default.
         show : str
-            "parity": equation over finite elements; "errors": its errors; "response": equations and
-            designs over one factor; "effects": sizes of the equation's terms; "elasticities": % of
+            "parity": equation over finite elements; "response": equations and designs over one factor;
+            "effects": sizes of the equation's terms; "elasticities": % of
             the response per % of each factor; "sobol": the factors' shares of the variance.
         factor : str, optional
             Along which "response" is drawn, of no use to others; the first by default.
         form : str, optional
-            Whose "parity", "errors" or "effects" are drawn, of no use to others; the chosen one by
+            Whose "parity" or "effects" are drawn, of no use to others; the chosen one by
             default.
 
         Returns
@@ -105,11 +104,6 @@ class StudyResult:
             draw_fit_parity(axes, self.table, found, fit)
             axes.set_xlabel(fe_text(found))
             axes.set_ylabel(f"{response_text(found.symbol, found.unit)} by the equation")
-            legend_inside(axes)
-        elif show == "errors":
-            draw_fit_errors(axes, self.table, found, fit)
-            axes.set_ylabel("error of the equation [%]")
-            write_title(axes, fit.form)
             legend_inside(axes)
         elif show == "response":
             draw_over_factor(axes, self.table, found, factors.index(along))

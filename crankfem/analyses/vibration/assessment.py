@@ -1,15 +1,11 @@
 """What an engine's forced vibration means: limits, verdict, and how sure it is."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
-from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankfem.analyses.shaft.chains import damped_engine_chain
@@ -71,45 +67,6 @@ class Uncertainty:
     highest: FloatArray
     critical: tuple[CriticalRange, ...]
     amplitudes: Samples | None
-
-    def plot(
-        self,
-        axes: "Axes | None" = None,
-        *,
-        show: Literal["frequencies", "amplitudes"] = "frequencies",
-    ) -> "Axes":
-        """Draw the bounds of the natural frequencies, or how often the free end moves how far.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
-        show : {"frequencies", "amplitudes"}
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            If `show` is neither, or there are no samples of amplitudes.
-        """
-        check_choice("show", show, ("frequencies", "amplitudes"), "these are uncertain")
-        if show == "amplitudes":
-            if self.amplitudes is None:
-                raise InputError(
-                    "show: given 'amplitudes'; allowed is frequencies, because amplitudes are sampled only "
-                    "where the engine file has the section [ranges]."
-                )
-            unit = "m" if self.kind == "axial" else "rad"
-            return self.amplitudes.plot(axes, label=f"largest amplitude of the free end [{unit}]")
-        from crankfem.analyses.vibration.plots.vibration_panels import draw_bounds
-
-        axes = new_axes(axes)
-        draw_bounds(axes, self.lowest, self.nominal, self.highest)
-        write_title(axes, f"Bounds of the {self.kind} natural frequencies")
-        return axes
 
     def to_pandas(self) -> Any:
         """Return a table of the elastic natural frequencies with their bounds.

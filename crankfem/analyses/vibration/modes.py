@@ -3,15 +3,13 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.checks.scalars import whole_number
-from crankbase.drawing.bars import draw_rows
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
@@ -182,18 +180,16 @@ class Vibration:
         self,
         axes: "Axes | None" = None,
         *,
-        show: Literal["modes", "sources"] = "modes",
-        count: int | None = None,
+        count: int = SHAPES_SHOWN,
     ) -> "Axes":
-        """Draw the mode shapes of the chosen chain, or the first frequency by each source.
+        """Draw the mode shapes of the chosen chain.
 
         Parameters
         ----------
         axes : matplotlib.axes.Axes, optional
             New ones by default.
-        show : {"modes", "sources"}
         count : int, optional
-            How many mode shapes, 3 by default; of no use to sources.
+            How many mode shapes.
 
         Returns
         -------
@@ -202,25 +198,9 @@ class Vibration:
         Raises
         ------
         InputError
-            If `show` is neither, or the count is not 1 or more, or given with "sources".
+            If the count is not 1 or more.
         """
-        check_choice("show", show, ("modes", "sources"), "these are drawn of free vibration")
-        if show == "sources":
-            check_not_given("count", count, show, "it shows no modes")
-            axes = new_axes(axes)
-            chosen = self.chosen.source
-            draw_rows(
-                axes,
-                [
-                    f"{own.source} (chosen)" if own.source == chosen else own.source
-                    for own in self.others
-                ],
-                [float(own.elastic_frequencies[0]) for own in self.others],
-                "first elastic natural frequency [Hz]",
-            )
-            write_title(axes, f"{self.kind.capitalize()} vibration by source of the compliances")
-            return axes
-        axes = self.chosen.plot(axes, SHAPES_SHOWN if count is None else count)
+        axes = self.chosen.plot(axes, count)
         write_title(axes, f"{self.kind.capitalize()} modes")
         return axes
 

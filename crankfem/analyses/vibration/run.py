@@ -111,6 +111,10 @@ class EngineVibration:
         """The torsional chain with the compliances of the chosen source."""
         return self.torsional.chosen.chain.chain
 
+    def forced(self, kind: str) -> ForcedVibration | None:
+        """Forced vibration of one kind; None where the gas pressure is not known."""
+        return self.forced_axial if kind == "axial" else self.forced_torsional
+
     @property
     def worst_check(self) -> LimitCheck | None:
         """The limit of which most is used at its worst speed; None where nothing is forced."""
@@ -133,8 +137,8 @@ class EngineVibration:
         show : str
             "campbell": natural frequencies, orders, and where they meet; "modes": first mode shapes;
             "amplitude" (of the free end), "stress", "load" and "power" over the speed, with limits and
-            barred ranges; "limits": how far all limits are used; "shaft": energy of the whole
-            crankshaft's modes.
+            barred ranges; "limits": how far all limits are used; "shaft": the whole
+            crankshaft's first elastic mode.
 
         Returns
         -------
@@ -158,7 +162,7 @@ class EngineVibration:
             self._draw_campbell(axes, vibration, forced)
             return axes
         if show == "shaft" and self.whole is not None:
-            return self.whole.plot(axes)
+            return self.whole.plot(axes, radius=self.engine_file.throw.crank_radius)
         if show == "limits" and self.assessment is not None:
             return self.assessment.plot(axes)
         assessment = self.assessment

@@ -1,5 +1,7 @@
 """The tables of an engine's vibration, from its plain records: the command line and the report show them."""
 
+from collections.abc import Callable
+
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.units.number_formats import UNBOUNDED
@@ -32,7 +34,7 @@ def mode_table(record: Record) -> Table:
                 "rigid body" if one["rigid"] else str(one["number"]),
                 one["frequency"],
                 60.0 * one["frequency"],
-                one["node_positions"],
+                "moves as one" if one["rigid"] else one["node_positions"] or None,
             ]
             for one in record["modes"]
         ],
@@ -64,19 +66,29 @@ def critical_table(record: Record) -> Table:
     )
 
 
-def source_table(record: Record) -> Table:
-    """Return the first frequencies of one kind with every source of compliances."""
+def source_table(record: Record, said: Callable[[str], str] = str) -> Table:
+    """Return the first frequencies of one kind with every source, which `said` puts into words."""
+    unit = "m/N" if record["kind"] == "axial" else "rad/(N m)"
     return Table(
         f"First {record['kind']} frequencies by source of the compliances",
         [
             Column("source", words=True),
+            Column("mean compliance", f"1e-9 {unit}"),
             Column("frequencies", "Hz", decimals=1),
             Column("first beside chosen", decimals=3),
+            Column("how it was used", words=True),
         ],
         [
-            [one["source"], one["first_frequencies"], one["beside_chosen"]]
+            [
+                said(one["source"]),
+                one["mean_compliance"],
+                one["first_frequencies"],
+                one["beside_chosen"],
+                one["remark"],
+            ]
             for one in record["sources"]
         ],
+        marks=["chosen" if one["source"] == record["source"] else "" for one in record["sources"]],
     )
 
 

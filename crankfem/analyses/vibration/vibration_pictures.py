@@ -2,16 +2,8 @@
 
 from pathlib import Path
 
-from crankbase.drawing.diagram_style import figure, make_folder
+from crankbase.drawing.diagram_style import figure
 from crankfem.analyses.shaft.motion import MOTION
-from crankfem.analyses.shaft.plots.shaft_mode_plots import (
-    plot_axial_split,
-    plot_mode_shares,
-    plot_shaft_modes,
-)
-from crankfem.analyses.to_draw import ToDraw, draw_all
-from crankfem.analyses.vibration.assessment import Assessment
-from crankfem.analyses.vibration.forced import ForcedVibration
 from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.plots.response_plots import plot_over_speed, plot_response_campbell
 from crankfem.analyses.vibration.plots.transient_plots import plot_transient
@@ -21,97 +13,19 @@ from crankfem.analyses.vibration.run_up import RunUp
 from dynamics.critical import engine_orders, major_orders
 
 
-def picture_vibration(folder: Path, run: EngineVibration) -> list[Path]:
-    """Write the diagrams of an engine's vibration into a folder, which is made if it is not there.
-
-    Returns
-    -------
-    list of Path
-        The SVG files.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be made.
-    """
-    make_folder(folder)
-    return draw_all(vibration_pictures(folder, run))
-
-
-def vibration_pictures(folder: Path, run: EngineVibration) -> list[ToDraw]:
-    """Return the diagrams of an engine's vibration, still to be drawn into a folder."""
-    made = [
-        *_kind_pictures(folder, run, run.axial, run.forced_axial),
-        *_kind_pictures(folder, run, run.torsional, run.forced_torsional),
-    ]
-    name, torsional, assessment = run.engine_file.engine.name, run.forced_torsional, run.assessment
-    if torsional is not None and assessment is not None:
-        made.append(
-            ToDraw(
-                folder / "torsional_stress.svg",
-                lambda path: _plot_stress(path, torsional, assessment, name),
-            )
-        )
-    if run.whole is not None:
-        modes, radius = run.whole.modes, run.engine_file.throw.crank_radius
-        made += [
-            ToDraw(folder / "shaft_modes.svg", lambda path: plot_shaft_modes(path, modes, radius)),
-            ToDraw(folder / "shaft_shares.svg", lambda path: plot_mode_shares(path, modes)),
-        ]
-    if run.comparison is not None and run.comparison.coupled is not None:
-        coupled = run.comparison.coupled
-        made.append(
-            ToDraw(folder / "axial_split.svg", lambda path: plot_axial_split(path, coupled))
-        )
-    return made
-
-
-def picture_names(*, forced: bool, coupled: bool) -> list[str]:
-    """Return the names of the files that an engine's vibration surely needs, before it is computed.
-
-    Parameters
-    ----------
-    forced : bool
-        Whether the gas pressure is known.
-    coupled : bool
-        Whether the whole crankshaft is calculated.
-    """
-    of_kind = ("modes", "campbell", "amplitude") if forced else ("modes", "campbell")
-    names = [f"{kind}_{name}" for kind in MOTION for name in of_kind]
-    names += ["torsional_stress"] if forced else []
-    names += ["shaft_modes", "shaft_shares"] if coupled else []
-    return [f"{name}.svg" for name in names]
-
-
-def _kind_pictures(
-    folder: Path, run: EngineVibration, vibration: Vibration, forced: ForcedVibration | None
-) -> list[ToDraw]:
-    """Mode shapes, Campbell diagram and amplitude of one kind of vibration."""
-    engine, kind, assessment = run.engine_file.engine, vibration.kind, run.assessment
+def plot_campbell(path: Path, run: EngineVibration, vibration: Vibration) -> None:
+    """Plot a Campbell diagram; its dots are resonances or, where nothing is forced, critical speeds."""
+    engine, forced = run.engine_file.engine, run.forced(vibration.kind)
     orders = engine_orders(engine.strokes, run.engine_file.vibration.highest_order)
     majors = major_orders(orders, engine.firing_angles)
-    made = [
-        ToDraw(folder / f"{kind}_modes.svg", lambda path: plot_mode_shapes(path, vibration.chosen)),
-        ToDraw(
-            folder / f"{kind}_campbell.svg",
-            lambda path: plot_response_campbell(
-                path,
-                vibration.chosen.elastic_frequencies,
-                orders,
-                (engine.lowest_speed, engine.highest_speed),
-                vibration.critical_dots(majors) if forced is None else forced.resonances,
-                title=f"{engine.name}, {kind}",
-            ),
-        ),
-    ]
-    if forced is not None and assessment is not None:
-        made.append(
-            ToDraw(
-                folder / f"{kind}_amplitude.svg",
-                lambda path: _plot_free_end(path, forced, assessment, engine.name),
-            )
-        )
-    return made
+    plot_response_campbell(
+        path,
+        vibration.chosen.elastic_frequencies,
+        orders,
+        (engine.lowest_speed, engine.highest_speed),
+        vibration.critical_dots(majors) if forced is None else forced.resonances,
+        title=f"{engine.name}, {vibration.kind}",
+    )
 
 
 def picture_run_up(path: Path, run: EngineVibration, found: RunUp) -> None:
@@ -135,22 +49,27 @@ def plot_mode_shapes(path: Path, result: SourceResult) -> None:
         result.plot(axes)
 
 
-def _plot_free_end(
-    path: Path, forced: ForcedVibration, assessment: Assessment, engine: str
-) -> None:
+def plot_free_end(path: Path, run: EngineVibration, kind: str) -> None:
+    """Plot the amplitude of the free end over the speed, with limit and barred ranges."""
+    forced, assessment = run.forced(kind), run.assessment
+    assert forced is not None
+    assert assessment is not None
     plot_over_speed(
         path,
         forced.free_end,
         0,
-        MOTION[forced.kind].quantity,
-        limits=assessment.limit_curve(f"{forced.kind}_amplitude", forced.response.speeds),
+        MOTION[kind].quantity,
+        limits=assessment.limit_curve(f"{kind}_amplitude", forced.response.speeds),
         barred=assessment.verdict.ranges_to_bar,
-        title=free_end_title(engine, forced.kind),
+        title=free_end_title(run.engine_file.engine.name, kind),
     )
 
 
-def _plot_stress(path: Path, forced: ForcedVibration, assessment: Assessment, engine: str) -> None:
+def plot_stress(path: Path, run: EngineVibration) -> None:
     """Plot the stress of the crankshaft's element that is stressed most, with limit and barred ranges."""
+    forced, assessment = run.forced_torsional, run.assessment
+    assert forced is not None
+    assert assessment is not None
     assert forced.stress is not None
     plot_over_speed(
         path,
@@ -159,5 +78,5 @@ def _plot_stress(path: Path, forced: ForcedVibration, assessment: Assessment, en
         "stress",
         limits=assessment.limit_curve("crankshaft_stress", forced.response.speeds),
         barred=assessment.verdict.ranges_to_bar,
-        title=stress_title(engine),
+        title=stress_title(run.engine_file.engine.name),
     )

@@ -185,12 +185,8 @@ def _check_resolved(orders: float | None, found: "Harmonics") -> None:
 
 def _print(record: dict[str, Any], orders: float | None, units: "OutputUnits") -> None:
     from crankbase.tables.table_units import table_unit
-    from crankfem.cli.tables.harmonics_tables import (
-        COLUMNS,
-        print_engine,
-        print_harmonics,
-        print_pin_forces,
-    )
+    from crankfem.analyses.mechanism.harmonics_record import COLUMNS, harmonics_table
+    from crankfem.cli.tables.harmonics_tables import print_engine, print_pin_forces
 
     if "throws" in record:
         print_engine(record, units)
@@ -205,4 +201,4 @@ def _print(record: dict[str, Any], orders: float | None, units: "OutputUnits") -
     highest = USUAL_ORDERS if orders is None else orders
     kept = sum(order <= highest * (1.0 + 1e-9) for order in record["orders"])
     shown = record | {name: record[name][:kept] for name in COLUMNS}
-    print_harmonics("Harmonics", shown, "N m", units)
+    console.print_table(harmonics_table(shown, units=units), units)

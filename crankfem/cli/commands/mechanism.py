@@ -16,16 +16,14 @@ from crankfem.cli.commands.options import (
     checked_choice,
 )
 from crankfem.cli.console import print_json
+from dynamics.mechanism.rod_model_names import ROD_MODELS
 
 
 def mechanism(
     engine: EngineArgument,
     speed: SpeedOption = None,
     model: Annotated[
-        str,
-        typer.Option(
-            help='Of the rods\' masses: rigid, three-mass, two-mass, or "two-mass with inertia".'
-        ),
+        str, typer.Option(help=f"Of the rods' masses, one of: {', '.join(ROD_MODELS)}.")
     ] = "rigid",
     motored: Annotated[
         bool, typer.Option("--motored", help="Turn the engine without combustion.")
@@ -46,7 +44,6 @@ def mechanism(
     from crankfem.analyses.mechanism.balance_records import balance_record, hinged_rods_record
     from crankfem.analyses.mechanism.mechanism_records import force_columns, mechanism_record
     from crankfem.analyses.mechanism.mechanism_run import run_mechanism
-    from crankfem.analyses.mechanism.plots.mechanism_pictures import picture_mechanism
     from crankfem.cli.column_file import write_columns
     from crankfem.cli.speed_argument import parse_speed
     from crankfem.cli.tables.balance_tables import print_balance, print_hinged_rods
@@ -54,7 +51,7 @@ def mechanism(
     from crankfem.files.engine.input_files import mechanism_inputs
     from crankfem.files.engine.mechanism_file import load_mechanism
     from crankfem.jobs.outputs import check_outputs
-    from dynamics.mechanism.rods import ROD_MODELS
+    from crankfem.report.interactive.mechanism_plots import MECHANISM
 
     shown = parse_output_units(units)
     loaded, turning = load_mechanism(engine), parse_speed(speed)
@@ -65,7 +62,7 @@ def mechanism(
     balanced, hinged = balance_record(run.balance), hinged_rods_record(run.hinged_rods)
     if csv is not None:
         write_columns(csv, *force_columns(run))
-    made = [] if folder is None else picture_mechanism(folder, run)
+    made = [] if folder is None else MECHANISM.draw(folder, run)
     if json:
         print_json(
             record

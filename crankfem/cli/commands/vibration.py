@@ -78,16 +78,13 @@ def vibration(
     from crankfem.analyses.vibration.run_up import parse_duration
     from crankfem.analyses.vibration.run_up import run_up as turned_up
     from crankfem.analyses.vibration.run_up_records import run_up_record
-    from crankfem.analyses.vibration.vibration_pictures import (
-        picture_names,
-        picture_run_up,
-        picture_vibration,
-    )
+    from crankfem.analyses.vibration.vibration_pictures import picture_run_up
     from crankfem.cli.column_file import write_columns
     from crankfem.cli.tables.vibration_tables import print_run, print_run_up
     from crankfem.files.engine.engine_file import load_engine
     from crankfem.files.engine.input_files import engine_tables
     from crankfem.files.engine.mechanism_file import mechanism_of
+    from crankfem.report.interactive.vibration import VIBRATION
 
     duration = None if run_up is None else parse_duration(run_up)
     read = load_engine(content)
@@ -104,9 +101,10 @@ def vibration(
             check_output(folders[0] / f"{kind}.csv", "table")
     if folders[1] is not None:
         known = read.gas is not None or read.gas_map is not None
-        made = picture_names(forced=known, coupled=coupled)
-        for name in [*made, *([] if run_up is None else ["run_up.svg"])]:
-            check_output(folders[1] / name, "picture")
+        there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
+        made = [plot.name for plot in VIBRATION.with_(there)]
+        for name in [*made, *([] if run_up is None else ["run_up"])]:
+            check_output(folders[1] / f"{name}.svg", "picture")
     with console.RunProgress(quiet) as progress:
         run = engine_vibration(read, coupled=coupled, step=progress.step)
         found = None
@@ -121,7 +119,7 @@ def vibration(
                 written.append(folders[0] / f"{forced.kind}.csv")
                 write_columns(written[-1], *forced_columns(forced))
     if folders[1] is not None:
-        written += picture_vibration(folders[1], run)
+        written += VIBRATION.draw(folders[1], run)
         if found is not None:
             written.append(folders[1] / "run_up.svg")
             picture_run_up(written[-1], run, found)

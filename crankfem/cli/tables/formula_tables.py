@@ -16,25 +16,13 @@ from crankfem.analyses.throw.formula_spread import (
 from crankfem.cli import console
 from crankfem.cli.angle_argument import angle_text
 from crankfem.cli.console import print_line, print_table
+from regression.formulas.catalogue import AXIAL_FORMULAS
 from regression.formulas.published_table import (
     FINITE_ELEMENTS,
     FINITE_ELEMENTS_DOUBT,
     PublishedValue,
 )
 
-# Column heads for a table with all formulas beside each other.
-SHORT_NAMES: Mapping[str, str] = {
-    "Guglielmotti-Macchiotta": "GM",
-    "Draminsky (1)": "D1",
-    "Draminsky (2)": "D2",
-    "TsNIIMF": "TsN",
-    "Anderson": "And",
-    "Gorbunov": "Gor",
-    "Dorey": "Dor",
-    "Skorchev": "Sko",
-    "Stoyanov": "Sto",
-    FINITE_ELEMENTS: "FE",
-}
 # What may stand behind a number.
 MARKS = ("*", "?")
 
@@ -149,9 +137,7 @@ def print_spread(
         _print_title(
             f"{kind.capitalize()} compliance: formula / finite elements, {head} (FE in {unit.name})"
         )
-        table = _wide_table(
-            ["engine", "s/R", "FE", *(SHORT_NAMES.get(name, name) for name in names)]
-        )
+        table = _wide_table(["engine", "s/R", "FE", *map(_short, names)])
         rows = [
             [
                 spread.engine,
@@ -179,7 +165,7 @@ def print_published(values: Sequence[PublishedValue]) -> None:
         name for name in dict.fromkeys(value.formula for value in values) if name != FINITE_ELEMENTS
     ]
     _print_title("Published axial compliance of one throw [1e-9 m/N]")
-    table = _wide_table(["engine", *(SHORT_NAMES.get(name, name) for name in names)])
+    table = _wide_table(["engine", *map(_short, names)])
     cells = {(value.engine, value.formula): value for value in values}
     rows = [
         [engine, *(_published(cells.get((engine, name))) for name in names)]
@@ -260,8 +246,10 @@ def _add_rows(table: RichTable, rows: Sequence[Sequence[str]], section: int | No
         )
 
 
+def _short(name: str) -> str:
+    """Return the head of a formula's column; torsional ones keep their names."""
+    return AXIAL_FORMULAS[name].short if name in AXIAL_FORMULAS else name
+
+
 def _legend() -> str:
-    named = ", ".join(
-        f"{short} {name}" for name, short in SHORT_NAMES.items() if name != FINITE_ELEMENTS
-    )
-    return f"{named}."
+    return f"{', '.join(f'{one.short} {one.name}' for one in AXIAL_FORMULAS.values())}."

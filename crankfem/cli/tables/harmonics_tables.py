@@ -1,25 +1,27 @@
 """What the command harmonics tells of a torque table or an engine: records, tables, files."""
 
-import csv
 import math
 from pathlib import Path
 
 import numpy as np
 
-from crankbase.outputs import written
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.tables.table_units import table_unit
 from crankbase.units.units import RPM
-from crankfem.analyses.mechanism.harmonics_record import harmonics_record
+from crankfem.analyses.mechanism.harmonics_record import (
+    COLUMNS,
+    harmonics_record,
+    harmonics_table,
+)
 from crankfem.analyses.record import Record
+from crankfem.cli.column_file import write_rows
 from crankfem.cli.console import number, print_line, print_notes, print_table
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.torque.pin_harmonics import PinForceHarmonics
 from dynamics.torque.star import Star, leading_stars, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
 
-COLUMNS = ("orders", "cosine", "sine", "amplitude", "phase_deg")
 PARTS = ("gas", "inertia", "gas and inertia")
 
 
@@ -84,24 +86,6 @@ def _star_record(star: Star) -> Record:
     }
 
 
-def print_harmonics(title: str, record: Record, unit: str, units: OutputUnits = SI) -> None:
-    """Print orders, coefficients, amplitudes and phases, given in `unit`."""
-    shown = table_unit(record["amplitude"], unit, units)
-    orders, *coefficients, phases = (record[name] for name in COLUMNS)
-    print_table(
-        Table(
-            title,
-            [
-                Column("order", digits=None),
-                *(shown.column(symbol) for symbol in ("A_k", "B_k", "M_k")),
-                Column("a_k", "deg", decimals=2),
-            ],
-            list(zip(orders, *coefficients, map(math.radians, phases), strict=True)),
-        ),
-        units,
-    )
-
-
 def print_engine(record: Record, units: OutputUnits = SI) -> None:
     """Print the torque of an engine, its harmonics and stars."""
     uneven = record["nonuniformity"]
@@ -112,7 +96,8 @@ def print_engine(record: Record, units: OutputUnits = SI) -> None:
         f"power {_with_unit(record['power'], 'W', units)}{said}."
     )
     print_notes((f"{remark}." for remark in record["remarks"]), units)
-    print_harmonics("Harmonics of the engine's torque", record["harmonics"], "N m", units)
+    title = "Harmonics of the engine's torque"
+    print_table(harmonics_table(record["harmonics"], title, units), units)
     throws = record["throws"]
     amplitudes = [throw["harmonics"]["amplitude"] for throw in throws]
     shown = table_unit((value for own in amplitudes for value in own), "N m", units)
@@ -219,8 +204,5 @@ def _what(record: Record) -> str:
 
 def write_table(path: Path, record: Record) -> None:
     """Write harmonics as CSV; the first line names what they are of, the row of order 0 is the mean."""
-    with written(path, "table") as part, part.open("w", encoding="utf-8", newline="") as stream:
-        stream.write(f"# {_what(record)}\n")
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(["of", "unit", "order", "cosine", "sine", "amplitude", "phase_deg"])
-        writer.writerows(table_rows(record))
+    names = ["of", "unit", "order", *COLUMNS[1:]]
+    write_rows(path, names, table_rows(record), _what(record))

@@ -5,53 +5,14 @@ import math
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.record import Record
+from crankfem.analyses.throw.throw_tables import reaction_table, support_table
 from crankfem.cli.console import print_line, print_notes, print_table
 
 
 def print_throw(record: Record, units: OutputUnits = SI) -> None:
     """Print compliances, reactions and masses of a throw, from its record."""
-    supports = record["supports"]
-    print_table(
-        Table(
-            f"Throw by finite elements (error of e_n about {100.0 * record['error_estimate']:.2g} %)",
-            [
-                Column("support", words=True),
-                Column("e_n", "1e-9 m/N"),
-                Column("torsional", "1e-9 rad/(N m)"),
-                Column("c", "1e-9 m/N"),
-                Column("P/Z"),
-            ],
-            [
-                [
-                    name,
-                    s["axial_compliance"],
-                    s["torsional_compliance"],
-                    s["influence_coefficient"],
-                    s["axial_force_per_radial"],
-                ]
-                for name, s in supports.items()
-            ],
-        ),
-        units,
-    )
-    print_table(
-        Table(
-            f"Reactions to a radial force of {units.of('kN').with_name(record['radial_force'])} on the "
-            "pin, length kept",
-            [
-                Column("support", words=True),
-                Column("end", words=True),
-                Column("force x y z", "kN", decimals=3, joint="  "),
-                Column("moment x y z", "kN m", decimals=3, joint="  "),
-            ],
-            [
-                [name, side, reaction["force"], reaction["moment"]]
-                for name, s in supports.items()
-                for side, reaction in s["reactions"].items()
-            ],
-        ),
-        units,
-    )
+    print_table(support_table(record), units)
+    print_table(reaction_table(record, units), units)
     print_line(
         units.text(
             f"Mass {record['mass']:.4g} kg, center of mass {record['center_of_mass'][1] * 1e3:.4g} mm "

@@ -1,13 +1,10 @@
 """The crank mechanism at one speed: loads of crankpin and main bearing, forces of a piston."""
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE, make_folder
+from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
-from crankfem.analyses.titles import at_speed
 from crankfem.report.interactive.style import (
     QUIET_COLOR,
     Figure,
@@ -21,7 +18,6 @@ from crankfem.report.interactive.style import (
     number,
 )
 from crankfem.report.interactive.thinning import seen_points
-from crankfem.report.interactive.writing import write_figure
 from dynamics.engine.loads import LoadDiagram
 
 Array = NDArray[np.float64]
@@ -43,40 +39,6 @@ AXES = {
     ),
     "engine": ("force across -x [kN]", "force up y [kN]", "-x", "y"),
 }
-
-
-def interactive_mechanism(folder: Path, run: MechanismRun) -> list[Path]:
-    """Write the interactive diagrams of a mechanism into a folder, made if not there.
-
-    Parameters
-    ----------
-    folder : Path
-    run : MechanismRun
-
-    Returns
-    -------
-    list of Path
-        JSON files called like the pictures of `picture_mechanism`.
-
-    Raises
-    ------
-    InputError
-        If the folder or a file cannot be written.
-    """
-    make_folder(folder)
-    engine = at_speed(run.mechanism.name, run.speed)
-    heaviest = max(run.bearings, key=lambda load: load.maximum)
-    made = []
-    for name, load, frame in (
-        ("crankpin", run.crankpins[0], "crank"),
-        ("main_bearing", heaviest, "engine"),
-    ):
-        title = f"{load.name}, {engine}"
-        made.append(write_figure(folder / f"{name}_polar.json", *polar_load(load, frame, title)))
-        made.append(write_figure(folder / f"{name}_developed.json", *developed_load(load, title)))
-    forces = piston_forces(run, 1, f"cylinder 1, {engine}")
-    made.append(write_figure(folder / "piston_forces.json", *forces))
-    return made
 
 
 def polar_load(load: LoadDiagram, frame: str, title: str) -> Figure:

@@ -1,12 +1,11 @@
-"""The whole crankshaft: its modes, what their energy is, and what excites its axial vibration."""
+"""The whole crankshaft: its modes, and what excites its axial vibration."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import BLUE, COLORS, GREEN, ORANGE
+from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.report.interactive.curves import figure_of
-from crankfem.report.interactive.rounding import rounded
 from crankfem.report.interactive.style import (
     Figure,
     Part,
@@ -25,7 +24,6 @@ from dynamics.plots.quantities import in_unit
 Array = NDArray[np.float64]
 
 MODES_SHOWN = 10
-SHARES_SHOWN = 12
 AXIAL = MOTION["axial"]
 
 
@@ -88,42 +86,6 @@ def shaft_modes(modes: ShaftModes, radius: float, title: str) -> Figure:
         title=title,
         shapes=[level(0.0)],
         updatemenus=[choice("mode", labels, [[{"visible": turn}] for turn in turns])],
-    )
-
-
-def mode_shares(modes: ShaftModes, title: str) -> Figure:
-    """Draw the axial, torsional and bending shares of the first elastic modes as bars."""
-    shown = slice(modes.rigid, modes.rigid + SHARES_SHOWN)
-    names = [f"{value:.1f} Hz" for value in modes.frequencies[shown].tolist()]
-    traces = [
-        {
-            "type": "bar",
-            "orientation": "h",
-            "x": rounded(100.0 * values[shown]),
-            "y": list(range(len(names))),
-            "customdata": names,
-            "name": name,
-            "marker": {"color": color},
-            "hovertemplate": f"%{{customdata}}: {name} %{{x:.3g}} %<extra></extra>",
-        }
-        for values, name, color in zip(
-            modes.shares, ("axial", "torsional", "bending"), COLORS[:3], strict=True
-        )
-    ]
-    rows = axis(
-        "natural frequency [Hz]",
-        tickvals=list(range(len(names))),
-        ticktext=[name.removesuffix(" Hz") for name in names],
-        autorange="reversed",
-        showgrid=False,
-    )
-    return traces, layout(
-        axis("share of the mode's energy [%]", range=[0, 100]),
-        rows,
-        title=title,
-        height=130 + 26 * len(names),
-        barmode="stack",
-        bargap=0.3,
     )
 
 

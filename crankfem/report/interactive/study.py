@@ -1,13 +1,12 @@
 """A study's equations: over each factor, and against finite elements."""
 
 from html import unescape
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE, make_folder
+from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE
 from crankfem.analyses.study.fitting import ResponseFits, predicted
 from crankfem.analyses.study.nominal_section import over_factor
 from crankfem.report.interactive.rounding import rounded
@@ -33,7 +32,6 @@ from crankfem.report.interactive.words import (
     symbol_text,
     with_unit,
 )
-from crankfem.report.interactive.writing import write_figure
 from regression.fits.fits import Fit
 from regression.plans.factors import Factor
 from regression.runs.study_table import StudyTable
@@ -44,32 +42,6 @@ POINTS = 41
 # Forms drawn beside the chosen one; more of them cannot be told apart.
 COMPARED, COMPARED_LOOKS = 4, ("dash", "dot", "dashdot", "longdash")
 KINDS = ((False, BLUE, "circle", "fitted runs"), (True, ORANGE, "diamond", "held out"))
-
-
-def interactive_study(folder: Path, table: StudyTable, fits: ResponseFits) -> list[Path]:
-    """Write the interactive diagrams of one response of a study, in a folder made if not there.
-
-    Parameters
-    ----------
-    folder : Path
-    table : StudyTable
-    fits : ResponseFits
-
-    Returns
-    -------
-    list of Path
-        ``response.json`` and ``parity.json``.
-
-    Raises
-    ------
-    InputError
-        If the folder or a file cannot be written.
-    """
-    make_folder(folder)
-    return [
-        write_figure(folder / "response.json", *response_over_factors(table, fits)),
-        write_figure(folder / "parity.json", *parity(table, fits)),
-    ]
 
 
 def response_over_factors(table: StudyTable, found: ResponseFits) -> Figure:

@@ -1,16 +1,13 @@
 """Torque of one throw over its cycle, and the amplitudes of its harmonics."""
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE, make_folder
+from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE
 from crankfem.report.interactive.curves import UNSEEN
 from crankfem.report.interactive.rounding import rounded
 from crankfem.report.interactive.style import Figure, axis, dots, layout, line, number
 from crankfem.report.interactive.thinning import seen_points
-from crankfem.report.interactive.writing import write_figure
 from dynamics.harmonics import Harmonics
 from dynamics.plots.bars import ORDER_LABEL, bar_width
 from dynamics.plots.sampled_torque import ANGLE_LABEL, TORQUE_LABEL, over_cycle
@@ -19,31 +16,6 @@ Array = NDArray[np.float64]
 
 # The longest way without a point [deg].
 HOVER_STEP = 6.0
-
-
-def interactive_torque(folder: Path, samples: Array, found: Harmonics) -> list[Path]:
-    """Write the interactive diagram of a torque table into a folder, made if not there.
-
-    Parameters
-    ----------
-    folder : Path
-    samples : (m,) array
-        Torque of one throw, evenly over the cycle from angle zero [N m].
-    found : Harmonics
-        Of the samples.
-
-    Returns
-    -------
-    list of Path
-        ``torque.json``.
-
-    Raises
-    ------
-    InputError
-        If the folder or the file cannot be written.
-    """
-    make_folder(folder)
-    return [write_figure(folder / "torque.json", *torque_and_harmonics(samples, found))]
 
 
 def torque_and_harmonics(samples: Array, found: Harmonics) -> Figure:

@@ -170,23 +170,6 @@ def draw_speeds(
     axes.legend(frameon=False, fontsize=9, loc="upper right")
 
 
-def draw_fluctuations(axes: "Axes", wheel: Turn, hinge: Turn) -> None:
-    """Draw how far the speed is above its mean with the hinge and with a flywheel."""
-    for turn, color, dash, name in (
-        (wheel, GREEN, "--", "flywheel"),
-        (hinge, BLUE, "-", "hinge"),
-    ):
-        share = 100.0 * (turn.speed / turn.mean - 1.0)
-        label = f"{name}, fluctuation {float(np.ptp(turn.speed)) / turn.mean:.2g}"
-        axes.plot(np.degrees(turn.angles), share, dash, color=color, label=label)
-    highest = 100.0 * (float(wheel.speed.max()) / wheel.mean - 1.0)
-    axes.set_ylim(top=1.6 * highest)
-    axes.set_ylabel("speed above its mean [%]")
-    write_title(axes, "With hinge or flywheel")
-    _turn_axis(axes)
-    axes.legend(frameon=False, fontsize=9, loc="upper right")
-
-
 def _turn_axis(axes: "Axes") -> None:
     axes.set_xlim(0.0, 360.0)
     axes.set_xticks(np.arange(0.0, 361.0, 60.0))

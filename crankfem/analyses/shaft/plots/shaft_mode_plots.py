@@ -77,27 +77,6 @@ def plot_axial_split(path: Path, response: CoupledResponse) -> None:
         axes.set_title("half the range over the working cycle, all orders together", fontsize=9)
 
 
-def plot_mode_shares(path: Path, modes: ShaftModes, count: int = 12) -> None:
-    """Plot the axial, torsional and bending shares of the first elastic modes as bars.
-
-    Parameters
-    ----------
-    path : Path
-        Ends in .svg.
-    modes : ShaftModes
-    count : int
-        How many modes.
-
-    Raises
-    ------
-    InputError
-        If the path does not end in .svg or has no folder.
-    """
-    rows = min(count, len(modes.names) - modes.rigid)
-    with figure(path, height=1.4 + 0.28 * rows) as axes:
-        modes.plot(axes, count=count)
-
-
 def _pad_title(axes: Any, label: str) -> None:
     """Give titles of fewer lines the height of those with three classes, so that axes align."""
     axes.title.set_linespacing(1.15)

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from crankbase.drawing.diagram_style import BLUE, GRAY, figure, make_folder, math_symbol
-from crankbase.drawing.legends import shown_unit
+from crankbase.drawing.diagram_style import figure, make_folder
 from crankfem.analyses.study.fit_diagrams import (
     draw_fit_elasticities,
     draw_fit_errors,
@@ -18,11 +17,10 @@ from crankfem.analyses.study.fit_diagrams import (
     draw_over_factor,
     forms_drawn,
 )
-from crankfem.analyses.study.fitting import ResponseFits, predicted, sensitivities
+from crankfem.analyses.study.fitting import ResponseFits, sensitivities
 from regression.fits.fits import Fit
 from regression.plots.equations import BARS
-from regression.plots.factor_axis import factor_size, label_factor_axis, response_text
-from regression.plots.runs import draw_errors
+from regression.plots.factor_axis import response_text
 from regression.runs.study_table import StudyTable
 
 PANELS_PER_ROW = 4
@@ -39,7 +37,7 @@ def plot_fits(
     table : StudyTable
     found : ResponseFits
     form : str, optional
-        Whose effects and residuals are drawn; the chosen one's otherwise.
+        Whose effects are drawn; the chosen one's otherwise.
 
     Returns
     -------
@@ -54,12 +52,11 @@ def plot_fits(
     make_folder(folder)
     paths = {
         name: folder / f"{found.response}_{name}.svg"
-        for name in ("response", "parity", "effects", "residuals", "sensitivities")
+        for name in ("response", "parity", "effects", "sensitivities")
     }
     plot_response(paths["response"], table, found)
     plot_parity(paths["parity"], table, found)
     plot_effects(paths["effects"], found, fit)
-    plot_residuals(paths["residuals"], table, found, fit)
     plot_sensitivities(paths["sensitivities"], table, found)
     return list(paths.values())
 
@@ -92,34 +89,6 @@ def plot_effects(path: Path, found: ResponseFits, fit: Fit) -> None:
     shown = min(fit.coefficient_count - 1, BARS)
     with figure(path, width=7.2, height=1.2 + 0.26 * shown) as axes:
         found.plot(axes, show="effects", form=fit.form)
-
-
-def plot_residuals(path: Path, table: StudyTable, found: ResponseFits, fit: Fit) -> None:
-    """Plot the errors of a fit over its value, over each factor, and over the runs' leverage."""
-    size = shown_unit(found.unit)[1]
-    values = predicted(table, found, fit)
-    error = 100.0 * (values / table.responses[found.column] - 1.0)
-    factors = table.plan.factors
-    with _grid(path, len(factors) + 2) as panels:
-        columns = [values / size] + [
-            table.values[:, place] / factor_size(factor.unit, factor.labels)
-            for place, factor in enumerate(factors)
-        ]
-        for column, panel in zip(columns, panels, strict=False):
-            draw_errors(panel, column, error, table.held_out)
-        unit = shown_unit(found.unit)[0]
-        panels[0].set_xlabel(f"{math_symbol(found.symbol)} by the equation [{unit}]")
-        for factor, panel in zip(factors, panels[1:], strict=False):
-            label_factor_axis(panel, factor.name, factor.unit, factor.labels)
-        leverage = fit.statistics.leverage
-        last = panels[len(factors) + 1]
-        last.axhline(0.0, color=GRAY, linewidth=1.0)
-        last.plot(leverage, error[~table.held_out], "o", color=BLUE, markersize=3.5, alpha=0.75)
-        last.set_xlabel(f"leverage (mean {fit.coefficient_count / fit.runs:.2f})")
-        last.set_xlim(0.0, 1.02)
-        for panel in panels[::PANELS_PER_ROW]:
-            panel.set_ylabel("error of the equation [%]")
-        panels[0].legend(fontsize=8)
 
 
 def plot_sensitivities(path: Path, table: StudyTable, found: ResponseFits) -> None:

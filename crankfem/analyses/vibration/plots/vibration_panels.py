@@ -3,11 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from crankbase.checks.arrays import FloatArray
-from crankbase.drawing.diagram_style import BLUE
-from crankbase.drawing.legends import legend_inside
 from dynamics.plots.mode_shapes import draw_chain_shapes
 
 if TYPE_CHECKING:
@@ -53,24 +49,6 @@ def draw_modes(
         [short_name(name) for name in names],
         quantity,
     )
-
-
-def draw_bounds(axes: "Axes", lowest: FloatArray, nominal: FloatArray, highest: FloatArray) -> None:
-    """Draw each elastic frequency with its bounds [Hz], as a share of the nominal one."""
-    numbers = np.arange(1, len(nominal) + 1)
-    low, high = (100.0 * (ends / nominal - 1.0) for ends in (lowest, highest))
-    axes.vlines(numbers, low, high, color=BLUE, linewidth=2.0, label="bounds")
-    for ends in (low, high):
-        axes.plot(numbers, ends, "_", color=BLUE, markersize=12)
-    axes.plot(numbers, np.zeros(len(numbers)), "o", color=BLUE, label="nominal")
-    legend_inside(axes)
-    for number, frequency in zip(numbers.tolist(), nominal.tolist(), strict=True):
-        text = f"{frequency:.1f} Hz"
-        axes.annotate(text, (number, 0.0), xytext=(5, 3), textcoords="offset points", fontsize=8)
-    axes.set_xticks(numbers)
-    axes.margins(x=0.12)
-    axes.set_xlabel("elastic mode")
-    axes.set_ylabel("natural frequency beside the nominal one [%]")
 
 
 def short_name(name: str) -> str:

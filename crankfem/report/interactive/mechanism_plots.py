@@ -1,0 +1,108 @@
+"""The plots of a crank mechanism: loads of its bearings, forces of its pistons, balance."""
+
+from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
+from crankfem.analyses.mechanism.plots.balance_plots import plot_balance, plot_hinged_rods
+from crankfem.analyses.mechanism.plots.load_plots import plot_developed_loads, plot_polar_loads
+from crankfem.analyses.mechanism.plots.mechanism_pictures import plot_piston_forces
+from crankfem.analyses.titles import at_speed
+from crankfem.report.interactive.mechanism import developed_load, piston_forces, polar_load
+from crankfem.report.interactive.plot import Plot, Plots
+from dynamics.engine.loads import LoadDiagram
+from dynamics.plots.load_diagrams import Frame
+
+
+def _engine(run: MechanismRun) -> str:
+    return at_speed(run.mechanism.name, run.speed)
+
+
+def _of_bearing(
+    name: str, frame: Frame, polar: tuple[str, str], developed: tuple[str, str]
+) -> tuple[Plot[MechanismRun], ...]:
+    """Both diagrams of a load, with their words: that of the first crankpin, or the heaviest bearing."""
+
+    def load(run: MechanismRun) -> LoadDiagram:
+        if name == "crankpin":
+            return run.crankpins[0]
+        return max(run.bearings, key=lambda one: one.maximum)
+
+    def title(run: MechanismRun, between: str = ", ") -> str:
+        return f"{load(run).name}{between}{_engine(run)}"
+
+    return (
+        Plot(
+            f"{name}_polar",
+            *polar,
+            lambda path, run: plot_polar_loads(
+                path, [load(run)], frame=frame, title=title(run, "\n")
+            ),
+            lambda run: polar_load(load(run), frame, title(run)),
+        ),
+        Plot(
+            f"{name}_developed",
+            *developed,
+            lambda path, run: plot_developed_loads(path, [load(run)], title=title(run)),
+            lambda run: developed_load(load(run), title(run)),
+        ),
+    )
+
+
+def _has(run: MechanismRun) -> list[str]:
+    balanced = all(row.force_balanced and row.moment_balanced for row in run.balance.rows)
+    return [*([] if balanced else ["unbalanced"]), *(["hinged rods"] if run.hinged_rods else [])]
+
+
+MECHANISM: Plots[MechanismRun] = Plots(
+    (
+        *_of_bearing(
+            "crankpin",
+            "crank",
+            (
+                "Polar diagram of the crankpin load",
+                "Force of the rod on the first crankpin, in the frame that turns with the crank; dots every "
+                "30 deg of shaft angle.",
+            ),
+            (
+                "Size of the crankpin load over the shaft angle",
+                "The same load over the shaft angle, with its mean and maximum.",
+            ),
+        ),
+        *_of_bearing(
+            "main_bearing",
+            "engine",
+            (
+                "Polar diagram of the main bearing load",
+                "Load of the most loaded main bearing, at rest, seen from the free end.",
+            ),
+            (
+                "Size of the main bearing load over the shaft angle",
+                "The same of the main bearing.",
+            ),
+        ),
+        Plot(
+            "piston_forces",
+            "Gas, tangential and side force of one cylinder over the cycle",
+            "Forces of the first cylinder over its cycle.",
+            plot_piston_forces,
+            lambda run: piston_forces(run, 1, f"cylinder 1, {_engine(run)}"),
+        ),
+        Plot(
+            "balance",
+            "Inertia forces and moments on the engine by order",
+            "Forces and moments that are left over, seen from the free end. A dot marks where a vector "
+            "points at shaft angle zero, the first crank upwards, an arrowhead the way it turns; thin dashed "
+            "lines: cylinder axes.",
+            lambda path, run: plot_balance(path, run.balance, title=_engine(run)),
+            needs="unbalanced",
+        ),
+        Plot(
+            "hinged_rods",
+            "What the hinged rods change beside rods on the crankpin",
+            "What the hinged rods change.",
+            lambda path, run: plot_hinged_rods(
+                path, run.layout, run.speed, cylinders=hinged_group(run.layout), title=_engine(run)
+            ),
+            needs="hinged rods",
+        ),
+    ),
+    _has,
+)

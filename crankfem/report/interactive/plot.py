@@ -1,0 +1,87 @@
+"""The plots of a run, each described once: what it is called, what it says, and what draws it."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Generic, TypeVar
+
+from crankbase.drawing.diagram_style import make_folder
+from crankbase.outputs import check_output
+from crankfem.report.interactive.style import Figure
+from crankfem.report.interactive.writing import write_figure
+
+Run = TypeVar("Run")
+
+
+@dataclass(frozen=True)
+class Plot(Generic[Run]):
+    """A diagram on paper, on a screen, or both.
+
+    Attributes
+    ----------
+    name : str
+        Of its files, but for their endings, and in results.json.
+    alt, caption : str
+        What a report says in its place, and below it.
+    static : callable or None
+        Draws it into a file from what it shows.
+    interactive : callable or None
+        Describes it to plotly.
+    needs : str
+        Of `Plots.has`, what must be there for it.
+    """
+
+    name: str
+    alt: str
+    caption: str
+    static: Callable[[Path, Run], object] | None = None
+    interactive: Callable[[Run], Figure] | None = None
+    needs: str = ""
+
+    def draw(self, folder: Path, run: Run) -> Path:
+        """Draw it on paper."""
+        assert self.static is not None
+        path = folder / f"{self.name}.svg"
+        self.static(path, run)
+        return path
+
+    def write(self, folder: Path, run: Run) -> Path:
+        """Write it for a screen; errors as of `write_figure`."""
+        assert self.interactive is not None
+        return write_figure(folder / f"{self.name}.json", *self.interactive(run))
+
+
+@dataclass(frozen=True)
+class Plots(Generic[Run]):
+    """The plots of one thing; `has` tells what there is to show of it, by the names plots need."""
+
+    plots: tuple[Plot[Run], ...]
+    has: Callable[[Run], Iterable[str]] = lambda _: ()
+
+    def of(self, run: Run) -> list[Plot[Run]]:
+        """Return those for which everything is there."""
+        return self.with_(self.has(run))
+
+    def with_(self, there: Iterable[str]) -> list[Plot[Run]]:
+        """Return those that need nothing but what is there."""
+        known = {"", *there}
+        return [plot for plot in self.plots if plot.needs in known]
+
+    def draw(self, folder: Path, run: Run) -> list[Path]:
+        """Write the static ones into a folder, which is made if it is not there.
+
+        Returns
+        -------
+        list of Path
+            The SVG files.
+
+        Raises
+        ------
+        InputError
+            If the folder cannot be made, or one of the files is somebody else's.
+        """
+        make_folder(folder)
+        drawn = [plot for plot in self.of(run) if plot.static is not None]
+        for plot in drawn:
+            check_output(folder / f"{plot.name}.svg", "picture")
+        return [plot.draw(folder, run) for plot in drawn]

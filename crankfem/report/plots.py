@@ -1,0 +1,122 @@
+"""All plots of a run, and the words of each by its name."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankfem.analyses.mechanism.plots.plots import plot_torque
+from crankfem.analyses.study.fitting import ResponseFits
+from crankfem.analyses.study.plots import fit_plots
+from crankfem.analyses.throw.pictures.formula_plots import plot_formulas
+from crankfem.report.interactive.angles import formulas_over_angle
+from crankfem.report.interactive.mechanism_plots import MECHANISM
+from crankfem.report.interactive.plot import Plot, Plots
+from crankfem.report.interactive.study import parity, response_over_factors
+from crankfem.report.interactive.torque import torque_and_harmonics
+from crankfem.report.interactive.vibration import VIBRATION
+from dynamics.harmonics import Harmonics
+from regression.runs.study_table import StudyTable
+
+Array = NDArray[np.float64]
+
+STUDY: Plots[tuple[StudyTable, ResponseFits]] = Plots(
+    (
+        Plot(
+            "response",
+            "Axial compliance over each factor",
+            "Axial compliance over each factor, the others at their middle.",
+            lambda path, study: fit_plots.plot_response(path, *study),
+            lambda study: response_over_factors(*study),
+        ),
+        Plot(
+            "parity",
+            "Equation against finite elements for each form",
+            "Each form against finite elements; on the line they agree.",
+            lambda path, study: fit_plots.plot_parity(path, *study),
+            lambda study: parity(*study),
+        ),
+        Plot(
+            "effects",
+            "Coded coefficients by size",
+            "Effects: the coefficients of the chosen form in coded variables, by size.",
+            lambda path, study: fit_plots.plot_effects(path, study[1], study[1].chosen),
+        ),
+    )
+)
+
+
+def _over_angle(
+    record: Mapping[str, Any],
+) -> tuple[Array, Array, dict[str, Array], dict[str, float]]:
+    """Angles, finite elements, formulas, and finite elements guided and pinned, from a run's results."""
+    law, supports = record["angle_law"], record["throw"]["supports"]
+    # None becomes nan.
+    formulas = {
+        name: np.array(values, dtype=np.float64) for name, values in law["formulas"].items()
+    }
+    bounds = {name: supports[name]["axial_compliance"] for name in ("guided", "pinned")}
+    return np.array(law["gamma_deg"]), np.array(law["fe"]), formulas, bounds
+
+
+ANGLES: Plots[Mapping[str, Any]] = Plots(
+    (
+        Plot(
+            "formulas",
+            "Axial compliance over the angle between neighboring cranks",
+            "Axial compliance over the angle between neighboring cranks: finite elements in a helix of equal "
+            "throws, and the formulas. Formulas without an angle are level lines.",
+            lambda path, record: plot_formulas(path, *_over_angle(record)),
+            lambda record: formulas_over_angle(*_over_angle(record)),
+        ),
+    )
+)
+TORQUE: Plots[tuple[Array, Harmonics]] = Plots(
+    (
+        Plot(
+            "torque",
+            "Torque over a cycle and its harmonics",
+            "Torque of one throw with the sum of its harmonics, and the amplitude of each order.",
+            lambda path, torque: plot_torque(path, *torque),
+            lambda torque: torque_and_harmonics(*torque),
+        ),
+    )
+)
+# Those that are drawn or rendered on their own, for each throw or in the background.
+THROW: tuple[Plot[None], ...] = (
+    Plot(
+        "throw_view",
+        "The crank throw in three dimensions: solid, mesh, deformed by an axial force, fillet stress",
+        "The throw in three dimensions: turn it with the mouse; the menu shows the solid, the mesh, its "
+        "deformation by an axial force and the stress at the fillets.",
+    ),
+    Plot(
+        "drawing",
+        "Dimensioned drawing of the crank throw: side view and view from the left end",
+        "The throw as it was described, to scale.",
+    ),
+    Plot(
+        "mesh",
+        "Finite element mesh of the crank throw",
+        "Mesh of second-order tetrahedra, mirrored where the throw is symmetric.",
+    ),
+    Plot(
+        "deformed",
+        "Crank throw deformed by an axial force",
+        "Lengthened by an axial force, ends free to tilt (pinned); the lines show the throw at rest.",
+    ),
+    Plot(
+        "stress_radial",
+        "Equivalent stress of the crank throw under a radial force on the pin",
+        "Under a radial force on the pin; the ring marks the largest stress at a fillet.",
+    ),
+    Plot(
+        "stress_torsion", "Equivalent stress of the crank throw under a torque", "Under a torque."
+    ),
+)
+PLOTS: dict[str, Plot[Any]] = {
+    plot.name: plot
+    for plots in (MECHANISM, STUDY, TORQUE, VIBRATION, ANGLES)
+    for plot in plots.plots
+} | {plot.name: plot for plot in THROW}
