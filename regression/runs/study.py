@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from crankbase.calls import Limits
 from crankbase.errors import InputError
 from regression.plans.plan import (
     MODEL_VERSION,
@@ -23,7 +24,7 @@ from regression.runs.store import ResultStore, is_database
 from regression.runs.store_results import read_store
 from regression.runs.store_rows import told_of
 from regression.runs.study_table import StudyTable, study_table
-from regression.runs.supervised import Limits, design_limits
+from regression.runs.supervised import design_limits
 from regression.runs.workers import run_designs
 from regression.throw_values import SAME
 
