@@ -5,21 +5,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_vector,
+    nonnegative_vector,
+    positive_number,
+    positive_vector,
+)
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.units import RPM
-from dynamics.checks import (
-    FloatArray,
-    finite_vector,
-    nonnegative_vector,
-    positive_number,
-    positive_vector,
-    within,
-)
 from dynamics.cycle import cycle_degrees, order_step
+from dynamics.running_limits import within
 
 # A vector sum counts as full within this share of its largest possible value.
 FULL_SUM_TOLERANCE = 1e-6

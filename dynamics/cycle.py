@@ -3,9 +3,9 @@
 from typing import Literal
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray
 
 # What keeps angles from standing evenly over one cycle.
 CycleFault = Literal["not increasing", "uneven", "closing sample", "other length"]

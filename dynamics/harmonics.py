@@ -4,6 +4,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    finite_vector,
+    positive_number,
+    read_only,
+)
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import new_axes
@@ -11,7 +18,6 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.checks import FloatArray, finite_array, finite_vector, positive_number, read_only
 from dynamics.cycle import checked_strokes, cycle_degrees, cycle_fault, mean_step, order_step
 from dynamics.plots.bars import draw_harmonics
 

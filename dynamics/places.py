@@ -5,10 +5,11 @@ from collections.abc import Mapping, Sequence
 from typing import SupportsIndex
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, nonnegative_number, nonnegative_vector
+from crankbase.checks.scalars import is_whole
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError, quoted
-from dynamics.checks import FloatArray, is_whole, nonnegative_number, nonnegative_vector
 
 
 def node_index(field: str, node: SupportsIndex, count: int) -> int:

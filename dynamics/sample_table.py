@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.errors import InputError, shortened
 from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
-from dynamics.checks import FloatArray
 from dynamics.cycle import first_not_increasing
 
 

@@ -18,9 +18,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from crankbase.checks.choices import check_choice
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import BLUE, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError, quoted

@@ -19,10 +19,10 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from crankbase.checks.scalars import is_number
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from crankbase.choices import is_number
 from crankbase.drawing.diagram_style import GRAY, new_axes
 from crankbase.errors import InputError, quoted
 from crankbase.stopwatch import Stopwatch

@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from crankbase.checks.choices import check_choice
 from numpy.typing import NDArray
 
-from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from crankbase.checks.scalars import is_number
 from numpy.typing import NDArray
 
-from crankbase.choices import is_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.errors import InputError, quoted
 from crankbase.stopwatch import Stopwatch

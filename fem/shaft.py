@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from crankbase.checks.choices import check_choice
 from numpy.typing import NDArray
 
-from crankbase.choices import check_choice
 from crankbase.drawing.bars import draw_groups, draw_matrix
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import shown_unit, write_title

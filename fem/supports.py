@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
+from crankbase.checks.scalars import is_number
 from numpy.typing import NDArray
 
-from crankbase.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.summaries import summarized
 from fem.superelement import RX, RY, RZ, UX, UY, UZ, Superelement, section_rotation

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from crankbase.checks.choices import check_choice
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.summaries import summarized

@@ -4,8 +4,9 @@ import csv
 from collections.abc import Mapping
 from pathlib import Path
 
+from crankbase.checks.arrays import FloatArray
+
 from crankbase.outputs import written
-from dynamics.checks import FloatArray
 
 
 def write_columns(path: Path, columns: Mapping[str, FloatArray], heading: str = "") -> None:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, positive_number
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
@@ -17,7 +18,7 @@ from dynamics.assessment.limits import (
     shown_range,
     usage,
 )
-from dynamics.checks import FloatArray, at_most, positive_number, within
+from dynamics.running_limits import at_most, within
 
 BARRED_SOURCE = (
     "IACS unified requirement M68 (Rev.3, February 2021); Korean Register, Rules for Steel Ships "

@@ -7,9 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 from scipy.optimize import brentq, minimize, minimize_scalar
-
-from dynamics.checks import FloatArray
 
 Ranges = Sequence[tuple[float, float]]
 # Points of the first look at the range of a setting, of later ones about the last best setting, and

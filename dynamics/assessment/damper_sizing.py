@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
 
 from crankbase.errors import InputError
 from crankbase.units.quantity import show_quantity
@@ -21,7 +22,6 @@ from dynamics.assessment.sized_damper import Damper, SizedDamper
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.chains.editing import find_node
-from dynamics.checks import FloatArray, positive_number, positive_vector
 
 Result = Callable[[Chain], AmplitudeCurve]
 Range = float | tuple[float, float]

@@ -4,10 +4,10 @@ import math
 from typing import Literal
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, positive_number
 
 from crankbase.errors import InputError
 from dynamics.assessment.limits import LimitCurve, VibrationLimit, checked_rated_speed
-from dynamics.checks import FloatArray, positive_number
 
 M68_SOURCE = (
     "IACS unified requirement M68 (Rev.3, February 2021), as carried into the Korean Register's "

@@ -5,6 +5,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    nonnegative_number,
+    positive_number,
+    positive_vector,
+    read_only,
+)
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import new_axes
@@ -13,16 +20,9 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import show_quantity
-from dynamics.checks import (
-    FloatArray,
-    nonnegative_number,
-    positive_number,
-    positive_vector,
-    read_only,
-    within,
-)
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import draw_named_curves
+from dynamics.running_limits import within
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

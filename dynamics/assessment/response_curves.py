@@ -3,13 +3,13 @@
 from collections.abc import Callable
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, positive_number
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
-from dynamics.checks import FloatArray, positive_number
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.loads import element_loads

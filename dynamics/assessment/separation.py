@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, nonnegative_vector, positive_vector
 from numpy.typing import ArrayLike
 
 from crankbase.summaries import summarized
@@ -13,7 +14,6 @@ from dynamics.assessment.limits import checked_running_range, shown_range
 from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import frequency_bounds
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray, nonnegative_vector, positive_vector
 
 # Share of the excitation's frequency by which a torsional natural frequency should differ from it: as
 # recommended by API 617, quoted by Q. Wang, T. D. Feese, B. C. Pettinato, Torsional natural frequencies:

@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from crankbase.choices import check_choice
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.choices import check_choice
+
 from crankbase.drawing.diagram_style import BLUE, RED, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.summaries import summarized
@@ -12,7 +14,6 @@ from crankbase.units.units import RPM
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
-from dynamics.checks import FloatArray
 from dynamics.plots.quantities import in_unit
 from dynamics.plots.speed_curves import draw_named_curves
 

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, positive_vector
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
-from dynamics.checks import FloatArray, positive_vector
 
 Kind = Literal[
     "compliance",

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 from scipy.stats import qmc
 
@@ -15,7 +17,6 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.assessment.spreads import FIELDS, Spread, places_of, scaled_chain, scales_of
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray, whole_number
 from dynamics.places import place_number
 from dynamics.plots.coordinates import name_axis, number_axis
 

@@ -27,9 +27,9 @@ from dynamics.assessment.limits import (
     shown_range,
     usage,
 )
-from dynamics.checks import at_most, within
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.plots.speed_curves import draw_barred, set_speed_axis
+from dynamics.running_limits import at_most, within
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -3,10 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, positive_vector
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, positive_vector
 
 # Maxima that reach this share of a curve's largest value are refined: on a grid that refines resonances
 # another may read 0.2 % less than it is, and turn out to be the largest.

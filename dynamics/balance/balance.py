@@ -7,8 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_array,
+    positive_number,
+)
+from crankbase.checks.choices import check_choice
 
-from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
@@ -21,7 +27,6 @@ from dynamics.balance.cylinder_forces import (
 )
 from dynamics.balance.hodograph import Hodograph, hodograph_sum
 from dynamics.balance.moving_masses import MovingMasses, moving_masses
-from dynamics.checks import ComplexArray, FloatArray, finite_array, positive_number
 from dynamics.engine.layout import EngineLayout, check_places
 from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.orders import checked_orders

@@ -4,9 +4,9 @@ import cmath
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
 
 from dynamics.balance.hodograph import Hodograph
-from dynamics.checks import ComplexArray, FloatArray
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.orders import turn_spectrum

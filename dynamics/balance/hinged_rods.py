@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from crankbase.checks.arrays import positive_number
+
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
@@ -13,7 +15,6 @@ from crankbase.tables.frames import table
 from dynamics.balance.cylinder_forces import reciprocating_forces
 from dynamics.balance.hodograph import Hodograph, hodograph_sum
 from dynamics.balance.moving_masses import moving_masses
-from dynamics.checks import positive_number
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.orders import checked_cylinder, checked_orders
 from dynamics.plots.hodographs import FORCE_LABELS, draw_hodographs

@@ -7,15 +7,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array
+from crankbase.checks.choices import check_choice
+from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
-from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.checks import ComplexArray, FloatArray, finite_array, whole_number
 from dynamics.engine.orders import checked_orders
 from dynamics.plots.hodographs import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
 

@@ -4,8 +4,9 @@ import cmath
 import math
 from dataclasses import dataclass
 
+from crankbase.checks.arrays import nonnegative_number
+
 from crankbase.summaries import summarized
-from dynamics.checks import nonnegative_number
 from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout
 

@@ -8,12 +8,14 @@ Other modes are left out, which is good while they are far; the sizes are a star
 import math
 from dataclasses import dataclass
 
+from crankbase.checks.arrays import positive_number
+from crankbase.checks.scalars import whole_number
+
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import RubberDamper, ViscousDamper
 from dynamics.chains.editing import find_node
-from dynamics.checks import positive_number, whole_number
 
 # A node that moves less than this share of the mode's largest motion cannot drive a damper.
 STANDS_STILL = 1e-3

@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
+from crankbase.checks.arrays import nonnegative_number, positive_number
+
 from crankbase.errors import InputError
-from dynamics.checks import nonnegative_number, positive_number
 
 # Shares of the dry propeller that designers often take before they know better; assumed here, no
 # published table stands behind them. D. M. MacPherson, V. R. Puleo, M. B. Packard, Estimation of

@@ -4,6 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    nonnegative_vector,
+    one_for_each,
+    positive_vector,
+    read_only,
+)
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
@@ -20,7 +27,6 @@ from dynamics.chains.links import (
     speed_ratios,
 )
 from dynamics.chains.tails import with_accurate_tails
-from dynamics.checks import FloatArray, nonnegative_vector, one_for_each, positive_vector, read_only
 from dynamics.places import values_at_nodes
 
 # Residual that the modes must keep, relative to the largest eigenvalue; round-off leaves 1e-14.

@@ -5,12 +5,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, read_only
+from crankbase.checks.scalars import whole_number
 
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
-from dynamics.checks import FloatArray, read_only, whole_number
 from dynamics.plots.coordinates import name_axis
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
 

@@ -2,10 +2,11 @@
 
 from dataclasses import dataclass
 
+from crankbase.checks.arrays import nonnegative_number, positive_number
+
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import add_node, with_ground, with_inertia
-from dynamics.checks import nonnegative_number, positive_number
 
 
 @dataclass(frozen=True)

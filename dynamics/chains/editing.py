@@ -10,11 +10,11 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
+from crankbase.checks.arrays import nonnegative_number
 
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.links import Dashpot, Gear
-from dynamics.checks import nonnegative_number
 from dynamics.places import node_index
 
 AT_NODES = ("inertia", "ground", "ground_damping")

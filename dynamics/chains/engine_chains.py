@@ -5,6 +5,14 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    nonnegative_number,
+    one_for_each,
+    positive_number,
+    positive_vector,
+)
+from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
@@ -18,14 +26,6 @@ from dynamics.chains.dampers import (
     check_torsional,
 )
 from dynamics.chains.editing import add_node, join_chains, with_damper, with_ground
-from dynamics.checks import (
-    FloatArray,
-    nonnegative_number,
-    one_for_each,
-    positive_number,
-    positive_vector,
-    whole_number,
-)
 from dynamics.places import node_index, values_at_nodes
 
 PASSIVE = "damping takes energy away"

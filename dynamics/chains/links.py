@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_vector, positive_number
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, finite_vector, positive_number
 from dynamics.places import node_index
 
 Pairs = tuple[tuple[int, int], ...]

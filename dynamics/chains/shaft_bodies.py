@@ -2,9 +2,10 @@
 
 from dataclasses import dataclass
 
+from crankbase.checks.arrays import nonnegative_number, positive_number
+
 from crankbase.errors import InputError
 from dynamics.chains.shaft_elements import Motion
-from dynamics.checks import nonnegative_number, positive_number
 
 
 @dataclass(frozen=True)

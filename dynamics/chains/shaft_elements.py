@@ -9,8 +9,9 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
+from crankbase.checks.arrays import SMALLEST, nonnegative_number, positive_number
+
 from crankbase.errors import InputError
-from dynamics.checks import SMALLEST, nonnegative_number, positive_number
 
 Motion = Literal["torsional", "axial"]
 BoreShape = Literal["cylindrical", "proportional"]

@@ -4,13 +4,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+from crankbase.checks.arrays import nonnegative_number
+from crankbase.checks.scalars import whole_number
+
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.attachments import Propeller
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_bodies import Coupling, RigidBody
 from dynamics.chains.shaft_elements import Motion, ShaftCone
-from dynamics.checks import nonnegative_number, whole_number
 
 Piece = ShaftCone | Coupling | RigidBody | Propeller
 Spreading = Literal["consistent", "lumped"]

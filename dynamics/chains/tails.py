@@ -1,8 +1,7 @@
 """The far ends of a mode shape, where the vibration has almost died out."""
 
 import numpy as np
-
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
 
 # Below this share of the largest mass-normalized displacement, an end of the shape is recomputed.
 TAIL_SHARE = 1e-5

@@ -4,10 +4,7 @@ from collections.abc import Sequence
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike
-
-from crankbase.errors import InputError
-from dynamics.checks import (
+from crankbase.checks.arrays import (
     FloatArray,
     finite_array,
     nonnegative_number,
@@ -15,6 +12,9 @@ from dynamics.checks import (
     one_for_each,
     positive_number,
 )
+from numpy.typing import ArrayLike
+
+from crankbase.errors import InputError
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion

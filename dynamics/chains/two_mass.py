@@ -3,9 +3,10 @@
 import math
 from dataclasses import dataclass
 
+from crankbase.checks.arrays import positive_number
+
 from crankbase.summaries import summarized
 from crankbase.units.units import RPM
-from dynamics.checks import positive_number
 from dynamics.cycle import order_step
 from dynamics.harmonics import Harmonics
 

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, nonnegative_vector
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.checks import FloatArray, nonnegative_vector
 from dynamics.crankshaft.rigid_motions import rigid_motions, rings_of
 from dynamics.crankshaft.shaft_throw import RZ, UX, UY, UZ, ShaftThrow
 from dynamics.crankshaft.stations import Stations, on_axis, shaft_stations

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, positive_number
 
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
@@ -12,7 +13,6 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table, table_of
 from dynamics.chains.engine_chains import EngineChain, Kind
-from dynamics.checks import FloatArray, positive_number
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.crankshaft.shaft_throw import RZ, UZ

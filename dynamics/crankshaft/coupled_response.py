@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.choices import check_choice
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.choices import check_choice
 from crankbase.drawing.curves import Curves, Series, draw_curves
 from crankbase.drawing.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title
@@ -15,7 +16,6 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
-from dynamics.checks import ComplexArray, FloatArray
 from dynamics.crankshaft.pin_excitation import PinForces, shaft_excitation
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.scalars import is_whole
 
 from crankbase.errors import InputError
-from dynamics.checks import ComplexArray, FloatArray, is_whole
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.response.excitation import OrderExcitation

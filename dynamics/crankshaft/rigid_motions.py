@@ -1,8 +1,8 @@
 """Motions of a whole crankshaft that no stiffness resists."""
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
-from dynamics.checks import FloatArray
 from dynamics.crankshaft.shaft_throw import RX, RY, RZ, UX, UY, UZ
 from dynamics.crankshaft.surroundings import ShaftSurroundings, TorsionalRing
 

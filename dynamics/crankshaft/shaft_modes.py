@@ -4,14 +4,15 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
+from crankbase.checks.choices import check_not_given
+from crankbase.checks.scalars import is_whole, whole_number
 
-from crankbase.choices import check_not_given
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
-from dynamics.checks import FloatArray, is_whole, positive_number, positive_vector, whole_number
 from dynamics.crankshaft.assembly import AssembledShaft
 from dynamics.crankshaft.stations import CLASSES
 from dynamics.plots.coordinates import name_axis

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, positive_number
+from crankbase.checks.choices import check_choice
 
-from crankbase.choices import check_choice
 from crankbase.summaries import summarized
-from dynamics.checks import FloatArray, positive_number
 from dynamics.crankshaft.assembly import AssembledShaft
 from dynamics.crankshaft.shaft_modes import ShaftModes, crankshaft_modes
 from dynamics.crankshaft.shaft_throw import RZ, UZ

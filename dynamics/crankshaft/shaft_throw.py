@@ -4,10 +4,15 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    positive_number,
+    read_only,
+)
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.checks import FloatArray, finite_array, positive_number, read_only
 
 # Motions of a section: displacements, then rotations.
 UX, UY, UZ, RX, RY, RZ = range(6)

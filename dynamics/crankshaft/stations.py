@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
-from dynamics.checks import FloatArray
 from dynamics.crankshaft.shaft_throw import RX, RY, RZ, UX, UY, UZ, ShaftThrow
 from dynamics.crankshaft.surroundings import EndBody, ShaftSurroundings
 

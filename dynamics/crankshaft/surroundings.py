@@ -5,11 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, nonnegative_number, positive_number
+from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.checks import FloatArray, nonnegative_number, positive_number, whole_number
 from dynamics.crankshaft.shaft_throw import RX, RY, UX, UY
 
 

@@ -3,9 +3,11 @@
 import math
 from dataclasses import dataclass
 
+from crankbase.checks.arrays import finite_array, nonnegative_number, positive_number
+from crankbase.checks.scalars import is_whole
+
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.checks import finite_array, is_whole, nonnegative_number, positive_number
 from dynamics.mechanism.rods import ConnectingRod
 
 

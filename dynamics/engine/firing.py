@@ -3,8 +3,10 @@
 import math
 from collections.abc import Sequence
 
+from crankbase.checks.arrays import finite_vector
+from crankbase.checks.scalars import is_whole
+
 from crankbase.errors import InputError
-from dynamics.checks import finite_vector, is_whole
 from dynamics.cycle import cycle_degrees
 
 # Crank and cylinder axis count as in line within this angle [rad]; files give degrees.

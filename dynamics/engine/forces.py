@@ -5,6 +5,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_array,
+    finite_vector,
+    turning_speeds,
+)
+from crankbase.checks.scalars import is_whole
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE, new_axes
@@ -12,14 +20,6 @@ from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from dynamics.checks import (
-    ComplexArray,
-    FloatArray,
-    finite_array,
-    finite_vector,
-    is_whole,
-    turning_speeds,
-)
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import CylinderMotion, cylinder_motion

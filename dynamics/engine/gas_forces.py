@@ -4,10 +4,10 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_vector, nonnegative_number
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, finite_vector, nonnegative_number
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.orders import checked_cylinder

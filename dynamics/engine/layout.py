@@ -4,9 +4,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from crankbase.checks.arrays import finite_array, nonnegative_number, positive_number
+
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.checks import finite_array, nonnegative_number, positive_number
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
 from dynamics.engine.cylinder import EngineCylinder, RotatingMass
 from dynamics.engine.firing import (

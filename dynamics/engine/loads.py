@@ -4,6 +4,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_vector,
+    positive_number,
+)
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import new_axes
@@ -11,7 +17,6 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.checks import ComplexArray, FloatArray, finite_vector, positive_number
 from dynamics.cycle import cycle_degrees, cycle_fault
 from dynamics.engine.forces import MechanismForces, pin_groups, summed
 from dynamics.engine.layout import check_places

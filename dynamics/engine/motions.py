@@ -4,9 +4,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_array
 
 from crankbase.summaries import summarized
-from dynamics.checks import FloatArray, finite_array
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.rod_foot import crank_angle_from_axis, hinged_foot

@@ -4,10 +4,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_vector,
+    positive_number,
+)
+from crankbase.checks.scalars import is_whole
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
-from dynamics.checks import ComplexArray, FloatArray, finite_vector, is_whole, positive_number
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion

@@ -1,6 +1,7 @@
 """How the foot of a cylinder's rod moves: with the crankpin, or on the rod that it is hinged to."""
 
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
+
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.mechanism.motion import (
     PointMotion,

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array
+from crankbase.checks.scalars import is_whole, whole_number
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import COLORS, new_axes
@@ -12,7 +14,6 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
-from dynamics.checks import ComplexArray, FloatArray, finite_array, is_whole, whole_number
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.on_chains import axial_throw_forces
 from dynamics.plots.coordinates import number_axis, orders_and_speeds

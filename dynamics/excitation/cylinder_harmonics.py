@@ -6,19 +6,19 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
-from numpy.typing import ArrayLike
-
-from crankbase.errors import InputError
-from crankbase.summaries import summarized
-from dynamics.checks import (
+from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     finite_vector,
     nonnegative_number,
     read_only,
     turning_speeds,
-    whole_number,
 )
+from crankbase.checks.scalars import whole_number
+from numpy.typing import ArrayLike
+
+from crankbase.errors import InputError
+from crankbase.summaries import summarized
 from dynamics.cycle import even_angles
 from dynamics.engine.forces import MechanismForces, mechanism_forces, over_angles
 from dynamics.engine.layout import EngineLayout

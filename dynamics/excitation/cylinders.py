@@ -5,22 +5,21 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_vector,
+    read_only,
+)
+from crankbase.checks.choices import check_choice
+from crankbase.checks.scalars import is_whole, whole_number
 from numpy.typing import ArrayLike
 
-from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from dynamics.checks import (
-    ComplexArray,
-    FloatArray,
-    finite_vector,
-    is_whole,
-    read_only,
-    whole_number,
-)
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinder_harmonics import (
     CylinderHarmonics,

@@ -4,11 +4,16 @@ from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    nonnegative_number,
+    positive_number,
+)
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
 from crankbase.units.units import RPM
-from dynamics.checks import FloatArray, finite_array, nonnegative_number, positive_number
 
 # A number, one for each speed, or a function of the speeds [rad/s].
 Load = float | ArrayLike | Callable[[FloatArray], ArrayLike]

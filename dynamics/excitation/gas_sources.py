@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, nonnegative_number
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, nonnegative_number
 from dynamics.engine.gas_forces import Pressure
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.orders import checked_cylinder

@@ -3,10 +3,16 @@
 from collections.abc import Sequence
 
 import numpy as np
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_vector,
+    positive_number,
+    read_only,
+)
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
-from dynamics.checks import ComplexArray, FloatArray, finite_vector, positive_number, read_only
 from dynamics.cycle import order_step
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.engine_load import Load

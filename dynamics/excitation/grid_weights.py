@@ -3,9 +3,9 @@
 from typing import Literal
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray
 from dynamics.excitation.engine_load import per_minute
 
 Method = Literal["cubic", "linear"]

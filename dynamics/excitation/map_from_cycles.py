@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_array, finite_vector
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, finite_array, finite_vector
 from dynamics.excitation.engine_load import per_minute
 from dynamics.excitation.grid_weights import Method
 from dynamics.excitation.pressure_map import PressureMap, pressure_map

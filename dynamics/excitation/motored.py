@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
+from crankbase.checks.arrays import finite_array
 
 from crankbase.errors import InputError
-from dynamics.checks import finite_array
 from dynamics.gas.cylinder_volume import CylinderVolume
 from dynamics.gas.pressure import GasPressure, gas_pressure
 

@@ -3,10 +3,16 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_array,
+    positive_vector,
+)
+from crankbase.checks.scalars import is_whole
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
-from dynamics.checks import ComplexArray, FloatArray, finite_array, is_whole, positive_vector
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.engine_load import Load

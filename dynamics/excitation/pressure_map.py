@@ -6,6 +6,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_vector,
+    nonnegative_number,
+    positive_number,
+    read_only,
+    turning_speeds,
+)
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.drawing.diagram_style import new_axes
@@ -14,14 +22,6 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
-from dynamics.checks import (
-    FloatArray,
-    finite_vector,
-    nonnegative_number,
-    positive_number,
-    read_only,
-    turning_speeds,
-)
 from dynamics.cycle import even_angles
 from dynamics.excitation.engine_load import Load, load_at, per_minute
 from dynamics.excitation.grid_weights import SAME, Method, axis_weights, distinct, nearest

@@ -4,13 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
-
-from crankbase.errors import InputError
-from crankbase.summaries import summarized
-from dynamics.chains.chain import Chain
-from dynamics.chains.links import speed_ratios
-from dynamics.checks import (
+from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     finite_array,
@@ -18,8 +12,14 @@ from dynamics.checks import (
     nonnegative_vector,
     positive_number,
     turning_speeds,
-    whole_number,
 )
+from crankbase.checks.scalars import whole_number
+from numpy.typing import ArrayLike
+
+from crankbase.errors import InputError
+from crankbase.summaries import summarized
+from dynamics.chains.chain import Chain
+from dynamics.chains.links import speed_ratios
 from dynamics.places import node_index
 from dynamics.response.excitation import OrderExcitation, checked_speeds
 

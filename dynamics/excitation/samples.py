@@ -3,10 +3,10 @@
 from typing import cast
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray
 from dynamics.critical import engine_orders
 from dynamics.cycle import order_step
 from dynamics.response.excitation import checked_orders

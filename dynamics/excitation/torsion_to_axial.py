@@ -1,11 +1,7 @@
 """Axial forces that torque in the shaft excites: throws whose neighbors tilt them also lengthen."""
 
 import numpy as np
-from numpy.typing import ArrayLike
-
-from crankbase.errors import InputError
-from dynamics.chains.engine_chains import EngineChain
-from dynamics.checks import (
+from crankbase.checks.arrays import (
     ComplexArray,
     FloatArray,
     finite_array,
@@ -13,6 +9,10 @@ from dynamics.checks import (
     positive_number,
     positive_vector,
 )
+from numpy.typing import ArrayLike
+
+from crankbase.errors import InputError
+from dynamics.chains.engine_chains import EngineChain
 from dynamics.excitation.on_chains import axial_section_forces
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import ForcedResponse

@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_vector
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, finite_vector
 from dynamics.gas.cycle_values import GasCycle
 from dynamics.gas.cylinder_volume import CylinderVolume
 

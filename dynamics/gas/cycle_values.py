@@ -6,10 +6,10 @@ from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
+from crankbase.checks.arrays import nonnegative_number, positive_number
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.checks import nonnegative_number, positive_number
 from dynamics.cycle import checked_strokes
 
 DEGREE = math.pi / 180.0

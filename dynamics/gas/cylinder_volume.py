@@ -5,10 +5,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_array, positive_number
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, finite_array, positive_number
 
 Position = Callable[[FloatArray], FloatArray]
 

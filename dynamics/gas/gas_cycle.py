@@ -5,14 +5,15 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.choices import check_choice
+from crankbase.checks.scalars import is_number
 
-from crankbase.choices import check_choice, is_number
 from crankbase.drawing.diagram_style import BLUE, new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.checks import FloatArray
 from dynamics.cycle import even_angles
 from dynamics.gas.closed_cycle import motored_pressure
 from dynamics.gas.cycle_values import DEGREE, GasCycle, assumption_remarks

@@ -3,10 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
+from crankbase.checks.arrays import nonnegative_number
+from crankbase.checks.scalars import is_number
 
-from crankbase.choices import is_number
 from crankbase.errors import InputError
-from dynamics.checks import nonnegative_number
 from dynamics.gas.pressure import HIGHEST_PEAK
 from dynamics.gas.sampled_cycle import CycleSamples
 

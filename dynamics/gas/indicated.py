@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_vector, positive_number
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, finite_vector, positive_number
 from dynamics.cycle import checked_strokes
 
 

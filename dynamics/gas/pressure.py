@@ -6,6 +6,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    finite_vector,
+    positive_vector,
+    read_only,
+)
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import new_axes
@@ -13,7 +20,6 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.checks import FloatArray, finite_array, finite_vector, positive_vector, read_only
 from dynamics.cycle import checked_strokes, cycle_degrees, cycle_fault, first_not_increasing
 from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.quantities import MEGA

@@ -4,9 +4,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray
 from dynamics.cycle import PLACE_TOLERANCE, checked_strokes, cycle_degrees
 from dynamics.gas.pressure import (
     ATMOSPHERE,

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
-from dynamics.checks import FloatArray
 from dynamics.gas.closed_cycle import motored_pressure, rise_per_heat
 from dynamics.gas.cycle_values import BOTTOM, GasCycle
 from dynamics.gas.cylinder_volume import CylinderVolume

@@ -3,8 +3,9 @@
 import math
 from dataclasses import dataclass
 
+from crankbase.checks.arrays import finite_array, nonnegative_number, positive_number
+
 from crankbase.errors import InputError
-from dynamics.checks import finite_array, nonnegative_number, positive_number
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
 from dynamics.mechanism.rods import ConnectingRod

@@ -5,10 +5,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import positive_number
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.checks import positive_number
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
 from dynamics.hinge.running import (

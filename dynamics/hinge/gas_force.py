@@ -1,6 +1,7 @@
 """The gas force on the piston of a crosshead engine, from a pressure or from the cycle model."""
 
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
+
 from dynamics.engine.gas_forces import Pressure, gas_forces, piston_position
 from dynamics.gas.cycle_values import usual_gas_cycle
 from dynamics.gas.gas_cycle import GasCycleResult, gas_cycle

@@ -6,6 +6,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_vector,
+    positive_number,
+    read_only,
+)
+from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import new_axes
@@ -14,7 +21,6 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import show_quantity
-from dynamics.checks import FloatArray, finite_vector, positive_number, read_only, whole_number
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.periodic import TURN, antiderivative, periodic_spline, turn_integral

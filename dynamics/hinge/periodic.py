@@ -4,8 +4,8 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
-from dynamics.checks import FloatArray
 from dynamics.cycle import even_angles
 
 if TYPE_CHECKING:

@@ -1,9 +1,9 @@
 """Curves in polar coordinates: curvature, and the curve at a distance that a roller runs on."""
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
 
 from crankbase.errors import InputError
-from dynamics.checks import ComplexArray, FloatArray
 
 
 def polar_curvature(radius: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:

@@ -5,15 +5,21 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    nonnegative_number,
+    positive_number,
+    read_only,
+)
+from crankbase.checks.choices import check_choice
 
-from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table
 from crankbase.units.quantity import show_quantity
-from dynamics.checks import ComplexArray, FloatArray, nonnegative_number, positive_number, read_only
 from dynamics.cycle import even_angles
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.periodic import TURN, periodic_spline

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_vector
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.checks import FloatArray, finite_vector
 from dynamics.engine.forces import rod_models
 from dynamics.engine.motions import cylinder_motion, reduced_inertia
 from dynamics.hinge.crosshead import CrossheadEngine

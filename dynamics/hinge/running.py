@@ -5,6 +5,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    nonnegative_number,
+    positive_number,
+    read_only,
+)
 
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
@@ -13,7 +19,6 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import show_quantity
 from crankbase.units.units import RPM
-from dynamics.checks import FloatArray, nonnegative_number, positive_number, read_only
 from dynamics.cycle import even_angles
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.periodic import TURN, periodic_spline

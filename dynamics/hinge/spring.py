@@ -3,10 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    nonnegative_number,
+    positive_number,
+)
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, finite_array, nonnegative_number, positive_number
 
 # The gas column counts as gone when this share of its height is left.
 LEAST_COLUMN = 0.01

@@ -8,10 +8,10 @@ passes the top. Multiplication by exp(i a) turns a vector by a in the sense of r
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.checks import ComplexArray, FloatArray
 
 
 @summarized("place [m]", "first", "second")

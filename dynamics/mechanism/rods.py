@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
+from crankbase.checks.arrays import finite_array, positive_number
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.checks import finite_array, positive_number
 
 RodModelName = Literal["rigid", "three-mass", "two-mass with inertia", "two-mass"]
 ROD_MODELS: tuple[RodModelName, ...] = get_args(RodModelName)

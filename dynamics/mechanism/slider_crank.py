@@ -4,10 +4,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import finite_array, finite_vector, positive_number
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
-from dynamics.checks import finite_array, finite_vector, positive_number
 from dynamics.mechanism.motion import (
     PointMotion,
     TurnMotion,

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.drawing.diagram_style import COLORS
 from crankbase.drawing.legends import legend_inside
-from dynamics.checks import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.drawing.diagram_style import COLORS, GRAY
 from crankbase.units.units import RPM
-from dynamics.checks import FloatArray
 from dynamics.plots.quantities import SPEED_LABEL
 from dynamics.plots.stars import KIND_COLORS
 

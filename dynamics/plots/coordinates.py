@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from numpy.typing import NDArray
-
-from dynamics.checks import ComplexArray, FloatArray
 
 Coordinate: TypeAlias = tuple[Any, str, str]
 

@@ -5,10 +5,10 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.drawing.diagram_style import COLORS, GRAY
 from crankbase.drawing.legends import legend_below
-from dynamics.checks import FloatArray
 from dynamics.plots.quantities import KILO
 
 if TYPE_CHECKING:

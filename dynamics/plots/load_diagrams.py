@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray, positive_number
+from crankbase.checks.choices import check_choice
 from numpy.typing import NDArray
 
-from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import COLORS, GRAY
 from crankbase.drawing.legends import legend_inside
 from crankbase.errors import InputError
-from dynamics.checks import ComplexArray, FloatArray, positive_number
 from dynamics.plots.quantities import KILO
 
 if TYPE_CHECKING:

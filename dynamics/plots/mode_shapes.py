@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
 from crankbase.drawing.legends import legend_above, legend_below
-from dynamics.checks import FloatArray
 from dynamics.plots.quantities import MILLI
 
 if TYPE_CHECKING:

@@ -3,13 +3,13 @@
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_array
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import BLUE, GRAY, ORANGE, new_axes
 from crankbase.drawing.legends import legend_above, write_title
 from crankbase.errors import InputError
 from crankbase.units.units import RPM
-from dynamics.checks import FloatArray, finite_array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

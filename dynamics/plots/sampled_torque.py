@@ -3,10 +3,10 @@
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE
 from crankbase.drawing.legends import legend_inside
-from dynamics.checks import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.drawing.curves import (
@@ -18,7 +19,6 @@ from crankbase.drawing.curves import (
 from crankbase.drawing.diagram_style import COLORS, with_gaps
 from crankbase.drawing.legends import legend_below, legend_inside
 from crankbase.units.units import RPM
-from dynamics.checks import FloatArray
 from dynamics.plots.quantities import SPEED_LABEL, Shown
 
 if TYPE_CHECKING:

@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
 
 from crankbase.drawing.diagram_style import GRAY, ORANGE, RED
-from dynamics.checks import ComplexArray, FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from crankbase.checks.arrays import checked_range, nonnegative_vector, positive_vector
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
-from dynamics.checks import checked_range, nonnegative_vector, positive_vector
 from dynamics.plots.campbell import draw_campbell
 from dynamics.response.resonance import Resonance
 

@@ -4,12 +4,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    nonnegative_vector,
+    one_for_each,
+    positive_number,
+)
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray, nonnegative_vector, one_for_each, positive_number
 from dynamics.places import node_index, values_at_nodes
 from dynamics.response.linear_system import (
     DEFAULT_MAGNIFIER,

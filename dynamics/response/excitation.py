@@ -4,6 +4,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    check_sizes,
+    complex_array,
+    finite_vector,
+    positive_vector,
+    read_only,
+)
+from crankbase.checks.scalars import is_whole, whole_number
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.drawing.diagram_style import new_axes
@@ -11,17 +21,6 @@ from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from dynamics.checks import (
-    ComplexArray,
-    FloatArray,
-    check_sizes,
-    complex_array,
-    finite_vector,
-    is_whole,
-    positive_vector,
-    read_only,
-    whole_number,
-)
 from dynamics.harmonics import Harmonics
 from dynamics.places import node_index
 from dynamics.plots.coordinates import orders_and_speeds

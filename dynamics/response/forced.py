@@ -6,13 +6,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
-from dynamics.checks import ComplexArray, FloatArray
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, shown
 from dynamics.plots.speed_curves import MAIN_ORDERS

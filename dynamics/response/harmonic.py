@@ -5,10 +5,10 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray, positive_vector
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.errors import InputError
-from dynamics.checks import ComplexArray, FloatArray, positive_vector
 from dynamics.response.linear_system import LinearSystem
 
 Method = Literal["modal", "direct"]

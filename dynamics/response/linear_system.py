@@ -3,17 +3,13 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, one_for_each, positive_number
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh, qr
 
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
-from dynamics.checks import (
-    FloatArray,
-    one_for_each,
-    positive_number,
-)
 
 # Magnifier (amplitude at resonance over the static one) of engine and shaft without a damper, as
 # measured on a 12-liter six-cylinder engine: Nippon Foundation, report 1997/01151.

@@ -5,14 +5,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_array,
+    positive_vector,
+)
+from crankbase.checks.choices import check_choice
 from numpy.typing import ArrayLike
 
-from crankbase.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
-from dynamics.checks import ComplexArray, FloatArray, finite_array, positive_vector
 from dynamics.places import place_of
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, shown

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from numpy.typing import NDArray
-
-from dynamics.checks import ComplexArray, FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from numpy.typing import NDArray
 
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from dynamics.checks import ComplexArray, FloatArray
 from dynamics.plots.coordinates import name_axis, orders_and_speeds
 from dynamics.plots.quantities import KILO
 from dynamics.plots.speed_curves import draw_named_curves

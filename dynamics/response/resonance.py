@@ -5,12 +5,12 @@ from math import pi
 from typing import Literal
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
-from dynamics.checks import ComplexArray, FloatArray
 from dynamics.critical import critical_speeds
 from dynamics.places import place_of
 from dynamics.response.forced import ForcedResponse

@@ -6,6 +6,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray, finite_vector
+from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.drawing.curves import Curves
@@ -14,18 +16,11 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from dynamics.checks import (
-    ComplexArray,
-    FloatArray,
-    checked_barred,
-    checked_limits,
-    finite_vector,
-    whole_number,
-)
 from dynamics.places import place_of
 from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, Shown, shown
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_over_speed, over_speed
+from dynamics.response.drawn_limits import checked_barred, checked_limits
 from dynamics.response.excitation import at_angles, checked_speed_index
 from dynamics.response.synthesis import Synthesis, synthesis
 

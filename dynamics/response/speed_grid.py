@@ -1,9 +1,10 @@
 """Speeds to calculate at: an even grid, refined where orders meet natural frequencies."""
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, nonnegative_vector, one_for_each
+from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
-from dynamics.checks import FloatArray, nonnegative_vector, one_for_each, whole_number
 from dynamics.critical import critical_speeds
 
 # Distances from a resonance in half bandwidths; then 1.5 times as far each, up to the even grid.

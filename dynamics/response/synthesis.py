@@ -6,6 +6,7 @@ from math import gcd, lcm
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from numpy.typing import NDArray
 
 from crankbase.drawing.diagram_style import new_axes
@@ -13,7 +14,6 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from dynamics.checks import ComplexArray, FloatArray
 from dynamics.places import place_number
 from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import Quantity, shown

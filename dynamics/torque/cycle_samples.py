@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from typing import TypeGuard
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_array
+from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, finite_array, whole_number
 from dynamics.cycle import even_angles
 from dynamics.engine.gas_forces import Pressure, gas_forces
 from dynamics.engine.layout import EngineLayout

@@ -4,14 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from crankbase.checks.arrays import FloatArray, nonnegative_number
+from crankbase.checks.choices import check_choice
 from numpy.typing import ArrayLike
 
-from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.checks import FloatArray, nonnegative_number
 from dynamics.engine.forces import MechanismForces, mechanism_forces
 from dynamics.engine.gas_forces import Pressure
 from dynamics.engine.layout import EngineLayout

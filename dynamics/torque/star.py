@@ -7,6 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    finite_vector,
+    positive_vector,
+    read_only,
+)
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import new_axes
@@ -14,7 +21,6 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.checks import FloatArray, finite_array, finite_vector, positive_vector, read_only
 from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
 from dynamics.cycle import checked_strokes, order_step
 from dynamics.engine.layout import EngineLayout

@@ -3,8 +3,9 @@
 import math
 from collections.abc import Sequence
 
+from crankbase.checks.scalars import is_whole
+
 from crankbase.errors import InputError
-from dynamics.checks import is_whole
 from dynamics.engine.firing import IN_LINE
 from dynamics.engine.layout import EngineLayout
 

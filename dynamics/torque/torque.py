@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, nonnegative_number, read_only
+from crankbase.checks.scalars import is_whole
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE, new_axes
@@ -12,7 +14,6 @@ from crankbase.drawing.legends import legend_above, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from dynamics.checks import FloatArray, is_whole, nonnegative_number, read_only
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import Pressure
 from dynamics.engine.layout import EngineLayout

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray, finite_array, nonnegative_number
 from dynamics.places import node_index
 from dynamics.response.excitation import OrderExcitation
 from dynamics.transient.order_forces import OrderForces

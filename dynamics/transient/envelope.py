@@ -5,15 +5,16 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.choices import check_choice
+from crankbase.checks.scalars import whole_number
 
-from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
-from dynamics.checks import FloatArray, whole_number
 from dynamics.places import node_index
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.coordinates import time_axis

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.over_speed import OverSpeed
 from dynamics.transient.propagator import PLACES, POINTS

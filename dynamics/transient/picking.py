@@ -2,10 +2,11 @@
 
 from typing import Literal, NamedTuple, TypeAlias
 
-from crankbase.choices import check_choice
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.choices import check_choice
+
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray
 from dynamics.places import place_of
 from dynamics.plots.quantities import MOVING, SI_UNITS
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 from scipy.linalg import expm
 
-from dynamics.checks import FloatArray
 from dynamics.response.linear_system import LinearSystem
 
 # Forces are taken at so many Gauss points of each step; between them they are a polynomial.

@@ -6,15 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, positive_number
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
-from dynamics.checks import (
-    FloatArray,
-    positive_number,
-)
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.linear_system import LinearSystem
 from dynamics.transient.acting import ActingForces, LoadStep, Piece, even_pieces

@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING, Any
 
+from crankbase.checks.arrays import FloatArray
 from numpy.typing import ArrayLike
 
 from crankbase.tables.frames import grid
-from dynamics.checks import FloatArray
 from dynamics.plots.coordinates import name_axis, time_axis
 from dynamics.plots.over_time import RunCurve, plot_run
 from dynamics.transient.envelope import Envelope, envelope_over

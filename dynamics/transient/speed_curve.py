@@ -5,6 +5,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    finite_vector,
+    positive_number,
+    positive_vector,
+    read_only,
+)
+from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import new_axes
@@ -13,15 +22,6 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
-from dynamics.checks import (
-    FloatArray,
-    finite_array,
-    finite_vector,
-    positive_number,
-    positive_vector,
-    read_only,
-    whole_number,
-)
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import SPEED_LABEL
 

@@ -5,6 +5,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import (
+    ComplexArray,
+    FloatArray,
+    finite_array,
+    positive_number,
+)
+from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import new_axes
@@ -14,7 +21,6 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.quantity import show_quantity
 from dynamics.chains.chain import Chain
-from dynamics.checks import ComplexArray, FloatArray, finite_array, positive_number, whole_number
 from dynamics.cycle import even_angles
 from dynamics.plots.angle_curves import draw_over_angle
 from dynamics.plots.coordinates import angle_axis, name_axis

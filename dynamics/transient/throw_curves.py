@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
 
 from dynamics.chains.throw_inertias import cylinder_inertia
-from dynamics.checks import ComplexArray, FloatArray
 from dynamics.engine.forces import rod_models
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinders import CylinderForces

@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.checks import FloatArray
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.mechanism.rods import RodModelName

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray, positive_number
+from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import new_axes
@@ -13,7 +15,6 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.quantity import show_quantity
-from dynamics.checks import ComplexArray, FloatArray, positive_number, whole_number
 from dynamics.cycle import even_angles
 from dynamics.plots.angle_curves import draw_over_angle
 from dynamics.plots.coordinates import angle_axis, name_axis

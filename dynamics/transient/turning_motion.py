@@ -6,9 +6,9 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.errors import InputError
-from dynamics.checks import FloatArray
 from dynamics.transient.turning_chain import TurningChain
 
 IntegrationMethod = Literal["DOP853", "Radau"]

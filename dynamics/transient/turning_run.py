@@ -7,18 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_array, positive_number
+from crankbase.checks.scalars import whole_number
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.checks import (
-    MOST_TURNS,
-    FloatArray,
-    finite_array,
-    positive_number,
-    run_time,
-    too_many_turns,
-    whole_number,
-)
+from dynamics.running_limits import MOST_TURNS, run_time, too_many_turns
 from dynamics.transient.order_forces import cycle_turns
 from dynamics.transient.shaft_run import ShaftRun
 from dynamics.transient.steady import spring_torques

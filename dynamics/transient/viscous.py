@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+from crankbase.checks.arrays import positive_number
 from numpy.typing import ArrayLike
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
-from dynamics.checks import positive_number
 from dynamics.response.linear_system import LinearSystem, chain_system
 
 LossAs = Literal["viscous", "modal"]

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import ComplexArray, FloatArray
 
-from dynamics.checks import ComplexArray, FloatArray
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion, reduced_inertia

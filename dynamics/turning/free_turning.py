@@ -5,31 +5,29 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    finite_vector,
+    nonnegative_number,
+    read_only,
+)
+from crankbase.checks.choices import check_choice
+from crankbase.checks.scalars import whole_number
 from numpy.typing import ArrayLike
 
-from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
-from dynamics.checks import (
-    MOST_TURNS,
-    FloatArray,
-    finite_array,
-    finite_vector,
-    nonnegative_number,
-    read_only,
-    run_time,
-    too_many_turns,
-    whole_number,
-)
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rods import RodModelName
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import KILO
+from dynamics.running_limits import MOST_TURNS, run_time, too_many_turns
 from dynamics.turning.piston_gas import Gas
 from dynamics.turning.shaft_moments import Resistance, ShaftMoments, shaft_moments
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
-from dynamics.checks import FloatArray
 from dynamics.engine.gas_forces import Pressure, gas_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import piston_ends

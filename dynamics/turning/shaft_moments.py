@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_array
 
-from dynamics.checks import FloatArray, finite_array
 from dynamics.engine.forces import rod_models
 from dynamics.engine.layout import EngineLayout
 from dynamics.mechanism.rods import RodModelName

@@ -6,6 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import (
+    FloatArray,
+    finite_array,
+    positive_number,
+    read_only,
+)
+from crankbase.checks.scalars import whole_number
 
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
@@ -13,15 +20,8 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
-from dynamics.checks import (
-    FloatArray,
-    finite_array,
-    positive_number,
-    read_only,
-    turns_followed,
-    whole_number,
-)
 from dynamics.plots.angle_curves import draw_over_angle
+from dynamics.running_limits import turns_followed
 from dynamics.turning.given_functions import checked_inertia, checked_moment
 
 if TYPE_CHECKING:

@@ -1,8 +1,7 @@
 """The kinetic energy with which a shaft turns at a wanted mean speed, the energy gained being known."""
 
 import numpy as np
-
-from dynamics.checks import FloatArray
+from crankbase.checks.arrays import FloatArray
 
 # A shaft that has less than this share of the swing of energy left at its slowest is taken as not
 # coming round.

@@ -5,12 +5,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray, finite_array, positive_number
+from crankbase.checks.scalars import whole_number
 
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.checks import FloatArray, finite_array, positive_number, turns_followed, whole_number
 from dynamics.cycle import even_angles
+from dynamics.running_limits import turns_followed
 from dynamics.turning.given_functions import checked_inertia, checked_moment
 from dynamics.turning.speed_over_angle import (
     Inertia,

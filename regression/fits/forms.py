@@ -13,9 +13,9 @@ from fractions import Fraction
 from typing import Literal
 
 import numpy as np
+from crankbase.checks.scalars import is_number
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.choices import is_number
 from crankbase.errors import InputError
 from regression.fits.terms import Term, code, expand, natural_shift, polynomial_terms
 

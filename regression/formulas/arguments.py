@@ -2,7 +2,8 @@
 
 import math
 
-from crankbase.choices import is_number
+from crankbase.checks.scalars import is_number
+
 from crankbase.errors import InputError, quoted
 
 

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from crankbase.choices import is_number
+from crankbase.checks.scalars import is_number
+
 from crankbase.errors import InputError
 
 

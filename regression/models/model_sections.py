@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from crankbase.checks.choices import check_not_given
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.choices import check_not_given
 from crankbase.drawing.diagram_style import BLUE, RED, new_axes
 from crankbase.drawing.legends import shown_unit, write_title
 from crankbase.errors import InputError

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
+from crankbase.checks.scalars import is_number
 
-from crankbase.choices import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.units.quantity import show_quantity

@@ -4,8 +4,9 @@ import subprocess
 from collections.abc import Mapping
 from typing import Any
 
+from crankbase.checks.scalars import is_number
+
 from crankbase.calls import GIGABYTE, CallProcess, Limits, Message, Messages, answered
-from crankbase.choices import is_number
 from crankbase.errors import InputError
 from crankbase.processes import start_child
 

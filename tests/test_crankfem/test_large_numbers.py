@@ -1,9 +1,10 @@
 """Numbers that no float holds, given to the functions of Python: refused in a sentence."""
 
 import pytest
+from crankbase.checks.arrays import finite_array, positive_number
+from crankbase.checks.scalars import whole_number
 
 from crankbase.errors import InputError
-from dynamics.checks import finite_array, positive_number, whole_number
 from dynamics.places import values_at_nodes
 from dynamics.turning.given_functions import checked_inertia
 from fem.dynamic_shaft import natural_modes

@@ -4,6 +4,17 @@ import math
 
 import numpy as np
 import pytest
+from crankbase.checks.arrays import (
+    HIGHEST_SPEED,
+    LARGEST,
+    SMALLEST,
+    finite_array,
+    nonnegative_number,
+    positive_number,
+    positive_vector,
+    turning_speeds,
+)
+from dynamics.running_limits import at_most, within
 
 from comparing import close
 from crankbase.errors import InputError
@@ -12,18 +23,6 @@ from dynamics.assessment.limits import LimitCurve, axial_force_limit, given_limi
 from dynamics.balance.balance import balance
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_elements import ShaftCone
-from dynamics.checks import (
-    HIGHEST_SPEED,
-    LARGEST,
-    SMALLEST,
-    at_most,
-    finite_array,
-    nonnegative_number,
-    positive_number,
-    positive_vector,
-    turning_speeds,
-    within,
-)
 from dynamics.crankshaft.surroundings import AxialSupport
 from dynamics.critical import critical_speeds, engine_orders
 from dynamics.engine.cylinder import EngineCylinder

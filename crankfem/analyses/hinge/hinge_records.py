@@ -3,11 +3,11 @@
 import math
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.units.units import RPM
 from crankfem.analyses.hinge.hinge_run import HingeRun, OtherSpeed
 from crankfem.analyses.record import Record, assumed_values
-from dynamics.checks import FloatArray
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
 from dynamics.turning.speed_over_angle import SpeedOverAngle

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from crankbase.checks.choices import check_choice
 
-from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.errors import InputError
 from crankbase.summaries import summarized

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.tables.table import listed
 from crankbase.units.units import RPM
@@ -11,7 +12,6 @@ from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
 from crankfem.analyses.record import Record, assumed_values
 from crankfem.files.engine.mechanism_file import MechanismFile
-from dynamics.checks import FloatArray
 from dynamics.engine.forces import pin_groups
 from dynamics.engine.loads import LoadDiagram
 

@@ -4,7 +4,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from crankbase.choices import check_choice, check_not_given
+from crankbase.checks.choices import check_choice, check_not_given
+from crankbase.checks.scalars import is_whole
+
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
@@ -13,7 +15,6 @@ from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of, wi
 from crankfem.files.sections.pressure_input import motored_pressures
 from dynamics.balance.balance import Balance, balance
 from dynamics.balance.hinged_rods import HingedRodEffects, hinged_rod_effects
-from dynamics.checks import is_whole
 from dynamics.engine.forces import MechanismForces, mechanism_forces, pin_groups
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.loads import LoadDiagram, crankpin_loads, main_bearing_loads

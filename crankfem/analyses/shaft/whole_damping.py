@@ -1,9 +1,9 @@
 """Damping of a whole crankshaft: that of the engine's chains, by the kind of motion."""
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.checks import FloatArray
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.choices import check_choice, check_not_given
 
-from crankbase.choices import check_choice, check_not_given
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table_of
@@ -22,7 +23,6 @@ from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.analyses.shaft.whole_damping import damping_remarks, modal_damping
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.checks import FloatArray
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.chain_comparison import (
     FREQUENCY_LIMIT,

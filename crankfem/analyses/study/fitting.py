@@ -7,9 +7,9 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from crankbase.checks.choices import check_choice, check_not_given
 from numpy.typing import NDArray
 
-from crankbase.choices import check_choice, check_not_given
 from crankbase.drawing.bars import draw_rows
 from crankbase.drawing.diagram_style import math_symbol, new_axes
 from crankbase.drawing.legends import shown_unit, write_title

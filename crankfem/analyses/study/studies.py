@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from crankbase.choices import check_choice, check_not_given
+from crankbase.checks.choices import check_choice, check_not_given
+
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.summaries import summarized

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from crankbase.checks.arrays import positive_number
 
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import shown_unit, write_title
 from crankbase.errors import InputError
-from dynamics.checks import positive_number
 from fem.material import STEEL, Material
 from fem.plots.over_angle import ANGLES_DEG
 from fem.throw_analysis import ThrowAnalysis

@@ -5,7 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from crankbase.choices import check_choice
+from crankbase.checks.choices import check_choice
+
 from crankbase.drawing.bars import PALE, draw_rows
 from crankbase.drawing.diagram_style import BLUE, new_axes
 from crankbase.drawing.legends import write_title

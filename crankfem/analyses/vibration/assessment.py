@@ -4,8 +4,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.choices import check_choice
+from dynamics.running_limits import within
 
-from crankbase.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
@@ -25,7 +27,6 @@ from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import Samples, chain_samples, frequency_bounds
 from dynamics.assessment.verdict import LimitCheck, Verdict, judge
 from dynamics.chains.chain import Chain
-from dynamics.checks import FloatArray, within
 from dynamics.critical import engine_orders
 from dynamics.response.forced import forced_response
 from dynamics.response.synthesis import synthesis

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from dynamics.running_limits import within
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
@@ -18,7 +19,6 @@ from crankfem.files.sections.excitation_input import (
     motored_for_misfire,
 )
 from dynamics.chains.engine_chains import EngineChain, Kind
-from dynamics.checks import within
 from dynamics.critical import engine_orders
 from dynamics.excitation.axial_comparison import AxialForceComparison, compare_axial_forces
 from dynamics.excitation.combined import combined_excitation

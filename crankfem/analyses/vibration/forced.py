@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.choices import check_choice, check_not_given
 from numpy.typing import ArrayLike
 
-from crankbase.choices import check_choice, check_not_given
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
@@ -32,7 +33,6 @@ from dynamics.assessment.barred_ranges import judged_to
 from dynamics.assessment.limits import usage
 from dynamics.assessment.worst_speeds import refined_maxima
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.checks import FloatArray
 from dynamics.critical import major_orders
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics

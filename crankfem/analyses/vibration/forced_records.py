@@ -1,12 +1,12 @@
 """Forced vibration as plain numbers, and the columns of its file."""
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.units.units import RPM
 from crankfem.analyses.record import ASSUMED, Record, finite_or_none
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.vibration.forced import ForcedVibration
-from dynamics.checks import FloatArray
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.response.series import OrderSeries
 

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
+from crankbase.checks.choices import check_choice, check_not_given
+from crankbase.checks.scalars import whole_number
 from numpy.typing import NDArray
 
-from crankbase.choices import check_choice, check_not_given
 from crankbase.drawing.bars import draw_rows
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
@@ -27,7 +29,6 @@ from crankfem.analyses.vibration.engine_limits import judged_ends
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.chain_modes import Modes
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.checks import FloatArray, whole_number
 from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, vector_sums
 from fem.shaft import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel

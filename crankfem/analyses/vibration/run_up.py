@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
@@ -12,7 +13,6 @@ from crankbase.tables.frames import table
 from crankbase.units.quantity import parse_quantity
 from crankfem.analyses.shaft.chains import magnifier_of
 from crankfem.analyses.vibration.run import EngineVibration
-from dynamics.checks import FloatArray
 from dynamics.transient.envelope import Envelope
 from dynamics.transient.picking import axis_names
 from dynamics.transient.run import TransientMotion, transient_motion

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from crankbase.checks.arrays import positive_number
+
 from crankbase.errors import InputError
 from crankfem.files.chain.chain_sections import (
     AxialChainSection,
@@ -22,7 +24,6 @@ from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.chains.editing import with_damper
 from dynamics.chains.links import Dashpot, Gear
 from dynamics.chains.shaft_elements import ShaftCone, shaft_cylinder, shaft_flange
-from dynamics.checks import positive_number
 from fem.material import Material
 
 Section = TorsionalChainSection | AxialChainSection

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.units.quantity import show_quantity
 from crankbase.units.units import RPM
-from dynamics.checks import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

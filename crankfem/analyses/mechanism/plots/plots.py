@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
+from crankbase.checks.arrays import FloatArray
+
 from crankbase.drawing.diagram_style import figure
-from dynamics.checks import FloatArray
 from dynamics.harmonics import Harmonics
 from dynamics.plots.bars import draw_harmonics
 from dynamics.plots.sampled_torque import draw_samples

@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from crankbase.checks.arrays import finite_array
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import figure
 from crankfem.analyses.titles import add_title
-from dynamics.checks import finite_array
 from dynamics.plots.campbell import Meeting, draw_campbell
 from dynamics.plots.quantities import Quantity
 from dynamics.plots.speed_curves import MAIN_ORDERS

@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from crankbase.checks.arrays import finite_vector
 from numpy.typing import ArrayLike
 
 from crankbase.drawing.diagram_style import figure
 from crankbase.errors import InputError
 from crankfem.analyses.titles import add_title
-from dynamics.checks import finite_vector
 from dynamics.plots.over_time import draw_speed
 from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.transient.picking import Moving

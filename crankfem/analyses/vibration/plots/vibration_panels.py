@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+from crankbase.checks.arrays import FloatArray
 
 from crankbase.drawing.diagram_style import BLUE
 from crankbase.drawing.legends import legend_inside
-from dynamics.checks import FloatArray
 from dynamics.plots.mode_shapes import draw_chain_shapes
 
 if TYPE_CHECKING:
