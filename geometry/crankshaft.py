@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.calls import ProcessLostError
 from crankbase.checks.arrays import finite_vector
 from crankbase.errors import InputError, MeshError
 from crankbase.summaries import summarized
 from crankbase.units.quantity import show_quantity
 from geometry.balance import Unbalance, unbalance
 from geometry.gmsh_session import gmsh_errors, gmsh_session
-from geometry.isolated import ProcessLostError, shared_process
+from geometry.isolated import shared_process
 from geometry.mass import (
     MassProperties,
     check_density,

@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from geometry.isolated import IsolatedProcess, ProcessLostError, shared_process
+from geometry.isolated import IsolatedProcess, shared_process
 from geometry.parts import Cylinder
 from geometry.sizes import (
     SizePlan,

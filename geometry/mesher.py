@@ -2,10 +2,11 @@
 
 from typing import Any
 
+from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError, MeshError
 from geometry.imported import ImportedThrow
 from geometry.imported_mesh import mesh_imported_throw, predict_imported_unknowns
-from geometry.isolated import IsolatedProcess, ProcessLostError, shared_process
+from geometry.isolated import IsolatedProcess, shared_process
 from geometry.mesh import LADDER, ThrowMesh, mesh_throw
 from geometry.size_map import SizeMap
 from geometry.sizes import predict_unknowns

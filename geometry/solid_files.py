@@ -4,12 +4,13 @@ import math
 import re
 from pathlib import Path
 
+from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError, MeshError
 from crankbase.outputs import write_text
 from crankbase.processes import scratch_folder
 from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.gmsh_session import gmsh_errors, gmsh_session
-from geometry.isolated import ProcessLostError, shared_process
+from geometry.isolated import shared_process
 from geometry.mesh import checked_part
 from geometry.mesh_checks import check_solid, solid_properties
 from geometry.mesher import TIME_LIMIT

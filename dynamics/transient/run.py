@@ -11,14 +11,11 @@ from numpy.typing import ArrayLike
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
-from dynamics.plots.coordinates import name_axis, time_axis
-from dynamics.plots.over_time import RunCurve, plot_run
 from dynamics.response.excitation import OrderExcitation
 from dynamics.response.linear_system import LinearSystem
 from dynamics.transient.acting import ActingForces, LoadStep, Piece, even_pieces
-from dynamics.transient.envelope import Envelope, envelope_over
+from dynamics.transient.envelope import Envelope
 from dynamics.transient.order_forces import (
     USUAL_REACH,
     checked_step,
@@ -26,14 +23,14 @@ from dynamics.transient.order_forces import (
     missed_at_middle,
     sampling_note,
 )
-from dynamics.transient.picking import Moving, axis_names, pick, units_of
+from dynamics.transient.picking import Moving, units_of
 from dynamics.transient.propagator import PLACES, Propagator, StateSpace
+from dynamics.transient.shaft_run import ShaftRun
 from dynamics.transient.speed_curve import SpeedCurve
 from dynamics.transient.steady import spring_torques, steady_from
 from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from xarray import Dataset
 
 # Steps between two reports of progress.
@@ -46,7 +43,7 @@ SAME_STEP = 1e-11
 
 @summarized("time [s]", "shaft_speed [rad/s]", "torque", "complete", "force_error", "notes")
 @dataclass(frozen=True, eq=False)
-class TransientMotion:
+class TransientMotion(ShaftRun):
     """How a chain or system moved.
 
     Parameters
@@ -113,62 +110,7 @@ class TransientMotion:
         InputError
             If the run is shorter than one window.
         """
-        return envelope_over(
-            self.time,
-            self.shaft_speed,
-            self.shaft_angle,
-            self.motion + self.rigid_motion if rigid else self.motion,
-            self.torque,
-            self.turns if turns is None else turns,
-        )
-
-    def plot(
-        self,
-        axes: "Axes | None" = None,
-        place: int | str = 0,
-        *,
-        quantity: Moving = "torque",
-        steady: tuple[ArrayLike, ArrayLike] | None = None,
-        turns: int | None = None,
-    ) -> "Axes":
-        """Draw the extremes of one element or node over the time, and its amplitude.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
-        place : int or str, optional
-            Element, or node for "twist" and "displacement", by number from 0 or name.
-        quantity : {"torque", "force", "twist", "displacement"}, optional
-            Torque or force in the spring of an element, or twist or displacement of a node.
-        steady : (speeds [rad/s], amplitudes), optional
-            Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
-        turns : int, optional
-            Of the shaft for which one amplitude is taken; by default after which the run repeats.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            If it is not the run of a chain, there is no such place or quantity, the run is shorter than
-            one window of its envelope, or steady amplitudes do not fit their speeds.
-        """
-        picked = pick(self.system.chain, quantity, place, self.motion, self.torque)
-        envelope = self.envelope(turns)
-        both = envelope.torque if picked.of_element else envelope.motion
-        curve = RunCurve(
-            picked.values,
-            envelope.time,
-            picked.factor * both[:, picked.number],
-            envelope.turns,
-            picked.factor,
-            picked.label,
-            picked.name,
-        )
-        return plot_run(axes, self.time, self.shaft_speed, curve, steady)
+        return self._envelope(self.motion + self.rigid_motion if rigid else self.motion, turns)
 
     def to_xarray(self, quantity: Moving | None = None) -> "Dataset":
         """Return speed, angle, motions and torques over time, node and element.
@@ -191,22 +133,9 @@ class TransientMotion:
         MissingLibraryError
             If xarray is not installed.
         """
-        moved, loaded = units_of(quantity)
-        nodes, elements = axis_names(self.system.chain, self.motion.shape[1], self.torque.shape[1])
-        return grid(
-            {
-                "shaft_speed": (("time",), self.shaft_speed, "rad/s", "shaft speed"),
-                "shaft_angle": (("time",), self.shaft_angle, "rad", "shaft angle"),
-                "motion": (("time", "node"), self.motion, moved, "motion beside even turning"),
-                "rigid_motion": (("time", "node"), self.rigid_motion, moved, "rigid-body motion"),
-                "torque": (("time", "element"), self.torque, loaded, "load of the spring"),
-            },
-            {
-                "time": time_axis(self.time),
-                "node": name_axis(nodes, "node"),
-                "element": name_axis(elements, "element"),
-            },
-        )
+        moved, _ = units_of(quantity)
+        rigid = (("time", "node"), self.rigid_motion, moved, "rigid-body motion")
+        return self._grid(quantity, rigid_motion=rigid)
 
 
 def transient_motion(

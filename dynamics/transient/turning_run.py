@@ -7,26 +7,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, finite_array, positive_number
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
-from dynamics.plots.coordinates import name_axis, time_axis
-from dynamics.plots.over_time import RunCurve, plot_run
 from dynamics.running_limits import MOST_TURNS, run_time, too_many_turns
-from dynamics.transient.envelope import Envelope, envelope_over
 from dynamics.transient.order_forces import cycle_turns
-from dynamics.transient.picking import Moving, axis_names, pick, units_of
+from dynamics.transient.shaft_run import ShaftRun
 from dynamics.transient.steady import spring_torques
 from dynamics.transient.turning_chain import TurningChain
 from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
 from dynamics.transient.viscous import ViscousSystem
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from xarray import Dataset
 
 # The shaft stops where its speed has fallen to this share within about a turn.
@@ -38,7 +32,7 @@ Load = Callable[[float, float], float]
 
 @summarized("time [s]", "speed [rad/s]", "turns", "complete", "energy_error", "notes")
 @dataclass(frozen=True, eq=False)
-class TurningRun:
+class TurningRun(ShaftRun):
     """How a shaft turned by itself.
 
     Parameters
@@ -89,71 +83,6 @@ class TurningRun:
         done = self.gas_work + self.load_work + self.damping_work
         return float(np.max(np.abs(energy - energy[0] - done)) / np.max(energy))
 
-    def envelope(self, turns: int | None = None) -> Envelope:
-        """Return the amplitudes in windows of so many turns; by default as gas and inertia repeat.
-
-        Raises
-        ------
-        InputError
-            If the run is shorter than one window.
-        """
-        return envelope_over(
-            self.time,
-            self.shaft_speed,
-            self.shaft_angle,
-            self.motion,
-            self.torque,
-            self.turns if turns is None else turns,
-        )
-
-    def plot(
-        self,
-        axes: "Axes | None" = None,
-        place: int | str = 0,
-        *,
-        quantity: Moving = "torque",
-        steady: tuple[ArrayLike, ArrayLike] | None = None,
-        turns: int | None = None,
-    ) -> "Axes":
-        """Draw the extremes of one element or node over the time, and its amplitude.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
-        place : int or str, optional
-            Element, or node for "twist" and "displacement", by number from 0 or name.
-        quantity : {"torque", "force", "twist", "displacement"}, optional
-            Torque or force in the spring of an element, or twist or displacement of a node.
-        steady : (speeds [rad/s], amplitudes), optional
-            Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
-        turns : int, optional
-            Of the shaft for which one amplitude is taken; by default after which the run repeats.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            If it is not the run of a chain, there is no such place or quantity, the run is shorter than
-            one window of its envelope, or steady amplitudes do not fit their speeds.
-        """
-        picked = pick(self.system.chain, quantity, place, self.motion, self.torque)
-        envelope = self.envelope(turns)
-        both = envelope.torque if picked.of_element else envelope.motion
-        curve = RunCurve(
-            picked.values,
-            envelope.time,
-            picked.factor * both[:, picked.number],
-            envelope.turns,
-            picked.factor,
-            picked.label,
-            picked.name,
-        )
-        return plot_run(axes, self.time, self.shaft_speed, curve, steady)
-
     def to_xarray(self) -> "Dataset":
         """Return speed, angle, motions, torques, energies and works over time, node and element.
 
@@ -167,26 +96,11 @@ class TurningRun:
         MissingLibraryError
             If xarray is not installed.
         """
-        moved, loaded = units_of("twist")
-        nodes, elements = axis_names(self.system.chain, self.motion.shape[1], self.torque.shape[1])
-        return grid(
-            {
-                "shaft_speed": (("time",), self.shaft_speed, "rad/s", "shaft speed"),
-                "shaft_angle": (("time",), self.shaft_angle, "rad", "shaft angle"),
-                "motion": (("time", "node"), self.motion, moved, "motion beside even turning"),
-                "speed": (("time", "node"), self.speed, "rad/s", "speed of the node"),
-                **{
-                    name: (("time",), getattr(self, name), "J", name.replace("_", " "))
-                    for name in ENERGIES
-                },
-                "torque": (("time", "element"), self.torque, loaded, "load of the spring"),
-            },
-            {
-                "time": time_axis(self.time),
-                "node": name_axis(nodes, "node"),
-                "element": name_axis(elements, "element"),
-            },
-        )
+        energies = {
+            name: (("time",), getattr(self, name), "J", name.replace("_", " ")) for name in ENERGIES
+        }
+        speed = (("time", "node"), self.speed, "rad/s", "speed of the node")
+        return self._grid("twist", speed=speed, **energies)
 
 
 def turn_under_gas(

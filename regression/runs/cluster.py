@@ -13,12 +13,12 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Protocol
 
+from crankbase.calls import Limits
 from crankbase.errors import InputError
 from regression.plans.plan import MODEL_VERSION
 from regression.records import Outcome
 from regression.runs.interrupts import interrupts_deferred, interrupts_ignored
 from regression.runs.shelf import shared_shelf
-from regression.runs.supervised import Limits
 from regression.runs.work_list import WorkList
 
 # Seconds between two looks at the tasks if none has woken the loop, and at the list of workers.

@@ -10,10 +10,10 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from importlib import import_module
 from typing import Any
 
+from crankbase.calls import Limits
 from crankbase.errors import InputError, MissingLibraryError
 from regression.records import StudyStoppedError
 from regression.runs.cluster import Task, TaskLostError, compute_design, end_run, identity
-from regression.runs.supervised import Limits
 
 # Seconds to wait for the scheduler to answer, and for a result that it says is there.
 CONNECT, FETCH = 10.0, 30.0

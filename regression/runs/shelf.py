@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-from regression.runs.supervised import Limits, Loss, SupervisedProcess
+from crankbase.calls import Limits, ProcessLostError
+from regression.runs.supervised import SupervisedProcess
 
 # Seconds after which a process that nobody asks any more is ended.
 IDLE = 60.0
@@ -42,10 +43,13 @@ class Shelf:
         process = self._take(run)
         if process is None:
             return {"worker": "", "lost": "the run was stopped", "seconds": 0.0}
-        answer = process.compute(request, limits)
-        self._put_back(process, alive=not isinstance(answer, Loss))
-        if isinstance(answer, Loss):
-            return {"worker": process.name, "lost": answer.reason, "seconds": answer.seconds}
+        process.compute(request)
+        try:
+            _, answer = process.wait(limits)
+        except ProcessLostError as loss:
+            self._put_back(process, alive=False)
+            return {"worker": process.name, "lost": str(loss), "seconds": loss.seconds}
+        self._put_back(process, alive=True)
         return {"worker": process.name, "answer": answer}
 
     def end_run(self, run: str) -> None:

@@ -2,6 +2,7 @@
 
 import sqlite3
 
+from fem.responses import RESPONSES
 from regression.runs.store_rows import (
     CHECKSUM,
     EXTRA,
@@ -33,24 +34,6 @@ DIMENSIONS = (
     "pin_bore",
     "web_outline",
 )
-RESPONSES = (
-    "axial_compliance_pinned",
-    "axial_compliance_guided",
-    "axial_compliance_opposite",
-    "axial_compliance_in_line",
-    "tilt_stiffness_ratio",
-    "torsional_compliance_pinned",
-    "torsional_compliance_guided",
-    "influence_coefficient_pinned",
-    "influence_coefficient_guided",
-    "influence_coefficient_opposite",
-    "influence_coefficient_in_line",
-    "axial_reaction_pinned",
-    "axial_reaction_guided",
-    "mass",
-    "fillet_stress_factor",
-)
-
 TABLES = (
     """
     CREATE TABLE IF NOT EXISTS designs (

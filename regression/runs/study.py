@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from crankbase.calls import Limits
 from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
 from regression.plans.plan import (
@@ -22,7 +23,7 @@ from regression.runs.store import ResultStore, is_database
 from regression.runs.store_results import read_store
 from regression.runs.store_rows import told_of
 from regression.runs.study_table import StudyTable, study_table
-from regression.runs.supervised import Limits, design_limits
+from regression.runs.supervised import design_limits
 from regression.runs.workers import run_designs
 from regression.throw_values import SAME
 

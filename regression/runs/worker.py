@@ -1,14 +1,11 @@
-"""A worker process: reads designs as JSON lines, answers with their responses as JSON lines.
+"""What a worker process does: it computes the responses of designs.
 
-Started by `regression.runs.supervised`, as a child that ends with its coordinator.
+`regression.runs.supervised` starts it, as a child that ends with its coordinator.
 """
 
-import json
 import math
-import os
-import sys
 import time
-from typing import Any, TextIO
+from typing import Any
 
 from fem.material import Material
 from fem.responses import ThrowResponses, evaluate_throw
@@ -61,34 +58,22 @@ def _of_the_machine(error: BaseException | None) -> bool:
     return False
 
 
-def serve(requests: TextIO, answers: TextIO) -> None:
-    """Answer requests until there are no more.
+def answer(request: dict[str, Any]) -> dict[str, Any]:
+    """Answer the request for a design.
 
     An answer holds ``responses``, or the ``reason`` why the design has none, or ``lost``: what kept the
     machine from computing it, such as a full disk.
     """
-    for line in requests:
-        request = json.loads(line)
-        start = time.perf_counter()
-        answer: dict[str, Any] = {"key": request["key"]}
-        try:
-            found = evaluate_design(request["inputs"])
-            answer["responses"] = _numbers_only(found.values)
-            answer["errors"] = _numbers_only(found.errors, "the error of ")
-            answer["unknowns"] = found.unknowns
-        except Exception as error:  # the design fails, with its reason; the worker goes on
-            kind = "lost" if _of_the_machine(error) else "reason"
-            answer = {"key": request["key"], kind: f"{type(error).__name__}: {error}"}
-        answer["seconds"] = time.perf_counter() - start
-        print(json.dumps(answer), file=answers, flush=True)
-
-
-def main() -> None:
-    """Serve on standard input and output, whatever libraries may print."""
-    answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)
-    serve(sys.stdin, answers)
-
-
-if __name__ == "__main__":
-    main()
+    start = time.perf_counter()
+    made: dict[str, Any]
+    try:
+        found = evaluate_design(request["inputs"])
+        made = {
+            "responses": _numbers_only(found.values),
+            "errors": _numbers_only(found.errors, "the error of "),
+            "unknowns": found.unknowns,
+        }
+    except Exception as error:  # the design fails, with its reason; the worker goes on
+        kind = "lost" if _of_the_machine(error) else "reason"
+        made = {kind: f"{type(error).__name__}: {error}"}
+    return {"key": request["key"], **made, "seconds": time.perf_counter() - start}

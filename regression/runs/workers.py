@@ -1,12 +1,14 @@
 """Local worker processes: a crash or a hang costs one design, not the study."""
 
-import selectors
+import contextlib
 from collections.abc import Callable, Iterable, Mapping
+from queue import Empty, SimpleQueue
 from typing import Any
 
+from crankbase.calls import WATCH, Limits, Message, Messages, ProcessLostError
 from regression.records import Outcome
 from regression.runs.interrupts import interrupts_deferred
-from regression.runs.supervised import WATCH, Limits, Loss, SupervisedProcess
+from regression.runs.supervised import TIME_LIMIT, SupervisedProcess
 from regression.runs.work_list import WorkList
 
 
@@ -35,59 +37,55 @@ def run_designs(
     then recorded as lost, for a later run to try again. On an exception here (Ctrl-C included) all
     workers are ended; what arrived is kept, for Ctrl-C waits while an answer is taken and stored.
     """
-    limits = limits or Limits()
+    limits = limits or Limits(TIME_LIMIT)
     work = WorkList(designs)
     # Each process with the key of the design it works on.
     pool: dict[SupervisedProcess, str] = {}
-    selector = selectors.DefaultSelector()
+    messages: Messages = SimpleQueue()
 
     def start() -> None:
         request = work.take()
         if request is not None:
-            process = SupervisedProcess()
+            process = SupervisedProcess(messages)
             pool[process] = request["key"]
-            selector.register(process, selectors.EVENT_READ)
-            process.give(request)
+            process.compute(request)
 
-    def dismiss(process: SupervisedProcess) -> None:
-        selector.unregister(process)
-        process.end()
-        del pool[process]
-
-    def lose(process: SupervisedProcess, loss: Loss) -> None:
-        outcome = work.lost(pool[process], loss.reason, loss.seconds, process.name)
-        dismiss(process)
+    def lose(process: SupervisedProcess, loss: ProcessLostError) -> None:
+        outcome = work.lost(pool.pop(process), str(loss), loss.seconds, process.name)
         start()
         if outcome is not None:
             on_outcome(outcome)
 
-    def settle(process: SupervisedProcess) -> None:
-        answer = process.read()
-        if isinstance(answer, Loss):
-            lose(process, answer)
+    def settle(process: SupervisedProcess, message: Message) -> None:
+        try:
+            _, answer = process.take(message)
+        except ProcessLostError as loss:
+            lose(process, loss)
             return
         # The process works on while the answer is stored.
         request = work.take()
         if request is None:
-            dismiss(process)
+            del pool[process]
+            process.end()
         else:
             pool[process] = request["key"]
-            process.give(request)
+            process.compute(request)
         on_outcome(work.answered(answer, process.name))
 
     try:
         for _ in range(min(workers, len(work))):
             start()
         while pool:
-            for event, _ in selector.select(timeout=WATCH):
-                assert isinstance(event.fileobj, SupervisedProcess)
-                with interrupts_deferred():
-                    settle(event.fileobj)
+            with contextlib.suppress(Empty):
+                process, message = messages.get(timeout=WATCH)
+                if process in pool:  # no last word of one that was ended
+                    with interrupts_deferred():
+                        settle(process, message)
             for process in list(pool):
-                loss = process.watch(limits)
-                if loss is not None:
+                try:
+                    process.watch(limits)
+                except ProcessLostError as loss:
                     lose(process, loss)
     finally:
         for process in pool:
             process.end()
-        selector.close()

@@ -17,7 +17,7 @@ from study_tools import coordinator, rows, said, study, total, wait_for
 def kill_a_worker(process) -> bool:
     """Kill one of the worker processes of a coordinator."""
     for child in psutil.Process(process.pid).children():
-        if "regression.runs.worker" in child.cmdline():
+        if "crankbase.calls" in child.cmdline():
             child.kill()
             return True
     return False

@@ -14,6 +14,7 @@ import pytest
 
 from crankfem.cli.console import pace
 from fem.responses import RESPONSES
+from puppets import PRELUDE, puppet
 from regression.records import StudyStoppedError
 from regression.runs import store as store_module
 from regression.runs import supervised
@@ -22,17 +23,15 @@ from regression.runs.store import ResultStore
 NAMES = [name for name in RESPONSES if name != "fillet_stress_factor"]
 ROOT = Path(__file__).resolve().parents[2]
 PUPPET = f"""
-import json, sys, time
-for line in sys.stdin:
-    request = json.loads(line)
+for request in requests():
     throw = request["inputs"]["throw"]
     if throw["web_width"] == 0.299:
         time.sleep(600)
     value = 1e-9 * (0.3 / throw["web_width"]) * (throw["pin_length"] / 0.139)
     responses = {{name: (n + 1.0) * value for n, name in enumerate({NAMES!r})}}
     errors = dict.fromkeys(responses, 0.004)
-    answer = {{"key": request["key"], "responses": responses, "errors": errors, "seconds": 0.1}}
-    print(json.dumps(answer | {{"unknowns": 9}}), flush=True)
+    found = {{"key": request["key"], "responses": responses, "errors": errors, "seconds": 0.1}}
+    answer(found | {{"unknowns": 9}})
 """
 THROW = """
 [throw]
@@ -59,9 +58,7 @@ pin_length = ["120 mm", "139 mm", "158 mm"]
 @pytest.fixture
 def study(tmp_path, monkeypatch):
     def spawn():
-        return subprocess.Popen(
-            [sys.executable, "-S", "-c", PUPPET], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-        )
+        return puppet(PUPPET)
 
     monkeypatch.setattr(supervised, "spawn_worker", spawn)
     monkeypatch.chdir(tmp_path)
@@ -256,7 +253,7 @@ def test_ctrl_c_says_how_many_designs_are_kept(study, tmp_path):
     process = subprocess.Popen(
         [sys.executable, "-c", INTERRUPTED, "doe", study, "--workers", "3"],
         cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(ROOT), "PUPPET": PUPPET},
+        env=os.environ | {"PYTHONPATH": str(ROOT), "PUPPET": PRELUDE + PUPPET},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -18,7 +18,6 @@ from crankfem.analyses.throw.pictures.solid_picture import (
 )
 from crankfem.analyses.throw.pictures.solid_surface import (
     ENDS,
-    SolidSurface,
     shaft_surface,
     throw_surface,
 )
@@ -154,9 +153,8 @@ def check_picture(path, pixels):
 class RenderedHere:
     """What the process that renders does, in this one, which is soon ready for it."""
 
-    def __init__(self, _module, arrays, folder):
-        surface = {name: arrays[name] for name in ("points", "triangles", "kinds")}
-        render(SolidSurface(**surface), arrays["view"], int(arrays["pixels"]), folder / PICTURE)
+    def __init__(self, _function, folder, *arguments):
+        render(*arguments, folder)
 
     def wait(self):
         pass
@@ -199,7 +197,7 @@ def test_pictures_from_the_command_line(opengl, call, tmp_path):
 class Pretended:
     """A rendering that writes something at once."""
 
-    def __init__(self, _module, _arrays, folder):
+    def __init__(self, _function, folder, *_):
         (folder / PICTURE).write_bytes(b"picture")
 
     def wait(self):

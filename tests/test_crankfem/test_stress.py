@@ -277,7 +277,7 @@ def test_pictures_that_cannot_be_made_say_why(found, monkeypatch, tmp_path):
 
 def test_folder_that_cannot_be_written(found, monkeypatch, tmp_path):
     class Made:
-        def __init__(self, _, arrays, target):
+        def __init__(self, _, target, arrays):
             for name in arrays["files"]:
                 (target / str(name)).write_bytes(b"picture")
 

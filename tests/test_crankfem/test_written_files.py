@@ -102,7 +102,7 @@ def lightly_stressed(lightly, monkeypatch):
     """Pictures of stresses that show nothing, in no time."""
 
     class Empty:
-        def __init__(self, _, arrays, folder):
+        def __init__(self, _, folder, arrays):
             for name in arrays["files"]:
                 (folder / str(name)).write_bytes(b"a picture")
 

@@ -3,7 +3,6 @@ import io
 import re
 import shlex
 import shutil
-import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ import pytest
 from crankfem.analyses.throw.pictures import stress_picture
 from crankfem.cli import app as cli
 from crankfem.jobs.pipeline import RunResult, run_engine
+from puppets import puppet
 from regression.runs import supervised
 from stand_ins import draw_nothing, lighten, put_everywhere
 
@@ -116,7 +116,6 @@ def _last_digit(number):
 
 # A worker that answers designs by power laws: that studies compute what they should is tested elsewhere.
 STAND_IN = """
-import json, sys
 SIZES = {
     "axial_compliance_pinned": (1.3e-9, -1.0), "axial_compliance_guided": (0.26e-9, -0.5),
     "axial_compliance_opposite": (1.3e-9, -1.0), "axial_compliance_in_line": (0.26e-9, -0.5),
@@ -127,8 +126,7 @@ SIZES = {
     "axial_reaction_pinned": (0.46, -0.1), "axial_reaction_guided": (0.38, -0.1),
     "mass": (100.0, 0.8), "fillet_stress_factor": (4.0, -0.3),
 }
-for line in sys.stdin:
-    request = json.loads(line)
+for request in requests():
     throw, stresses = request["inputs"]["throw"], request["inputs"]["stresses"]
     radius, width = throw["crank_radius"], throw["web_width"]
     thickness, pin = throw["web_thickness"], throw["pin_length"]
@@ -139,8 +137,8 @@ for line in sys.stdin:
         if stresses or name != "fillet_stress_factor"
     }
     errors = dict.fromkeys(responses, 0.004)
-    answer = {"key": request["key"], "responses": responses, "errors": errors, "seconds": 0.1}
-    print(json.dumps(answer | {"unknowns": 9}), flush=True)
+    found = {"key": request["key"], "responses": responses, "errors": errors, "seconds": 0.1}
+    answer(found | {"unknowns": 9})
 """
 # Folders of runs by what they were made of: several pages run the same shipped engine.
 finished_runs = {}
@@ -164,9 +162,7 @@ def run_once(engine, output=None, **options):
 
 
 def stand_in_worker():
-    return subprocess.Popen(
-        [sys.executable, "-S", "-c", STAND_IN], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-    )
+    return puppet(STAND_IN)
 
 
 class Runner:

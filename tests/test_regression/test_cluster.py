@@ -7,7 +7,6 @@ tests/campaigns/dask_study.py.
 import gc
 import math
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -16,8 +15,10 @@ from contextlib import closing
 import numpy as np
 import pytest
 
+from crankbase.calls import Limits
 from crankbase.errors import InputError, MissingLibraryError
 from geometry.throw import CrankThrow
+from puppets import puppet
 from regression.plans.plan import StudyPlan
 from regression.records import StudyStoppedError
 from regression.runs import cluster as cluster_module
@@ -27,7 +28,6 @@ from regression.runs.cluster import TaskLostError, compute_design, identity, run
 from regression.runs.dask_cluster import DaskCluster, check_address
 from regression.runs.shelf import Shelf
 from regression.runs.study import run_plan
-from regression.runs.supervised import Limits
 
 THROW = CrankThrow(
     crank_radius=0.170,
@@ -39,17 +39,15 @@ THROW = CrankThrow(
     web_thickness=0.068,
 )
 PUPPET = """
-import json, os, sys, time
-for line in sys.stdin:
-    request = json.loads(line)
+for request in requests():
     key = request["key"]
     if key.startswith("die"):
         os._exit(7)
     if key.startswith("hang"):
         time.sleep(600)
     time.sleep(0.05)
-    answer = {"key": key, "responses": {"mass": 1.0 / 3.0}, "seconds": 0.05}
-    print(json.dumps(answer), flush=True)
+    found = {"key": key, "responses": {"mass": 1.0 / 3.0}, "seconds": 0.05}
+    answer(found)
 """
 
 
@@ -58,9 +56,7 @@ def puppets(monkeypatch):
     started = []
 
     def spawn():
-        process = subprocess.Popen(
-            [sys.executable, "-S", "-c", PUPPET], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-        )
+        process = puppet(PUPPET)
         started.append(process)
         return process
 
@@ -358,7 +354,7 @@ def test_ctrl_c_while_results_are_stored_costs_none_of_them():
 @pytest.mark.parametrize("name", ["model_version", "crankfem"])
 def test_a_worker_of_another_version_is_refused(name):
     other = identity() | {name: "other"}
-    assert compute_design("run", {"key": "k"}, Limits(), other) == {"identity": identity()}
+    assert compute_design("run", {"key": "k"}, Limits(300.0), other) == {"identity": identity()}
     cluster = FakeCluster(lambda *_: FakeTask(lambda: {"identity": other}))
     with pytest.raises(
         InputError, match=r"^dask: given a cluster whose worker one has crankfem "

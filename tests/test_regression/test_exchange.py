@@ -2,7 +2,6 @@ import csv
 import json
 import math
 import sqlite3
-import subprocess
 import sys
 from dataclasses import replace
 
@@ -14,6 +13,7 @@ from crankbase.errors import InputError, MissingLibraryError
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from geometry.throw_sections import Counterweight
+from puppets import puppet
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import HELD_OUT, MEASURED, RUN
@@ -38,19 +38,17 @@ NAMES = [name for name in RESPONSES if name != "fillet_stress_factor"]
 # All responses of a throw that fails where the web is 280 mm wide, without finite elements; numbers
 # with all digits, so that a file that rounds them is seen.
 PUPPET = f"""
-import json, sys
 NAMES = {NAMES!r}
-for line in sys.stdin:
-    request = json.loads(line)
+for request in requests():
     width = request["inputs"]["throw"]["web_width"]
-    answer = {{"key": request["key"], "seconds": 0.1}}
+    found = {{"key": request["key"], "seconds": 0.1}}
     if width == 0.280:
-        answer["reason"] = "MeshError: no, \\"never\\""
+        found["reason"] = "MeshError: no, \\"never\\""
     else:
-        answer["responses"] = {{name: width / (3.0 + n) for n, name in enumerate(NAMES)}}
-        answer["errors"] = {{name: 0.001 / 3.0 for name in NAMES}}
-        answer["unknowns"] = 14000
-    print(json.dumps(answer), flush=True)
+        found["responses"] = {{name: width / (3.0 + n) for n, name in enumerate(NAMES)}}
+        found["errors"] = {{name: 0.001 / 3.0 for name in NAMES}}
+        found["unknowns"] = 14000
+    answer(found)
 """
 PLAN = StudyPlan.from_levels(
     THROW, {"web_width": (0.270, 0.300), "pin_length": (0.130, 0.150)}, held_out=2
@@ -69,9 +67,7 @@ RATIO = StudyPlan(
 @pytest.fixture(autouse=True)
 def puppets(monkeypatch):
     def spawn():
-        return subprocess.Popen(
-            [sys.executable, "-S", "-c", PUPPET], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-        )
+        return puppet(PUPPET)
 
     monkeypatch.setattr(supervised, "spawn_worker", spawn)
 

@@ -1,13 +1,12 @@
 """Rows that do not say what was written are left out, told of, and computed again."""
 
 import sqlite3
-import subprocess
-import sys
 
 import pytest
 
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
+from puppets import puppet
 from regression.plans.plan import StudyPlan, plan_designs
 from regression.records import ExtraRow, Outcome
 from regression.runs import store_schema, supervised
@@ -182,20 +181,16 @@ PLAN = StudyPlan.from_levels(SHARP, {"web_width": (0.280, 0.300)}, held_out=2, a
 FIRST = plan_designs(PLAN).designs[0].key
 # A worker that does no finite elements.
 QUICK = """
-import json, sys
-for line in sys.stdin:
-    request = json.loads(line)
+for request in requests():
     responses = {"mass": request["inputs"]["throw"]["web_width"]}
-    print(json.dumps({"key": request["key"], "responses": responses, "seconds": 0.5}), flush=True)
+    answer({"key": request["key"], "responses": responses, "seconds": 0.5})
 """
 
 
 @pytest.fixture
 def study(tmp_path, monkeypatch):
     def spawn():
-        return subprocess.Popen(
-            [sys.executable, "-S", "-c", QUICK], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-        )
+        return puppet(QUICK)
 
     monkeypatch.setattr(supervised, "spawn_worker", spawn)
     path = tmp_path / "study.sqlite"

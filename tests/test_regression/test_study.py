@@ -17,6 +17,7 @@ from crankbase.errors import InputError
 from fem.material import STEEL
 from fem.responses import evaluate_throw
 from geometry.throw import CrankThrow
+from puppets import puppet
 from regression.plans import plan as plan_module
 from regression.plans.design_choice import DesignChoice
 from regression.plans.factors import Factor
@@ -50,21 +51,17 @@ SMALL = StudyPlan.from_levels(SHARP, TWO, held_out=1, accuracy=0.1)
 
 # A worker that does no finite elements, or none at all.
 QUICK = """
-import json, sys
-for line in sys.stdin:
-    request = json.loads(line)
+for request in requests():
     responses = {"axial_compliance_pinned": request["inputs"]["throw"]["web_width"]}
     errors = {"axial_compliance_pinned": 0.01}
-    answer = {"key": request["key"], "responses": responses, "errors": errors, "seconds": 0.5}
-    print(json.dumps(answer | {"unknowns": 9}), flush=True)
+    found = {"key": request["key"], "responses": responses, "errors": errors, "seconds": 0.5}
+    answer(found | {"unknowns": 9})
 """
 
 
 def puppets(monkeypatch, code):
     def spawn():
-        return subprocess.Popen(
-            [sys.executable, "-S", "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-        )
+        return puppet(code)
 
     monkeypatch.setattr(supervised, "spawn_worker", spawn)
 
@@ -175,7 +172,7 @@ def test_failed_designs_are_told_and_not_repeated(tmp_path, monkeypatch):
         "    responses =",
         "    if request['inputs']['throw']['web_width'] == 0.28:\n"
         "        failed = {'key': request['key'], 'reason': 'MeshError: no', 'seconds': 0.0}\n"
-        "        print(json.dumps(failed), flush=True)\n"
+        "        answer(failed)\n"
         "        continue\n"
         "    responses =",
     )
@@ -192,7 +189,7 @@ def test_failed_designs_are_told_and_not_repeated(tmp_path, monkeypatch):
 
 
 def test_designs_lost_with_their_workers_are_tried_again_by_the_next_run(tmp_path, monkeypatch):
-    puppets(monkeypatch, "import sys; sys.stdin.readline(); sys.exit(9)")
+    puppets(monkeypatch, "next(requests()); sys.exit(9)")
     table = run_plan(SMALL, tmp_path / "runs.sqlite")
     assert [failure[2] for failure in table.failures] == [
         "the worker process died (exit code 9)"

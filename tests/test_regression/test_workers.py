@@ -1,4 +1,3 @@
-import io
 import json
 import math
 import os
@@ -13,13 +12,15 @@ from pathlib import Path
 
 import pytest
 
+from crankbase.calls import Limits
 from crankbase.errors import InputError
 from fem.material import STEEL
 from fem.responses import ThrowResponses, evaluate_throw
 from geometry.throw import CrankThrow
+from puppets import puppet
 from regression.runs import supervised, worker
 from regression.runs.interrupts import interrupts_deferred
-from regression.runs.supervised import Limits, design_limits
+from regression.runs.supervised import TIME_LIMIT, design_limits
 from regression.runs.workers import run_designs
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -37,9 +38,8 @@ needs_proc = pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason=
 
 # Answers at once; what else it does is told by the key.
 PUPPET = """
-import json, os, sys, time
-for line in sys.stdin:
-    key = json.loads(line)["key"]
+for request in requests():
+    key = request["key"]
     if key.startswith("die"):
         os._exit(7)
     if key.startswith("hang"):
@@ -49,16 +49,19 @@ for line in sys.stdin:
     if key.startswith("half"):
         os.write(1, b'{"key": "ha')
         os._exit(0)
+    if key.startswith("stuck"):
+        os.write(1, bytes([128, 4, 149]))
+        time.sleep(600)
     if key.startswith("large"):
         held = b"x" * 560_000_000
         time.sleep(600)
     if key.startswith("full"):
-        print(json.dumps({"key": key, "lost": "OSError: disk full", "seconds": 0.1}), flush=True)
+        answer({"key": key, "lost": "OSError: disk full", "seconds": 0.1})
         continue
     if key.startswith("shy") and not os.path.exists(key.split()[1]):
         open(key.split()[1], "w").close()
         os._exit(7)
-    print(json.dumps({"key": key, "responses": {"x": 1.0}, "seconds": 0.0}), flush=True)
+    answer({"key": key, "responses": {"x": 1.0}, "seconds": 0.0})
 """
 
 
@@ -96,9 +99,7 @@ def puppets(monkeypatch):
     started = []
 
     def spawn():
-        process = subprocess.Popen(
-            [sys.executable, "-S", "-c", PUPPET], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-        )
+        process = puppet(PUPPET)
         started.append(process)
         return process
 
@@ -106,14 +107,15 @@ def puppets(monkeypatch):
     return started
 
 
-def collect(keys, count=2, **options):
+def collect(keys, count=2, seconds=TIME_LIMIT, **options):
     found = {}
 
     def keep(outcome):
         assert outcome.key not in found, "a design has one outcome"
         found[outcome.key] = outcome
 
-    run_designs([(key, {"number": key}) for key in keys], keep, count, Limits(**options))
+    limits = Limits(seconds, **options)
+    run_designs([(key, {"number": key}) for key in keys], keep, count, limits)
     return found
 
 
@@ -162,6 +164,12 @@ def test_a_design_that_hangs_is_given_up(puppets):
     assert found["hang"].reason == "took longer than the limit of 0.7 s"
     assert found["hang"].seconds >= 0.7
     assert all(process.poll() is not None for process in puppets)
+
+
+def test_a_worker_that_hangs_within_its_answer_is_given_up(puppets):
+    found = collect(["a", "stuck"], seconds=0.7)
+    assert found["stuck"].reason == "took longer than the limit of 0.7 s"
+    assert found["a"].responses
 
 
 def test_a_crash_that_happens_once_costs_a_retry(puppets, tmp_path):
@@ -219,7 +227,7 @@ def test_a_design_that_takes_too_much_memory_is_given_up(puppets):
 
 def test_the_next_design_is_given_before_the_answer_is_stored(puppets):
     began = time.monotonic()
-    run_designs([(f"slow {n}", {}) for n in range(4)], lambda _: time.sleep(0.3), 1, Limits())
+    run_designs([(f"slow {n}", {}) for n in range(4)], lambda _: time.sleep(0.3), 1)
     # 4 x 0.3 s of work and the last store, 1.5 s; one after the other it would be 2.4 s.
     assert time.monotonic() - began < 2.1
 
@@ -313,19 +321,13 @@ def test_who_ignores_interrupts_goes_on_doing_so():
 # --------------------------------------------------------------------------- the worker's own work
 
 
-def serve(*requests):
-    answers = io.StringIO()
-    worker.serve(io.StringIO("".join(json.dumps(r) + "\n" for r in requests)), answers)
-    return [json.loads(line) for line in answers.getvalue().splitlines()]
-
-
 def test_a_worker_computes_and_tells_what_it_cannot():
     requests = [
         {"key": "bad", "inputs": design(web_width=0.100)},
         {"key": "worse", "inputs": {}},
         {"key": "good", "inputs": design()},
     ]
-    bad, worse, good = serve(*requests)
+    bad, worse, good = map(worker.answer, requests)
     assert bad["key"] == "bad"
     assert bad["reason"].startswith("InputError: throw.main_journal_diameter: given 220 mm")
     assert "responses" not in bad
@@ -343,7 +345,7 @@ def test_a_result_that_is_no_number_is_a_failure(monkeypatch, value, part):
     bad, good = {"axial_compliance_pinned": value, "mass": 1.0}, {"mass": 1.0}
     found = ThrowResponses(*((bad, good) if part == 0 else (good, bad)), 10)
     monkeypatch.setattr(worker, "evaluate_throw", lambda *_, **__: found)
-    (answer,) = serve({"key": "k", "inputs": design()})
+    answer = worker.answer({"key": "k", "inputs": design()})
     assert set(answer) == {"key", "reason", "seconds"}
     assert "axial_compliance_pinned came out as" in answer["reason"]
 
@@ -374,7 +376,7 @@ def test_trouble_of_the_machine_is_told_from_that_of_the_design(monkeypatch, err
         raise error from cause
 
     monkeypatch.setattr(worker, "evaluate_throw", fail)
-    (answer,) = serve({"key": "k", "inputs": design()})
+    answer = worker.answer({"key": "k", "inputs": design()})
     assert set(answer) == {"key", kind, "seconds"}
     assert answer[kind] == f"{type(error).__name__}: {error}"
 
@@ -451,7 +453,7 @@ def test_workers_end_with_a_coordinator_that_is_killed(own, seconds):
     owner = own(
         "import time; from regression.runs.supervised import SupervisedProcess\n"
         "workers = [SupervisedProcess() for _ in range(2)]\n"
-        f"for worker in workers: worker.give({request!r})\n"
+        f"for worker in workers: worker.compute({request!r})\n"
         "time.sleep(60)"
     )
     owner.wait_for(lambda: len(owner.children()) == 2)

@@ -53,6 +53,4 @@ class StressRendering(OffscreenProcess):
     """
 
     def __init__(self, stresses: FilletStresses, folder: Path) -> None:
-        super().__init__(
-            "crankfem.analyses.throw.pictures.stress_picture", picture_arrays(stresses), folder
-        )
+        super().__init__(f"{picture_arrays.__module__}:render", folder, picture_arrays(stresses))

@@ -6,16 +6,15 @@ pictures and nothing else.
 
 import re
 import subprocess
-import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.calls import RESULT, CallProcess, Limits, ProcessLostError
 from crankbase.errors import MissingLibraryError, RenderError
-from crankbase.processes import end_child, signal_name, start_child
+from crankbase.processes import start_child
 
 UNRENDERED = "the pictures of the throw could not be rendered"
 ADVICE = (
@@ -28,38 +27,34 @@ NO_PACKAGE = re.compile(r"^(?:ModuleNotFoundError|ImportError): (.+)$", re.MULTI
 TIME_LIMIT = 120.0  # [s]
 # Of what a process has said, so much is looked at.
 SAID = 20_000
-ARRAYS = "arrays.npz"
 
 
 class OffscreenProcess:
-    """A module of ours that renders in the background what it reads from a file of arrays.
+    """A function of ours that renders in the background.
 
     Parameters
     ----------
-    module : str
-        Run as ``python -m module FOLDER``.
-    arrays : mapping
-        What the module reads.
+    function : str
+        ``"module:name"``; called with the arguments and the folder.
     folder : Path
-        A scratch folder: for the arrays, and for what the module writes.
+        A scratch folder, for what the function writes.
+    *arguments
+        What is drawn.
 
     Raises
     ------
     OSError
-        If the arrays cannot be written, or the process cannot be started.
+        If the process cannot be started.
     """
 
-    def __init__(self, module: str, arrays: Mapping[str, Any], folder: Path) -> None:
+    def __init__(self, function: str, folder: Path, *arguments: Any) -> None:
         self._said = folder / "said.txt"
-        np.savez(folder / ARRAYS, **arrays)
         with self._said.open("wb") as said:
-            self._process = start_child(
-                module,
-                str(folder),
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=said,
+            child = start_child(
+                "crankbase.calls", stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=said
             )
+        self._process = CallProcess(child, "the process for it")
+        self._process.give(function, *arguments, folder)
 
     def wait(self) -> None:
         """Wait for the pictures.
@@ -72,54 +67,39 @@ class OffscreenProcess:
             If they could not be made for another reason, which the message gives.
         """
         try:
-            code = self._process.wait(timeout=TIME_LIMIT)
-            said = _end_of(self._said)
-        except subprocess.TimeoutExpired:
-            raise RenderError(
-                f"{UNRENDERED}, because that took longer than {TIME_LIMIT:g} s; try again when the machine "
-                "has less to do."
-            ) from None
+            kind, content = self._process.wait(Limits(TIME_LIMIT))
+        except ProcessLostError as error:
+            said = self._said.read_bytes()[-SAID:].decode(errors="replace")
+            raise render_failure(str(error), said) from None
         finally:
             self.stop()
-        if code != 0:
-            raise render_failure(code, said)
+        if kind != RESULT:
+            raise render_failure(content)
 
     def stop(self) -> None:
         """End the rendering."""
-        end_child(self._process)
+        self._process.end()
 
 
-def render_failure(code: int, said: str) -> MissingLibraryError | RenderError:
-    """Return the error that says why a process has not rendered.
+def render_failure(reason: str, said: str = "") -> MissingLibraryError | RenderError:
+    """Return the error that says why there are no pictures.
 
     Parameters
     ----------
-    code : int
-        With which it ended; a negative one is that of a signal.
+    reason : str
+        What has happened to the process, or the error of its function.
     said : str
         What it wrote to standard error.
     """
-    missing = NO_PACKAGE.findall(said)
+    missing = NO_PACKAGE.findall(f"{said}\n{reason}")
     if NO_OPENGL.search(said):
         return MissingLibraryError(ADVICE)
     if missing:
         return MissingLibraryError(f"{UNRENDERED}: {missing[-1]}")
-    ended = signal_name(code) or f"exit code {code}"
     # An exception's last line says what happened.
     last = next((line.strip() for line in reversed(said.splitlines()) if line.strip()), "")
-    reason = f", saying: {last.rstrip('.')}" if last else ""
-    return RenderError(f"{UNRENDERED}, because the process for it ended with {ended}{reason}.")
-
-
-def _end_of(path: Path) -> str:
-    return path.read_bytes()[-SAID:].decode(errors="replace")
-
-
-def read_arguments() -> tuple[dict[str, NDArray[Any]], Path]:
-    """Return what `OffscreenProcess` has handed to this process: arrays, and the folder to write in."""
-    folder = Path(sys.argv[1])
-    with np.load(folder / ARRAYS) as data:
-        return dict(data), folder
+    saying = f", saying: {last.rstrip('.')}" if last else ""
+    return RenderError(f"{UNRENDERED}: {reason}{saying}.")
 
 
 def triangle_mesh(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> Any:

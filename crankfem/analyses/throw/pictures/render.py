@@ -1,6 +1,5 @@
 """Render the pictures of a run: the mesh of a throw, and how an axial force deforms it."""
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +8,6 @@ import numpy as np
 from crankfem.analyses.throw.pictures.offscreen import (
     OffscreenProcess,
     make_plotter,
-    read_arguments,
     triangle_mesh,
 )
 from crankfem.analyses.throw.pictures.surface import Surface
@@ -32,7 +30,7 @@ class Rendering(OffscreenProcess):
     """The pictures of a surface being rendered in the background, into a folder."""
 
     def __init__(self, surface: Surface, folder: Path) -> None:
-        super().__init__("crankfem.analyses.throw.pictures.render", asdict(surface), folder)
+        super().__init__(f"{__name__}:render", folder, surface)
 
 
 def render(surface: Surface, folder: Path) -> None:
@@ -97,13 +95,3 @@ def _save(picture: Any, path: Path) -> None:
     rows, columns = np.flatnonzero(inked.any(axis=1)), np.flatnonzero(inked.any(axis=0))
     top, left = max(0, rows[0] - MARGIN), max(0, columns[0] - MARGIN)
     imsave(path, pixels[top : rows[-1] + MARGIN, left : columns[-1] + MARGIN].copy(order="C"))
-
-
-def main() -> None:
-    """Render what another process has saved."""
-    arrays, folder = read_arguments()
-    render(Surface(**arrays), folder)
-
-
-if __name__ == "__main__":
-    main()

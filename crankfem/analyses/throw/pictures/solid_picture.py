@@ -1,7 +1,6 @@
 """Pictures of a throw's or a crankshaft's solid, seen from the side with the free end to the left."""
 
 import math
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ from crankbase.processes import scratch_folder
 from crankfem.analyses.throw.pictures.offscreen import (
     OffscreenProcess,
     make_plotter,
-    read_arguments,
     triangle_mesh,
 )
 from crankfem.analyses.throw.pictures.solid_surface import (
@@ -128,9 +126,8 @@ def check_picture_ending(path: Path) -> None:
 def _write(
     surface: SolidSurface, view: tuple[float, float, float], pixels: int, path: Path
 ) -> Path:
-    arrays = asdict(surface) | {"view": np.array(view), "pixels": np.array(pixels)}
     with scratch_folder() as folder:
-        OffscreenProcess("crankfem.analyses.throw.pictures.solid_picture", arrays, folder).wait()
+        OffscreenProcess(f"{__name__}:render", folder, surface, np.array(view), pixels).wait()
         try:
             copy_file(folder / PICTURE, path, "picture")
         except OSError as error:
@@ -138,7 +135,7 @@ def _write(
     return path
 
 
-def render(surface: SolidSurface, view: Array, pixels: int, path: Path) -> None:
+def render(surface: SolidSurface, view: Array, pixels: int, folder: Path) -> None:
     """Render a solid in this process.
 
     Parameters
@@ -148,8 +145,8 @@ def render(surface: SolidSurface, view: Array, pixels: int, path: Path) -> None:
         From the picture's middle to the eye.
     pixels : int
         Of the picture's longer side.
-    path : Path
-        The PNG file to write.
+    folder : Path
+        Where the file `PICTURE` is written.
     """
     import pyvista
 
@@ -175,7 +172,7 @@ def render(surface: SolidSurface, view: Array, pixels: int, path: Path) -> None:
     camera.focal_point, camera.position, camera.up = middle, middle + 10.0 * longer * towards, up
     camera.parallel_projection, camera.parallel_scale = True, 0.5 * float(extent[1])
     picture.renderer.reset_camera_clipping_range()
-    picture.screenshot(path)
+    picture.screenshot(folder / PICTURE)
     picture.close()
 
 
@@ -198,14 +195,3 @@ def _axes(view: Array) -> tuple[Array, Array, Array]:
     right = np.cross((0.0, 1.0, 0.0), towards)
     right /= np.linalg.norm(right)
     return towards, right, np.cross(towards, right)
-
-
-def main() -> None:
-    """Render what another process has saved."""
-    arrays, folder = read_arguments()
-    view, pixels = arrays.pop("view"), int(arrays.pop("pixels"))
-    render(SolidSurface(**arrays), view, pixels, folder / PICTURE)
-
-
-if __name__ == "__main__":
-    main()

@@ -17,7 +17,6 @@ from crankbase.units.units import UNITS
 from crankfem.analyses.throw.pictures.offscreen import (
     OffscreenProcess,
     make_plotter,
-    read_arguments,
 )
 from fem.fillet_peaks import FilletPeak, FilletStresses
 from fem.principal import von_mises
@@ -86,8 +85,7 @@ def picture_stresses(stresses: FilletStresses, folder: str | Path) -> tuple[Path
     for name in names:
         check_output(folder / name, "picture")
     with scratch_folder() as scratch:
-        arrays = picture_arrays(stresses)
-        OffscreenProcess("crankfem.analyses.throw.pictures.stress_picture", arrays, scratch).wait()
+        OffscreenProcess(f"{__name__}:render", scratch, picture_arrays(stresses)).wait()
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for name in names:
@@ -380,13 +378,3 @@ def _mark(axes: Any, place: tuple[float, float]) -> None:
             markeredgewidth=width,
             clip_on=False,
         )
-
-
-def main() -> None:
-    """Draw what another process has saved."""
-    arrays, folder = read_arguments()
-    render(arrays, folder)
-
-
-if __name__ == "__main__":
-    main()

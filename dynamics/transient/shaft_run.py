@@ -1,0 +1,115 @@
+"""What all runs of a shaft through time show alike."""
+
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from crankbase.checks.arrays import FloatArray
+from crankbase.tables.frames import grid
+from dynamics.plots.coordinates import name_axis, time_axis
+from dynamics.plots.over_time import RunCurve, plot_run
+from dynamics.transient.envelope import Envelope, envelope_over
+from dynamics.transient.picking import Moving, axis_names, pick, units_of
+from dynamics.transient.viscous import ViscousSystem
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
+
+
+class ShaftRun:
+    """A run: time, speed, angle, motions (m, n) and torques (m, e), and how to look at them."""
+
+    time: FloatArray
+    shaft_speed: FloatArray
+    shaft_angle: FloatArray
+    motion: FloatArray
+    torque: FloatArray
+    system: ViscousSystem
+
+    def envelope(self, turns: int | None = None) -> Envelope:
+        """Return the amplitudes in windows of so many turns; by default as the run repeats.
+
+        Raises
+        ------
+        InputError
+            If the run is shorter than one window.
+        """
+        return self._envelope(self.motion, turns)
+
+    def _envelope(self, motion: FloatArray, turns: int | None) -> Envelope:
+        return envelope_over(
+            self.time,
+            self.shaft_speed,
+            self.shaft_angle,
+            motion,
+            self.torque,
+            self.turns if turns is None else turns,  # type: ignore[attr-defined]  # field or property
+        )
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        place: int | str = 0,
+        *,
+        quantity: Moving = "torque",
+        steady: tuple[ArrayLike, ArrayLike] | None = None,
+        turns: int | None = None,
+    ) -> "Axes":
+        """Draw the extremes of one element or node over the time, and its amplitude.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            Where to draw; those of a new figure if not given.
+        place : int or str, optional
+            Element, or node for "twist" and "displacement", by number from 0 or name.
+        quantity : {"torque", "force", "twist", "displacement"}, optional
+            Torque or force in the spring of an element, or twist or displacement of a node.
+        steady : (speeds [rad/s], amplitudes), optional
+            Amplitudes at constant speeds, ascending, drawn where the run passes these speeds.
+        turns : int, optional
+            Of the shaft for which one amplitude is taken; by default after which the run repeats.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If it is not the run of a chain, there is no such place or quantity, the run is shorter than
+            one window of its envelope, or steady amplitudes do not fit their speeds.
+        """
+        picked = pick(self.system.chain, quantity, place, self.motion, self.torque)
+        envelope = self.envelope(turns)
+        both = envelope.torque if picked.of_element else envelope.motion
+        curve = RunCurve(
+            picked.values,
+            envelope.time,
+            picked.factor * both[:, picked.number],
+            envelope.turns,
+            picked.factor,
+            picked.label,
+            picked.name,
+        )
+        return plot_run(axes, self.time, self.shaft_speed, curve, steady)
+
+    def _grid(self, quantity: Moving | None, **more: Any) -> "Dataset":
+        """Return what all runs have and `more`, over time, node and element."""
+        moved, loaded = units_of(quantity)
+        nodes, elements = axis_names(self.system.chain, self.motion.shape[1], self.torque.shape[1])
+        return grid(
+            {
+                "shaft_speed": (("time",), self.shaft_speed, "rad/s", "shaft speed"),
+                "shaft_angle": (("time",), self.shaft_angle, "rad", "shaft angle"),
+                "motion": (("time", "node"), self.motion, moved, "motion beside even turning"),
+                **more,
+                "torque": (("time", "element"), self.torque, loaded, "load of the spring"),
+            },
+            {
+                "time": time_axis(self.time),
+                "node": name_axis(nodes, "node"),
+                "element": name_axis(elements, "element"),
+            },
+        )
