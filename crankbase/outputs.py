@@ -44,6 +44,8 @@ class _Rules:
 
 
 _USUAL = _Rules()
+# Private files that are being written: who ends the process without raising anything takes them away.
+_UNFINISHED: set[Path] = set()
 _RULES = ContextVar("_RULES", default=_USUAL)
 
 
@@ -230,6 +232,7 @@ def _in_one_step(path: Path, enter: Callable[[Path], None]) -> Iterator[Path]:
     part = path.with_name(f".crankfem-{secrets.token_hex(8)}{path.suffix}")
     try:
         # It is made here and never followed, and its rights are those of any new file.
+        _UNFINISHED.add(part)
         part.open("x").close()
         yield part
         with _alone(path.parent):
@@ -241,6 +244,15 @@ def _in_one_step(path: Path, enter: Callable[[Path], None]) -> Iterator[Path]:
         if isinstance(error, OSError) and error.filename in (None, str(part), part):
             raise OSError(error.errno, error.strerror or str(error), str(path)) from error
         raise
+    finally:
+        _UNFINISHED.discard(part)
+
+
+def remove_unfinished() -> None:
+    """Take away the private files that are being written; for who ends the process at once."""
+    for part in list(_UNFINISHED):
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
 
 
 def write_text(path: Path, text: str, kind: Kind, *, recognized: Recognized | None = None) -> Path:

@@ -32,6 +32,9 @@ def end_at_once(*_: object) -> None:
     on.
     """
     os.write(STANDARD_ERROR, f"{interrupted_sentence()}\n".encode())
+    # A module that is not loaded has written nothing.
+    if (outputs := sys.modules.get("crankbase.outputs")) is not None:
+        outputs.remove_unfinished()
     os._exit(EXIT_INTERRUPTED)
 
 

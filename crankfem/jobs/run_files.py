@@ -113,13 +113,14 @@ def list_older_run(folder: Path) -> None:
 
 
 def _named(place: Path, results: Mapping[str, Any]) -> Iterator[tuple[Path, Kind]]:
-    """The pictures and plots that results name."""
+    """The pictures and plots of a run that results name; any other name is that of somebody else's file."""
     if place.is_symlink():
         return
     for key, (kind, endings) in ENDINGS.items():
         for name in results.get(key, {}).values():
             path = place / name
-            if path.name == name and path.suffix in endings and is_plain(path):
+            known = path.name == name and path.stem in PICTURED and path.suffix in endings
+            if known and is_plain(path):
                 yield path, kind
 
 

@@ -22,8 +22,11 @@ IS = "="
 # The runs span -1 to 1 in coded numbers; a study's range may be so many times as wide where only a
 # part of it has results.
 FARTHEST = 1e3
-# The logarithm of a response stays within this at the runs: beyond, it is no number of a computer.
-LARGEST_LOGARITHM = 700.0
+# The logarithm of a response stays within this at the runs, as every number that is calculated with
+# stays within 1e60.
+LARGEST_LOGARITHM = 138.0
+# No form has terms of so many factors.
+MOST_FACTORS = 12
 
 Share = Annotated[FiniteFloat, Field(ge=0.0, description="a relative error")]
 Determination = Annotated[FiniteFloat, Field(le=1.0, description="a coefficient of determination")]
@@ -99,6 +102,12 @@ class ResponseModel(InputModel):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
+        longest = max(map(len, self.terms))
+        if longest > MOST_FACTORS:
+            raise InputError(
+                f"terms: given one of {longest} factors; allowed are up to {MOST_FACTORS}, because no form "
+                "has longer ones."
+            )
         fitted = self.fitted  # its construction checks the equation's numbers
         if len(set(self.factors)) != len(self.factors):
             raise InputError(f"factors: given {list(self.factors)}; each may stand once.")

@@ -22,3 +22,17 @@ def test_a_command_that_is_ended_leaves_nothing_behind(own, command, number):
     owner.wait_for(lambda: list(owner.scratch.iterdir()))
     assert owner.end(getattr(signal, number)) == ([], [])
     assert not Path("made").exists()
+
+
+def test_a_file_that_is_being_written_is_taken_away_by_an_interrupt(own):
+    program = (
+        "import time; from pathlib import Path; from crankbase.outputs import written;"
+        "from crankfem.cli.interrupts import interrupts_end_at_once\n"
+        "with interrupts_end_at_once(), written(Path('made.svg'), 'picture') as part:\n"
+        "    Path('begun').touch(); time.sleep(60)"
+    )
+    owner = own("-c", program)
+    owner.wait_for(lambda: list(owner.scratch.parent.glob("begun")))
+    assert list(owner.scratch.parent.glob(".crankfem-*.svg"))
+    owner.end(signal.SIGINT)
+    assert not list(owner.scratch.parent.glob(".crankfem-*.svg"))

@@ -134,6 +134,10 @@ def test_what_a_run_of_an_earlier_release_has_left_gives_way(finished_run, tmp_p
     for place in (folder, folder / "pictures"):
         (place / LISTED).unlink()
     (folder / "pictures" / "mine.svg").write_text("mine", encoding="utf-8")
+    # Named by the results or not: no run writes a picture of this name.
+    results = json.loads((folder / RESULTS).read_text(encoding="utf-8"))
+    results["pictures"]["mine"] = "mine.svg"
+    (folder / RESULTS).write_text(json.dumps(results), encoding="utf-8")
     check_folder(folder, study=True)
     replace_last_run(folder, {})
     assert files_of(folder) == ["mine.svg", RESULTS, STORE]

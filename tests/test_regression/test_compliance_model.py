@@ -339,6 +339,8 @@ IMPOSSIBLE = {
     "logarithm of a negative number": (MODEL, of_axial("lowest", -0.27, 0)),
     "exponential overflows": (MODEL, of_axial("coefficients", 1000.0, 0)),
     "exponential vanishes": (MODEL, of_axial("coefficients", -1000.0, 0)),
+    "response of no size": (MODEL, of_axial("coefficients", 400.0, 0)),
+    "term of more factors than any": (MODEL, of_axial("terms", [0] * 100_000, 1)),
     "coefficient overflows": (MODEL, of_axial("coefficients", 1e308, 1)),
     "sum overflows": (LINEAR, of_axial("coefficients", [1e308] * 4)),
     "below zero everywhere": (LINEAR, of_axial("coefficients", -1e-7, 0)),
