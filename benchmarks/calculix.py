@@ -32,7 +32,7 @@ from fem.assembly import assemble_stiffness
 from fem.calculix import write_calculix
 from fem.calculix_cases import axial_case
 from fem.calculix_run import read_calculix, run_calculix
-from fem.class_compliances import axial_answers
+from fem.class_compliances import class_axial_compliances
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.superelement import combine_classes
@@ -85,7 +85,7 @@ def quarter_compliance(factor: float) -> float:
     mesh = mesh_isolated(THROW, factor, "quarter")
     stiffness = assemble_stiffness(mesh.points, mesh.elements, cf.STEEL)
     part = condense(mesh, stiffness, unit_pin_loads(mesh), axial_class(mesh.part))
-    return axial_answers(part, "pinned")[0]
+    return class_axial_compliances(part, "pinned")[0]
 
 
 def by_calculix(mesh: ThrowMesh, folder: Path, threads: int) -> tuple[float, float, float]:

@@ -25,8 +25,8 @@ from statistics import median
 import numpy as np
 
 from dynamics.chains.chain import Chain
-from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
+from dynamics.response.order_excitation import OrderExcitation
 
 INERTIA = (0.0170, 0.0090, 0.0467, 0.0327, 0.0467, 0.0467, 0.0327, 0.0487, 2.0750)
 STIFFNESS = tuple(1e6 * k for k in (1.106, 1.631, 1.253, 1.253, 1.678, 1.253, 1.253, 1.976))

@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 from crankbase.checks.choices import allowed_names
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
-from crankbase.units.quantity import parse_quantity, show_quantity
+from crankbase.units.quantity import format_quantity, parse_quantity
 from crankbase.units.units import DISPLAY_UNITS
 
 if TYPE_CHECKING:
@@ -153,23 +153,23 @@ class InputModel(BaseModel, metaclass=_ShowsFields):
 
     def __repr__(self) -> str:
         """Show what was given, as much of it as a few lines hold."""
-        from crankbase.summaries import text_of
+        from crankbase.summaries import summary_text
 
         parts = [f"{name}={value!r}" for name, value in self._given().items()]
-        return text_of(type(self).__name__, parts)
+        return summary_text(type(self).__name__, parts)
 
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
         """Show what was given as a table."""
-        from crankbase.summaries import html_of
+        from crankbase.summaries import summary_html
 
         fields = type(self).model_fields
         rows = {
             name: f"{value!r} {field_extra(fields[name], 'unit') or ''}".rstrip()
             for name, value in self._given().items()
         }
-        return html_of(type(self).__name__, rows)
+        return summary_html(type(self).__name__, rows)
 
     def changed(self, **values: Any) -> Self:
         """Return a record with some values changed, checked like a new one.
@@ -288,7 +288,7 @@ def _sentence(model: type[InputModel], error: ValidationError) -> str:
     unit = field_extra(known, "unit")
     shown = quoted(given)
     if unit is not None and is_number(given):
-        shown = show_quantity(float(given), unit)
+        shown = format_quantity(float(given), unit)
     if first["type"] == "literal_error":
         expected = str(first["ctx"]["expected"]).replace("'", "")
         return f"{field}: given {quoted(given)}; allowed is {expected}."
@@ -331,9 +331,9 @@ def _range(info: FieldInfo) -> str:
     unit = field_extra(info, "unit")
     low, high = field_extra(info, "minimum_si"), field_extra(info, "maximum_si")
     if low is not None and high is not None:
-        return f"{show_quantity(low, unit)} to {show_quantity(high, unit)}"
+        return f"{format_quantity(low, unit)} to {format_quantity(high, unit)}"
     if low is not None:
-        return f"{show_quantity(low, unit)} or more"
+        return f"{format_quantity(low, unit)} or more"
     if high is not None:
-        return f"{show_quantity(high, unit)} or less"
+        return f"{format_quantity(high, unit)} or less"
     return f"any number in {DISPLAY_UNITS.get(unit, (unit,))[0]}" if unit else "any number"

@@ -85,8 +85,8 @@ def protected(*inputs: Path) -> Iterator[None]:
 
 
 @contextmanager
-def files_of_a_run() -> Iterator[None]:
-    """List what is written inside this context as a run's, and let it replace only a run's files."""
+def recording_run_files() -> Iterator[None]:
+    """Record what is written inside this context as a run's files, and let it replace only such."""
     with _rules(replace(_RULES.get(), run=True)):
         yield
 
@@ -138,12 +138,12 @@ def check_output(
         raise InputError(f"{shown}: cannot be written, because the file may not be changed.")
     if path.exists() and not path.is_file():  # a device or a pipe, which holds nothing
         return
-    if _begins(path, DATABASE):
+    if _starts_with(path, DATABASE):
         raise InputError(
             f"{shown}: cannot be written, because it is a database, such as the store of a study; name "
             "another."
         )
-    reason = None if rules.force else _not_ours(path, kind, recognized, rules.run)
+    reason = None if rules.force else _replacement_refusal(path, kind, recognized, rules.run)
     if reason is not None:
         raise InputError(
             f"{shown}: is not replaced, because {reason}; name another {'folder' if rules.run else 'file'}, "
@@ -151,8 +151,10 @@ def check_output(
         )
 
 
-def _not_ours(path: Path, kind: Kind, recognized: Recognized | None, run: bool) -> str | None:
-    """Why a file may not be replaced by one of a kind; None if it may."""
+def _replacement_refusal(
+    path: Path, kind: Kind, recognized: Recognized | None, run: bool
+) -> str | None:
+    """Say why a file may not be replaced by one of a kind; None if it may."""
     if path.is_symlink():
         return "it is a link that crankfem has not made"
     if path.stat().st_size == 0:
@@ -178,7 +180,7 @@ def _same(path: Path, other: Path) -> bool:
         return False
 
 
-def _begins(path: Path, content: bytes) -> bool:
+def _starts_with(path: Path, content: bytes) -> bool:
     try:
         with path.open("rb") as file:
             return file.read(len(content)) == content
@@ -190,8 +192,8 @@ def _begins(path: Path, content: bytes) -> bool:
 
 
 @contextmanager
-def written(path: Path, kind: Kind, *, recognized: Recognized | None = None) -> Iterator[Path]:
-    """Yield the name of a private file to write, which takes its own name when it is complete.
+def atomic_file(path: Path, kind: Kind, *, recognized: Recognized | None = None) -> Iterator[Path]:
+    """Write a file atomically: yield a private file to write, which gets its own name when complete.
 
     It lies in the same folder and has the same ending. Where writing fails, what was there stays.
 
@@ -219,13 +221,13 @@ def written(path: Path, kind: Kind, *, recognized: Recognized | None = None) -> 
         if recognized is None or _RULES.get().run:
             _list_file(path, kind, _checksum(part))
 
-    with _in_one_step(path, enter) as part:
+    with _atomic_replacement(path, enter) as part:
         yield part
 
 
 @contextmanager
-def _in_one_step(path: Path, enter: Callable[[Path], None]) -> Iterator[Path]:
-    """Yield a private file that takes the place of `path` in the end, once `enter` has let it."""
+def _atomic_replacement(path: Path, enter: Callable[[Path], None]) -> Iterator[Path]:
+    """Yield a private file that replaces `path` in the end, once `enter` has let it."""
     if path.exists() and not path.is_file():
         yield path
         return
@@ -235,7 +237,7 @@ def _in_one_step(path: Path, enter: Callable[[Path], None]) -> Iterator[Path]:
         _UNFINISHED.add(part)
         part.open("x").close()
         yield part
-        with _alone(path.parent):
+        with _folder_lock(path.parent):
             enter(part)
             os.replace(part, path)
     except BaseException as error:
@@ -256,22 +258,22 @@ def remove_unfinished() -> None:
 
 
 def write_text(path: Path, text: str, kind: Kind, *, recognized: Recognized | None = None) -> Path:
-    """Write a text in UTF-8 as `written` does, and return its path."""
-    with written(path, kind, recognized=recognized) as part:
+    """Write a text in UTF-8 as `atomic_file` does, and return its path."""
+    with atomic_file(path, kind, recognized=recognized) as part:
         part.write_text(text, encoding="utf-8")
     return path
 
 
 def copy_file(source: Path, path: Path, kind: Kind) -> Path:
-    """Copy a file as `written` does, and return the path of the copy."""
-    with written(path, kind) as part:
+    """Copy a file as `atomic_file` does, and return the path of the copy."""
+    with atomic_file(path, kind) as part:
         part.write_bytes(source.read_bytes())
     return path
 
 
-def hand_over(path: Path, content: bytes, kind: Kind) -> None:
-    """Write a file that is the user's from then on: it is not listed, and so never replaced again."""
-    with _in_one_step(path, lambda _: check_output(path, kind)) as part:
+def write_user_file(path: Path, content: bytes, kind: Kind) -> None:
+    """Write a user's file: it is not listed, and so never replaced again."""
+    with _atomic_replacement(path, lambda _: check_output(path, kind)) as part:
         part.write_bytes(content)
 
 
@@ -288,18 +290,20 @@ def files_listed(folder: Path) -> list[Path]:
     return [
         folder / name
         for name, entry in _read_list(folder).items()
-        if entry["run"] and is_plain(folder / name) and _checksum(folder / name) in entry["sha256"]
+        if entry["run"]
+        and is_regular_file(folder / name)
+        and _checksum(folder / name) in entry["sha256"]
     ]
 
 
-def list_as_written(path: Path, kind: Kind) -> None:
+def list_existing_file(path: Path, kind: Kind) -> None:
     """List a file that an earlier release wrote, as one of a run."""
-    with files_of_a_run(), _alone(path.parent):
+    with recording_run_files(), _folder_lock(path.parent):
         _list_file(path, kind, _checksum(path))
 
 
-def is_plain(path: Path) -> bool:
-    """Whether a path is that of a file, and neither of a link nor of anything else."""
+def is_regular_file(path: Path) -> bool:
+    """Whether a path is that of a regular file, neither a link nor anything else."""
     try:
         return stat.S_ISREG(path.lstat().st_mode)
     except OSError:
@@ -314,7 +318,7 @@ def _checksum(path: Path) -> str:
 def _read_list(folder: Path) -> dict[str, dict[str, Any]]:
     """Read what is listed in a folder; a list that is none lists nothing."""
     path = folder / LISTED
-    if not is_plain(path):
+    if not is_regular_file(path):
         return {}
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
@@ -360,8 +364,8 @@ def _list_file(path: Path, kind: Kind, checksum: str) -> None:
 
 
 @contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Keep other processes of crankfem from changing the list of a folder meanwhile."""
+def _folder_lock(folder: Path) -> Iterator[None]:
+    """Lock the list of a folder, so that no other process of crankfem changes it meanwhile."""
     try:
         import fcntl
 

@@ -1,4 +1,4 @@
-"""Public names of a package: declared once in its stub, loaded from their homes when first used."""
+"""Public names of a package: declared once in its stub, loaded from their modules when first used."""
 
 import sys
 from collections.abc import Callable
@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 
-def handed_out(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """Return a package's `__getattr__` and `__dir__`, which hand out what the stub beside it imports.
+def lazy_exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """Return a package's `__getattr__` and `__dir__`, which load lazily what its stub imports.
 
     A stub is for type checkers; that the names at work are read from it keeps the two the same.
 
@@ -27,7 +27,7 @@ def handed_out(package: str, file: str) -> tuple[Callable[[str], Any], Callable[
     """
 
     @cache
-    def homes() -> dict[str, tuple[str, str]]:
+    def source_modules() -> dict[str, tuple[str, str]]:
         import ast
 
         stub = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
@@ -40,11 +40,11 @@ def handed_out(package: str, file: str) -> tuple[Callable[[str], Any], Callable[
 
     def getattr_(name: str) -> Any:
         if name == "__all__":
-            return sorted(homes())
+            return sorted(source_modules())
         # Python asks for names of its own, such as __path__; the stub is not read for them.
-        if name.startswith("__") or name not in homes():
+        if name.startswith("__") or name not in source_modules():
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        home, name_there = homes()[name]
+        home, name_there = source_modules()[name]
         if home == package:
             return import_module(f"{package}.{name_there}")
         value = getattr(import_module(home), name_there)
@@ -52,6 +52,6 @@ def handed_out(package: str, file: str) -> tuple[Callable[[str], Any], Callable[
         return value
 
     def dir_() -> list[str]:
-        return sorted({*vars(sys.modules[package]), *homes()})
+        return sorted({*vars(sys.modules[package]), *source_modules()})
 
     return getattr_, dir_

@@ -52,10 +52,12 @@ def summarized(*items: str, keeps_text: bool = False) -> Callable[[type[T]], typ
         return {label: text for label, text in texts if text}
 
     def __repr__(self: object) -> str:  # noqa: N807 - these become methods
-        return text_of(type(self).__name__, [f"{name} {text}" for name, text in rows(self).items()])
+        return summary_text(
+            type(self).__name__, [f"{name} {text}" for name, text in rows(self).items()]
+        )
 
     def _repr_html_(self: object) -> str:
-        return html_of(type(self).__name__, rows(self))
+        return summary_html(type(self).__name__, rows(self))
 
     def decorate(cls: type[T]) -> type[T]:
         if not keeps_text:
@@ -66,12 +68,12 @@ def summarized(*items: str, keeps_text: bool = False) -> Callable[[type[T]], typ
     return decorate
 
 
-def text_of(name: str, parts: list[str]) -> str:
+def summary_text(name: str, parts: list[str]) -> str:
     """Return "name(part, part)" in few lines; what does not fit any more is counted.
 
     Examples
     --------
-    >>> text_of("Sum", ["a 1", "b 2"])
+    >>> summary_text("Sum", ["a 1", "b 2"])
     'Sum(a 1, b 2)'
     """
     for kept in range(len(parts), -1, -1):
@@ -86,12 +88,12 @@ def text_of(name: str, parts: list[str]) -> str:
     return "\n".join(lines).replace(TIED, " ")
 
 
-def html_of(name: str, rows: Mapping[str, str]) -> str:
+def summary_html(name: str, rows: Mapping[str, str]) -> str:
     """Return a small table: the name above, a row for each value.
 
     Examples
     --------
-    >>> html_of("Sum", {"a": "< 1"})
+    >>> summary_html("Sum", {"a": "< 1"})
     '<table><caption>Sum</caption><tr><th>a</th><td>&lt; 1</td></tr></table>'
     """
     body = "".join(
@@ -122,7 +124,7 @@ def _value(value: Any, unit: str) -> str:
     if value is None:
         return ""
     if isinstance(value, np.ndarray) and value.size > FEW:
-        return _many(value, unit)
+        return _array_summary(value, unit)
     if isinstance(value, tuple | list | np.ndarray):
         items = list(value)
         if len(items) > FEW or not all(_is_brief(item) for item in items):
@@ -136,7 +138,7 @@ def _value(value: Any, unit: str) -> str:
     return f"{text} {unit}".rstrip()
 
 
-def _many(values: np.ndarray[Any, Any], unit: str) -> str:
+def _array_summary(values: np.ndarray[Any, Any], unit: str) -> str:
     """Write the range of an array and how many numbers it holds, by its axes."""
     size = " x ".join(str(length) for length in values.shape)
     finite = values[np.isfinite(values)] if np.issubdtype(values.dtype, np.number) else values[:0]

@@ -39,6 +39,6 @@ def _check_packages() -> None:
 _check_packages()
 
 # Only now is it sure that this is our own one.
-from crankbase.public_names import handed_out  # noqa: E402
+from crankbase.public_names import lazy_exports  # noqa: E402
 
-__getattr__, __dir__ = handed_out(__name__, __file__)
+__getattr__, __dir__ = lazy_exports(__name__, __file__)

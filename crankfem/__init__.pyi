@@ -55,9 +55,9 @@ from dynamics.harmonics import Harmonics as Harmonics
 from dynamics.harmonics import harmonics as harmonics
 from dynamics.mechanism.rods import ConnectingRod as ConnectingRod
 from dynamics.response.damping import damped as damped
-from dynamics.response.excitation import OrderExcitation as OrderExcitation
 from dynamics.response.forced import ForcedResponse as ForcedResponse
 from dynamics.response.forced import forced_response as forced_response
+from dynamics.response.order_excitation import OrderExcitation as OrderExcitation
 from dynamics.response.power import PowerBalance as PowerBalance
 from dynamics.response.power import power_balance as power_balance
 from dynamics.response.resonance import Resonance as Resonance

@@ -15,7 +15,7 @@ from scipy import sparse
 from crankbase.errors import InputError
 from crankbase.stopwatch import Stopwatch
 from fem.assembly import assemble_stiffness
-from fem.class_compliances import axial_answers, axial_motion
+from fem.class_compliances import axial_motion, class_axial_compliances
 from fem.condensation import CondensedClass, EndSections, condense
 from fem.loads import NodalLoads, unit_pin_loads
 from fem.material import Material
@@ -67,7 +67,7 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Level:
+class RefinementLevel:
     """One mesh with its axial class solved.
 
     Attributes
@@ -95,7 +95,7 @@ class Level:
     @property
     def axial(self) -> float:
         """Axial compliance, pinned [m/N]."""
-        return axial_answers(self.axial_part, "pinned")[0]
+        return class_axial_compliances(self.axial_part, "pinned")[0]
 
     @property
     def error_estimate(self) -> float:
@@ -117,7 +117,7 @@ class Level:
         )
 
 
-def solve_level(mesh: ThrowMesh, problem: Problem) -> Level:
+def solve_level(mesh: ThrowMesh, problem: Problem) -> RefinementLevel:
     """Solve the axial class on a mesh and estimate its error.
 
     Raises
@@ -141,12 +141,12 @@ def solve_level(mesh: ThrowMesh, problem: Problem) -> Level:
     with watch.lap("error estimate"):
         field: NDArray[np.float64] = part.fields @ axial_motion(part, "pinned")
         errors = energy_errors(mesh.points, mesh.elements, field, problem.material)
-    return Level(mesh, stiffness, pins, part, errors, solver)
+    return RefinementLevel(mesh, stiffness, pins, part, errors, solver)
 
 
-def solve_to(
+def solve_to_accuracy(
     throw: Throw, accuracy: float, problem: Problem, mesher: Mesher = mesh_isolated
-) -> Level:
+) -> RefinementLevel:
     """Refine until the estimated error of the axial compliance meets the accuracy.
 
     Parameters

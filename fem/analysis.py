@@ -1,7 +1,7 @@
 """Analyze a throw: one call from dimensions to superelement, masses and an error estimate."""
 
 from crankbase.stopwatch import Stopwatch
-from fem.accuracy import Mesher, Problem, solve_to
+from fem.accuracy import Mesher, Problem, solve_to_accuracy
 from fem.axial_analysis import AxialAnalysis
 from fem.condensation import EndSections
 from fem.loads import radial_directions
@@ -68,7 +68,7 @@ def analyze_throw(
     1.26e-09 m/N
     """
     problem = Problem(material, solver, end_sections, Stopwatch())
-    level = solve_to(throw, accuracy, problem, mesher or mesh_isolated)
+    level = solve_to_accuracy(throw, accuracy, problem, mesher or mesh_isolated)
     classes = tuple(
         level.condense(symmetry, problem) for symmetry in symmetry_classes(level.mesh.part)
     )
@@ -105,7 +105,7 @@ def analyze_axial(
     AxialAnalysis
     """
     problem = Problem(material, solver, end_sections, Stopwatch())
-    level = solve_to(throw, accuracy, problem, mesher or mesh_isolated)
+    level = solve_to_accuracy(throw, accuracy, problem, mesher or mesh_isolated)
     return AxialAnalysis(
         throw=throw,
         material=material,

@@ -7,7 +7,7 @@ from typing import Any
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from fem.class_compliances import axial_answers
+from fem.class_compliances import class_axial_compliances
 from fem.condensation import CondensedClass
 from fem.material import Material
 from geometry.mesh import ThrowMesh
@@ -57,11 +57,11 @@ class AxialAnalysis:
         InputError
             If the support is neither; between neighbors every class counts, see `analyze_throw`.
         """
-        return axial_answers(self.part, _class_support(support))[0]
+        return class_axial_compliances(self.part, _class_support(support))[0]
 
     def influence_coefficient(self, support: str = "pinned") -> float:
         """Influence coefficient c of the first pin [m/N]; support and errors as for e_n."""
-        return axial_answers(self.part, _class_support(support))[1]
+        return class_axial_compliances(self.part, _class_support(support))[1]
 
     def to_pandas(self) -> Any:
         """Return a table of compliance and influence coefficient by support.

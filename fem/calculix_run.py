@@ -100,7 +100,7 @@ def run_calculix(
         raise CalculixError(f"CalculiX took more than {time_limit:g} s for {deck.name}.") from None
     if done.returncode != 0 or "Job finished" not in done.stdout or not results.is_file():
         raise CalculixError(
-            f"CalculiX ended with code {done.returncode} on {deck.name}: {_complaint(done.stdout)}"
+            f"CalculiX ended with code {done.returncode} on {deck.name}: {_error_text(done.stdout)}"
         )
     return results
 
@@ -129,7 +129,7 @@ def read_calculix(results: str | Path) -> tuple[EndResults, ...]:
         raise CalculixError(f"{results}: cannot be read ({error.strerror or error}).") from None
     tables = {
         kind: [
-            _twelve(rows, results)
+            _end_values(rows, results)
             for rows in re.findall(
                 rf"^ *{kind} \([^)]*\) for set {ENDS} and time .*\n\s*\n((?: *\d+ .*\n?)+)",
                 text,
@@ -147,7 +147,7 @@ def read_calculix(results: str | Path) -> tuple[EndResults, ...]:
     return tuple(EndResults(*found) for found in zip(motions, forces, strict=True))
 
 
-def _twelve(rows: str, results: Path) -> Array:
+def _end_values(rows: str, results: Path) -> Array:
     """Take the four nodes' three values each out of a printed table."""
     try:
         values = np.array(
@@ -162,7 +162,7 @@ def _twelve(rows: str, results: Path) -> Array:
     return values.ravel()
 
 
-def _complaint(output: str) -> str:
+def _error_text(output: str) -> str:
     """CalculiX's first error with the line after it, or its last words."""
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     for number, line in enumerate(lines):

@@ -12,7 +12,7 @@ from fem.loads import RADIAL
 from fem.supports import STRETCH, TWIST, free_motions
 
 
-def axial_answers(part: CondensedClass, support: str) -> tuple[float, float]:
+def class_axial_compliances(part: CondensedClass, support: str) -> tuple[float, float]:
     """Axial compliance e_n and influence coefficient c of the first pin, both [m/N].
 
     Parameters
@@ -27,11 +27,11 @@ def axial_answers(part: CondensedClass, support: str) -> tuple[float, float]:
 
 
 def axial_motion(part: CondensedClass, support: str) -> NDArray[np.float64]:
-    """Amplitudes (k,) of the class under a unit axial force; arguments as for `axial_answers`."""
+    """Amplitudes (k,) of the class under a unit axial force; arguments as for `class_axial_compliances`."""
     return unit_response(part, support, STRETCH @ part.symmetry.ends)
 
 
-def torsional_answer(part: CondensedClass, support: str) -> float:
+def class_torsional_compliance(part: CondensedClass, support: str) -> float:
     """Torsional compliance [rad/(N m)] from the meshed part's `fem.symmetry.torsional_class`."""
     torque = TWIST @ part.symmetry.ends
     return float(unit_response(part, support, torque) @ torque)

@@ -36,7 +36,7 @@ from fem.class_modes import (
     frequencies_of,
 )
 from fem.condensation import CondensedClass
-from fem.held_shapes import shapes_of_class, shapes_of_throw
+from fem.fixed_interface_shapes import shapes_of_class, shapes_of_throw
 from fem.material import Material
 from fem.plots.frequency_stems import draw_frequencies
 from fem.superelement import section_rotation

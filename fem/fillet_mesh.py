@@ -31,8 +31,8 @@ def measured_sizes(mesh: ThrowMesh) -> SizeMap:
     return SizeMap(mesh.points[vertices], number, np.exp(total / np.bincount(number.ravel())))
 
 
-def finer_at(sizes: SizeMap, places: Sequence[tuple[Array, float]]) -> SizeMap:
-    """Make sizes smaller at some places and let them grow from there.
+def refine_at(sizes: SizeMap, places: Sequence[tuple[Array, float]]) -> SizeMap:
+    """Refine sizes at some points and let them grow from there.
 
     Parameters
     ----------

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from fem.accuracy import Mesher
 from fem.condensation import EndSections
-from fem.fillet_mesh import fillet_element, finer_at, measured_sizes
+from fem.fillet_mesh import fillet_element, measured_sizes, refine_at
 from fem.fillet_peaks import FilletPeak, FilletStresses
 from fem.fillet_surface import FilletSurface, fillet_points, fillet_surface
 from fem.fillets import Fillet, sharp_corners, throw_fillets
@@ -109,10 +109,10 @@ def fillet_stresses(
     fillets = throw_fillets(throw.parts)
     loads = unit_loads(radial_directions(throw))
 
-    def solved(sizes: SizeMap, fineness: float) -> _Level:
+    def solved(sizes: SizeMap, fineness: float) -> _FilletRefinementLevel:
         mesh = mesh_with(throw, 1.0, "auto", sizes)
         loaded = solve_unit_loads(mesh, loads, material, solver, end_sections)
-        return _Level.judged(loaded, fillets, fineness)
+        return _FilletRefinementLevel.judged(loaded, fillets, fineness)
 
     level = solved(*_first_sizes(throw, fillets, mesh_with))
     errors = np.full((len(fillets), len(loads)), np.inf)
@@ -146,7 +146,7 @@ def fillet_stresses(
 
 
 @dataclass(frozen=True)
-class _Level:
+class _FilletRefinementLevel:
     """One mesh with its solution, and at which nodes of the fillets the largest stresses are."""
 
     loaded: LoadedThrow
@@ -157,7 +157,9 @@ class _Level:
     principals: Array  # (s, k, 3)
 
     @classmethod
-    def judged(cls, loaded: LoadedThrow, fillets: Sequence[Fillet], fineness: float) -> "_Level":
+    def judged(
+        cls, loaded: LoadedThrow, fillets: Sequence[Fillet], fineness: float
+    ) -> "_FilletRefinementLevel":
         surface = fillet_surface(loaded)
         points = surface.points
         # Of mirrored nodes those at x >= 0; nodes on the cut are there to round-off.
@@ -224,7 +226,7 @@ class _Level:
         )
 
 
-def _errors(coarse: _Level, fine: _Level) -> Array:
+def _errors(coarse: _FilletRefinementLevel, fine: _FilletRefinementLevel) -> Array:
     """Estimated relative errors (fillets, k) of the largest stresses."""
     change = np.abs(fine.largest - coarse.largest) / fine.largest
     ratio = fine.fineness / coarse.fineness
@@ -254,7 +256,7 @@ def _sizes_within_budget(
             (points, fillet_element(fillet.radius, fineness))
             for points, fillet in zip(places, fillets, strict=True)
         ]
-        finer = finer_at(sizes, wished)
+        finer = refine_at(sizes, wished)
         if finer.expected_unknowns() <= MOST_UNKNOWNS or fineness < COARSEST:
             return finer, fineness
         fineness *= 0.9
@@ -263,7 +265,7 @@ def _sizes_within_budget(
 def _too_small(fillets: Sequence[Fillet]) -> InputError:
     smallest = min(fillet.radius for fillet in fillets)
     return InputError(
-        f"fillet_radius: given {show_quantity(smallest, 'm')}; allowed are larger ones, because elements "
+        f"fillet_radius: given {format_quantity(smallest, 'm')}; allowed are larger ones, because elements "
         f"small enough for its stress would make more than {MOST_UNKNOWNS:,} unknowns."
     )
 

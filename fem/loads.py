@@ -132,7 +132,7 @@ def unit_end_loads(mesh: ThrowMesh, end: str) -> NodalLoads:
     images = tuple(image for image in mirror_images(mesh) if not image.across_middle)
     surface = _surface(mesh, mesh.surfaces[end], images)
     center = np.array([0.0, 0.0, 0.0 if end == LEFT_END else mesh.length])
-    return _unit_loads(_about(surface, center))
+    return _unit_loads(_with_center(surface, center))
 
 
 def end_sections(symmetry: SymmetryClass) -> tuple[str, ...]:
@@ -176,8 +176,8 @@ def pin_load(
         pressures = [
             one + other
             for one, other in zip(
-                _pressed(surface, across, couple=False),
-                _pressed(surface, couple, couple=True),
+                _pressure_patterns(surface, across, couple=False),
+                _pressure_patterns(surface, couple, couple=True),
                 strict=True,
             )
         ]
@@ -223,7 +223,7 @@ def rigid_motions(arms: Array) -> Array:
     return motions
 
 
-def _pressed(surface: LoadedSurface, direction: Array, *, couple: bool) -> list[Array]:
+def _pressure_patterns(surface: LoadedSurface, direction: Array, *, couple: bool) -> list[Array]:
     """Pressures (q, 3) on each image with the resultant force, or couple, of that direction."""
     size = float(np.linalg.norm(direction))
     if size == 0.0:
@@ -288,10 +288,10 @@ def _surface(
     )
     sizes = np.linalg.norm(surface.areas, axis=1)
     middle = np.mean([sizes @ image.points(surface.places) for image in images], axis=0)
-    return _about(surface, middle / sizes.sum())
+    return _with_center(surface, middle / sizes.sum())
 
 
-def _about(surface: LoadedSurface, center: Array) -> LoadedSurface:
+def _with_center(surface: LoadedSurface, center: Array) -> LoadedSurface:
     """Return the surface with another center."""
     resultants = np.zeros((6, 6))
     sizes = np.linalg.norm(surface.areas, axis=1)

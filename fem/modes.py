@@ -149,7 +149,7 @@ def free_modes(
     SolveError
         If a mode does not satisfy its equation, or there are not six rigid motions.
     """
-    _check_wish(count, highest_frequency)
+    _check_mode_count(count, highest_frequency)
     if highest_frequency is not None:
         check_resolved(mesh, material, highest_frequency)
     matrices = PartMatrices.of_mesh(mesh, material, watch)
@@ -167,7 +167,7 @@ def free_modes(
     if count is None:
         classes = [solve(symmetry, None) for symmetry in symmetries]
     else:
-        classes = _lowest_of_all(solve, symmetries, count)
+        classes = _lowest_modes(solve, symmetries, count)
     rigid = _checked_rigid_squares(classes, shift)
 
     elastic = [modes.part(slice(rigid_count(modes.symmetry), None)) for modes in classes]
@@ -197,7 +197,7 @@ def rigid_count(symmetry: SymmetryClass) -> int:
     return int(np.count_nonzero(symmetry.central_motions))
 
 
-def _check_wish(count: int | None, highest_frequency: float | None) -> None:
+def _check_mode_count(count: int | None, highest_frequency: float | None) -> None:
     if (count is None) == (highest_frequency is None):
         raise InputError(
             f"count, highest_frequency: given {quoted(count)} and {quoted(highest_frequency)}; allowed is "
@@ -215,7 +215,7 @@ def _check_wish(count: int | None, highest_frequency: float | None) -> None:
         )
 
 
-def _lowest_of_all(
+def _lowest_modes(
     solve: Callable[[SymmetryClass, int], ClassModes],
     symmetries: Sequence[SymmetryClass],
     count: int,

@@ -16,7 +16,7 @@ from scipy import sparse
 
 from fem.elements import physical_gradients
 from fem.material import Material
-from geometry.mending import EDGES
+from geometry.mesh_repair import EDGES
 from geometry.shapes import shapes_for_quadrature
 
 Array = NDArray[np.float64]

@@ -53,14 +53,14 @@ def refined_sizes(mesh: ThrowMesh, errors: EnergyErrors, target: float) -> SizeM
     # The mean of the logarithms; the smallest would refine two layers for one element.
     total = np.bincount(number.ravel(), np.repeat(np.log(wished), 4))
     nodal = np.exp(total / np.bincount(number.ravel()))
-    graded = _graded(mesh.points[vertices], number, nodal)
+    graded = _limit_size_growth(mesh.points[vertices], number, nodal)
     # Sizes of few digits: rounding in the solution must not become another mesh.
     steps = np.round(np.log(graded / mesh.length) / SIZE_STEP)
     return SizeMap(mesh.points[vertices], number, mesh.length * np.exp(SIZE_STEP * steps))
 
 
-def _graded(points: Array, tetrahedra: NDArray[np.int64], sizes: Array) -> Array:
-    """Let sizes grow gently from where they are small."""
+def _limit_size_growth(points: Array, tetrahedra: NDArray[np.int64], sizes: Array) -> Array:
+    """Limit how fast sizes grow from where they are small."""
     pairs = np.array([(i, j) for i in range(4) for j in range(4) if i != j])
     start, stop = tetrahedra[:, pairs[:, 0]].ravel(), tetrahedra[:, pairs[:, 1]].ravel()
     lengths = np.linalg.norm(points[start] - points[stop], axis=1)

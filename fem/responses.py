@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.stopwatch import Stopwatch
-from fem.accuracy import SAFETY, Level, Mesher, Problem, solve_to
+from fem.accuracy import SAFETY, Mesher, Problem, RefinementLevel, solve_to_accuracy
 from fem.angle_law import effective_angle_law
 from fem.class_compliances import unit_response
 from fem.condensation import CondensedClass
@@ -158,10 +158,10 @@ def evaluate_throw(
         If the throw cannot be meshed or solved.
     """
     problem = Problem(material, "auto", "rigid", Stopwatch())
-    level = solve_to(throw, accuracy, problem, mesher)
-    axial = _class_answers(level.axial_part, level, material, STRETCH, TILT_IN_PLANE, radial=True)
+    level = solve_to_accuracy(throw, accuracy, problem, mesher)
+    axial = _class_responses(level.axial_part, level, material, STRETCH, TILT_IN_PLANE, radial=True)
     torsional_part = level.condense(torsional_class(level.mesh.part), problem)
-    torsional = _class_answers(torsional_part, level, material, TWIST, TILT_ACROSS, radial=False)
+    torsional = _class_responses(torsional_part, level, material, TWIST, TILT_ACROSS, radial=False)
     answers: dict[str, Answer] = {}
     for number, support in enumerate(SUPPORTS):
         compliance, influence = axial.compliances[number], axial.influences[number]
@@ -169,7 +169,7 @@ def evaluate_throw(
         answers[f"torsional_compliance_{support}"] = torsional.compliances[number]
         answers[f"influence_coefficient_{support}"] = influence
         answers[f"axial_reaction_{support}"] = _ratio(influence, compliance)
-    answers |= _angle_law_answers(throw, level, problem, axial, torsional)
+    answers |= _angle_law_responses(throw, level, problem, axial, torsional)
     mass = mass_properties(level.mesh, material.density).mass
     answers["mass"] = (mass, abs(mass / (material.density * throw.volume) - 1.0))
     if stresses:
@@ -183,8 +183,8 @@ def evaluate_throw(
 
 
 @dataclass(frozen=True)
-class _Answers:
-    """Answers of one symmetry class.
+class _ClassResponses:
+    """Responses of one symmetry class.
 
     Attributes
     ----------
@@ -201,9 +201,14 @@ class _Answers:
     tilt: Answer
 
 
-def _class_answers(
-    part: CondensedClass, level: Level, material: Material, load: Array, tilt: Array, radial: bool
-) -> _Answers:
+def _class_responses(
+    part: CondensedClass,
+    level: RefinementLevel,
+    material: Material,
+    load: Array,
+    tilt: Array,
+    radial: bool,
+) -> _ClassResponses:
     """Solve a class under its end load and the tilting moments; `radial` adds the force on the pin."""
     pull, moments = load @ part.symmetry.ends, tilt @ part.symmetry.ends
     amplitudes = [unit_response(part, support, pull) for support in SUPPORTS]
@@ -220,13 +225,13 @@ def _class_answers(
     products = energy_products(level.mesh.points, level.mesh.elements, fields, material)
     lost = SAFETY * part.symmetry.copies * products.errors
 
-    def answer(value: float, one: int, other: int) -> Answer:
+    def response(value: float, one: int, other: int) -> Answer:
         return float(value), float(lost[one, other] / value)
 
-    return _Answers(
-        compliances=[answer(motions[n] @ pull, n, n) for n in range(2)],
-        influences=[answer(motions[3 + n] @ pull, n, 3 + n) for n in range(2)] if radial else [],
-        tilt=answer(motions[2] @ moments, 2, 2),
+    return _ClassResponses(
+        compliances=[response(motions[n] @ pull, n, n) for n in range(2)],
+        influences=[response(motions[3 + n] @ pull, n, 3 + n) for n in range(2)] if radial else [],
+        tilt=response(motions[2] @ moments, 2, 2),
     )
 
 
@@ -236,12 +241,12 @@ def _ratio(numerator: Answer, denominator: Answer) -> Answer:
     return numerator[0] / denominator[0], abs(numerator[1] - denominator[1]) + spread
 
 
-def _angle_law_answers(
+def _angle_law_responses(
     throw: CrankThrow,
-    level: Level,
+    level: RefinementLevel,
     problem: Problem,
-    axial: _Answers,
-    torsional: _Answers,
+    axial: _ClassResponses,
+    torsional: _ClassResponses,
 ) -> dict[str, Answer]:
     """e_0, e_180, c_0, c_180 and rho; see `fem.angle_law`.
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from crankbase.checks.choices import check_choice
 from crankbase.drawing.bars import draw_groups, draw_matrix
 from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import shown_unit, write_title
+from crankbase.drawing.legends import display_unit, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
@@ -90,7 +90,7 @@ class ShaftCompliances:
         """
         check_choice("quantity", quantity, SHOWN, "a shaft has these")
         unit, words = SHOWN[quantity]
-        text, size = shown_unit(unit)
+        text, size = display_unit(unit)
         values = getattr(self, quantity) / size
         axes = new_axes(axes)
         throws = [str(number) for number in range(1, len(self.axial) + 1)]

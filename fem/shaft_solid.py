@@ -21,9 +21,9 @@ from fem.material import Material
 from fem.solver import factorize
 from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.gmsh_session import gmsh_errors, gmsh_session
-from geometry.mending import mend
 from geometry.mesh import read_mesh
 from geometry.mesh_checks import check_quality, check_volume, solid_properties
+from geometry.mesh_repair import straighten_elements
 
 Array = NDArray[np.float64]
 
@@ -96,7 +96,7 @@ def mesh_shaft(shaft: Crankshaft, size: float) -> ShaftMesh:
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(2)
         points, elements, _ = read_mesh(gmsh, {})
-    points, _ = mend(points, elements)
+    points, _ = straighten_elements(points, elements)
     check_volume(points, elements, solid)
     check_quality(points, elements)
     return ShaftMesh(points, elements, shaft.starts, shaft.throws[0].main_journal_diameter)

@@ -94,7 +94,7 @@ def surface_stress(
     at_middles = np.zeros((len(middles), *at_corners.shape[1:]))
     for owner in ends.T:
         strains = _planes(frames[owner], patches.strains(owner, points[middles]))
-        turn = smallest_turns(normals[owner], middle_normals)[:, None]
+        turn = smallest_rotations(normals[owner], middle_normals)[:, None]
         at_middles += 0.5 * turn @ strains @ turn.transpose(0, 1, 3, 2)
     strains = np.concatenate([at_corners, at_middles])
     normals = np.concatenate([normals, middle_normals])
@@ -143,7 +143,7 @@ def _fitted(
     near = np.sum(normals[facet, point] * frames[owner, 2], axis=1) > SMALLEST_COSINE
     owner, facet, point = owner[near], facet[near], point[near]
 
-    turns = smallest_turns(normals[facet, point], frames[owner, 2])
+    turns = smallest_rotations(normals[facet, point], frames[owner, 2])
     tangential = frames[owner, :2] @ turns  # the corner's tangents seen from the facet
     along = tangential @ dual[facet, point].swapaxes(1, 2)
     gradients = (
@@ -203,7 +203,7 @@ def tangent_frames(normals: Array) -> Array:
     return np.stack([first, np.cross(normals, first), normals], axis=1)
 
 
-def smallest_turns(start: Array, stop: Array) -> Array:
+def smallest_rotations(start: Array, stop: Array) -> Array:
     """Rotations (n, 3, 3) by the smallest angles that bring unit vectors (n, 3) to others."""
     x, y, z = np.cross(start, stop).T
     zero = np.zeros_like(x)

@@ -14,7 +14,6 @@ from crankbase.summaries import summarized
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle
 from fem.condensation import CondensedClass
 from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
-from fem.given_load import checked_pin, end_load, spread_load
 from fem.loads import Distribution
 from fem.material import Material
 from fem.modes import ThrowModes, free_modes
@@ -26,6 +25,7 @@ from fem.pin_response import (
     pin_response,
 )
 from fem.plots.over_angle import ANGLES_DEG, LABELS, Compliance, check_compliance, draw_compliance
+from fem.prescribed_pin_load import checked_pin, end_load, spread_load
 from fem.superelement import Superelement
 from fem.supports import (
     STRETCH,

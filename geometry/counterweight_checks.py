@@ -4,7 +4,7 @@ import math
 
 from geometry.parts import Cylinder, Sector, WebPlate
 from geometry.throw_dimensions import ThrowDimensions
-from geometry.throw_fields import in_mm, refusal
+from geometry.throw_fields import dimension_error, in_mm
 
 # A counterweight must stand out of its web by this share of the web's reach, reach into it as deep
 # as this share, and share this much of the thinner one's thickness with it.
@@ -31,14 +31,14 @@ def check_counterweight(
     name = f"{table}counterweight"
     reach = -web.outline.foot
     if sector.outer_radius < COUNTERWEIGHT_STANDS_OUT * reach:
-        raise refusal(
+        raise dimension_error(
             f"{name}.outer_radius",
             sector.outer_radius,
             f"{in_mm(COUNTERWEIGHT_STANDS_OUT * reach)} or more",
             f"because the {web.name} itself reaches {in_mm(reach)} from the shaft axis",
         )
     if sector.inner_radius > COUNTERWEIGHT_REACHES_IN * reach:
-        raise refusal(
+        raise dimension_error(
             f"{name}.inner_radius",
             sector.inner_radius,
             f"0 to {in_mm(COUNTERWEIGHT_REACHES_IN * reach)}",
@@ -51,7 +51,7 @@ def check_counterweight(
     shared = min(end, sector.end) - max(start, sector.start)
     lowest = COUNTERWEIGHT_SHARES * min(thickness, sector.end - sector.start)
     if shared < lowest:
-        raise refusal(
+        raise dimension_error(
             f"{name}.offset",
             0.5 * (sector.start + sector.end - web.start - web.end) * -outer,
             f"one that puts more of its {in_mm(sector.end - sector.start)} on the web",
@@ -60,7 +60,7 @@ def check_counterweight(
         )
     for step in (abs(sector.start - web.start), abs(sector.end - web.end)):
         if 0.0 < step < SMALLEST_STEP * thickness:
-            raise refusal(
+            raise dimension_error(
                 f"{name}.thickness",
                 sector.end - sector.start,
                 f"one whose faces are flush with the {web.name} or {in_mm(SMALLEST_STEP * thickness)} off",
@@ -71,7 +71,7 @@ def check_counterweight(
     if beyond_outer > 0.0:
         room = 0.9 * (journal.end - journal.start)
         if beyond_outer > room:
-            raise refusal(
+            raise dimension_error(
                 f"{name}.thickness",
                 sector.end - sector.start,
                 f"at most {in_mm(room)} beyond the {web.name}",
@@ -79,7 +79,7 @@ def check_counterweight(
             )
         clear = 1.02 * journal.collar
         if sector.inner_radius < clear:
-            raise refusal(
+            raise dimension_error(
                 f"{name}.inner_radius",
                 sector.inner_radius,
                 f"{in_mm(clear)} or more",
@@ -89,7 +89,7 @@ def check_counterweight(
     if beyond_inner > 0.0:
         room = SHARE_OF_PIN_LENGTH * (pin.end - pin.start)
         if beyond_inner > room:
-            raise refusal(
+            raise dimension_error(
                 f"{name}.thickness",
                 sector.end - sector.start,
                 f"at most {in_mm(room)} beyond the {web.name} towards the crankpin",
@@ -98,7 +98,7 @@ def check_counterweight(
         lowest_pin = web.distance - 1.02 * pin.collar
         highest = -sector.inner_radius * math.cos(sector.half_angle)
         if highest > lowest_pin:
-            raise refusal(
+            raise dimension_error(
                 f"{name}.inner_radius",
                 sector.inner_radius,
                 "a larger one, or a smaller angle",

@@ -13,16 +13,16 @@ from crankbase.calls import ProcessLostError
 from crankbase.checks.arrays import finite_vector
 from crankbase.errors import InputError, MeshError
 from crankbase.summaries import summarized
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from geometry.balance import Unbalance, unbalance
 from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.isolated import shared_process
 from geometry.mass import (
     MassProperties,
     check_density,
+    combined_mass,
     cylinder_mass_properties,
     solid_mass_properties,
-    together,
 )
 from geometry.mesh_checks import (
     SOLID_VOLUME_TOLERANCE,
@@ -82,8 +82,8 @@ class Crankshaft:
                 left, right = getattr(first, name), getattr(second, name)
                 if left != right:
                     raise InputError(
-                        f"throws: given {name} {show_quantity(left, 'm')} in throw {number} and "
-                        f"{show_quantity(right, 'm')} in throw {number + 1}; allowed is one value, for "
+                        f"throws: given {name} {format_quantity(left, 'm')} in throw {number} and "
+                        f"{format_quantity(right, 'm')} in throw {number + 1}; allowed is one value, for "
                         "they share a main journal."
                     )
 
@@ -103,7 +103,7 @@ class Crankshaft:
         if abs(first - second) > 1e-9 * left.main_journal_diameter:
             raise InputError(
                 f"throws: given main_journal_bore_offset so that the bores of throws {number} and "
-                f"{number + 1} are {show_quantity(abs(first - second), 'm')} apart in the main journal "
+                f"{number + 1} are {format_quantity(abs(first - second), 'm')} apart in the main journal "
                 "they share; allowed are bores that meet there, such as concentric ones."
             )
 
@@ -151,7 +151,7 @@ class Crankshaft:
             cylinder_mass_properties(diameter, low, high, density)
             for diameter, low, high in self.end_cylinders
         ]
-        return together(parts)
+        return combined_mass(parts)
 
     @property
     def end_cylinders(self) -> list[tuple[float, float, float]]:

@@ -126,7 +126,7 @@ class ImportedThrow:
 
 
 @dataclass(frozen=True)
-class Wanted:
+class RequestedFaces:
     """Faces by their names in the file; None for those to be found by shape."""
 
     left: tuple[StepFace, ...] | None
@@ -180,9 +180,9 @@ def import_throw(
     if pins is not None and tuple(pins) == (PIN,):
         pins = _all_pins(step.faces)
     if not step.faces:
-        wanted = Wanted(None, None, None)
+        wanted = RequestedFaces(None, None, None)
     else:
-        wanted = Wanted(
+        wanted = RequestedFaces(
             _named(step.faces, "left_end", left_end, PLANE),
             _named(step.faces, "right_end", right_end, PLANE),
             None if pins is None else _named_pins(step.faces, pins),

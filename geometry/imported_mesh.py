@@ -15,9 +15,9 @@ from crankbase.errors import InputError, MeshError
 from geometry.cad_faces import opened_part
 from geometry.gmsh_session import gmsh_errors
 from geometry.imported import ImportedThrow, file_content
-from geometry.mending import mend
-from geometry.mesh import Rung, ThrowMesh, climb, read_mesh
+from geometry.mesh import MeshingStrategy, ThrowMesh, read_mesh, try_strategies
 from geometry.mesh_checks import check_budget, check_quality, check_volume, solid_properties
+from geometry.mesh_repair import straighten_elements
 from geometry.parts import ThrowParts
 from geometry.recognition import PLACE_TOLERANCE
 from geometry.size_field import set_sizes
@@ -134,17 +134,17 @@ def mesh_imported_from(
     )
     check_budget(expected, size_factor)
 
-    def mesh_by(rung: Rung, failed: tuple[str, ...]) -> ThrowMesh:
+    def mesh_by(rung: MeshingStrategy, failed: tuple[str, ...]) -> ThrowMesh:
         return _mesh_once(throw, size_factor, sizes, rung, failed)
 
-    return climb(mesh_by, attempts, on_remark)
+    return try_strategies(mesh_by, attempts, on_remark)
 
 
 def _mesh_once(
     throw: ImportedThrow,
     size_factor: float,
     sizes: SizeMap | None,
-    rung: Rung,
+    rung: MeshingStrategy,
     attempts: tuple[str, ...],
 ) -> ThrowMesh:
     factor = size_factor * rung.share
@@ -168,7 +168,7 @@ def _mesh_once(
             gmsh.model.mesh.setOrder(2)
         points, elements, facets = read_mesh(gmsh, surfaces)
     _check_ends(throw, points, facets)
-    points, mended = mend(points, elements)
+    points, mended = straighten_elements(points, elements)
     check_volume(points, elements, solid)
     check_quality(points, elements)
     return ThrowMesh(

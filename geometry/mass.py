@@ -63,8 +63,8 @@ def check_density(density: object) -> None:
         )
 
 
-def together(parts: Sequence[MassProperties]) -> MassProperties:
-    """Mass properties of several parts as one rigid body."""
+def combined_mass(parts: Sequence[MassProperties]) -> MassProperties:
+    """Combined mass properties of several parts as one rigid body."""
     mass = sum(part.mass for part in parts)
     center = sum((part.mass * part.center for part in parts), np.zeros(3)) / mass
     inertia = np.zeros((3, 3))
@@ -112,7 +112,9 @@ def solid_mass_properties(
     solid: SolidProperties, part: str, length: float, density: float
 ) -> MassProperties:
     """Mass properties of the whole throw from the solid of a part of it."""
-    return _whole(part, length, solid.volume, solid.center, solid.second_moments, density)
+    return _whole_throw_mass(
+        part, length, solid.volume, solid.center, solid.second_moments, density
+    )
 
 
 def mesh_mass_properties(mesh: ThrowMesh, density: float) -> MassProperties:
@@ -121,10 +123,10 @@ def mesh_mass_properties(mesh: ThrowMesh, density: float) -> MassProperties:
     volume = float(volumes.sum())
     center = volumes @ where / volume
     second = np.einsum("p,pi,pj->ij", volumes, where - center, where - center)
-    return _whole(mesh.part, mesh.length, volume, center, second, density)
+    return _whole_throw_mass(mesh.part, mesh.length, volume, center, second, density)
 
 
-def _whole(
+def _whole_throw_mass(
     part: str,
     length: float,
     volume: float,
@@ -132,7 +134,7 @@ def _whole(
     second: NDArray[np.float64],
     density: float,
 ) -> MassProperties:
-    """Mirror a part's integrals, and turn second moments into inertia."""
+    """Return the whole throw's mass properties from a part's integrals by mirroring."""
     check_density(density)
     # About a point on the planes of symmetry, so that mirrored products cancel.
     origin = np.array([0.0, 0.0, length / 2.0])

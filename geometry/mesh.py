@@ -11,7 +11,6 @@ from crankbase.errors import InputError, MeshError
 from crankbase.stopwatch import Stopwatch
 from crankbase.summaries import summarized
 from geometry.gmsh_session import gmsh_errors, gmsh_session
-from geometry.mending import mend
 from geometry.mesh_checks import (
     MOST_UNKNOWNS,
     SolidProperties,
@@ -21,6 +20,7 @@ from geometry.mesh_checks import (
     check_volume,
     solid_properties,
 )
+from geometry.mesh_repair import straighten_elements
 from geometry.parts import ThrowParts
 from geometry.size_field import set_sizes
 from geometry.size_map import SizeMap, set_size_map
@@ -37,8 +37,8 @@ PARTS = tuple(SHARES)
 
 
 @dataclass(frozen=True)
-class Rung:
-    """One way of meshing the same part, tried when those before it failed.
+class MeshingStrategy:
+    """One strategy for meshing a part, tried when those before it failed.
 
     Attributes
     ----------
@@ -57,13 +57,13 @@ class Rung:
 
 # No rung changes the part: they only make elements smaller, keep faces apart that lie in one surface,
 # or use another algorithm.
-LADDER = (
-    Rung("as planned"),
-    Rung("elements of 0.8 the size", 0.8),
-    Rung("elements of 0.6 the size", 0.6),
-    Rung("faces not united", 0.8, (("Geometry.OCCUnionUnify", 0),)),
-    Rung("frontal volume mesher", 0.8, (("Mesh.Algorithm3D", 4),)),
-    Rung(
+MESHING_STRATEGIES = (
+    MeshingStrategy("as planned"),
+    MeshingStrategy("elements of 0.8 the size", 0.8),
+    MeshingStrategy("elements of 0.6 the size", 0.6),
+    MeshingStrategy("faces not united", 0.8, (("Geometry.OCCUnionUnify", 0),)),
+    MeshingStrategy("frontal volume mesher", 0.8, (("Mesh.Algorithm3D", 4),)),
+    MeshingStrategy(
         "faces not united, MeshAdapt surface mesher",
         0.7,
         (("Geometry.OCCUnionUnify", 0), ("Mesh.Algorithm", 1)),
@@ -162,7 +162,7 @@ def mesh_throw(
 ) -> ThrowMesh:
     """Mesh a throw in this process.
 
-    If a way of meshing fails, or its mesh has not the solid's volume, the next way of `LADDER` is
+    If a way of meshing fails, or its mesh has not the solid's volume, the next way of `MESHING_STRATEGIES` is
     tried; none changes the part. The mesh says what was tried.
 
     Parameters
@@ -212,25 +212,25 @@ def mesh_throw_from(
     )
     check_budget(expected, size_factor)
 
-    def mesh_by(rung: Rung, failed: tuple[str, ...]) -> ThrowMesh:
+    def mesh_by(rung: MeshingStrategy, failed: tuple[str, ...]) -> ThrowMesh:
         return _mesh_once(parts, size_factor, part, sizes, rung, failed)
 
-    return climb(mesh_by, attempts, on_remark)
+    return try_strategies(mesh_by, attempts, on_remark)
 
 
-def climb(
-    mesh_by: Callable[[Rung, tuple[str, ...]], ThrowMesh],
+def try_strategies(
+    mesh_by: Callable[[MeshingStrategy, tuple[str, ...]], ThrowMesh],
     attempts: tuple[str, ...],
     on_remark: Callable[[tuple[str, ...]], None] | None,
 ) -> ThrowMesh:
-    """Try one way of `LADDER` after the other, passing over as many as `attempts` failed before.
+    """Try `MESHING_STRATEGIES` one after the other, passing over as many as `attempts` failed before.
 
     Raises
     ------
     MeshError
         If all fail.
     """
-    for rung in LADDER[len(attempts) :]:
+    for rung in MESHING_STRATEGIES[len(attempts) :]:
         if on_remark is not None:
             on_remark(attempts)
         try:
@@ -266,7 +266,7 @@ def _mesh_once(
     size_factor: float,
     part: str,
     sizes: SizeMap | None,
-    rung: Rung,
+    rung: MeshingStrategy,
     attempts: tuple[str, ...],
 ) -> ThrowMesh:
     factor = size_factor * rung.share
@@ -288,7 +288,7 @@ def _mesh_once(
         points, elements, facets = read_mesh(gmsh, named.surfaces)
     if 3 * len(points) > 1.5 * MOST_UNKNOWNS:
         raise MeshError(f"the mesh has {3 * len(points):,} unknowns, far more than predicted.")
-    points, mended = mend(points, elements)
+    points, mended = straighten_elements(points, elements)
     check_volume(points, elements, solid)
     check_quality(points, elements)
     pins = tuple(pin.name for pin in parts.pins)

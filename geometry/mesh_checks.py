@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError, MeshError
-from geometry.mending import corner_quality
+from geometry.mesh_repair import corner_quality
 from geometry.parts import ThrowParts
 from geometry.shapes import element_volumes
 from geometry.sizes import SHARES

@@ -7,7 +7,7 @@ from crankbase.errors import InputError, MeshError
 from geometry.imported import ImportedThrow
 from geometry.imported_mesh import mesh_imported_throw, predict_imported_unknowns
 from geometry.isolated import IsolatedProcess, shared_process
-from geometry.mesh import LADDER, ThrowMesh, mesh_throw
+from geometry.mesh import MESHING_STRATEGIES, ThrowMesh, mesh_throw
 from geometry.size_map import SizeMap
 from geometry.sizes import predict_unknowns
 from geometry.throw import CrankThrow
@@ -58,7 +58,7 @@ def mesh_isolated(
         nonlocal attempts
         attempts = made
 
-    while len(attempts) < len(LADDER):
+    while len(attempts) < len(MESHING_STRATEGIES):
         try:
             mesh: ThrowMesh = process.call(
                 *_function(throw, size_factor, part, sizes),
@@ -67,7 +67,7 @@ def mesh_isolated(
                 on_remark=note,
             )
         except ProcessLostError as error:
-            attempts = (*attempts, f"{LADDER[len(attempts)].what}: {error}")
+            attempts = (*attempts, f"{MESHING_STRATEGIES[len(attempts)].what}: {error}")
         else:
             return mesh
     raise MeshError(

@@ -167,7 +167,7 @@ class ThrowParts:
     @cached_property
     def mirrored(self) -> bool:
         """Whether the middle z = length / 2 is a plane of symmetry."""
-        return _alike(_signature(self, False), _signature(self, True))
+        return _equal_to_round_off(_signature(self, False), _signature(self, True))
 
 
 def _signature(parts: ThrowParts, reverse: bool) -> list[tuple[object, ...]]:
@@ -211,11 +211,11 @@ def _signature(parts: ThrowParts, reverse: bool) -> list[tuple[object, ...]]:
     return found
 
 
-def _alike(first: object, second: object) -> bool:
-    """Compare nested tuples, numbers to round-off."""
+def _equal_to_round_off(first: object, second: object) -> bool:
+    """Whether nested tuples are equal, numbers to round-off."""
     if isinstance(first, list | tuple) and isinstance(second, list | tuple):
         return len(first) == len(second) and all(
-            _alike(a, b) for a, b in zip(first, second, strict=True)
+            _equal_to_round_off(a, b) for a, b in zip(first, second, strict=True)
         )
     if isinstance(first, float | int) and isinstance(second, float | int):
         return math.isclose(first, second, rel_tol=1e-12, abs_tol=1e-12)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from geometry.cad_faces import (
     Face,
     Round,
@@ -19,7 +19,7 @@ from geometry.cad_faces import (
     same_surface,
 )
 from geometry.gmsh_session import middle_point
-from geometry.imported import ImportedPin, ImportedThrow, Wanted
+from geometry.imported import ImportedPin, ImportedThrow, RequestedFaces
 from geometry.imported_sizes import planned_sizes
 from geometry.parts import Cylinder
 from geometry.sizes import ROOT_PER_FILLET, SizePlan
@@ -41,7 +41,7 @@ SMOOTH = math.radians(20.0)
 ROUNDED_PER_BULK, HOLE_PER_BULK = 0.1, 0.02
 
 
-def recognize(path: str, digest: str, wanted: Wanted) -> ImportedThrow:
+def recognize(path: str, digest: str, wanted: RequestedFaces) -> ImportedThrow:
     """Find ends, pins and everything else that matters in a file's solid.
 
     Parameters
@@ -75,7 +75,7 @@ def _check_length(path: str, length: float) -> None:
 class _Recognition:
     """What is found in one solid, in the file's frame."""
 
-    def __init__(self, gmsh: Any, solid: int, wanted: Wanted, box: Sequence[float]) -> None:
+    def __init__(self, gmsh: Any, solid: int, wanted: RequestedFaces, box: Sequence[float]) -> None:
         self._gmsh, self._solid, self._box = gmsh, solid, box
         self._tolerance = PLACE_TOLERANCE * (box[5] - box[2])
         self._remarks: list[str] = []
@@ -241,9 +241,9 @@ class _Recognition:
                 "pins: given a part without a round cylinder parallel to z beside the z axis; allowed is "
                 "a throw with a crankpin."
             )
-        sizes = [(show_quantity(2.0 * item.radius, "m"), item.axis) for item in found]
+        sizes = [(format_quantity(2.0 * item.radius, "m"), item.axis) for item in found]
         where = "; ".join(
-            f"diameter {size} at {show_quantity(math.hypot(*axis), 'm')}" for size, axis in sizes
+            f"diameter {size} at {format_quantity(math.hypot(*axis), 'm')}" for size, axis in sizes
         )
         self._remarks.append(
             f"The pins were found by shape, as round cylinders beside the shaft axis: {where}."

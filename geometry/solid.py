@@ -282,8 +282,8 @@ def _only_volume(entities: list[Entity]) -> Entity:
     return next(entity for entity in entities if entity[0] == 3)
 
 
-def place_tolerance(parts: ThrowParts) -> float:
-    """Tolerance for telling places apart [m]: far below any part, far above gmsh's own 1e-7 m."""
+def position_tolerance(parts: ThrowParts) -> float:
+    """Tolerance for telling positions apart [m]: far below any part, far above gmsh's own 1e-7 m."""
     lengths = [c.end - c.start for c in parts.cylinders]
     lengths += [web.end - web.start for web in parts.webs if web.end > web.start]
     return 1e-3 * min(lengths)
@@ -291,7 +291,7 @@ def place_tolerance(parts: ThrowParts) -> float:
 
 def _name(gmsh: Any, parts: ThrowParts, part: str) -> NamedSolid:
     """Tell the surfaces apart by their kind and place."""
-    tolerance = place_tolerance(parts)
+    tolerance = position_tolerance(parts)
     names = [LEFT_END, *([RIGHT_END] if part != "quarter" else [])]
     names += [CRANK_PLANE] if part != "full" else []
     names += [MIDDLE_PLANE] if part == "quarter" else []

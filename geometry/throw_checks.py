@@ -3,11 +3,18 @@
 import math
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from geometry.counterweight_checks import check_counterweight
 from geometry.parts import Cylinder, ThrowParts, WebPlate
 from geometry.throw_dimensions import ThrowDimensions
-from geometry.throw_fields import cylinder_field, in_mm, label, refusal, web_field, which_web
+from geometry.throw_fields import (
+    cylinder_field,
+    dimension_error,
+    in_mm,
+    label,
+    web_field,
+    web_label,
+)
 from geometry.throw_sections import Web
 
 # A fillet may take this share of a journal's length for each of its two fillets, so that a tenth of
@@ -59,7 +66,7 @@ def check_throw(throw: ThrowDimensions, parts: ThrowParts) -> None:
         if web.end == web.start:
             _check_split_pin(web, before, after)
             continue
-        for cylinder, axis in _seats(web, before, after):
+        for cylinder, axis in _adjacent_cylinders(web, before, after):
             _check_seat(throw, parts, web, cylinder, axis)
         if 1e-9 * web.outline.width < web.distance < SMALLEST_PIN_STEP * 2.0 * after.radius:
             raise InputError(
@@ -118,7 +125,7 @@ def _check_proportions(throw: ThrowDimensions, parts: ThrowParts) -> None:
     ]
     for name, value in sizes:
         if value < lowest * (1.0 - 1e-12):
-            raise refusal(
+            raise dimension_error(
                 name,
                 value,
                 f"{in_mm(lowest)} or more beside the throw's other dimensions (up to {in_mm(largest)})",
@@ -141,7 +148,7 @@ def _check_corners(throw: ThrowDimensions) -> None:
     given.append(("web_corner_chamfer", throw.web_corner_chamfer, common))
     for name, value, outline in given:
         if value and outline != "rectangle":
-            raise refusal(name, value, "only 0", "because an obround web has no corners")
+            raise dimension_error(name, value, "only 0", "because an obround web has no corners")
 
 
 def _check_outlines(throw: ThrowDimensions) -> None:
@@ -162,7 +169,7 @@ def _check_outlines(throw: ThrowDimensions) -> None:
         for kind in ("corner_radius", "corner_chamfer"):
             name, value = dimension(kind)
             if value and value < smallest:
-                raise refusal(
+                raise dimension_error(
                     name,
                     value,
                     f"0, or {in_mm(smallest)} or more",
@@ -174,7 +181,7 @@ def _check_outlines(throw: ThrowDimensions) -> None:
         for kind in ("journal_end", "pin_end"):
             name, value = dimension(kind)
             if value is not None and 1e-9 * width < abs(value - 0.5 * width) < step:
-                raise refusal(
+                raise dimension_error(
                     name,
                     value,
                     f"{in_mm(0.5 * width)}, or a value {in_mm(step)} or more off it",
@@ -182,8 +189,10 @@ def _check_outlines(throw: ThrowDimensions) -> None:
                 )
 
 
-def _seats(web: WebPlate, before: Cylinder, after: Cylinder) -> list[tuple[Cylinder, float]]:
-    """The two cylinders on a web with the heights of their axes in its coordinates."""
+def _adjacent_cylinders(
+    web: WebPlate, before: Cylinder, after: Cylinder
+) -> list[tuple[Cylinder, float]]:
+    """The two cylinders adjacent to a web with the heights of their axes in its coordinates."""
     return [
         (cylinder, 0.0 if math.dist(cylinder.axis, web.foot) == 0.0 else web.distance)
         for cylinder in (before, after)
@@ -199,11 +208,11 @@ def _check_seat(
     # A journal whose surface is also that of the web cannot be meshed; a fillet keeps them apart.
     limit = 2.0 * reach / (1.0 if _fillet_on(web, cylinder) > 0.0 else 1.0 + SMALLEST_LEDGE)
     if 2.0 * cylinder.radius > limit:
-        raise refusal(
+        raise dimension_error(
             cylinder_field(throw, parts, cylinder, "diameter"),
             2.0 * cylinder.radius,
             f"at most {in_mm(limit)} with a web width of {width}",
-            f"or the {label(cylinder)} would stand outside the {which_web(throw, web)}",
+            f"or the {label(cylinder)} would stand outside the {web_label(throw, web)}",
         )
 
 
@@ -228,11 +237,11 @@ def _check_fillets(throw: ThrowDimensions, parts: ThrowParts) -> None:
         smallest = SMALLEST_FILLET_SHARE * 2.0 * cylinder.radius
         lowest[name] = max(lowest.get(name, 0.0), smallest)
     for place, web in enumerate(parts.webs):
-        for cylinder, axis in _seats(web, *parts.cylinders[place : place + 2]):
+        for cylinder, axis in _adjacent_cylinders(web, *parts.cylinders[place : place + 2]):
             name = cylinder_field(throw, parts, cylinder, "fillet_radius")
             if name in limits and _fillet_on(web, cylinder) > 0.0:
                 reason = (
-                    f"the {which_web(throw, web)} of {in_mm(web.outline.width)} is too narrow for a larger "
+                    f"the {web_label(throw, web)} of {in_mm(web.outline.width)} is too narrow for a larger "
                     f"one round the {label(cylinder)} of {in_mm(2.0 * cylinder.radius)}"
                 )
                 room = web.outline.distance(axis) - cylinder.radius
@@ -240,11 +249,11 @@ def _check_fillets(throw: ThrowDimensions, parts: ThrowParts) -> None:
                 ledge = room - _fillet_on(web, cylinder)
                 smallest = SMALLEST_FOOT_LEDGE * 2.0 * cylinder.radius
                 if 1e-9 * room < ledge < smallest:
-                    raise refusal(
+                    raise dimension_error(
                         name,
                         _fillet_on(web, cylinder),
-                        f"at most {in_mm(room - smallest)}, or {show_quantity(room, 'm', 9)} exactly",
-                        f"because its foot is {in_mm(ledge)} inside the edge of the {which_web(throw, web)}, "
+                        f"at most {in_mm(room - smallest)}, or {format_quantity(room, 'm', 9)} exactly",
+                        f"because its foot is {in_mm(ledge)} inside the edge of the {web_label(throw, web)}, "
                         "too close to be meshed",
                     )
     for name, radius in given.items():
@@ -253,9 +262,9 @@ def _check_fillets(throw: ThrowDimensions, parts: ThrowParts) -> None:
         if highest < lowest[name]:
             allowed = "only 0 (sharp corners)"
         if radius > highest * (1.0 + 1e-12):
-            raise refusal(name, radius, allowed, f"because {reason}")
+            raise dimension_error(name, radius, allowed, f"because {reason}")
         if radius < lowest[name] * (1.0 - 1e-12):
-            raise refusal(
+            raise dimension_error(
                 name, radius, allowed, "because a smaller one acts as a sharp corner (give 0)"
             )
 
@@ -267,7 +276,7 @@ def _check_bore(throw: ThrowDimensions, parts: ThrowParts, cylinder: Cylinder) -
     name = cylinder_field(throw, parts, cylinder, "bore")
     if bore == 0.0:
         if offset > 0.0:
-            raise refusal(f"{name}_offset", offset, "only 0", "because there is no bore")
+            raise dimension_error(f"{name}_offset", offset, "only 0", "because there is no bore")
         return
     lowest, wall = SMALLEST_BORE * diameter, SMALLEST_WALL * diameter
     highest = diameter - 2.0 * wall - 2.0 * offset
@@ -279,7 +288,7 @@ def _check_bore(throw: ThrowDimensions, parts: ThrowParts, cylinder: Cylinder) -
             if bore > highest
             else f"because a smaller bore does not matter to the {label(cylinder)} (give 0)"
         )
-        raise refusal(name, bore, allowed, reason)
+        raise dimension_error(name, bore, allowed, reason)
 
 
 def _check_wall_between(web: WebPlate, before: Cylinder, after: Cylinder) -> None:
@@ -308,7 +317,7 @@ def _check_slopes(throw: ThrowDimensions, web: WebPlate) -> None:
         )
         name, given = web_field(throw, web, kind), thickness - slope.drop
         if not THINNEST_END * thickness <= given <= thickness:
-            raise refusal(
+            raise dimension_error(
                 name,
                 given,
                 f"{in_mm(THINNEST_END * thickness)} to {in_mm(thickness)}",
@@ -316,7 +325,7 @@ def _check_slopes(throw: ThrowDimensions, web: WebPlate) -> None:
             )
         room = slope.towards * (slope.end - slope.start)
         if room < SHORTEST_SLOPE * width:
-            raise refusal(
+            raise dimension_error(
                 name,
                 given,
                 f"only {in_mm(thickness)}",

@@ -1,18 +1,18 @@
 """Which field of a throw gave the dimension of a part, and the sentence that refuses it."""
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from geometry.parts import Cylinder, ThrowParts, WebPlate
 from geometry.throw_dimensions import ThrowDimensions
 
 
 def in_mm(value: float) -> str:
     """Write a length [m] as refusals do."""
-    return show_quantity(value, "m")
+    return format_quantity(value, "m")
 
 
-def refusal(field: str, given: float, allowed: str, reason: str) -> InputError:
-    """Make the error that says of a field [m] what was given, what is allowed and why."""
+def dimension_error(field: str, given: float, allowed: str, reason: str) -> InputError:
+    """Make the error of a dimension [m]: what was given, what is allowed and why."""
     return InputError(f"throw.{field}: given {in_mm(given)}; allowed is {allowed}, {reason}.")
 
 
@@ -49,6 +49,6 @@ def web_field(throw: ThrowDimensions, web: WebPlate, kind: str) -> str:
     return f"web_{kind}"
 
 
-def which_web(throw: ThrowDimensions, web: WebPlate) -> str:
-    """A web's name, where the webs differ."""
+def web_label(throw: ThrowDimensions, web: WebPlate) -> str:
+    """Label of a web, where the webs differ."""
     return web.name if throw.left_web or throw.right_web or throw.further_pins else "web"

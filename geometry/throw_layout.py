@@ -38,9 +38,9 @@ def throw_parts(throw: ThrowDimensions) -> ThrowParts:
     axes = [_crank_axis(_given(pin.crank_radius), pin.angle) for pin in pins]
     left, right = throw.left_web or Web(), throw.right_web or Web()
     thicknesses = [
-        _or(left.thickness, throw.web_thickness),
+        _own_or_common(left.thickness, throw.web_thickness),
         *(_given(pin.web_thickness) for pin in pins[1:]),
-        _or(right.thickness, throw.web_thickness),
+        _own_or_common(right.thickness, throw.web_thickness),
     ]
     edges = _web_edges(throw, pins, thicknesses)
     cylinders = (
@@ -72,7 +72,7 @@ def pin_tables(throw: ThrowDimensions) -> list[FurtherPin]:
         crank_radius=throw.crank_radius,
         diameter=throw.pin_diameter,
         length=throw.pin_length,
-        fillet_radius=_or(throw.pin_fillet_radius, throw.fillet_radius),
+        fillet_radius=_own_or_common(throw.pin_fillet_radius, throw.fillet_radius),
         bore=throw.pin_bore,
         bore_offset=throw.pin_bore_offset,
         web_thickness=throw.web_thickness,
@@ -100,7 +100,7 @@ def _journal(
     throw: ThrowDimensions, name: str, pin: Point, end: float, face: float, far_face: float
 ) -> Cylinder:
     """A half of a main journal between its free end and its web's face; the bore ends at the far one."""
-    fillet = _or(throw.main_journal_fillet_radius, throw.fillet_radius)
+    fillet = _own_or_common(throw.main_journal_fillet_radius, throw.fillet_radius)
     x, y = _direction(pin)
     offset = throw.main_journal_bore_offset
     left = end < face
@@ -158,7 +158,7 @@ def _given(value: float | None) -> float:
     return value
 
 
-def _or(own: float | None, common: float) -> float:
+def _own_or_common(own: float | None, common: float) -> float:
     return common if own is None else own
 
 
@@ -187,12 +187,12 @@ def _end_web(
     outer: float,
 ) -> WebPlate:
     """Lay out a web between a main journal and a pin; `outer` is the z direction of the journal."""
-    width = _or(own.width, throw.web_width)
-    foot_end = _or(own.journal_end, _or(throw.web_journal_end, width / 2.0))
-    tip_end = _or(own.pin_end, _or(throw.web_pin_end, width / 2.0))
+    width = _own_or_common(own.width, throw.web_width)
+    foot_end = _own_or_common(own.journal_end, _own_or_common(throw.web_journal_end, width / 2.0))
+    tip_end = _own_or_common(own.pin_end, _own_or_common(throw.web_pin_end, width / 2.0))
     distance = math.hypot(*tip)
-    radius = _or(own.corner_radius, throw.web_corner_radius)
-    chamfer = _or(own.corner_chamfer, throw.web_corner_chamfer)
+    radius = _own_or_common(own.corner_radius, throw.web_corner_radius)
+    chamfer = _own_or_common(own.corner_chamfer, throw.web_corner_chamfer)
     obround_wanted = (own.outline or throw.web_outline) == "obround"
     try:
         outline = (
@@ -206,8 +206,12 @@ def _end_web(
         raise InputError(f"throw.web_{field}: in the {name} {error}") from None
     journal, pin = joined if outer < 0.0 else joined[::-1]
     thickness = end - start
-    tip_thickness = _or(own.tip_thickness, _or(throw.web_tip_thickness, thickness))
-    foot_thickness = _or(own.foot_thickness, _or(throw.web_foot_thickness, thickness))
+    tip_thickness = _own_or_common(
+        own.tip_thickness, _own_or_common(throw.web_tip_thickness, thickness)
+    )
+    foot_thickness = _own_or_common(
+        own.foot_thickness, _own_or_common(throw.web_foot_thickness, thickness)
+    )
     journal_face, pin_face = (start, end) if outer < 0.0 else (end, start)
     slopes = []
     if tip_thickness != thickness:
@@ -223,7 +227,7 @@ def _end_web(
     sector = None
     if weight is not None:
         middle = 0.5 * (start + end) - outer * weight.offset
-        reach = 0.5 * _or(weight.thickness, thickness)
+        reach = 0.5 * _own_or_common(weight.thickness, thickness)
         low, high = middle - reach, middle + reach
         # Faces meant to be flush are exactly so.
         low = start if math.isclose(low, start, rel_tol=1e-9) else low

@@ -17,7 +17,7 @@ _ABOVE_ZERO = (
 )
 
 
-def above_zero(response: str) -> bool:
+def is_positive_response(response: str) -> bool:
     """Whether a response, named as in a study or a model, is above zero by nature."""
     return response.startswith(_ABOVE_ZERO)
 

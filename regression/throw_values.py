@@ -4,7 +4,7 @@ from pydantic.fields import FieldInfo
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from geometry.throw import CrankThrow
 
 # What a dimension is where it is not given: a share of another one.
@@ -62,17 +62,17 @@ def check_dimension(field: str, name: str, value: float) -> None:
     low, high = (None if info is None else field_extra(info, f"{end}_si") for end in ENDS)
     if (low is None or low <= value) and (high is None or value <= high):
         return
-    bounds = [f"{show(name, low)} or more"] if low is not None else []
-    bounds += [f"{show(name, high)} or less"] if high is not None else []
+    bounds = [f"{format_value(name, low)} or more"] if low is not None else []
+    bounds += [f"{format_value(name, high)} or less"] if high is not None else []
     raise InputError(
-        f"{field}: given {show(name, value)}; allowed is {' and '.join(bounds)}, as for every throw."
+        f"{field}: given {format_value(name, value)}; allowed is {' and '.join(bounds)}, as for every throw."
     )
 
 
-def show(name: str, value: float, unit: str | None = None) -> str:
-    """Write a value in the unit in which engineers read it: of its field, or the one given."""
+def format_value(name: str, value: float, unit: str | None = None) -> str:
+    """Format a value in the unit in which engineers read it: of its field, or the one given."""
     known = field_unit(name) if unit is None else unit
-    return f"{value:g}" if not known else show_quantity(value, known)
+    return f"{value:g}" if not known else format_quantity(value, known)
 
 
 def throw_values(throw: CrankThrow, *, spelled_out: bool = False) -> dict[str, float | str]:
@@ -108,7 +108,7 @@ def throw_values(throw: CrankThrow, *, spelled_out: bool = False) -> dict[str, f
         given = found.get(name)
         if spelled_out or not isinstance(given, float) or not isinstance(base, float):
             continue
-        if same(given, share * base):
+        if same_dimension(given, share * base):
             del found[name]
     for name, info in CrankThrow.model_fields.items():
         if field_extra(info, "feature") and found.get(name) == 0.0:
@@ -130,6 +130,6 @@ def _collect(record: InputModel, prefix: str, found: dict[str, float | str]) -> 
             found[prefix + name] = float(value)
 
 
-def same(one: float, other: float) -> bool:
+def same_dimension(one: float, other: float) -> bool:
     """Whether two numbers are the same dimension."""
     return abs(one - other) <= SAME * max(abs(one), abs(other))

@@ -25,7 +25,7 @@ LIMIT_DASHES: tuple[Dash, ...] = ("dash", "dashdot")
 ON_PAPER = {"solid": "-", "dash": "--", "dot": ":", "dashdot": "-."}
 
 
-class Look(NamedTuple):
+class LineStyle(NamedTuple):
     """Color, dashes, and width of a line [points]."""
 
     color: str
@@ -33,10 +33,10 @@ class Look(NamedTuple):
     width: float
 
 
-def order_look(number: int) -> Look:
-    """Return the look of one of many curves, from 0."""
+def order_line_style(number: int) -> LineStyle:
+    """Return the line style of one of many curves, from 0."""
     rounds, place = divmod(number, len(ORDER_COLORS))
-    return Look(ORDER_COLORS[place], DASHES[rounds % len(DASHES)], 1.1)
+    return LineStyle(ORDER_COLORS[place], DASHES[rounds % len(DASHES)], 1.1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,17 +67,17 @@ class Series:
     color: str = ""
 
     @property
-    def look(self) -> Look:
+    def line_style(self) -> LineStyle:
         """Color, dashes and width."""
         if self.role == "total":
-            return Look(ALL_ORDERS, "solid", 2.0)
+            return LineStyle(ALL_ORDERS, "solid", 2.0)
         if self.role == "plain sum":
-            return Look(GRAY, "dot", 1.1)
+            return LineStyle(GRAY, "dot", 1.1)
         if self.role == "limit":
-            return Look(RED, LIMIT_DASHES[self.number % len(LIMIT_DASHES)], 1.4)
+            return LineStyle(RED, LIMIT_DASHES[self.number % len(LIMIT_DASHES)], 1.4)
         if self.role == "order":
-            return order_look(self.number)
-        return Look(self.color or order_look(self.number).color, "solid", 1.5)
+            return order_line_style(self.number)
+        return LineStyle(self.color or order_line_style(self.number).color, "solid", 1.5)
 
 
 class Band(NamedTuple):
@@ -169,7 +169,7 @@ def draw_lines(axes: "Axes", x: Array, series: Iterable[Series]) -> None:
     """Draw the main ones of some series."""
     for own in series:
         if own.main:
-            color, dash, width = own.look
+            color, dash, width = own.line_style
             axes.plot(
                 x,
                 own.values,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from crankbase.outputs import check_output, written
+from crankbase.outputs import atomic_file, check_output
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -72,7 +72,7 @@ def figure(path: Path, columns: int = 1, width: float = 7.2, height: float = 4.2
         FigureCanvasSVG(made)
         axes = made.subplots(1, columns)
         yield axes
-        with written(path, "picture") as part:
+        with atomic_file(path, "picture") as part:
             made.savefig(part, metadata={"Date": None})
 
 

@@ -65,8 +65,8 @@ def plain_text(text: str) -> str:
     return text.replace("$", r"\$")
 
 
-def shown_unit(unit: str) -> tuple[str, float]:
-    """Return what an axis says of an SI unit, and the size of the unit it is shown in.
+def display_unit(unit: str) -> tuple[str, float]:
+    """Return the unit in which an axis shows an SI unit, as its label says it, and that unit's size.
 
     Parameters
     ----------
@@ -75,9 +75,9 @@ def shown_unit(unit: str) -> tuple[str, float]:
 
     Examples
     --------
-    >>> shown_unit("m")
+    >>> display_unit("m")
     ('mm', 0.001)
-    >>> shown_unit("kg"), shown_unit("")
+    >>> display_unit("kg"), display_unit("")
     (('kg', 1.0), ('1', 1.0))
     """
     text, size = DISPLAY_UNITS.get(unit, (unit, 1.0))

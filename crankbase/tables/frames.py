@@ -146,17 +146,17 @@ def grid(
     library = xarray()
     return library.Dataset(
         {
-            name: (dimensions, np.array(values), _said(unit, words))
+            name: (dimensions, np.array(values), _attributes(unit, words))
             for name, (dimensions, values, unit, words) in variables.items()
         },
         coords={
-            name: ((name,), np.array(values), _said(unit, words))
+            name: ((name,), np.array(values), _attributes(unit, words))
             for name, (values, unit, words) in coordinates.items()
         },
     )
 
 
-def _said(unit: str, words: str) -> dict[str, str]:
+def _attributes(unit: str, words: str) -> dict[str, str]:
     return {"units": unit, "long_name": words}
 
 

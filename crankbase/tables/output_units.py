@@ -12,7 +12,7 @@ from typing import Any
 
 from crankbase.errors import InputError
 from crankbase.units.number_formats import UNBOUNDED
-from crankbase.units.quantity import NoUnitError, one_of_unit, show_quantity
+from crankbase.units.quantity import NoUnitError, format_quantity, unit_quantity
 from crankbase.units.units import DISPLAY_UNITS, POWER_OF_TEN, UNITS
 
 SYSTEMS = {"si": "", "imperial": "in, lbf, ksi, lb, hp"}
@@ -120,7 +120,7 @@ class OutputUnits:
     def quantity(self, value: float, unit: str, digits: int = 6) -> str:
         """Write a number in the SI unit `unit` with its unit, as people read it."""
         if not self.wished or not unit or self._converted(unit) is None:
-            return show_quantity(value, unit, digits)
+            return format_quantity(value, unit, digits)
         shown = DISPLAY_UNITS.get(unit, (unit, 1.0))[0]
         return self.of(shown).with_name(value, digits)
 
@@ -144,19 +144,19 @@ class OutputUnits:
         """Return name and size of the unit in place of an SI one: as a whole, else by its factors."""
         if not self.wished:
             return None
-        whole = self._wished(unit)
+        whole = self._requested(unit)
         if whole is not None or unit in NEVER_APART:
             return whole
         size, names, changed = 1.0, [], False
         for factor, power in _factors(unit):
-            own = self._wished(factor)
+            own = self._requested(factor)
             changed = changed or own is not None
             name, one = (factor, 1.0) if own is None else own
             names.append((f"({name})" if re.search(r"[ /]", name) else name, power))
             size *= one**power
         return (_joined(names), size) if changed else None
 
-    def _wished(self, unit: str) -> tuple[str, float] | None:
+    def _requested(self, unit: str) -> tuple[str, float] | None:
         kind = _kind_of_si(unit)
         for own, name, size in self.wished:
             # One word for the unit of energy, such as J, is no unit of torque.
@@ -199,7 +199,7 @@ def _parsed(name: str) -> tuple[Kind, float]:
     try:
         if not name or re.match(r"\d", name.removeprefix("1/")):
             raise NoUnitError("a number or nothing")
-        one = one_of_unit(name)
+        one = unit_quantity(name)
     except NoUnitError:
         raise InputError(
             f"--units: given {name!r}, which is no unit; allowed are units with commas between them, like "
@@ -222,7 +222,7 @@ def _kind(root: Any) -> Kind:
 
 @cache
 def _kind_of_si(unit: str) -> Kind:
-    return _kind(one_of_unit(unit).to_root_units())
+    return _kind(unit_quantity(unit).to_root_units())
 
 
 @cache

@@ -58,7 +58,7 @@ class Column:
     missing: str = field(default="none", kw_only=True)
     bare: bool = field(default=False, kw_only=True)
 
-    def shown_unit(self, units: OutputUnits = SI) -> OutputUnit:
+    def display_unit(self, units: OutputUnits = SI) -> OutputUnit:
         """Return the unit in which values are printed."""
         if isinstance(self.unit, OutputUnit):
             return self.unit
@@ -66,7 +66,7 @@ class Column:
 
     def head(self, units: OutputUnits = SI) -> str:
         """Return name and unit."""
-        unit = "" if self.bare else self.shown_unit(units).name
+        unit = "" if self.bare else self.display_unit(units).name
         return f"{self.name} [{unit}]" if self.name and unit else self.name or unit
 
     def text(
@@ -79,7 +79,7 @@ class Column:
             return self.missing
         if isinstance(cell, Sequence):
             return self.joint.join(self.text(value, units, write) for value in cell)
-        unit = self.shown_unit(units)
+        unit = self.display_unit(units)
         if self.decimals is not None:
             return unit.fixed(cell, self.decimals)
         if isinstance(cell, int) and unit is NO_UNIT:
@@ -131,8 +131,8 @@ class Table:
         ]
         return merged_rows(rows) if self.merged else rows
 
-    def only(self, *names: str) -> "Table":
-        """Return the table of the columns of these names, in this order."""
+    def select(self, *names: str) -> "Table":
+        """Select columns by their names, in this order, and return their table."""
         places = [[column.name for column in self.columns].index(name) for name in names]
         return replace(
             self,
@@ -146,11 +146,11 @@ def merged_rows(rows: list[list[str]]) -> list[list[str]]:
     found: dict[tuple[str, ...], list[str]] = {}
     for first, *rest in rows:
         found.setdefault(tuple(rest), []).append(first)
-    return [[listed(names), *rest] for rest, names in found.items()]
+    return [[format_names(names), *rest] for rest, names in found.items()]
 
 
-def listed(names: list[str]) -> str:
-    """Write a list of names, numbers that follow each other as "1 to 6"."""
+def format_names(names: list[str]) -> str:
+    """Format a list of names, numbers that follow each other as "1 to 6"."""
     numbers = [int(name) for name in names if name.isdigit()]
     if len(numbers) == len(names) > 2 and numbers == [*range(numbers[0], numbers[0] + len(names))]:
         return f"{names[0]} to {names[-1]}"

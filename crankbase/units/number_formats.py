@@ -3,12 +3,12 @@
 UNBOUNDED = "unbounded"
 
 
-def plain(value: float, digits: int) -> str:
-    """Write a number with so many significant digits or, if it is large, all before the point.
+def format_number(value: float, digits: int) -> str:
+    """Format a number with so many significant digits or, if it is large, all before the point.
 
     Examples
     --------
-    >>> plain(57.25, 3), plain(1234.5, 3)
+    >>> format_number(57.25, 3), format_number(1234.5, 3)
     ('57.2', '1234')
     """
     text = f"{value:.{digits}g}"
@@ -16,7 +16,7 @@ def plain(value: float, digits: int) -> str:
 
 
 def significant(value: float, digits: int = 4) -> str:
-    """Write a number with so many significant digits, zeros at its end included; see `plain`.
+    """Format a number with so many significant digits, zeros at its end included; see `format_number`.
 
     Examples
     --------
@@ -47,7 +47,7 @@ def percent(share: float, digits: int = 2) -> str:
     'below 0.001'
     """
     hundredfold = share * 100.0
-    return "below 0.001" if 0.0 < abs(hundredfold) < 1e-3 else plain(hundredfold, digits)
+    return "below 0.001" if 0.0 < abs(hundredfold) < 1e-3 else format_number(hundredfold, digits)
 
 
 def fixed(value: float, digits: int = 1) -> str:
@@ -71,6 +71,6 @@ def tiny(value: float) -> str:
     return "0" if value == 0.0 else f"{abs(value):.0e}".replace("e-0", "e-")
 
 
-def used(share: float | None) -> str:
-    """Write how much of a limit is used; what is unbounded as that."""
-    return UNBOUNDED if share is None else f"{plain(100.0 * share, 3)} %"
+def format_usage(share: float | None) -> str:
+    """Format how much of a limit is used; what is unbounded as that."""
+    return UNBOUNDED if share is None else f"{format_number(100.0 * share, 3)} %"

@@ -43,8 +43,8 @@ def unit_registry() -> Any:
     return registry
 
 
-def one_of_unit(text: str) -> Any:
-    """Return the pint quantity 1 of a unit written as text; one without unit for empty text.
+def unit_quantity(text: str) -> Any:
+    """Return pint's unit quantity, 1, of a unit written as text; one without unit for empty text.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def one_of_unit(text: str) -> Any:
         a size that is no number.
     """
     registry = unit_registry()
-    spelled = _spelled(text)
+    spelled = _normalized_unit(text)
     from pint.errors import PintError
 
     try:
@@ -66,8 +66,8 @@ def one_of_unit(text: str) -> Any:
     return one
 
 
-def _spelled(text: str) -> str:
-    """Spell a unit as pint does before it calculates, and refuse what is no product of powers.
+def _normalized_unit(text: str) -> str:
+    """Normalize a unit as pint does before it calculates, and refuse what is no product of powers.
 
     Raises
     ------
@@ -120,7 +120,7 @@ def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> fl
     InputError
         If the unit is missing, unknown or of another kind, or the number is not finite.
     """
-    given = f"{field}: given {_shown(text)}"
+    given = f"{field}: given {_shortened_text(text)}"
     limits = f"; allowed is {allowed}" if allowed else ""
     if unit == "":
         return _pure_number(text, given, limits)
@@ -132,7 +132,7 @@ def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> fl
     if not isinstance(text, str):
         raise InputError(
             f"{given}, a bare number that could be in any unit; "
-            f'write it with its unit, like "{_shown(text)} {shown}"{limits}.'
+            f'write it with its unit, like "{_shortened_text(text)} {shown}"{limits}.'
         )
     value = _evaluate(text, unit, shown, given, limits)
     if not math.isfinite(value):
@@ -140,7 +140,7 @@ def parse_quantity(text: object, unit: str, field: str, allowed: str = "") -> fl
     return value
 
 
-def _shown(text: object) -> str:
+def _shortened_text(text: object) -> str:
     return quoted(text) if isinstance(text, str | int) else shortened(str(text))
 
 
@@ -155,7 +155,7 @@ def _evaluate(text: str, unit: str, shown: str, given: str, limits: str) -> floa
     try:
         if found is None:
             raise NoUnitError("no number in front")
-        number, one = float(found[1]), one_of_unit(found[2])
+        number, one = float(found[1]), unit_quantity(found[2])
     except NoUnitError:
         raise InputError(
             f"{given}, which is not one number with one unit; "
@@ -212,16 +212,16 @@ def _kind(unit: str) -> str:
     return kinds.get(unit, f"quantity in {unit}")
 
 
-def show_quantity(value: float, unit: str, digits: int = 6) -> str:
-    """Write an SI number with the unit in which engineers read it.
+def format_quantity(value: float, unit: str, digits: int = 6) -> str:
+    """Format an SI number with the unit in which engineers read it.
 
     Examples
     --------
-    >>> show_quantity(0.170, "m")
+    >>> format_quantity(0.170, "m")
     '170 mm'
-    >>> show_quantity(1.281e-9, "m/N")
+    >>> format_quantity(1.281e-9, "m/N")
     '1.281e-9 m/N'
-    >>> show_quantity(30730.0, "N m")
+    >>> format_quantity(30730.0, "N m")
     '30.73 kN m'
     """
     shown, size = DISPLAY_UNITS.get(unit, (unit, 1.0))

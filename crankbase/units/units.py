@@ -57,12 +57,12 @@ VIBRATING = {
 }
 
 
-def written(unit: str) -> str:
-    """Write a unit of `UNITS` as diagrams and reports print it.
+def unit_symbol(unit: str) -> str:
+    """Return the symbol of a unit of `UNITS` as diagrams and reports print it.
 
     Examples
     --------
-    >>> written("um"), written("kN m")
+    >>> unit_symbol("um"), unit_symbol("kN m")
     ('µm', 'kN m')
     """
     return "µm" if unit == "um" else unit

@@ -249,7 +249,7 @@ def _thrust_bearing(read: EngineFile) -> str:
 
 def _checked_mechanism(read: EngineFile) -> Iterable[str]:
     """Find out whether the pressure can be, too, and return what is said of the mechanism."""
-    from crankfem.files.sections.excitation_input import gas_map_pressure
+    from crankfem.files.sections.excitation_sections import gas_map_pressure
 
     if read.gas_map is not None:
         gas_map_pressure(read.gas_map, read.engine.strokes, read.path)

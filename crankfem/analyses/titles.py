@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from crankbase.drawing.legends import plain_text
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 
 
 def at_speed(engine: str, speed: float) -> str:
@@ -16,7 +16,7 @@ def at_speed(engine: str, speed: float) -> str:
     >>> at_speed("8ChN 13/14", 2094.395)
     '8ChN 13/14, 20000 1/min'
     """
-    return f"{engine}, {show_quantity(speed, 'rad/s', 5)}"
+    return f"{engine}, {format_quantity(speed, 'rad/s', 5)}"
 
 
 def add_title(axes: Any, title: str) -> None:

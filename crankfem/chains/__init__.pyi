@@ -6,6 +6,8 @@ from crankfem.files.chain.chain_text import read_chain_text as read_chain_text
 from crankfem.files.chain.chain_text import write_chain_text as write_chain_text
 from dynamics.chains.attachments import DrivenMachine as DrivenMachine
 from dynamics.chains.attachments import Propeller as Propeller
+from dynamics.chains.connections import Dashpot as Dashpot
+from dynamics.chains.connections import Gear as Gear
 from dynamics.chains.editing import add_node as add_node
 from dynamics.chains.editing import join_chains as join_chains
 from dynamics.chains.editing import with_damper as with_damper
@@ -16,8 +18,6 @@ from dynamics.chains.editing import with_ground as with_ground
 from dynamics.chains.editing import with_inertia as with_inertia
 from dynamics.chains.editing import with_names as with_names
 from dynamics.chains.engine_chains import EngineChain as EngineChain
-from dynamics.chains.links import Dashpot as Dashpot
-from dynamics.chains.links import Gear as Gear
 from dynamics.chains.shaft_bodies import Coupling as Coupling
 from dynamics.chains.shaft_bodies import RigidBody as RigidBody
 from dynamics.chains.shaft_elements import ShaftCone as ShaftCone

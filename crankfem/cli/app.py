@@ -31,7 +31,7 @@ USAGE_ERROR: Any = typer.BadParameter.__mro__[2]
 
 
 @dataclass(frozen=True)
-class Listed:
+class CatalogedCommand:
     """A command in its group, with examples that work in an empty folder or on files made before."""
 
     command: Callable[..., Any]
@@ -40,9 +40,9 @@ class Listed:
 
 
 COMMANDS = (
-    Listed(run, MAIN_JOB, ("run 6chn25-34", "run mine.toml --output results --strict")),
-    Listed(report, MAIN_JOB, ("report mine-results",)),
-    Listed(
+    CatalogedCommand(run, MAIN_JOB, ("run 6chn25-34", "run mine.toml --output results --strict")),
+    CatalogedCommand(report, MAIN_JOB, ("report mine-results",)),
+    CatalogedCommand(
         new,
         FILES,
         (
@@ -52,32 +52,32 @@ COMMANDS = (
             "new --list",
         ),
     ),
-    Listed(check, FILES, ("check mine.toml", "check 6chn25-34 --picture throw.svg")),
-    Listed(fields, FILES, ("fields throw",)),
-    Listed(
+    CatalogedCommand(check, FILES, ("check mine.toml", "check 6chn25-34 --picture throw.svg")),
+    CatalogedCommand(fields, FILES, ("fields throw",)),
+    CatalogedCommand(
         throw,
         THROW,
         ("throw 6chn25-34 --accuracy 0.005", "throw part.step --pin pin", "throw mine.toml --json"),
     ),
-    Listed(stress, THROW, ("stress 6chn25-34 --pictures stresses",)),
-    Listed(draw, THROW, ("draw 6chn25-34", "draw 6chn25-34 --shaft crankshaft.png")),
-    Listed(
+    CatalogedCommand(stress, THROW, ("stress 6chn25-34 --pictures stresses",)),
+    CatalogedCommand(draw, THROW, ("draw 6chn25-34", "draw 6chn25-34 --shaft crankshaft.png")),
+    CatalogedCommand(
         export,
         THROW,
         ("export 6chn25-34 throw.step", "export 6chn25-34 throw.inp --calculix"),
     ),
-    Listed(
+    CatalogedCommand(
         formulas,
         COMPLIANCE,
         ('formulas 6chn25-34 --gamma "120 deg"', "formulas --all", "formulas --published"),
     ),
-    Listed(
+    CatalogedCommand(
         doe,
         COMPLIANCE,
         ("doe 6chn25-34 --plan", "doe 6chn25-34 --store runs.sqlite --workers 2"),
     ),
-    Listed(fit, COMPLIANCE, ("fit runs.sqlite --model model.json",)),
-    Listed(
+    CatalogedCommand(fit, COMPLIANCE, ("fit runs.sqlite --model model.json",)),
+    CatalogedCommand(
         lookup,
         COMPLIANCE,
         (
@@ -85,23 +85,23 @@ COMMANDS = (
             'lookup model.json --throw 6chn25-34 --gamma "120 deg"',
         ),
     ),
-    Listed(
+    CatalogedCommand(
         optimum,
         COMPLIANCE,
         ("optimum model.json --minimize web_thickness --limit 'axial_compliance <= 1.2e-9 m/N'",),
     ),
-    Listed(
+    CatalogedCommand(
         mechanism,
         FORCES,
         ("mechanism 8chn13-14 --pictures loads", 'mechanism 8chn13-14 --speed "1500 1/min"'),
     ),
-    Listed(
+    CatalogedCommand(
         harmonics,
         FORCES,
         ("harmonics 8chn26-26", "harmonics yamz5340_torque_one_throw.csv --orders 4"),
     ),
-    Listed(hinge, FORCES, ("hinge crosshead-30-100 --pictures hinge",)),
-    Listed(
+    CatalogedCommand(hinge, FORCES, ("hinge crosshead-30-100 --pictures hinge",)),
+    CatalogedCommand(
         vibration,
         VIBRATION,
         (
@@ -135,7 +135,7 @@ def examples_text(examples: tuple[str, ...]) -> str:
 
 def _version(asked: bool) -> None:
     if asked:
-        from crankfem.analyses.about import program_version
+        from crankfem.analyses.provenance import program_version
 
         console.print_line(f"crankfem {program_version()}")
         raise typer.Exit
@@ -166,12 +166,12 @@ def main() -> None:
         except typer.Abort:
             raise SystemExit(EXIT_INTERRUPTED) from None
         except USAGE_ERROR as error:
-            console.end_misused(*_misuse(error))
+            console.exit_usage_error(*_usage_error(error))
         if code:
             raise SystemExit(code)
 
 
-def _misuse(error: Any) -> tuple[str, str]:
+def _usage_error(error: Any) -> tuple[str, str]:
     """Return the sentence about a wrong option or argument, and where to read how it is right."""
     context = getattr(error, "ctx", None)
     path = "crankfem" if context is None else context.command_path

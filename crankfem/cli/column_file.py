@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.outputs import written
+from crankbase.outputs import atomic_file
 
 
 def write_columns(path: Path, columns: Mapping[str, FloatArray], heading: str = "") -> None:
@@ -27,7 +27,7 @@ def write_rows(
     heading : str, optional
         What the first line says after a number sign; no such line if empty.
     """
-    with written(path, "table") as part, part.open("w", encoding="utf-8", newline="") as file:
+    with atomic_file(path, "table") as part, part.open("w", encoding="utf-8", newline="") as file:
         if heading:
             file.write(f"# {heading}\n")
         writer = csv.writer(file, lineterminator="\n")

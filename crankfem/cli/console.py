@@ -22,7 +22,7 @@ from crankbase.errors import (
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Table
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
-from crankfem.jobs.error_sentences import TRACEBACK, told
+from crankfem.jobs.error_sentences import TRACEBACK, describe_error
 from crankfem.jobs.exit_codes import (
     EXIT_INPUT,
     EXIT_INTERRUPTED,
@@ -51,8 +51,8 @@ def print_line(text: str) -> None:
     output.print(text, soft_wrap=True, highlight=False)
 
 
-def note(text: str, quiet: bool = False) -> None:
-    """Tell something beside the results, on standard error, unless --quiet is given."""
+def print_note(text: str, quiet: bool = False) -> None:
+    """Print a note on standard error, unless --quiet is given."""
     if not quiet:
         errors.print(escape(text), soft_wrap=True, highlight=False)
 
@@ -100,48 +100,48 @@ def clear_errors() -> Iterator[None]:
         errors.print(interrupted_sentence(), soft_wrap=True)
         raise SystemExit(EXIT_INTERRUPTED) from None
     except BrokenPipeError:
-        _end_unread()
+        _exit_broken_pipe()
     except SystemExit as end:
         # Typer turns an interrupt of a command into this code, without a word.
-        if end.code == EXIT_INTERRUPTED and not isinstance(end, SaidExit):
+        if end.code == EXIT_INTERRUPTED and not isinstance(end, ReportedExit):
             errors.print(interrupted_sentence(), soft_wrap=True)
         # Nothing here ends so; rich and typer do where nobody reads the output any more.
         if end.code == UNREAD:
-            _end_unread()
+            _exit_broken_pipe()
         raise
     except Exception as error:
         if os.environ.get(TRACEBACK):
             traceback.print_exc()
-        message, code = told(error)
+        message, code = describe_error(error)
         _stop(message, code)
 
 
-class SaidExit(SystemExit):
-    """An end whose reason has been told."""
+class ReportedExit(SystemExit):
+    """An exit whose reason has been reported."""
 
 
-def end_interrupted(sentence: str) -> NoReturn:
-    """End after an interrupt, with a sentence of one's own."""
+def exit_interrupted(sentence: str) -> NoReturn:
+    """Exit after an interrupt, with a sentence of one's own."""
     errors.print(escape(sentence), soft_wrap=True)
-    raise SaidExit(EXIT_INTERRUPTED)
+    raise ReportedExit(EXIT_INTERRUPTED)
 
 
-def end_misused(sentence: str, command: str) -> NoReturn:
-    """End because the command line is wrong, and say where to read how it is right."""
+def exit_usage_error(sentence: str, command: str) -> NoReturn:
+    """Exit because of a usage error on the command line, and say where to read how it is right."""
     read = f"see `{command}`."
     if sentence.endswith("?"):
         _stop(f"{sentence} {read.capitalize()}", EXIT_INPUT)
     _stop(f"{sentence.rstrip('.')}; {read}", EXIT_INPUT)
 
 
-def end_exceeded(sentence: str) -> NoReturn:
-    """End because limits are exceeded, or cannot be judged, with --strict."""
+def exit_limits_exceeded(sentence: str) -> NoReturn:
+    """Exit because limits are exceeded, or cannot be judged, with --strict."""
     errors.print(escape(sentence), soft_wrap=True, highlight=False)
-    raise SaidExit(EXIT_LIMITS)
+    raise ReportedExit(EXIT_LIMITS)
 
 
-def _end_unread() -> NoReturn:
-    """End without a word: what read the output has gone."""
+def _exit_broken_pipe() -> NoReturn:
+    """Exit without a word: what read the output has gone."""
     # What is still buffered goes nowhere, so that Python has nothing to complain of at its end.
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -205,7 +205,7 @@ class RunProgress:
         if newest is None:
             self._before, self._began, self._said = finished, now, now
         self.finished, self.total = finished, total
-        shown = pace(finished - self._before, now - self._began, total - finished)
+        shown = progress_text(finished - self._before, now - self._began, total - finished)
         if self._task is not None:
             self._bar.update(self._task, completed=finished, total=total, pace=shown, refresh=True)
         if newest is not None and newest.reason is not None:
@@ -217,7 +217,7 @@ class RunProgress:
 
     def note(self, text: str) -> None:
         """Print a remark above the bar."""
-        note(f"Note: {text}", self._quiet)
+        print_note(f"Note: {text}", self._quiet)
 
     def finish(self) -> None:
         """Take the last step for done."""
@@ -225,12 +225,12 @@ class RunProgress:
             self._bar.update(self._task, completed=self._bar.tasks[-1].total, refresh=True)
 
 
-def pace(finished: int, seconds: float, left: int) -> str:
+def progress_text(finished: int, seconds: float, left: int) -> str:
     """Say how fast designs get finished, and how long the others will take.
 
     Examples
     --------
-    >>> pace(10, 60.0, 190)
+    >>> progress_text(10, 60.0, 190)
     '10 designs/min, 19 min left'
     """
     if finished < 1 or seconds <= 0.0:

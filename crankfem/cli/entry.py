@@ -3,7 +3,7 @@
 import os
 import sys
 
-from crankfem.cli.interrupts import interrupted_sentence, interrupts_end_at_once
+from crankfem.cli.interrupts import interrupted_sentence, interrupts_exit_immediately
 from crankfem.jobs.exit_codes import EXIT_INTERRUPTED
 
 
@@ -16,7 +16,7 @@ def main() -> None:
     try:
         # Commands load most modules when they begin, so this holds for them too, but where something is
         # open that must be closed (`crankfem.cli.interrupts.interrupts_raise`).
-        with interrupts_end_at_once():
+        with interrupts_exit_immediately():
             from crankfem.cli import app as cli
 
             cli.main()

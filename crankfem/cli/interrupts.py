@@ -39,7 +39,7 @@ def end_at_once(*_: object) -> None:
 
 
 @contextmanager
-def interrupts_end_at_once() -> Iterator[None]:
+def interrupts_exit_immediately() -> Iterator[None]:
     """Let an interrupt end the process, as long as nothing is open that would have to be closed."""
     usual = signal.getsignal(signal.SIGINT)
     if usual is not signal.default_int_handler:

@@ -104,7 +104,7 @@ def _limit(names: tuple[str, ...], sign: str, bound: float, unit: str) -> Limit:
 
 def dimensions_text(model: ComplianceModel, dimensions: Mapping[str, float | str]) -> list[str]:
     """Write dimensions as NAME = VALUE."""
-    show = model.family.show
+    show = model.family.format_value
     return [
         f"{name} = {value if isinstance(value, str) else show(name, value)}"
         for name, value in dimensions.items()

@@ -1,7 +1,7 @@
 """The speed of --speed, within the limits that the rated speed of an engine file has."""
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import parse_quantity, show_quantity
+from crankbase.units.quantity import format_quantity, parse_quantity
 
 
 def parse_speed(text: str | None) -> float | None:
@@ -27,7 +27,7 @@ def parse_speed(text: str | None) -> float | None:
     field = Engine.model_fields["rated_speed"]
     low, high = (float(field_extra(field, key)) for key in ("minimum_si", "maximum_si"))
     if not low <= speed <= high:
-        shown = " to ".join(show_quantity(limit, "rad/s", 5) for limit in (low, high))
+        shown = " to ".join(format_quantity(limit, "rad/s", 5) for limit in (low, high))
         raise InputError(
             f"--speed: given {text!r}; allowed is {shown}, because engine.rated_speed has the same limits."
         )

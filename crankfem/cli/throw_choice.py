@@ -7,10 +7,10 @@ from fem.material import Material
 from geometry.throw import CrankThrow
 
 
-def chosen_throw(
+def select_throw(
     engine: str | TomlFile, name: str | None = None, quiet: bool = False
 ) -> tuple[CrankThrow, Material]:
-    """Read the throw of a name; without one that at the free end, and say so where there are others.
+    """Select the throw of a name; without one that at the free end, and say so where there are others.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def chosen_throw(
     if name is None:
         first, *others = names_of_throws(engine)
         if others:
-            console.note(
+            console.print_note(
                 f"Note: throw {first} is taken; the file has {', '.join(others)} too.", quiet
             )
     return load_throw(engine, name)

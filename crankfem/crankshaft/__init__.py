@@ -8,6 +8,6 @@ Begin with `whole_shaft(engine, analysis)`: its throws are those of `cf.analyze_
 125.0
 """
 
-from crankbase.public_names import handed_out
+from crankbase.public_names import lazy_exports
 
-__getattr__, __dir__ = handed_out(__name__, __file__)
+__getattr__, __dir__ = lazy_exports(__name__, __file__)

@@ -7,6 +7,6 @@
 0.5
 """
 
-from crankbase.public_names import handed_out
+from crankbase.public_names import lazy_exports
 
-__getattr__, __dir__ = handed_out(__name__, __file__)
+__getattr__, __dir__ = lazy_exports(__name__, __file__)

@@ -18,8 +18,8 @@ NAMED_WRONGLY = (
 )
 
 
-def told(error: Exception) -> tuple[str, int]:
-    """Return the sentence and the exit code of an error."""
+def describe_error(error: Exception) -> tuple[str, int]:
+    """Describe an error: return its sentence and its exit code."""
     if isinstance(error, InputError):
         return str(error), EXIT_INPUT
     # An error of a module that has not been loaded it cannot be; loading it takes long.

@@ -37,7 +37,7 @@ def check_writable(
         raise InputError(f"{name or file}: cannot be written; there is no folder {file.parent}.")
 
 
-def check_apart(files: dict[str, Path | None]) -> None:
+def check_distinct_files(files: dict[str, Path | None]) -> None:
     """Refuse one file for two outputs.
 
     Parameters

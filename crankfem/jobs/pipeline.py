@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from crankbase.outputs import files_of_a_run, protected
+from crankbase.outputs import protected, recording_run_files
 from crankbase.summaries import summarized
-from crankfem.analyses.about import repeat_record
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+from crankfem.analyses.provenance import repeat_record
 from crankfem.analyses.shaft.throw_analyses import analyze_throws
 from crankfem.analyses.study.studies import fitted
 from crankfem.analyses.throw.fillets import StressRendering, shown_loads, stress_files
@@ -34,7 +34,7 @@ from crankfem.jobs.run_files import (
 from crankfem.jobs.run_files import RESULTS as RESULTS
 from crankfem.jobs.run_inputs import RunInputs, read_inputs
 from crankfem.jobs.run_pictures import Renderings
-from crankfem.jobs.run_progress import Progress, Silent, Timed
+from crankfem.jobs.run_progress import Progress, SilentProgress, TimedProgress
 from crankfem.jobs.run_records import UNIT_RADIAL_FORCE as UNIT_RADIAL_FORCE
 from crankfem.jobs.run_records import run_results
 from crankfem.report.writing import write_report
@@ -103,7 +103,7 @@ def run_engine(
     OSError
         If results, model or report cannot be written.
     """
-    told = Timed(progress or Silent())
+    told = TimedProgress(progress or SilentProgress())
     told.step("Reading the engine file")
     check_workers(workers)
     inputs = engine if isinstance(engine, RunInputs) else read_inputs(engine)
@@ -116,7 +116,7 @@ def run_engine(
             folder / STORE
         ).close()  # which refuses what is no store, before anything is computed
     make_folder(folder)
-    with Renderings() as renderings, files_of_a_run(), protected(*read):
+    with Renderings() as renderings, recording_run_files(), protected(*read):
         computed = _compute(inputs, folder / STORE, workers, told, renderings)
         found = run_results(computed) | {"repeat": repeat_record(inputs.files, told.seconds)}
         replace_last_run(folder, found)
@@ -140,7 +140,7 @@ def run_engine(
 
 
 def _compute(
-    inputs: RunInputs, store: Path, workers: int, told: Timed, renderings: Renderings
+    inputs: RunInputs, store: Path, workers: int, told: TimedProgress, renderings: Renderings
 ) -> RunComputation:
     """Compute all numbers of a run; only the store of its study is written to."""
     engine_file, with_gas = inputs.engine_file, inputs.with_gas
@@ -177,7 +177,7 @@ def _compute(
 
 
 def _with_stresses(
-    engine_file: EngineFile, analysis: ThrowAnalysis, name: str, told: Timed
+    engine_file: EngineFile, analysis: ThrowAnalysis, name: str, told: TimedProgress
 ) -> ThrowComputation:
     """Compute the stresses at the fillets of a throw, where there are any."""
     stresses, reason = stresses_or_reason(engine_file.named_throws[name], engine_file.material)

@@ -56,7 +56,7 @@ def draw_run(
     pictures.draw(VIBRATION, computed.vibration)
     pictures.draw(ANGLES, found)
     renderings.collect(pictures)
-    pictures.tried(MESH_FILE, lambda: write_vtu(computed.throw.analysis, folder / MESH_FILE))
+    pictures.attempt(MESH_FILE, lambda: write_vtu(computed.throw.analysis, folder / MESH_FILE))
     return pictures
 
 

@@ -15,15 +15,15 @@ from typing import Any
 from crankbase.errors import InputError
 from crankbase.outputs import (
     Kind,
+    atomic_file,
     check_output,
     files_listed,
-    files_of_a_run,
     is_listed,
-    is_plain,
-    list_as_written,
+    is_regular_file,
+    list_existing_file,
     protected,
+    recording_run_files,
     write_text,
-    written,
 )
 from crankfem.report.plots import PLOTS
 from regression.models.model_file import is_model
@@ -82,7 +82,7 @@ def check_folder(folder: Path, *, study: bool, inputs: tuple[Path, ...] = ()) ->
         for path in sorted(pictures.glob("*")):
             if path.stem in PICTURED and path.suffix in endings:
                 files.append((path, kind))
-    with files_of_a_run(), protected(*inputs):
+    with recording_run_files(), protected(*inputs):
         for path, kind in files:
             check_output(path, kind)
 
@@ -93,7 +93,7 @@ def list_older_run(folder: Path) -> None:
     Only files are taken for a run's whose content says so, and pictures that its results name.
     """
     results = folder / RESULTS
-    if is_listed(results) or not is_plain(results):
+    if is_listed(results) or not is_regular_file(results):
         return
     try:
         found = json.loads(results.read_text(encoding="utf-8"))
@@ -103,13 +103,13 @@ def list_older_run(folder: Path) -> None:
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return
     for path, kind in named:
-        list_as_written(path, kind)
+        list_existing_file(path, kind)
     for name, kind, marks in ((REPORT, "report", REPORT_MARKS), (MESH_FILE, "mesh", MESH_MARKS)):
-        if is_plain(folder / name) and _begins_with(folder / name, marks):
-            list_as_written(folder / name, kind)
-    if is_plain(folder / MODEL) and is_model(folder / MODEL):
-        list_as_written(folder / MODEL, "model")
-    list_as_written(results, "results")
+        if is_regular_file(folder / name) and _begins_with(folder / name, marks):
+            list_existing_file(folder / name, kind)
+    if is_regular_file(folder / MODEL) and is_model(folder / MODEL):
+        list_existing_file(folder / MODEL, "model")
+    list_existing_file(results, "results")
 
 
 def _named(place: Path, results: Mapping[str, Any]) -> Iterator[tuple[Path, Kind]]:
@@ -120,7 +120,7 @@ def _named(place: Path, results: Mapping[str, Any]) -> Iterator[tuple[Path, Kind
         for name in results.get(key, {}).values():
             path = place / name
             known = path.name == name and path.stem in PICTURED and path.suffix in endings
-            if known and is_plain(path):
+            if known and is_regular_file(path):
                 yield path, kind
 
 
@@ -154,7 +154,7 @@ def make_folder(folder: Path) -> Path:
 
 def write_results(folder: Path, results: Mapping[str, Any]) -> Path:
     """Write results.json in one step; errors as of `crankbase.outputs.write_text`."""
-    with files_of_a_run():
+    with recording_run_files():
         return write_text(folder / RESULTS, results_text(results), "results")
 
 
@@ -177,7 +177,7 @@ def replace_last_run(folder: Path, results: Mapping[str, Any]) -> None:
         If a file cannot be written or taken away.
     """
     text = results_text(results)
-    with files_of_a_run(), written(folder / RESULTS, "results") as part:
+    with recording_run_files(), atomic_file(folder / RESULTS, "results") as part:
         part.write_text(text, encoding="utf-8")
         # The report first: without it, nobody takes what is left for a whole run.
         left = sorted(files_listed(folder), key=lambda path: path.name != REPORT)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from crankfem.analyses.about import file_records
+from crankfem.analyses.provenance import file_records
 from crankfem.analyses.record import Record
 from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.input_files import engine_tables

@@ -13,7 +13,7 @@ from typing import Protocol, Self
 from crankbase.errors import MissingLibraryError, RenderError
 from crankbase.outputs import copy_file
 from crankbase.processes import scratch_folder
-from crankfem.jobs.error_sentences import TRACEBACK, told
+from crankfem.jobs.error_sentences import TRACEBACK, describe_error
 from crankfem.report.interactive.plot import Plots, Run
 
 
@@ -42,23 +42,23 @@ class Pictures:
         self.interactive: dict[str, str] = {}
         self.notes: list[str] = []
 
-    def tried(self, what: str, make: Callable[[], object]) -> bool:
-        """Do something and return whether it could be done; if not, tell why it is missing."""
+    def attempt(self, what: str, make: Callable[[], object]) -> bool:
+        """Attempt something and return whether it could be done; if not, report why it is missing."""
         try:
             make()
         except Exception as error:
             if os.environ.get(TRACEBACK):
                 traceback.print_exc()
-            self.tell(
+            self.report_once(
                 str(error)
                 if isinstance(error, (MissingLibraryError, RenderError))
-                else f"There is no {what}: {told(error)[0]}"
+                else f"There is no {what}: {describe_error(error)[0]}"
             )
             return False
         return True
 
-    def tell(self, sentence: str) -> None:
-        """Tell something, once."""
+    def report_once(self, sentence: str) -> None:
+        """Report something, once."""
         if sentence not in self.notes:
             self.notes.append(sentence)
             self._note(sentence)
@@ -66,7 +66,7 @@ class Pictures:
     def draw(self, plots: Plots[Run], run: Run) -> None:
         """Draw the plots of one thing, each by itself, on paper and for a screen."""
         for plot in plots.of(run):
-            if plot.static is not None and self.tried(
+            if plot.static is not None and self.attempt(
                 f"picture {plot.name}", partial(plot.draw, self.folder, run)
             ):
                 self.static[plot.name] = f"{plot.name}.svg"
@@ -76,12 +76,12 @@ class Pictures:
     def draw_one(self, name: str, draw: Callable[[Path], object]) -> None:
         """Draw one static picture."""
         path = self.folder / f"{name}.svg"
-        if self.tried(f"picture {name}", partial(draw, path)):
+        if self.attempt(f"picture {name}", partial(draw, path)):
             self.static[name] = path.name
 
     def plot_one(self, name: str, write: Callable[[Path], object]) -> None:
         """Make one interactive plot, which is written into the folder it is given."""
-        if self.tried(f"interactive plot {name}", partial(write, self.folder)):
+        if self.attempt(f"interactive plot {name}", partial(write, self.folder)):
             self.interactive[name] = f"{name}.json"
 
 
@@ -152,9 +152,9 @@ class Renderings:
     def collect(self, pictures: Pictures) -> None:
         """Wait for what is rendered and move it to the other pictures."""
         for what, error in self._failed:
-            pictures.tried(what, partial(_throw, error))
+            pictures.attempt(what, partial(_throw, error))
         for job in self._jobs:
-            if pictures.tried(job.what, partial(_move, job, pictures.folder)):
+            if pictures.attempt(job.what, partial(_move, job, pictures.folder)):
                 pictures.static |= job.files
 
 

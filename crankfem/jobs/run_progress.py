@@ -19,8 +19,8 @@ class Progress(Protocol):
         """Something the user should know."""
 
 
-class Silent:
-    """Progress that tells nothing."""
+class SilentProgress:
+    """Silent progress: nothing is reported."""
 
     def step(self, text: str) -> None:
         """Ignore a step."""
@@ -32,8 +32,8 @@ class Silent:
         """Ignore a note."""
 
 
-class Timed:
-    """Progress that passes everything on and takes the time of the steps.
+class TimedProgress:
+    """Timed progress: passes everything on and takes the time of the steps.
 
     Attributes
     ----------

@@ -7,12 +7,12 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.units.units import RPM
-from crankfem.analyses.about import about_record
 from crankfem.analyses.checks import run_checks, throw_checks
 from crankfem.analyses.mechanism.balance_records import balance_record
 from crankfem.analyses.mechanism.harmonics_record import harmonics_record, two_mass_record
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
+from crankfem.analyses.provenance import provenance_record
 from crankfem.analyses.record import Record, input_records
 from crankfem.analyses.shaft.shaft_record import shaft_balance_record, shaft_record
 from crankfem.analyses.study.fit_records import study_record
@@ -58,7 +58,7 @@ def run_results(computed: RunComputation) -> dict[str, Any]:
     first = _throw_records(computed, next(iter(computed.throws)))
     fe = first["formulas"]["fe"]
     found: dict[str, Any] = {
-        "about": about_record(),
+        "about": provenance_record(),
         "engine": _engine_record(engine_file),
         "inputs": input_records(engine_file.records),
         "sources": engine_file.sources,

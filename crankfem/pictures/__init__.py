@@ -13,6 +13,6 @@ True
 `picture_throw` and `picture_shaft` show solids, `picture_stresses` their stresses.
 """
 
-from crankbase.public_names import handed_out
+from crankbase.public_names import lazy_exports
 
-__getattr__, __dir__ = handed_out(__name__, __file__)
+__getattr__, __dir__ = lazy_exports(__name__, __file__)

@@ -12,7 +12,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from crankbase.outputs import is_plain
+from crankbase.outputs import is_regular_file
 
 MEDIA_TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
 POINT = 96.0 / 72.0  # [pixel]
@@ -84,7 +84,7 @@ def _own_file(folder: Path, name: str) -> Path:
         If it does not; results that somebody else has made may name any file.
     """
     path = folder / name
-    if path.name != name or "\\" in name or folder.is_symlink() or not is_plain(path):
+    if path.name != name or "\\" in name or folder.is_symlink() or not is_regular_file(path):
         raise FileNotFoundError(errno.ENOENT, "is no file of the run's", str(path))
     return path
 

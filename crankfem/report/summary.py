@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from crankbase.units.number_formats import fixed, percent, significant, used
+from crankbase.units.number_formats import fixed, format_usage, percent, significant
 from crankfem.analyses.record import Record
 from crankfem.analyses.vibration.tables import TOGETHER
-from crankfem.report.numbers import motion, quantity
+from crankfem.report.text_filters import motion, quantity
 
 KINDS = ("axial", "torsional")
 # Speeds of each kind that the first screen names, and how severe beside the worst they are at least.
@@ -34,7 +34,7 @@ def summary(results: Mapping[str, Any]) -> Record:
     return {
         **(_open(results) if assessment is None else _verdict(assessment)),
         "beside": [] if assessment is None else list(assessment.get("beside", [])),
-        "judged_to_rpm": None if forced is None else _judged_above(forced),
+        "judged_to_rpm": None if forced is None else _assessed_above(forced),
         "forced": forced is not None,
         "speeds": _critical_speeds(vibration) if forced is None else _resonances(forced),
         "limits": [] if assessment is None else _worst_of_each(assessment["checks"]),
@@ -50,7 +50,7 @@ def _verdict(assessment: Mapping[str, Any]) -> Record:
     worst = assessment["checks"][0]
     reached = quantity(worst["value"], worst["unit"])
     near = f", near {worst['near']}" if worst.get("near") else ""
-    share = "" if worst["used"] is None else f", {used(worst['used'])} of"
+    share = "" if worst["used"] is None else f", {format_usage(worst['used'])} of"
     return {
         "status": status,
         "headline": assessment["sentence"].partition(":")[0],
@@ -71,11 +71,11 @@ def _verdict(assessment: Mapping[str, Any]) -> Record:
             )
             for one in assessment[name]
         ],
-        "remarks": _left_open(assessment),
+        "remarks": _limitations(assessment),
     }
 
 
-def _left_open(assessment: Mapping[str, Any]) -> list[str]:
+def _limitations(assessment: Mapping[str, Any]) -> list[str]:
     """What the verdict rests on, and what it leaves out."""
     found = [
         f"The limit on {limit['name']} is assumed ({limit['source']}), for none is given."
@@ -103,7 +103,7 @@ def _open(results: Mapping[str, Any]) -> Record:
     }
 
 
-def _judged_above(forced: Mapping[str, Any]) -> float | None:
+def _assessed_above(forced: Mapping[str, Any]) -> float | None:
     """Speed up to which resonances are listed, if that is above the running range [1/min]."""
     own = forced["torsional"]
     if "judged_rpm" not in own or own["judged_rpm"][1] <= own["running_rpm"][1]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from crankbase.outputs import files_of_a_run, write_text
+from crankbase.outputs import recording_run_files, write_text
 from crankfem.analyses.mechanism.harmonics_record import harmonics_table
 from crankfem.analyses.mechanism.load_tables import bearing_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
@@ -26,9 +26,9 @@ from crankfem.analyses.vibration.tables import (
     whole_table,
 )
 from crankfem.report.figures import load_figures
-from crankfem.report.numbers import FILTERS, source_words
 from crankfem.report.plots import PLOTS
 from crankfem.report.summary import summary
+from crankfem.report.text_filters import FILTERS, source_label
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -86,7 +86,7 @@ def write_report(results: Mapping[str, Any], pictures: Path, path: Path) -> Path
 
 def write_report_text(path: Path, text: str) -> Path:
     """Write the report of a run in one step; errors as of `crankbase.outputs.write_text`."""
-    with files_of_a_run():
+    with recording_run_files():
         return write_text(path, text, "report")
 
 
@@ -145,7 +145,7 @@ def _environment() -> "Environment":
         lstrip_blocks=True,
     )
     environment.filters |= FILTERS | {make.__name__: make for make in TABLES}
-    environment.globals["source_words"] = source_words
+    environment.globals["source_words"] = source_label
     environment.filters["plot"] = PLOTS.__getitem__
     return environment
 

@@ -10,6 +10,6 @@
 ``cf.studies.find_optimum(model, "mass", [limit])`` then returns the throw.
 """
 
-from crankbase.public_names import handed_out
+from crankbase.public_names import lazy_exports
 
-__getattr__, __dir__ = handed_out(__name__, __file__)
+__getattr__, __dir__ = lazy_exports(__name__, __file__)

@@ -2,7 +2,7 @@
 
 from crankfem.analyses.vibration.run_up import RunUp as RunUp
 from crankfem.analyses.vibration.run_up import run_up as run_up
-from dynamics.transient.acting import LoadStep as LoadStep
+from dynamics.transient.applied_forces import LoadStep as LoadStep
 from dynamics.transient.envelope import Envelope as Envelope
 from dynamics.transient.run import TransientMotion as TransientMotion
 from dynamics.transient.run import transient_motion as transient_motion

@@ -10,7 +10,7 @@ from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from dynamics.assessment.limits import (
     AmplitudeCurve,
     VibrationLimit,
@@ -236,7 +236,7 @@ def barred_ranges(
     widened = [
         _Widened(*_widened(found, rule), found, limit, curve.name)
         for limit, curve in findings
-        for found in exceeded_ranges(limit, curve, judged_to(limit, running_range))
+        for found in exceeded_ranges(limit, curve, limit_end_speed(limit, running_range))
     ]
     groups: list[list[_Widened]] = []
     reach = -np.inf
@@ -248,8 +248,8 @@ def barred_ranges(
     return tuple(_barred(group, findings, rule, running_range) for group in groups)
 
 
-def judged_to(limit: VibrationLimit, running_range: tuple[float, float]) -> float:
-    """Return the speed up to which a limit is held: the highest running one, or the rule's end."""
+def limit_end_speed(limit: VibrationLimit, running_range: tuple[float, float]) -> float:
+    """Return the speed at which a limit ends: the highest running one, or the rule's end."""
     end = limit.continuous.high
     return max(running_range[1], end) if np.isfinite(end) else running_range[1]
 
@@ -299,7 +299,7 @@ def _barred(
         if share[worst] > 1.0:
             refusals.append(
                 f"{curve.name} reaches {_amount(values[worst], limit.unit)} at "
-                f"{show_quantity(float(curve.speeds[inside][worst]), 'rad/s', 4)}, where "
+                f"{format_quantity(float(curve.speeds[inside][worst]), 'rad/s', 4)}, where "
                 f"{_amount(passing[worst], limit.unit)} may be passed"
             )
     if any(item.exceeded.cut_off for item in group):
@@ -338,11 +338,11 @@ def _ends(group: Sequence[_Widened], rule: BarredRangeRule) -> str:
 
 
 def _speed(value: float) -> str:
-    return show_quantity(value, "rad/s", 4)
+    return format_quantity(value, "rad/s", 4)
 
 
 def _amount(value: float, unit: str) -> str:
-    return "no bounds" if np.isinf(value) else show_quantity(float(value), unit, 4)
+    return "no bounds" if np.isinf(value) else format_quantity(float(value), unit, 4)
 
 
 def _widened(found: ExceededRange, rule: BarredRangeRule) -> tuple[float, float]:

@@ -26,8 +26,8 @@ AT_END = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
-class Tried:
-    """A size that was tried.
+class TrialSize:
+    """A trial size of a damper.
 
     Parameters
     ----------
@@ -43,15 +43,15 @@ class Tried:
     used: float
 
 
-def picked(tried: Sequence[Tried]) -> Tried:
-    """Return the smallest size that keeps the limit; if none does, the one with the least use."""
+def smallest_sufficient(tried: Sequence[TrialSize]) -> TrialSize:
+    """Return the smallest size that keeps the limit; if none does, the one of least usage."""
     kept = [one for one in tried if one.used <= 1.0]
     if kept:
         return min(kept, key=lambda one: one.size)
     return min(tried, key=lambda one: (one.used, one.size))
 
 
-def thinned(tried: Sequence[Tried]) -> tuple[Tried, ...]:
+def without_close_sizes(tried: Sequence[TrialSize]) -> tuple[TrialSize, ...]:
     """Leave out sizes close to others, as the end of a search brings: a hundredth of the range.
 
     Parameters
@@ -66,7 +66,7 @@ def thinned(tried: Sequence[Tried]) -> tuple[Tried, ...]:
     """
     places = np.log([one.size for one in tried])
     close = AT_END * float(places[-1] - places[0])
-    kept = {0, len(tried) - 1, tried.index(picked(tried))}
+    kept = {0, len(tried) - 1, tried.index(smallest_sufficient(tried))}
     for place in range(len(tried)):
         if all(abs(places[place] - places[other]) > close for other in kept):
             kept.add(place)
@@ -74,8 +74,8 @@ def thinned(tried: Sequence[Tried]) -> tuple[Tried, ...]:
 
 
 def search_sizes(
-    at: Callable[[float, Tried | None], Tried], low: float, high: float, points: int
-) -> tuple[Tried, ...]:
+    at: Callable[[float, TrialSize | None], TrialSize], low: float, high: float, points: int
+) -> tuple[TrialSize, ...]:
     """Look for the smallest size that keeps a limit.
 
     Parameters
@@ -93,7 +93,7 @@ def search_sizes(
     tuple of Tried
         All sizes tried, ascending.
     """
-    found: dict[float, Tried] = {}
+    found: dict[float, TrialSize] = {}
 
     def used(logarithm: float) -> float:
         size = min(max(float(np.exp(logarithm)), low), high)
@@ -111,7 +111,7 @@ def search_sizes(
     best = int(np.argmin([finite(value) for value in values]))
     if values[best] > 1.0 and 0 < best < points - 1:
         _brent(used, float(places[best + 1]), float(places[best - 1]))
-    kept = picked(list(found.values()))
+    kept = smallest_sufficient(list(found.values()))
     smaller = [one.size for one in found.values() if one.size < kept.size]
     if kept.used <= AIM and smaller:
         brentq(
@@ -123,10 +123,10 @@ def search_sizes(
     return tuple(found[size] for size in sorted(found))
 
 
-def least_settings(
+def minimize_usage(
     used: Callable[[FloatArray], float], ranges: Ranges, last: FloatArray | None
 ) -> tuple[FloatArray, float]:
-    """Find the settings that use least of a limit.
+    """Find the settings of least usage of a limit.
 
     Parameters
     ----------
@@ -150,15 +150,15 @@ def least_settings(
         about = np.column_stack(
             (np.maximum(near - wide, whole[:, 0]), np.minimum(near + wide, whole[:, 1]))
         )
-        best, value = _least(used, about, LATER_SCAN)
+        best, value = _minimum_usage(used, about, LATER_SCAN)
         cut = np.any((np.abs(best[:, np.newaxis] - about) <= AT_END) & (about != whole))
         if not cut:
             return np.exp(best), value
-    best, value = _least(used, whole, FIRST_SCAN)
+    best, value = _minimum_usage(used, whole, FIRST_SCAN)
     return np.exp(best), value
 
 
-def end_of_range(name: str, value: float, low: float, high: float) -> str:
+def range_end_remark(name: str, value: float, low: float, high: float) -> str:
     """Say that a best value lies at an end of its range; nothing if it does not."""
     if not low < high:
         return ""
@@ -173,10 +173,10 @@ def finite(used: float) -> float:
     return 1.0 if np.isinf(used) else used / (1.0 + used)
 
 
-def _least(
+def _minimum_usage(
     used: Callable[[FloatArray], float], ends: FloatArray, points: int
 ) -> tuple[FloatArray, float]:
-    """Find where the use is least within ranges of logarithms, and how much it is there."""
+    """Find where the usage is least within ranges of logarithms, and how much it is there."""
     free = np.flatnonzero(ends[:, 1] > ends[:, 0])
 
     def at(values: FloatArray) -> float:

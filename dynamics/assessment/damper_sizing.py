@@ -7,15 +7,15 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
 from crankbase.errors import InputError
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from dynamics.assessment.damper_search import (
     Ranges,
-    Tried,
-    end_of_range,
-    least_settings,
-    picked,
+    TrialSize,
+    minimize_usage,
+    range_end_remark,
     search_sizes,
-    thinned,
+    smallest_sufficient,
+    without_close_sizes,
 )
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, usage
 from dynamics.assessment.sized_damper import Damper, SizedDamper
@@ -192,9 +192,9 @@ def size_axial_damper(
     case = _Case(chain, find_node(chain, node), result, limit, make)
     nothing = np.empty(0)
     tried = search_sizes(
-        lambda size, _: Tried(size, nothing, case.used(size, nothing)), low, high, AXIAL_SCAN
+        lambda size, _: TrialSize(size, nothing, case.used(size, nothing)), low, high, AXIAL_SCAN
     )
-    remark = end_of_range("damping", picked(tried).size, low, high)
+    remark = range_end_remark("damping", smallest_sufficient(tried).size, low, high)
     return case.collected(tried, remark, "N s/m", "damping")
 
 
@@ -213,22 +213,24 @@ class _Case:
         found = self.result(self.make(size, settings).attached(self.chain, self.node))
         return float(np.max(usage(self.limit, found)))
 
-    def collected(self, tried: Sequence[Tried], remark: str, unit: str, what: str) -> SizedDamper:
+    def collected(
+        self, tried: Sequence[TrialSize], remark: str, unit: str, what: str
+    ) -> SizedDamper:
         """Put the result together."""
-        best = picked(tried)
+        best = smallest_sufficient(tried)
         damper = self.make(best.size, best.settings)
         chain = damper.attached(self.chain, self.node)
         curve, without = self.result(chain), self.result(self.chain)
         shares = usage(self.limit, curve)
         before = float(np.max(usage(self.limit, without)))
-        place = show_quantity(float(curve.speeds[np.argmax(shares)]), "rad/s", 4)
+        place = format_quantity(float(curve.speeds[np.argmax(shares)]), "rad/s", 4)
         numbers = (
             f"{_share(best.used)} of what is permitted is reached at {place}, {_share(before)} "
             "without a damper"
         )
-        shown = show_quantity(best.size, unit, 4)
+        shown = format_quantity(best.size, unit, 4)
         limit = f"{self.limit.name} ({self.limit.source})"
-        shown_sizes = thinned(tried)
+        shown_sizes = without_close_sizes(tried)
         return SizedDamper(
             damper=damper,
             chain=chain,
@@ -256,20 +258,20 @@ class _Rings:
     case: _Case
     ranges: Callable[[float], Ranges]
 
-    def best_at(self, size: float, nearest: Tried | None) -> Tried:
-        """Find the best settings for a ring."""
+    def optimize_settings(self, size: float, nearest: TrialSize | None) -> TrialSize:
+        """Optimize the settings for a ring."""
         last = None if nearest is None else nearest.settings
-        settings, used = least_settings(
+        settings, used = minimize_usage(
             lambda values: self.case.used(size, values), self.ranges(size), last
         )
-        return Tried(size, settings, used)
+        return TrialSize(size, settings, used)
 
     def sized(self, sizes: tuple[float, float], names: tuple[str, ...]) -> SizedDamper:
         """Find the smallest ring whose best settings keep the limit."""
-        tried = search_sizes(self.best_at, *sizes, RING_SCAN)
-        best = picked(tried)
-        remark = end_of_range("ring inertia", best.size, *sizes) + "".join(
-            end_of_range(name, value, *ends)
+        tried = search_sizes(self.optimize_settings, *sizes, RING_SCAN)
+        best = smallest_sufficient(tried)
+        remark = range_end_remark("ring inertia", best.size, *sizes) + "".join(
+            range_end_remark(name, value, *ends)
             for name, value, ends in zip(
                 names, best.settings.tolist(), self.ranges(best.size), strict=True
             )

@@ -19,8 +19,8 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from crankbase.units.quantity import show_quantity
-from dynamics.plots.quantities import Quantity, shown
+from crankbase.units.quantity import format_quantity
+from dynamics.plots.quantities import Quantity, quantity_display
 from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.running_limits import within
 
@@ -254,7 +254,7 @@ class AmplitudeCurve:
         InputError
             If the quantity is unknown.
         """
-        drawn = shown(quantity, "SI")
+        drawn = quantity_display(quantity, "SI")
         axes = new_axes(axes)
         draw_named_curves(axes, self.speeds, {self.name: drawn.factor * self.values}, drawn.label)
         write_title(axes, self.name)
@@ -278,7 +278,7 @@ class AmplitudeCurve:
         MissingLibraryError
             If pandas is not installed.
         """
-        unit = shown(quantity, "SI").unit
+        unit = quantity_display(quantity, "SI").unit
         return table({"speed": (self.speeds, "rad/s"), "amplitude": (self.values, unit)})
 
 
@@ -378,8 +378,8 @@ def checked_running_range(running_range: tuple[float, float]) -> tuple[float, fl
 
 def shown_range(low: float, high: float) -> str:
     """Write a range of speeds [rad/s] in 1/min."""
-    first = show_quantity(low, "rad/s", 4).removesuffix(" 1/min")
-    return f"{first} to {show_quantity(high, 'rad/s', 4)}"
+    first = format_quantity(low, "rad/s", 4).removesuffix(" 1/min")
+    return f"{first} to {format_quantity(high, 'rad/s', 4)}"
 
 
 def checked_rated_speed(rated_speed: float) -> float:

@@ -10,9 +10,9 @@ from crankbase.errors import InputError
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.chains.chain import Chain
 from dynamics.chains.editing import find_node
-from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.loads import element_loads
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.series import OrderSeries
 
 

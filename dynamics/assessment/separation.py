@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from crankbase.checks.arrays import FloatArray, nonnegative_vector, positive_vector
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from dynamics.assessment.limits import checked_running_range, shown_range
 from dynamics.assessment.spreads import Spread
 from dynamics.assessment.uncertainty import frequency_bounds
@@ -63,7 +63,7 @@ class CriticalRange:
         )
         return (
             f"mode {self.mode} with order {self.order:g}: "
-            f"{show_quantity(self.nominal, 'rad/s', 4)} ({shown_range(self.low, self.high)}), {away}"
+            f"{format_quantity(self.nominal, 'rad/s', 4)} ({shown_range(self.low, self.high)}), {away}"
         )
 
     def row(self) -> Row:

@@ -157,7 +157,7 @@ def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) ->
     """
     given = positive_vector("factors", factors, "", "it is a factor on a positive value")
     _check_count(spreads, given[np.newaxis])
-    scales = scales_of(chain, spreads, given[np.newaxis])
+    scales = scale_factors(chain, spreads, given[np.newaxis])
     changed = {
         name: getattr(chain, name) * scale[0]
         for name, scale in scales.items()
@@ -170,10 +170,10 @@ def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) ->
     return replace(chain, dashpots=tuple(dashpots), **changed)
 
 
-def scales_of(
+def scale_factors(
     chain: Chain, spreads: Sequence[Spread], factors: FloatArray
 ) -> dict[str, FloatArray]:
-    """Return for each field of the chain the factors on its values, (N, size) each."""
+    """Return for each field of the chain the scale factors of its values, (N, size) each."""
     _check_count(spreads, factors)
     fields = (*dict.fromkeys(field for field, _ in FIELDS.values()),)
     scales = {field: np.ones((len(factors), len(getattr(chain, field)))) for field in fields}
@@ -183,7 +183,7 @@ def scales_of(
                 scales[field] *= column[:, np.newaxis]
             continue
         field, power = FIELDS[spread.kind]
-        scales[field][:, places_of(chain, spread)] *= column[:, np.newaxis] ** power
+        scales[field][:, spread_indices(chain, spread)] *= column[:, np.newaxis] ** power
     return scales
 
 
@@ -194,8 +194,8 @@ def _check_count(spreads: Sequence[Spread], factors: FloatArray) -> None:
         )
 
 
-def places_of(chain: Chain, spread: Spread) -> list[int]:
-    """Return the numbers of the elements, nodes or dashpots that a spread acts on."""
+def spread_indices(chain: Chain, spread: Spread) -> list[int]:
+    """Return the indices of the elements, nodes or dashpots that a spread acts on."""
     field, _ = FIELDS[spread.kind]
     count = len(getattr(chain, field))
     if spread.places is None:

@@ -15,7 +15,7 @@ from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from dynamics.assessment.spreads import FIELDS, Spread, places_of, scaled_chain, scales_of
+from dynamics.assessment.spreads import FIELDS, Spread, scale_factors, scaled_chain, spread_indices
 from dynamics.chains.chain import Chain
 from dynamics.plots.coordinates import name_axis, number_axis
 
@@ -286,7 +286,7 @@ def frequency_sensitivities(chain: Chain, spreads: Sequence[Spread]) -> FloatArr
         field, power = FIELDS.get(spread.kind, ("", 0))
         share = np.zeros(elastic.size)
         if field in shares:
-            share = shares[field][places_of(chain, spread)].sum(axis=0)
+            share = shares[field][spread_indices(chain, spread)].sum(axis=0)
         rows.append(0.5 * power * np.where(elastic, share, 0.0))
     return np.array(rows).reshape(len(spreads), elastic.size)
 
@@ -356,7 +356,7 @@ def _frequencies(chain: Chain, spreads: Sequence[Spread], factors: FloatArray) -
 
     As `elastic_modes`: singular values of C L'^(-1), with K = C' C and M = L L'.
     """
-    scales = scales_of(chain, spreads, factors)
+    scales = scale_factors(chain, spreads, factors)
     expand = chain.expansion()
     elongations = chain.elongations() @ expand
     springs = np.concatenate(

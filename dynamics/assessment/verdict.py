@@ -12,13 +12,13 @@ from crankbase.drawing.legends import legend_below, legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table, table_of
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 from dynamics.assessment.barred_ranges import (
     BarredRange,
     BarredRangeRule,
     barred_ranges,
-    judged_to,
+    limit_end_speed,
 )
 from dynamics.assessment.limits import (
     AmplitudeCurve,
@@ -92,21 +92,21 @@ class LimitCheck:
     @property
     def sentence(self) -> str:
         """What was found, with its numbers and the limit's source."""
-        unit, speed = self.limit.unit, show_quantity(self.worst_speed, "rad/s", 4)
+        unit, speed = self.limit.unit, format_quantity(self.worst_speed, "rad/s", 4)
         if self.near:
             speed = f"{speed}, near {self.near}"
-        allowed = show_quantity(self.permitted, unit, 4)
+        allowed = format_quantity(self.permitted, unit, 4)
         source = self.limit.source + (", assumed" if self.limit.assumed else "")
         if np.isinf(self.worst_value):
             found = f"is unbounded at {speed}, where {allowed} is permitted"
         elif self.passed:
             found = (
-                f"is at worst {show_quantity(self.worst_value, unit, 4)} at {speed}, "
+                f"is at worst {format_quantity(self.worst_value, unit, 4)} at {speed}, "
                 f"{100.0 * self.used:.3g} % of the permitted {allowed}"
             )
         else:
             found = (
-                f"reaches {show_quantity(self.worst_value, unit, 4)} at {speed}, "
+                f"reaches {format_quantity(self.worst_value, unit, 4)} at {speed}, "
                 f"{self.used:.3g} times the permitted {allowed}"
             )
         return f"{self.limit.name}, {self.curve.name}: {found} ({source})."
@@ -360,7 +360,7 @@ def _check(
             f"are speeds that cover the running range of {shown_range(low, high)}, because every "
             "speed at which the engine runs is judged."
         )
-    end = judged_to(limit, running_range)
+    end = limit_end_speed(limit, running_range)
     used, permitted = usage(limit, curve), limit.continuous.at(curve.speeds)
     judged = np.isfinite(permitted) & within(curve.speeds, low, end)
     if not np.any(judged):
@@ -373,12 +373,12 @@ def _check(
     remarks = []
     if not at_most(high, limit.continuous.high):
         remarks.append(
-            f"not judged above {show_quantity(limit.continuous.high, 'rad/s', 4)}, where the limit ends"
+            f"not judged above {format_quantity(limit.continuous.high, 'rad/s', 4)}, where the limit ends"
         )
     if not at_most(end, curve.speeds[-1]):
         remarks.append(
-            f"the limit goes on to {show_quantity(end, 'rad/s', 4)}, the calculation to "
-            f"{show_quantity(float(curve.speeds[-1]), 'rad/s', 4)}"
+            f"the limit goes on to {format_quantity(end, 'rad/s', 4)}, the calculation to "
+            f"{format_quantity(float(curve.speeds[-1]), 'rad/s', 4)}"
         )
     return LimitCheck(
         limit=limit,

@@ -27,7 +27,7 @@ from dynamics.balance.cylinder_forces import (
 )
 from dynamics.balance.hodograph import Hodograph, hodograph_sum
 from dynamics.balance.moving_masses import MovingMasses, moving_masses
-from dynamics.engine.layout import EngineLayout, check_places
+from dynamics.engine.layout import EngineLayout, check_distinct_positions
 from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.orders import checked_orders
 from dynamics.plots.hodographs import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
@@ -291,7 +291,7 @@ def balance(
     13928
     """
     turning = positive_number("speed", speed, "rad/s", "the shaft turns")
-    check_places(engine)
+    check_distinct_positions(engine)
     wanted = checked_orders(orders)
     if model not in get_args(BalanceModel):
         raise InputError(

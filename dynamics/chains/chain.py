@@ -15,8 +15,8 @@ from crankbase.checks.arrays import (
 )
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.chains.chain_modes import Modes, collected, elastic_modes, scaled
-from dynamics.chains.links import (
+from dynamics.chains.chain_modes import Modes, assemble_modes, elastic_modes, scaled
+from dynamics.chains.connections import (
     Dashpot,
     Gear,
     Pairs,
@@ -26,8 +26,8 @@ from dynamics.chains.links import (
     gear_groups,
     speed_ratios,
 )
-from dynamics.chains.tails import with_accurate_tails
-from dynamics.places import values_at_nodes
+from dynamics.chains.mode_shape_tails import with_accurate_tails
+from dynamics.indices import values_at_nodes
 
 # Residual that the modes must keep, relative to the largest eigenvalue; round-off leaves 1e-14.
 RESIDUAL_LIMIT = 1e-10
@@ -255,7 +255,7 @@ class Chain:
         shapes = expand @ reduced
         if self.is_row and not self.gears and not np.any(self.distributed_inertia):
             shapes = self._with_accurate_tails(shapes, frequencies)
-        found = collected(
+        found = assemble_modes(
             np.concatenate((np.zeros(rigid.shape[1]), frequencies)),
             scaled(np.column_stack((rigid, shapes))),
             (*names, *(f"mode {number + 1}" for number in range(count))),

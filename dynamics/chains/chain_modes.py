@@ -234,7 +234,7 @@ def scaled(shapes: FloatArray) -> FloatArray:
     return np.asarray(shapes * (signs / largest))
 
 
-def collected(
+def assemble_modes(
     angular_frequencies: FloatArray,
     shapes: FloatArray,
     names: tuple[str, ...],
@@ -246,7 +246,7 @@ def collected(
     expand: FloatArray,
     node_names: tuple[str, ...],
 ) -> Modes:
-    """Put modes together with what follows from their shapes.
+    """Assemble modes with what follows from their shapes.
 
     Parameters
     ----------

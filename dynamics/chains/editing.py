@@ -14,8 +14,8 @@ import numpy as np
 from crankbase.checks.arrays import nonnegative_number
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from dynamics.chains.links import Dashpot, Gear
-from dynamics.places import node_index
+from dynamics.chains.connections import Dashpot, Gear
+from dynamics.indices import node_index
 
 AT_NODES = ("inertia", "ground", "ground_damping")
 OF_ELEMENTS = ("stiffness", "damping", "loss_factor", "distributed_inertia")

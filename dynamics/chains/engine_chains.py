@@ -26,7 +26,7 @@ from dynamics.chains.dampers import (
     check_torsional,
 )
 from dynamics.chains.editing import add_node, join_chains, with_damper, with_ground
-from dynamics.places import node_index, values_at_nodes
+from dynamics.indices import node_index, values_at_nodes
 
 PASSIVE = "damping takes energy away"
 

@@ -18,7 +18,7 @@ from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.crankshaft.pin_excitation import PinForces, shaft_excitation
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
-from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
+from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
@@ -143,7 +143,7 @@ class CoupledResponse:
                 **{
                     kind: (
                         over,
-                        endless(own.motion, self.unbounded),
+                        infinite_where_unbounded(own.motion, self.unbounded),
                         "m or rad",
                         f"phasor of the motion by {kind} forces",
                     )

@@ -10,7 +10,7 @@ from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
-from dynamics.response.excitation import OrderExcitation
+from dynamics.response.order_excitation import OrderExcitation
 
 
 class PinForces(Protocol):

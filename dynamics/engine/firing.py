@@ -143,7 +143,7 @@ def check_order_of_angles(
     cycle = math.radians(cycle_degrees(strokes))
     angles = [firing_angles[number - 1] for number in firing_order]
     following = angles[1:] + angles[:1]
-    once_round = sum(_later(*ends, cycle) for ends in zip(angles, following, strict=True))
+    once_round = sum(_angle_after(*ends, cycle) for ends in zip(angles, following, strict=True))
     # From each to the next and back to the first takes one cycle; none if all fire together.
     if once_round > 1.5 * cycle:
         allowed = list(firing_order_of_angles(firing_angles, strokes, firing_order[0]))
@@ -173,12 +173,12 @@ def firing_order_of_angles(
         Lower numbers first where several fire at the same angle.
     """
     cycle, start = math.radians(cycle_degrees(strokes)), firing_angles[first - 1]
-    later = [round(_later(start, angle, cycle), 9) for angle in firing_angles]
+    later = [round(_angle_after(start, angle, cycle), 9) for angle in firing_angles]
     others = (number for number in range(1, len(firing_angles) + 1) if number != first)
     return (first, *sorted(others, key=lambda number: (later[number - 1], number)))
 
 
-def _later(one: float, other: float, cycle: float) -> float:
+def _angle_after(one: float, other: float, cycle: float) -> float:
     """Return how much later in the cycle the other angle comes, zero but for round-off if together."""
     apart = (other - one) % cycle
     return apart - cycle if cycle - apart < IN_LINE else apart

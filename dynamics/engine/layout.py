@@ -178,8 +178,8 @@ class EngineLayout:
         return angles
 
 
-def check_places(engine: EngineLayout) -> None:
-    """Refuse cylinders of one bank in the same place, where moments and bearing loads are asked for.
+def check_distinct_positions(engine: EngineLayout) -> None:
+    """Refuse cylinders of one bank at the same position, where moments and bearing loads are asked for.
 
     Raises
     ------

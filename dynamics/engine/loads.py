@@ -19,7 +19,7 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import cycle_degrees, cycle_fault
 from dynamics.engine.forces import MechanismForces, pin_groups, summed
-from dynamics.engine.layout import check_places
+from dynamics.engine.layout import check_distinct_positions
 from dynamics.plots.load_diagrams import Frame, check_polar, draw_developed_loads, draw_polar_loads
 from dynamics.plots.quantities import KILO
 
@@ -249,7 +249,7 @@ def main_bearing_loads(
     used = _one_cycle(forces)
     bearings = _bearing_positions(bearing_positions)
     engine, angles = forces.engine, forces.shaft_angles
-    check_places(engine)
+    check_distinct_positions(engine)
     places, loads = [], []
     for group in pin_groups(engine):
         place = engine.cylinders[group[0] - 1].position

@@ -14,12 +14,12 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
+from dynamics.excitation.chain_excitation import axial_throw_forces
 from dynamics.excitation.cylinders import CylinderForces
-from dynamics.excitation.on_chains import axial_throw_forces
 from dynamics.plots.coordinates import number_axis, orders_and_speeds
 from dynamics.plots.quantities import KILO
 from dynamics.plots.speed_curves import main_orders_of, set_speed_axis
-from dynamics.response.excitation import checked_speed_index
+from dynamics.response.order_excitation import checked_speed_index
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -24,7 +24,7 @@ from dynamics.engine.forces import MechanismForces, mechanism_forces, over_angle
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.engine_load import Load
 from dynamics.excitation.gas_sources import GasSource, Pressures, Weights, gas_sources
-from dynamics.excitation.samples import asked_orders, order_places, phasors_of_samples
+from dynamics.excitation.sampled_phasors import order_indices, phasors_of_samples, requested_orders
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
@@ -165,8 +165,8 @@ def cylinder_harmonics(
         As `cylinder_forces`, but for speeds and loads.
     """
     count = whole_number("samples", samples, 3, "fewer show no harmonic")
-    asked = asked_orders(orders, engine.strokes)
-    places = order_places(asked, engine.strokes, count, "the force diagrams")
+    asked = requested_orders(orders, engine.strokes)
+    places = order_indices(asked, engine.strokes, count, "the force diagrams")
     under = nonnegative_number("crankcase_pressure", crankcase_pressure, "Pa", "it is absolute")
     angles = even_angles(engine.cycle, count)
     kept = np.concatenate(([0], places))
@@ -264,4 +264,4 @@ def _inertia_phasors(engine: EngineLayout, orders: FloatArray, model: RodModelNa
 def _check_resolved(orders: FloatArray, strokes: int, sources: Sequence[GasSource]) -> None:
     known = [source.samples for source in sources if source.samples is not None]
     if known:
-        order_places(orders, strokes, min(known), "the pressure diagrams")
+        order_indices(orders, strokes, min(known), "the pressure diagrams")

@@ -31,7 +31,7 @@ from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.plots.coordinates import number_axis, orders_and_speeds
 from dynamics.plots.quantities import KILO
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis
-from dynamics.response.excitation import at_angles, checked_speed_index, checked_speeds
+from dynamics.response.order_excitation import at_angles, checked_speed_index, checked_speeds
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
 
 if TYPE_CHECKING:

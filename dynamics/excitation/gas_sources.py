@@ -119,11 +119,11 @@ def _one_for_each(field: str, pressure: Pressures, engine: EngineLayout) -> list
 def _source(pressure: AnyPressure) -> GasSource:
     if isinstance(pressure, PressureMap):
         return GasSource(pressure.diagrams, pressure.weights, True, False)
-    return GasSource((pressure,), _always, False, True)
+    return GasSource((pressure,), _constant_weight, False, True)
 
 
-def _always(speeds: FloatArray, _load: Load | None) -> FloatArray:
-    """Return the weight of a diagram that serves every speed."""
+def _constant_weight(speeds: FloatArray, _load: Load | None) -> FloatArray:
+    """Return the constant weight of a diagram that serves every speed."""
     return np.ones((speeds.size, 1))
 
 

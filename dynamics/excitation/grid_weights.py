@@ -13,15 +13,15 @@ Method = Literal["cubic", "linear"]
 SAME = 1e-9
 
 
-def distinct(values: list[float]) -> FloatArray:
-    """Return values ascending, each once."""
+def sorted_unique(values: list[float]) -> FloatArray:
+    """Return values sorted in ascending order, each once."""
     ordered = np.unique(np.array(values))
     apart = np.diff(ordered, prepend=-np.inf) > SAME * np.abs(ordered)
     return np.asarray(ordered[apart])
 
 
-def nearest(values: FloatArray, value: float) -> int:
-    """Return the place of the value that is nearest."""
+def nearest_index(values: FloatArray, value: float) -> int:
+    """Return the index of the nearest value."""
     return int(np.argmin(np.abs(values - value)))
 
 

@@ -24,13 +24,19 @@ from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.cycle import even_angles
 from dynamics.excitation.engine_load import Load, load_at, per_minute
-from dynamics.excitation.grid_weights import SAME, Method, axis_weights, distinct, nearest
-from dynamics.excitation.samples import order_places, phasors_of_samples
+from dynamics.excitation.grid_weights import (
+    SAME,
+    Method,
+    axis_weights,
+    nearest_index,
+    sorted_unique,
+)
+from dynamics.excitation.sampled_phasors import order_indices, phasors_of_samples
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import MEGA
-from dynamics.response.excitation import checked_speeds
+from dynamics.response.order_excitation import checked_speeds
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -162,7 +168,7 @@ class PressureMap:
         InputError
             As `weights`, and if the diagrams do not resolve an order.
         """
-        places = order_places(orders, self.strokes, self.samples, "the pressure map's diagrams")
+        places = order_indices(orders, self.strokes, self.samples, "the pressure map's diagrams")
         of_diagrams = phasors_of_samples(self._sampled)[:, places]
         return np.asarray((self.weights(speeds, load) @ of_diagrams).T)
 
@@ -236,7 +242,7 @@ class PressureMap:
             axes = self.at(speed, load).plot(axes)
             write_title(axes, f"Gas pressure at {RPM * speed:.4g} 1/min")
             return axes
-        place = self._load_place(load)
+        place = self._load_index(load)
         apart = 1 if self.loads is None else len(self.loads)
         names = _speed_names(self.speeds)
         if self.load_of_speed is not None:
@@ -264,8 +270,8 @@ class PressureMap:
         legend_below(axes, LEGEND_COLUMNS)
         return axes
 
-    def _load_place(self, load: float | None) -> int:
-        """Return which of the loads at every speed is drawn, the highest by default."""
+    def _load_index(self, load: float | None) -> int:
+        """Return the index of the load that is drawn of those at every speed, the highest by default."""
         if load is None:
             return 0 if self.loads is None else len(self.loads) - 1
         wanted = nonnegative_number("load", load, "", "the map has diagrams at its loads")
@@ -356,9 +362,11 @@ def pressure_map(
             "points: given diagrams of 2 and of 4 strokes; allowed is one kind, because they are of "
             "one engine."
         )
-    speeds = distinct([speed for speed, _, _ in given])
-    loads = distinct([load for _, load, _ in given])
-    places = [(nearest(speeds, speed), nearest(loads, load)) for speed, load, _ in given]
+    speeds = sorted_unique([speed for speed, _, _ in given])
+    loads = sorted_unique([load for _, load, _ in given])
+    places = [
+        (nearest_index(speeds, speed), nearest_index(loads, load)) for speed, load, _ in given
+    ]
     found = dict(zip(places, [diagram for _, _, diagram in given], strict=True))
     if len(found) < len(given):
         raise InputError(

@@ -19,9 +19,9 @@ from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
-from dynamics.chains.links import speed_ratios
-from dynamics.places import node_index
-from dynamics.response.excitation import OrderExcitation, checked_speeds
+from dynamics.chains.connections import speed_ratios
+from dynamics.indices import node_index
+from dynamics.response.order_excitation import OrderExcitation, checked_speeds
 
 
 @summarized(

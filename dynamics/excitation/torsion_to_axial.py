@@ -13,10 +13,10 @@ from crankbase.checks.arrays import (
 )
 from crankbase.errors import InputError
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.excitation.on_chains import axial_section_forces
-from dynamics.response.excitation import OrderExcitation
+from dynamics.excitation.chain_excitation import axial_section_forces
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.loads import element_loads
+from dynamics.response.order_excitation import OrderExcitation
 
 
 def torsion_influence(tangential: ArrayLike, through: ArrayLike, crank_radius: float) -> FloatArray:
@@ -142,12 +142,12 @@ def axial_excitation_of_torsion(
             f"{e.size} compliances; allowed is (n, n + 1) for n of both, because a shaft of n throws has "
             "n + 1 parts between cranks and ends."
         )
-    torques = _of_parts(element_loads(response).elastic.values, torsional)
+    torques = _torque_of_parts(element_loads(response).elastic.values, torsional)
     pressing = torques @ lengthening.T / e
     return OrderExcitation(response.orders, response.speeds, axial_section_forces(pressing, axial))
 
 
-def _of_parts(torques: ComplexArray, torsional: EngineChain) -> ComplexArray:
+def _torque_of_parts(torques: ComplexArray, torsional: EngineChain) -> ComplexArray:
     """Return the torque of each part of the crankshaft (K, S, n + 1), zero where there is none."""
     first, last = torsional.throw_nodes[0], torsional.throw_nodes[-1]
     pairs = torsional.chain.connections

@@ -39,7 +39,7 @@ def motored_pressure(cycle: GasCycle, volume: CylinderVolume, angle: ArrayLike) 
     return np.asarray(cycle.intake_pressure * ratio**cycle.heat_capacity_ratio, dtype=np.float64)
 
 
-def rise_per_heat(cycle: GasCycle, volume: CylinderVolume, angle: ArrayLike) -> FloatArray:
+def pressure_rise_per_heat(cycle: GasCycle, volume: CylinderVolume, angle: ArrayLike) -> FloatArray:
     """Return by how much one joule of heat raises the pressure.
 
     Parameters
@@ -94,7 +94,7 @@ def closed_pressure(
     Parameters
     ----------
     cycle, volume
-        As for `rise_per_heat`.
+        As for `pressure_rise_per_heat`.
     heat : float
         Heat released in one cycle, net of what the walls take [J].
     angle : array_like of shape (m,)
@@ -105,7 +105,7 @@ def closed_pressure(
     ndarray of shape (m,)
         Absolute pressure [Pa].
     """
-    rise = rise_per_heat(cycle, volume, angle)
+    rise = pressure_rise_per_heat(cycle, volume, angle)
     return motored_pressure(cycle, volume, angle) + heat * rise
 
 

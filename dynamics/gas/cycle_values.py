@@ -163,13 +163,13 @@ class UsualValue:
     reason: str
 
 
-def _by_strokes(four: float, two: float) -> Callable[[int, Mapping[str, float]], float]:
+def _value_by_strokes(four: float, two: float) -> Callable[[int, Mapping[str, float]], float]:
     return lambda strokes, _: four if strokes == 4 else two
 
 
 USUAL_VALUES: dict[str, UsualValue] = {
     "intake_pressure": UsualValue(
-        _by_strokes(2.5e5, 2.5e5),
+        _value_by_strokes(2.5e5, 2.5e5),
         "turbocharged diesel engines at rated load have 0.2 to 0.4 MPa in the receiver",
     ),
     "exhaust_pressure": UsualValue(
@@ -178,37 +178,37 @@ USUAL_VALUES: dict[str, UsualValue] = {
         "exhausts below the atmosphere",
     ),
     "heat_capacity_ratio": UsualValue(
-        _by_strokes(1.35, 1.35),
+        _value_by_strokes(1.35, 1.35),
         "air has 1.40 cold and 1.34 at 1000 K, lean burnt gas at 2000 K about 1.28; measured "
         "compressions follow 1.33 to 1.37",
     ),
     "combustion_start": UsualValue(
-        _by_strokes(-6.0 * DEGREE, -2.0 * DEGREE),
+        _value_by_strokes(-6.0 * DEGREE, -2.0 * DEGREE),
         "diesel fuel injected 10 to 15 deg before the top burns some degrees later, in slow "
         "two-stroke engines about the top",
     ),
     "combustion_duration": UsualValue(
-        _by_strokes(60.0 * DEGREE, 60.0 * DEGREE),
+        _value_by_strokes(60.0 * DEGREE, 60.0 * DEGREE),
         "with the shape 1 this releases half of the heat within 19 deg, as diesel engines do",
     ),
     "wiebe_shape": UsualValue(
-        _by_strokes(1.0, 1.0),
+        _value_by_strokes(1.0, 1.0),
         "diesel engines have 0.5 to 1.5 as burning by mixing falls slowly, spark ignition about 2",
     ),
     "wiebe_completeness": UsualValue(
-        _by_strokes(0.999, 0.999), "the customary end of the law, whose factor then is 6.908"
+        _value_by_strokes(0.999, 0.999), "the customary end of the law, whose factor then is 6.908"
     ),
     "intake_closes": UsualValue(
-        _by_strokes(-145.0 * DEGREE, -115.0 * DEGREE),
+        _value_by_strokes(-145.0 * DEGREE, -115.0 * DEGREE),
         "inlet valves close about 35 deg after the bottom; ports are symmetric about it",
     ),
     "exhaust_opens": UsualValue(
-        _by_strokes(130.0 * DEGREE, 115.0 * DEGREE),
+        _value_by_strokes(130.0 * DEGREE, 115.0 * DEGREE),
         "exhaust valves of four-stroke engines open about 50 deg before the bottom, exhaust ports "
         "and valves of two-stroke engines 60 to 70 deg before it",
     ),
     "overlap_begins": UsualValue(
-        _by_strokes(320.0 * DEGREE, 180.0 * DEGREE),
+        _value_by_strokes(320.0 * DEGREE, 180.0 * DEGREE),
         "in a four-stroke engine the valves overlap by some 80 deg about the top, in a two-stroke "
         "engine the fresh charge takes over after the bottom",
     ),
@@ -283,13 +283,13 @@ def assumption_remarks(cycle: GasCycle) -> tuple[str, ...]:
     """Return one sentence for each assumed parameter: its value and why."""
     names = [field.name for field in fields(cycle) if field.name in cycle.assumed]
     return tuple(
-        f"Assumed: {name} {_shown(name, getattr(cycle, name))}, because "
+        f"Assumed: {name} {_format_parameter(name, getattr(cycle, name))}, because "
         f"{USUAL_VALUES[name].reason}."
         for name in names
     )
 
 
-def _shown(name: str, value: float) -> str:
+def _format_parameter(name: str, value: float) -> str:
     if name.endswith("_pressure"):
         return f"{value / 1e6:g} MPa"
     if name.startswith(("heat_", "wiebe_", "compression_")):
@@ -311,6 +311,7 @@ def _check_range(name: str, value: float, above: float, below: float, reason: st
     _check_finite(name, value)
     if not above < value < below:
         raise InputError(
-            f"{name}: given {_shown(name, value)}; allowed is more than {_shown(name, above)} and "
-            f"less than {_shown(name, below)}, because {reason}."
+            f"{name}: given {_format_parameter(name, value)}; allowed is more than "
+            f"{_format_parameter(name, above)} and "
+            f"less than {_format_parameter(name, below)}, because {reason}."
         )

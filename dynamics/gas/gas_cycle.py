@@ -20,13 +20,13 @@ from dynamics.gas.cycle_values import DEGREE, GasCycle, assumption_remarks
 from dynamics.gas.cylinder_volume import CylinderVolume, Position, cylinder_volume
 from dynamics.gas.heat_targets import (
     allowed_heat,
-    at_least,
-    at_most,
     checked_peak,
+    format_mpa,
     heat_for_mean_pressure,
     heat_for_peak,
-    idle_heat,
-    in_mega,
+    mpa_rounded_down,
+    mpa_rounded_up,
+    no_work_error,
 )
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.gas.sampled_cycle import cycle_samples
@@ -313,8 +313,8 @@ def _solved_combustion(
     lowest = motored.mean_pressure(0.0)
     if not is_number(mean_pressure) or mean_pressure <= lowest:
         raise InputError(
-            f"mean_effective_pressure: given {in_mega(mean_pressure)}; allowed is more than "
-            f"{in_mega(lowest)}, because that is left without heat."
+            f"mean_effective_pressure: given {format_mpa(mean_pressure)}; allowed is more than "
+            f"{format_mpa(lowest)}, because that is left without heat."
         )
 
     def changed(value: float) -> GasCycle:
@@ -329,20 +329,20 @@ def _solved_combustion(
             return math.inf
         return state.peak(state.heat_for_mean_pressure(mean_pressure))
 
-    places = _search_places(cycle, angles, name)
+    places = _search_angles(cycle, angles, name)
     peaks = np.array([peak_at(value) for value in places])
     # Later or slower combustion lowers the peak, down to that of compression or of a second hump
     # that a very late one makes; what comes after the lowest is left aside.
     peaks, places = peaks[: np.argmin(peaks) + 1], places[: np.argmin(peaks) + 1]
     reached, places = peaks[np.isfinite(peaks)], places[np.isfinite(peaks)]
     if reached.size == 0:
-        raise idle_heat(mean_pressure)
+        raise no_work_error(mean_pressure)
     below = np.flatnonzero((reached[:-1] >= peak) & (reached[1:] <= peak))
     if below.size == 0:
         raise InputError(
-            f"peak_pressure: given {in_mega(peak)}; allowed are {at_least(np.min(reached))} to "
-            f"{at_most(np.max(reached))}, because with a mean effective pressure of "
-            f"{in_mega(mean_pressure)} a {name} from {places[0] / DEGREE:.4g} to "
+            f"peak_pressure: given {format_mpa(peak)}; allowed are {mpa_rounded_up(np.min(reached))} to "
+            f"{mpa_rounded_down(np.max(reached))}, because with a mean effective pressure of "
+            f"{format_mpa(mean_pressure)} a {name} from {places[0] / DEGREE:.4g} to "
             f"{places[-1] / DEGREE:.4g} deg gives no others."
         )
     from scipy.optimize import brentq  # here: loading it takes a quarter second
@@ -354,8 +354,8 @@ def _solved_combustion(
     return changed(float(found))
 
 
-def _search_places(cycle: GasCycle, angles: FloatArray, name: Solved) -> FloatArray:
-    """Return where to look for the start or the duration of the combustion [rad]."""
+def _search_angles(cycle: GasCycle, angles: FloatArray, name: Solved) -> FloatArray:
+    """Return the angles at which to search for the start or the duration of the combustion [rad]."""
     if name == "combustion_start":
         given = cycle.combustion_start
         low = max(EARLIEST_START, cycle.intake_closes)

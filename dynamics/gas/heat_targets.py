@@ -23,7 +23,7 @@ def allowed_heat(state: CycleSamples, heat: float) -> float:
     if heat > most:
         raise InputError(
             f"heat: given {heat:g} J; allowed are 0 to {most:.6g} J, because more drives the peak "
-            f"above {in_mega(HIGHEST_PEAK)}, which no piston engine stands."
+            f"above {format_mpa(HIGHEST_PEAK)}, which no piston engine stands."
         )
     return float(heat)
 
@@ -49,8 +49,8 @@ def checked_peak(peak: float, lowest: float) -> float:
     # The lowest peak is found to round-off, and it may be what is asked for.
     if not is_number(peak) or not lowest * (1.0 - 1e-12) <= peak <= HIGHEST_PEAK:
         raise InputError(
-            f"peak_pressure: given {in_mega(peak)}; allowed are {at_least(lowest)} to "
-            f"{in_mega(HIGHEST_PEAK)}, because compression alone gives the lowest and no piston engine "
+            f"peak_pressure: given {format_mpa(peak)}; allowed are {mpa_rounded_up(lowest)} to "
+            f"{format_mpa(HIGHEST_PEAK)}, because compression alone gives the lowest and no piston engine "
             "stands more than the highest."
         )
     return max(float(peak), lowest)
@@ -65,34 +65,36 @@ def heat_for_mean_pressure(state: CycleSamples, mean_pressure: float) -> float:
     """
     lowest = state.mean_pressure(0.0)
     if state.work_per_heat <= 0.0:
-        raise idle_heat(mean_pressure)
+        raise no_work_error(mean_pressure)
     highest = state.mean_pressure(state.heat_for_peak(HIGHEST_PEAK))
     inside = is_number(mean_pressure) and mean_pressure <= highest
     if not inside or mean_pressure < lowest - 1e-12 * abs(lowest):
         raise InputError(
-            f"mean_effective_pressure: given {in_mega(mean_pressure)}; allowed are {at_least(lowest)} to "
-            f"{at_most(highest)}, because no heat gives the lowest and the highest drives the peak to "
-            f"{in_mega(HIGHEST_PEAK)}."
+            f"mean_effective_pressure: given {format_mpa(mean_pressure)}; allowed are "
+            f"{mpa_rounded_up(lowest)} to "
+            f"{mpa_rounded_down(highest)}, because no heat gives the lowest and the highest "
+            "drives the peak to "
+            f"{format_mpa(HIGHEST_PEAK)}."
         )
     return max(state.heat_for_mean_pressure(mean_pressure), 0.0)
 
 
-def idle_heat(mean_pressure: float) -> InputError:
+def no_work_error(mean_pressure: float) -> InputError:
     """Make the error of a combustion whose heat does no work."""
     return InputError(
-        f"mean_effective_pressure: given {in_mega(mean_pressure)}; allowed is what a later combustion "
+        f"mean_effective_pressure: given {format_mpa(mean_pressure)}; allowed is what a later combustion "
         "gives, because the heat of this one is all released too early to do work."
     )
 
 
-def at_least(pressure: float) -> str:
+def mpa_rounded_up(pressure: float) -> str:
     """Return a least pressure in MPa with four digits, rounded up: what stands there is allowed."""
-    return in_mega(_rounded(pressure, np.ceil))
+    return format_mpa(_rounded(pressure, np.ceil))
 
 
-def at_most(pressure: float) -> str:
+def mpa_rounded_down(pressure: float) -> str:
     """Return a largest pressure in MPa with four digits, rounded down."""
-    return in_mega(_rounded(pressure, np.floor))
+    return format_mpa(_rounded(pressure, np.floor))
 
 
 def _rounded(pressure: float, to_whole: Callable[[float], float]) -> float:
@@ -102,6 +104,6 @@ def _rounded(pressure: float, to_whole: Callable[[float], float]) -> float:
     return float(to_whole(pressure / step) * step)
 
 
-def in_mega(pressure: float) -> str:
+def format_mpa(pressure: float) -> str:
     """Return a pressure in MPa for a message, or what was given in its place."""
     return f"{pressure / 1e6:.6g} MPa" if is_number(pressure) else repr(pressure)

@@ -243,7 +243,7 @@ def gas_pressure(
     _check_samples(given, values, cycle)
     even = cycle_fault(given, cycle) is None
     places, values, remark = (
-        _placed(given, values, cycle) if even else _resampled(given, values, cycle)
+        _even_angles_in_cycle(given, values, cycle) if even else _resampled(given, values, cycle)
     )
     return GasPressure(
         angles=np.radians(places),
@@ -306,7 +306,7 @@ def _check_cover(angles: FloatArray, cycle: float) -> None:
         )
 
 
-def _placed(
+def _even_angles_in_cycle(
     angles: FloatArray, values: FloatArray, cycle: float
 ) -> tuple[FloatArray, FloatArray, str]:
     """Return even angles [deg] within the cycle for angles that are even but for rounding."""

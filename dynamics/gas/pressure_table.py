@@ -100,14 +100,14 @@ def read_pressure_table(path: str | Path, strokes: int | None = None) -> GasPres
         pressure += ATMOSPHERE
         remarks.append(f"{ATMOSPHERE:g} Pa of atmosphere were added to the gauge pressure.")
     cycle = cycle_degrees(strokes)
-    if _closes(rows.angles, cycle):
+    if _closes_cycle(rows.angles, cycle):
         _check_closing(path, rows, pressure)
         remarks.append(f"The closing sample at {rows.angles[-1]:g} deg was dropped.")
         rows = replace(rows, angles=rows.angles[:-1], values=rows.values[:-1])
         pressure = pressure[:-1]
     _check_gaps(path, rows, cycle)
     _check_pressure(path, rows, pressure)
-    _check_peak_place(path, rows, pressure, cycle)
+    _check_peak_angle(path, rows, pressure, cycle)
     return gas_pressure(
         np.radians(rows.angles),
         pressure,
@@ -117,7 +117,7 @@ def read_pressure_table(path: str | Path, strokes: int | None = None) -> GasPres
     )
 
 
-def _closes(angles: FloatArray, cycle: float) -> bool:
+def _closes_cycle(angles: FloatArray, cycle: float) -> bool:
     """Tell whether the last angle lies one cycle after the first."""
     tolerance = PLACE_TOLERANCE * float(np.median(np.diff(angles)))
     return abs(float(angles[-1] - angles[0]) - cycle) <= tolerance
@@ -129,7 +129,7 @@ def _found_strokes(path: Path, rows: SampleRows, strokes: int | None) -> int:
     span = float(rows.angles[-1] - rows.angles[0])
     for number in possible:
         cycle = cycle_degrees(number)
-        if _closes(rows.angles, cycle) or cycle - WIDEST_GAP * (1.0 + 1e-9) <= span < cycle:
+        if _closes_cycle(rows.angles, cycle) or cycle - WIDEST_GAP * (1.0 + 1e-9) <= span < cycle:
             return number
     lengths = " or ".join(f"{cycle_degrees(number):g} deg" for number in possible)
     raise InputError(
@@ -177,7 +177,7 @@ def _check_pressure(path: Path, rows: SampleRows, pressure: FloatArray) -> None:
         )
 
 
-def _check_peak_place(path: Path, rows: SampleRows, pressure: FloatArray, cycle: float) -> None:
+def _check_peak_angle(path: Path, rows: SampleRows, pressure: FloatArray, cycle: float) -> None:
     index = int(np.argmax(pressure))
     given = float(rows.angles[index])
     if _near_top(given, cycle):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from dynamics.gas.closed_cycle import motored_pressure, rise_per_heat
+from dynamics.gas.closed_cycle import motored_pressure, pressure_rise_per_heat
 from dynamics.gas.cycle_values import BOTTOM, GasCycle
 from dynamics.gas.cylinder_volume import CylinderVolume
 from dynamics.gas.indicated import indicated_work, periodic_slope
@@ -92,7 +92,7 @@ def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles: FloatArray) -
         motored_pressure(cycle, volume, within) - open_pressure[closed]
     )
     rise = np.zeros(angles.size)
-    rise[closed] = share[closed] * rise_per_heat(cycle, volume, within)
+    rise[closed] = share[closed] * pressure_rise_per_heat(cycle, volume, within)
     return CycleSamples(
         motored=motored,
         rise=rise,

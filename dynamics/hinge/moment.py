@@ -20,11 +20,11 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.periodic import TURN, antiderivative, periodic_spline, turn_integral
-from dynamics.hinge.reduced import Kinematics, ReducedCrank, reduced_crank
+from dynamics.hinge.reduced_crank import Kinematics, ReducedCrank, reduced_crank
 from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
 from dynamics.plots.quantities import KILO
 
@@ -117,7 +117,7 @@ class HingeMoment:
             "driven machine": np.full(self.angles.shape, -KILO * self.load),
         }
         draw_over_angle(axes, self.angles, curves, "moment [kN m]", angle_label=FROM_TOP)
-        write_title(axes, f"Moments at {show_quantity(self.speed, 'rad/s', 5)}")
+        write_title(axes, f"Moments at {format_quantity(self.speed, 'rad/s', 5)}")
         return axes
 
     def to_pandas(self) -> "DataFrame":

@@ -19,11 +19,16 @@ from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.periodic import TURN, periodic_spline
-from dynamics.hinge.polar import check_roller, outer_parallel, polar_curvature, smallest_hollow
+from dynamics.hinge.polar_curves import (
+    check_roller,
+    outer_parallel,
+    polar_curvature,
+    smallest_hollow,
+)
 from dynamics.hinge.spring import LEAST_COLUMN, GasSpring
 from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
 from dynamics.plots.quantities import KILO, MILLI
@@ -63,7 +68,7 @@ class ProfileCheck:
     @property
     def shown(self) -> str:
         """The value with its unit; "none" where there is nothing to measure."""
-        return show_quantity(self.value, self.unit, 4) if np.isfinite(self.value) else "none"
+        return format_quantity(self.value, self.unit, 4) if np.isfinite(self.value) else "none"
 
     @property
     def sentence(self) -> str:
@@ -307,7 +312,7 @@ class HingeProfile:
                 else (MILLI * self.radius, "radius [mm]")
             )
             draw_over_angle(axes, self.angles, {show: curve}, label, angle_label=FROM_TOP)
-        write_title(axes, f"Guides for {show_quantity(self.speed, 'rad/s', 5)}")
+        write_title(axes, f"Guides for {format_quantity(self.speed, 'rad/s', 5)}")
         return axes
 
     def to_pandas(self) -> "DataFrame":

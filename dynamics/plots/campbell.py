@@ -66,16 +66,16 @@ class CampbellFrame(NamedTuple):
     top: float
     natural: FloatArray
 
-    def leaves(self, order: float) -> tuple[float, float, bool]:
+    def line_end(self, order: float) -> tuple[float, float, bool]:
         """Return where an order's line ends [1/min, Hz], and whether it does so at the top."""
         right = self.ends[1]
         over = order * right / 60.0 > self.top
         speed = 60.0 * self.top / order if over else right
         return speed, min(order * right / 60.0, self.top), over
 
-    def tells(self, order: float) -> bool:
-        """Whether an order's number stands at the end of its line: whole ones that are seen."""
-        return float(order).is_integer() and self.leaves(order)[0] > self.ends[0]
+    def has_label(self, order: float) -> bool:
+        """Whether an order's line has its label at the end: whole ones that are seen."""
+        return float(order).is_integer() and self.line_end(order)[0] > self.ends[0]
 
 
 def campbell_frame(
@@ -175,8 +175,8 @@ def _order_line(axes: "Axes", order: float, frame: CampbellFrame) -> None:
         linewidth=0.8 if order.is_integer() else 0.35,
         zorder=1,
     )
-    speed, frequency, over = frame.leaves(order)
-    if frame.tells(order):
+    speed, frequency, over = frame.line_end(order)
+    if frame.has_label(order):
         axes.annotate(
             f"{order:g}",
             (speed, frequency),

@@ -44,7 +44,7 @@ def number_axis(count: int, words: str) -> Coordinate:
     return np.arange(1, count + 1), "1", words
 
 
-def endless(values: ComplexArray, unbounded: NDArray[np.bool_]) -> ComplexArray:
-    """Return phasors (K, S, ...) with an infinite one where the answer is unbounded (K, S)."""
+def infinite_where_unbounded(values: ComplexArray, unbounded: NDArray[np.bool_]) -> ComplexArray:
+    """Return phasors (K, S, ...), infinite where the response is unbounded (K, S)."""
     where = unbounded.reshape(unbounded.shape + (1,) * (values.ndim - unbounded.ndim))
     return np.where(where, complex(np.inf), values)

@@ -3,7 +3,7 @@
 from typing import Literal, NamedTuple, TypeAlias
 
 from crankbase.errors import InputError
-from crankbase.units.units import UNITS, VIBRATING, factor_of, written
+from crankbase.units.units import UNITS, VIBRATING, factor_of, unit_symbol
 
 # What values in SI are multiplied by to be shown in thousands, thousandths and so on.
 KILO, MEGA, MILLI = factor_of("kN"), factor_of("MPa"), factor_of("mm")
@@ -14,7 +14,7 @@ Quantity: TypeAlias = Literal["twist", "displacement", "torque", "force", "stres
 
 def _labelled(quantity: str, words: str) -> tuple[str, float]:
     unit = VIBRATING[quantity]
-    return f"{words} [{written(unit)}]", factor_of(unit)
+    return f"{words} [{unit_symbol(unit)}]", factor_of(unit)
 
 
 # Label of the axis, and what a value in SI is multiplied by.
@@ -28,8 +28,8 @@ QUANTITIES: dict[str, tuple[str, float]] = {
 SI_UNITS: dict[str, str] = {quantity: UNITS[unit][0] for quantity, unit in VIBRATING.items()}
 
 
-class Shown(NamedTuple):
-    """How a quantity is drawn.
+class QuantityDisplay(NamedTuple):
+    """How a quantity is displayed in diagrams.
 
     Parameters
     ----------
@@ -46,8 +46,10 @@ class Shown(NamedTuple):
     unit: str
 
 
-def shown(quantity: Quantity | None, either: str, words: str = "amplitude") -> Shown:
-    """Tell how a quantity is drawn.
+def quantity_display(
+    quantity: Quantity | None, either: str, words: str = "amplitude"
+) -> QuantityDisplay:
+    """Return how a quantity is displayed in diagrams.
 
     Parameters
     ----------
@@ -65,17 +67,17 @@ def shown(quantity: Quantity | None, either: str, words: str = "amplitude") -> S
 
     Examples
     --------
-    >>> shown("twist", "rad or m").label, shown(None, "rad or m").label
+    >>> quantity_display("twist", "rad or m").label, quantity_display(None, "rad or m").label
     ('amplitude [mrad]', 'amplitude [rad or m]')
     """
     if quantity is None:
-        return Shown(f"{words} [{either}]", 1.0, either)
+        return QuantityDisplay(f"{words} [{either}]", 1.0, either)
     if not isinstance(quantity, str) or quantity not in QUANTITIES:
         raise InputError(
             f"quantity: given {quantity!r}; allowed are {', '.join(QUANTITIES)}, because the axis has "
             "the unit of one of them."
         )
-    return Shown(*QUANTITIES[quantity], SI_UNITS[quantity])
+    return QuantityDisplay(*QUANTITIES[quantity], SI_UNITS[quantity])
 
 
 # Of what is drawn as it moves, not by its amplitude.
@@ -85,7 +87,7 @@ MOVING: dict[str, tuple[str, float]] = {
 }
 
 
-def in_unit(unit: str) -> Shown:
+def in_unit(unit: str) -> QuantityDisplay:
     """Tell how amplitudes in a unit of SI are drawn.
 
     Examples
@@ -95,5 +97,5 @@ def in_unit(unit: str) -> Shown:
     """
     for quantity, own in SI_UNITS.items():
         if own == unit:
-            return Shown(*QUANTITIES[quantity], unit)
-    return Shown(f"amplitude [{unit}]", 1.0, unit)
+            return QuantityDisplay(*QUANTITIES[quantity], unit)
+    return QuantityDisplay(f"amplitude [{unit}]", 1.0, unit)

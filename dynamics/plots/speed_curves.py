@@ -19,7 +19,7 @@ from crankbase.drawing.curves import (
 from crankbase.drawing.diagram_style import COLORS, with_gaps
 from crankbase.drawing.legends import legend_below, legend_inside
 from crankbase.units.units import RPM
-from dynamics.plots.quantities import SPEED_LABEL, Shown
+from dynamics.plots.quantities import SPEED_LABEL, QuantityDisplay
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -98,7 +98,7 @@ def over_speed(
     total: FloatArray,
     plain: FloatArray,
     unbounded: NDArray[np.bool_],
-    quantity: Shown,
+    quantity: QuantityDisplay,
     *,
     limits: Mapping[str, ArrayLike] | None = None,
     passing: Mapping[str, ArrayLike] | None = None,

@@ -16,7 +16,7 @@ from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
-from dynamics.places import node_index, values_at_nodes
+from dynamics.indices import node_index, values_at_nodes
 from dynamics.response.linear_system import (
     DEFAULT_MAGNIFIER,
     MAGNIFIER_SOURCE,
@@ -127,8 +127,8 @@ def damped(
         If a value is out of range, lengths do not fit, magnifier and modal damping are both given,
         or undamped goes with any damping.
     """
-    absolute, relative = _if_any(absolute), _if_any(relative)
-    loss_factor, element_magnifier = _if_any(loss_factor), _if_any(element_magnifier)
+    absolute, relative = _none_if_empty(absolute), _none_if_empty(relative)
+    loss_factor, element_magnifier = _none_if_empty(loss_factor), _none_if_empty(element_magnifier)
     given = {
         "magnifier": magnifier,
         "modal_damping": modal_damping,
@@ -241,8 +241,8 @@ def of_elements(
     return one_for_each(field, values, count, "elements", unit, PASSIVE)
 
 
-def _if_any(values: ByPlace | None) -> ByPlace | None:
-    """Return values, a mapping that names nothing counting as not given."""
+def _none_if_empty(values: ByPlace | None) -> ByPlace | None:
+    """Return values, or None for a mapping that names nothing."""
     return None if isinstance(values, Mapping) and not values else values
 
 

@@ -13,13 +13,13 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
-from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
-from dynamics.plots.quantities import Quantity, shown
+from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
+from dynamics.plots.quantities import Quantity, quantity_display
 from dynamics.plots.speed_curves import MAIN_ORDERS
 from dynamics.response.damping import DampedChain, check_one_of
-from dynamics.response.excitation import OrderExcitation
-from dynamics.response.harmonic import Method, harmonic_answer
+from dynamics.response.harmonic import Method, harmonic_response
 from dynamics.response.linear_system import LinearSystem, chain_system
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.series import OrderSeries, plot_series
 from dynamics.response.synthesis import Synthesis
 
@@ -146,7 +146,7 @@ class ForcedResponse:
             axes,
             self.elastic if elastic else self.nodes,
             node,
-            shown(quantity, "rad or m"),
+            quantity_display(quantity, "rad or m"),
             limits=limits,
             barred=barred,
             main_orders=main_orders,
@@ -172,10 +172,11 @@ class ForcedResponse:
             If xarray is not installed.
             Motion is infinite where it is unbounded; ``elastic`` is that without the rigid body's.
         """
-        unit = shown(quantity, "rad or m").unit
+        unit = quantity_display(quantity, "rad or m").unit
         over = ("order", "speed", "node")
         whole, elastic = (
-            endless(values, self.unbounded) for values in (self.motion, self.elastic.values)
+            infinite_where_unbounded(values, self.unbounded)
+            for values in (self.motion, self.elastic.values)
         )
         return grid(
             {
@@ -239,7 +240,7 @@ def forced_response(
     plain = np.array_equal(system.expand, np.eye(nodes))
     forces = excitation.forces.reshape(-1, nodes)
     forces = forces if plain else forces @ system.expand
-    answer = harmonic_answer(system, excitation.angular_frequencies.reshape(-1), forces, method)
+    answer = harmonic_response(system, excitation.angular_frequencies.reshape(-1), forces, method)
     motion = answer.motion if plain else answer.motion @ system.expand.T
     return ForcedResponse(
         orders=excitation.orders,

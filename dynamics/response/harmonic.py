@@ -1,4 +1,4 @@
-"""Answer of a linear system to harmonic forces at many frequencies at once."""
+"""Response of a linear system to harmonic forces at many frequencies at once."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -28,7 +28,7 @@ BATCH = 512
 
 
 @dataclass(frozen=True, eq=False)
-class HarmonicAnswer:
+class HarmonicResponse:
     """Motion under harmonic forces; physical values are the real parts of value exp(i w t).
 
     Parameters
@@ -47,12 +47,12 @@ class HarmonicAnswer:
     directly: int
 
 
-def harmonic_answer(
+def harmonic_response(
     system: LinearSystem,
     angular_frequencies: FloatArray,
     forces: ComplexArray,
     method: Method = "modal",
-) -> HarmonicAnswer:
+) -> HarmonicResponse:
     """Find the steady motion under harmonic forces, each at its own frequency.
 
     Parameters
@@ -106,7 +106,7 @@ def harmonic_answer(
     if method != "direct" or np.any(singular):
         for start in range(0, frequencies.size, BATCH):
             part = slice(start, start + BATCH)
-            motion[part] = modal.answer(frequencies[part], forces[part])
+            motion[part] = modal.response(frequencies[part], forces[part])
     if method != "direct":
         sample = np.linspace(0, frequencies.size - 1, min(frequencies.size, CHECKED)).astype(int)
         sample = np.concatenate((sample, modal.near_resonance(frequencies)))
@@ -117,7 +117,7 @@ def harmonic_answer(
         some = places[start : start + BATCH]
         stiffness = dynamic_stiffness(system, frequencies[some])
         motion[some] = np.linalg.solve(stiffness, forces[some, :, np.newaxis])[..., 0]
-    return HarmonicAnswer(motion, unbounded, places.size)
+    return HarmonicResponse(motion, unbounded, places.size)
 
 
 def dynamic_stiffness(system: LinearSystem, angular_frequencies: FloatArray) -> ComplexArray:
@@ -163,7 +163,13 @@ class _DampedModes:
         scale = float(natural[-1]) or 1.0
         # By each mode's own frequency: the highest may be a hundred thousand times as high.
         own = np.where(natural > 0.0, natural, 1.0)
-        reached = np.maximum(_felt(system.damping, shapes), _felt(system.loss, shapes) / own) / own
+        reached = (
+            np.maximum(
+                _quadratic_forms(system.damping, shapes),
+                _quadratic_forms(system.loss, shapes) / own,
+            )
+            / own
+        )
         reached[:rigid] = 1.0
         elastic = rigid + np.flatnonzero(reached[rigid:] > UNDAMPED)
         alone = np.flatnonzero(reached <= UNDAMPED)
@@ -188,7 +194,7 @@ class _DampedModes:
             alone_shapes=shapes[:, alone],
         )
 
-    def answer(self, frequencies: FloatArray, forces: ComplexArray) -> ComplexArray:
+    def response(self, frequencies: FloatArray, forces: ComplexArray) -> ComplexArray:
         """Return the motions (m, q) under forces that excite no undamped mode at its frequency."""
         s = 1j * frequencies[:, np.newaxis]
         gap = s - self.eigenvalues
@@ -243,8 +249,8 @@ def _at(own: FloatArray | float, frequencies: FloatArray) -> NDArray[np.bool_]:
     return np.asarray(np.abs(frequencies - own) <= UNBOUNDED_WITHIN * own)
 
 
-def _felt(matrix: FloatArray, shapes: FloatArray) -> FloatArray:
-    """Return x' A x of each shape, zero where it is no more than the round-off of its terms."""
+def _quadratic_forms(matrix: FloatArray, shapes: FloatArray) -> FloatArray:
+    """Return the form x' A x of each shape, zero where it is no more than the round-off of its terms."""
     sizes = np.abs(np.sum(shapes * (matrix @ shapes), axis=0))
     terms = np.sum(np.abs(shapes) * (np.abs(matrix) @ np.abs(shapes)), axis=0)
     return np.where(sizes > len(matrix) * np.finfo(np.float64).eps * terms, sizes, 0.0)

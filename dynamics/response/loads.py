@@ -18,9 +18,9 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
-from dynamics.places import place_of
-from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
-from dynamics.plots.quantities import Quantity, shown
+from dynamics.indices import index_of_name
+from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
+from dynamics.plots.quantities import Quantity, quantity_display
 from dynamics.plots.speed_curves import MAIN_ORDERS
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.series import OrderSeries, plot_series
@@ -103,7 +103,7 @@ class ElementLoads:
             axes,
             getattr(self, part),
             element,
-            shown(quantity, "N m or N", "alternating load"),
+            quantity_display(quantity, "N m or N", "alternating load"),
             limits=limits,
             barred=barred,
             main_orders=main_orders,
@@ -129,11 +129,11 @@ class ElementLoads:
             If xarray is not installed.
             Loads are infinite where the vibration is unbounded.
         """
-        unit = shown(quantity, "N m or N").unit
+        unit = quantity_display(quantity, "N m or N").unit
         found = {
             part: (
                 ("order", "speed", over),
-                endless(getattr(self, part).values, self.elements.unbounded),
+                infinite_where_unbounded(getattr(self, part).values, self.elements.unbounded),
                 unit,
                 words,
             )
@@ -253,7 +253,7 @@ def alternating_stress(
     if isinstance(sections, Mapping):
         why = "a stress is that of an element"
         by_place = {
-            place_of("sections", key, names, "elements", why): float(value)
+            index_of_name("sections", key, names, "elements", why): float(value)
             for key, value in sections.items()
         }
         places = sorted(by_place)

@@ -12,9 +12,9 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from dynamics.critical import critical_speeds
-from dynamics.places import place_of
+from dynamics.indices import index_of_name
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.harmonic import NO_WORK, UNDAMPED, harmonic_answer
+from dynamics.response.harmonic import NO_WORK, UNDAMPED, harmonic_response
 
 # Forces act together if their sum reaches this share of the sum of their sizes.
 IN_PHASE = 0.99
@@ -132,7 +132,7 @@ def resonances(
         If there is no such node, or the range is upside down or exceeds the speeds of the response.
     """
     system, excitation = response.system, response.excitation
-    place = place_of("node", node, response.names, "nodes", "an amplitude is that of a node")
+    place = index_of_name("node", node, response.names, "nodes", "an amplitude is that of a node")
     if speed_range is None and response.speeds.size == 1:
         raise InputError(
             "speed_range: given none, for a response at one speed; allowed is a response at two "
@@ -152,7 +152,7 @@ def resonances(
     unknown_forces = forces @ system.expand
     rigid = system.rigid.shape[1]
     natural = system.natural[rigid + modes]
-    answer = harmonic_answer(system, natural, unknown_forces)
+    answer = harmonic_response(system, natural, unknown_forces)
     amplitudes = np.abs(answer.motion @ system.expand[place])
     # One mode by itself.
     shapes = (system.expand @ system.shapes[:, rigid:])[:, modes].T

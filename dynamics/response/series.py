@@ -16,12 +16,12 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from dynamics.places import place_of
-from dynamics.plots.coordinates import endless, name_axis, orders_and_speeds
-from dynamics.plots.quantities import Quantity, Shown, shown
+from dynamics.indices import index_of_name
+from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
+from dynamics.plots.quantities import Quantity, QuantityDisplay, quantity_display
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_over_speed, over_speed
 from dynamics.response.drawn_limits import checked_barred, checked_limits
-from dynamics.response.excitation import at_angles, checked_speed_index
+from dynamics.response.order_excitation import at_angles, checked_speed_index
 from dynamics.response.synthesis import Synthesis, synthesis
 
 if TYPE_CHECKING:
@@ -136,12 +136,12 @@ class OrderSeries:
         InputError
             If the place or the quantity is unknown, or a limit, range or number is no such.
         """
-        drawn = shown(quantity, "SI")
+        drawn = quantity_display(quantity, "SI")
         return plot_series(
             axes, self, place, drawn, limits=limits, barred=barred, main_orders=main_orders
         )
 
-    def over_speed(self, place: int, quantity: Shown, **more: Any) -> Curves:
+    def over_speed(self, place: int, quantity: QuantityDisplay, **more: Any) -> Curves:
         """Describe what `plot` draws of a place, from 0; further arguments as for `over_speed`."""
         both = self.synthesis
         return over_speed(
@@ -174,12 +174,12 @@ class OrderSeries:
             If xarray is not installed.
             Values are infinite where the vibration is unbounded.
         """
-        unit = shown(quantity, "SI").unit
+        unit = quantity_display(quantity, "SI").unit
         return grid(
             {
                 "values": (
                     ("order", "speed", "place"),
-                    endless(self.values, self.unbounded),
+                    infinite_where_unbounded(self.values, self.unbounded),
                     unit,
                     "phasor by order",
                 ),
@@ -196,7 +196,7 @@ def plot_series(
     axes: "Axes | None",
     series: OrderSeries,
     place: int | str,
-    quantity: Shown,
+    quantity: QuantityDisplay,
     *,
     limits: Mapping[str, ArrayLike] | None = None,
     barred: Sequence[tuple[float, float]] = (),
@@ -204,7 +204,9 @@ def plot_series(
     field: str = "place",
 ) -> "Axes":
     """Draw one place of a series over the speed, as `OrderSeries.plot` does; `field` names the place."""
-    number = place_of(field, place, series.names, "the series", "one curve is that of one place")
+    number = index_of_name(
+        field, place, series.names, "the series", "one curve is that of one place"
+    )
     drawn_limits = checked_limits(limits, len(series.speeds))
     ranges = checked_barred(barred)
     count = whole_number("main_orders", main_orders, 0, "so many orders get a line of their own")

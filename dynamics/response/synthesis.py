@@ -13,7 +13,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.plots.coordinates import speed_axis
-from dynamics.plots.quantities import Quantity, shown
+from dynamics.plots.quantities import Quantity, quantity_display
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -81,7 +81,7 @@ class Synthesis:
         MissingLibraryError
             If xarray is not installed.
         """
-        unit = shown(quantity, "SI").unit
+        unit = quantity_display(quantity, "SI").unit
         extra = self.amplitude.shape[1:]
         places = ["place", *(f"place_{number}" for number in range(2, len(extra) + 1))]
         dimensions = ("speed", *places[: len(extra)])

@@ -176,7 +176,7 @@ def star_diagram(
     [(2.0, 'major'), (4.0, 'major')]
     """
     firing, known = _firing_and_strokes(engine, strokes)
-    asked = _asked_orders(orders, known)
+    asked = _requested_orders(orders, known)
     shape = (asked.size, firing.size)
     lengths = _fitted("amplitudes", 1.0 if amplitudes is None else amplitudes, shape)
     lengths = lengths * _fitted("mode_shape", 1.0 if mode_shape is None else mode_shape, shape)
@@ -213,8 +213,8 @@ def _firing_and_strokes(
     return firing, told
 
 
-def _asked_orders(orders: ArrayLike | float, strokes: int | None) -> FloatArray:
-    """Return the orders themselves, or all up to a highest one."""
+def _requested_orders(orders: ArrayLike | float, strokes: int | None) -> FloatArray:
+    """Return the requested orders: themselves, or all up to a highest one."""
     if np.ndim(orders) == 0:
         highest = float(finite_array("orders", orders))
         return np.asarray(engine_orders(4 if strokes is None else strokes, highest))

@@ -15,12 +15,12 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
-from dynamics.places import node_index
+from dynamics.indices import node_index
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.coordinates import time_axis
 from dynamics.plots.quantities import MOVING
 from dynamics.plots.speed_curves import draw_named_curves
-from dynamics.transient.picking import OF_ELEMENTS, Moving, units_of
+from dynamics.transient.curve_selection import OF_ELEMENTS, Moving, units_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -178,9 +178,9 @@ def envelope_over(
     starts = np.searchsorted(shaft_angle, edges - 1e-9 * window)
     middles = 0.5 * (edges[1:] + edges[:-1])
 
-    def half_way(values: FloatArray) -> FloatArray:
+    def half_ranges(values: FloatArray) -> FloatArray:
         found = [
-            half_between_extremes(values[max(first - 1, 0) : last + 1])
+            half_peak_to_peak(values[max(first - 1, 0) : last + 1])
             for first, last in pairwise(starts.tolist())
         ]
         return np.array(found).reshape(whole, values.shape[1])
@@ -190,13 +190,13 @@ def envelope_over(
         turns=count,
         time=times,
         speed=np.interp(times, time, speed),
-        motion=half_way(motion),
-        torque=half_way(torque),
+        motion=half_ranges(motion),
+        torque=half_ranges(torque),
     )
 
 
-def half_between_extremes(values: FloatArray) -> FloatArray:
-    """Return half of the way between the extremes of samples (m, k), (k,).
+def half_peak_to_peak(values: FloatArray) -> FloatArray:
+    """Return half of the peak-to-peak value of samples (m, k), (k,).
 
     The extremes are those of the parabolas through the highest and the lowest sample and its
     neighbors: with samples half a radian of a sine apart, the highest one alone may miss the peak by

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
-from dynamics.response.excitation import OrderExcitation
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.over_speed import OverSpeed
 from dynamics.transient.propagator import PLACES, POINTS
 
@@ -142,8 +142,8 @@ def sampling_note(natural: FloatArray, step: float) -> str:
     )
 
 
-def missed_at_middle(forces: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
-    """Return what the polynomials of some steps give in their middles, (k, q), and those steps.
+def midpoint_residual(forces: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
+    """Return what the polynomials of some steps miss at their midpoints, (k, q), and those steps.
 
     Parameters
     ----------

@@ -116,7 +116,7 @@ class Propagator:
             weights += basis[:, power, np.newaxis, np.newaxis] * answer
         return cls(step, exponential[:size, :size], weights.reshape(POINTS * count, size))
 
-    def march(self, start: FloatArray, forces: FloatArray) -> FloatArray:
+    def propagate(self, start: FloatArray, forces: FloatArray) -> FloatArray:
         """Return the states after each of m steps, (m, 2 q).
 
         Parameters

@@ -12,18 +12,18 @@ from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
-from dynamics.response.excitation import OrderExcitation
 from dynamics.response.linear_system import LinearSystem
-from dynamics.transient.acting import ActingForces, LoadStep, Piece, even_pieces
+from dynamics.response.order_excitation import OrderExcitation
+from dynamics.transient.applied_forces import AppliedForces, LoadStep, TimeSegment, time_segments
+from dynamics.transient.curve_selection import Moving, units_of
 from dynamics.transient.envelope import Envelope
 from dynamics.transient.order_forces import (
     USUAL_REACH,
     checked_step,
     cycle_turns,
-    missed_at_middle,
+    midpoint_residual,
     sampling_note,
 )
-from dynamics.transient.picking import Moving, units_of
 from dynamics.transient.propagator import PLACES, Propagator, StateSpace
 from dynamics.transient.shaft_run import ShaftRun
 from dynamics.transient.speed_curve import SpeedCurve
@@ -206,7 +206,7 @@ def transient_motion(
         raise InputError(
             f"start: given {start!r}; allowed are 'steady' and 'rest', because these starts are known."
         )
-    acting = ActingForces.of(speed, excitation, changes, loads, space.inputs)
+    acting = AppliedForces.of(speed, excitation, changes, loads, space.inputs)
     orders = acting.orders
     fastest = float(speed.speeds.max())
     if step is None:
@@ -214,12 +214,12 @@ def transient_motion(
     else:
         given = positive_number("step", step, "s", "time runs forward")
         longest = checked_step(given, orders, fastest)
-    pieces = even_pieces(acting, longest)
+    pieces = time_segments(acting, longest)
     _check_size(sum(piece.steps for piece in pieces), len(space.matrix) + 3 * len(space.inputs))
     state = np.zeros(len(space.matrix))
     if start == "steady":
         state = _steady_start(system, excitation, speed)
-    times, states, error, complete = _march(space, acting, pieces, state, progress)
+    times, states, error, complete = _integrate_segments(space, acting, pieces, state, progress)
     motion, rigid = space.motion(states)
     rigid_motion = rigid @ space.inputs[:, : space.rigid].T
     elastic = motion - rigid_motion
@@ -244,10 +244,10 @@ def transient_motion(
     )
 
 
-def _march(
+def _integrate_segments(
     space: StateSpace,
-    acting: ActingForces,
-    pieces: Sequence[Piece],
+    acting: AppliedForces,
+    pieces: Sequence[TimeSegment],
     start: FloatArray,
     progress: Callable[[float], None] | None,
 ) -> tuple[FloatArray, FloatArray, float, bool]:
@@ -259,14 +259,14 @@ def _march(
     complete = False
     propagator = Propagator.of(space, pieces[0].step)
     with contextlib.suppress(KeyboardInterrupt):
-        for step, starts in _stretches(pieces):
+        for step, starts in _step_blocks(pieces):
             if abs(step - propagator.step) > SAME_STEP * step:
                 propagator = Propagator.of(space, step)
             forces = acting.at(starts, step, PLACES)
             places = slice(done, done + starts.size)
-            states[places] = propagator.march(states[done - 1], forces)
+            states[places] = propagator.propagate(states[done - 1], forces)
             times[places] = starts + step
-            missed, chosen = missed_at_middle(forces)
+            missed, chosen = midpoint_residual(forces)
             true = acting.at(starts[chosen], step, np.array([0.5]))[:, 0]
             largest = np.maximum(largest, np.max(np.abs(forces), axis=(0, 1)))
             error = max(error, float(np.max(np.abs(missed - true) / largest)))
@@ -277,7 +277,7 @@ def _march(
     return times[:done], states[:done], error, complete
 
 
-def _stretches(pieces: Sequence[Piece]) -> Iterator[tuple[float, FloatArray]]:
+def _step_blocks(pieces: Sequence[TimeSegment]) -> Iterator[tuple[float, FloatArray]]:
     """Yield the length of steps and their starts, so many at a time."""
     for piece in pieces:
         for first in range(0, piece.steps, STRETCH):

@@ -8,8 +8,8 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.tables.frames import grid
 from dynamics.plots.coordinates import name_axis, time_axis
 from dynamics.plots.over_time import RunCurve, plot_run
+from dynamics.transient.curve_selection import Moving, axis_names, select_curve, units_of
 from dynamics.transient.envelope import Envelope, envelope_over
-from dynamics.transient.picking import Moving, axis_names, pick, units_of
 from dynamics.transient.viscous import ViscousSystem
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class ShaftRun:
             If it is not the run of a chain, there is no such place or quantity, the run is shorter than
             one window of its envelope, or steady amplitudes do not fit their speeds.
         """
-        picked = pick(self.system.chain, quantity, place, self.motion, self.torque)
+        picked = select_curve(self.system.chain, quantity, place, self.motion, self.torque)
         envelope = self.envelope(turns)
         both = envelope.torque if picked.of_element else envelope.motion
         curve = RunCurve(

@@ -19,21 +19,21 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
 from dynamics.plots.angle_curves import draw_over_angle
 from dynamics.plots.coordinates import angle_axis, name_axis
-from dynamics.response.excitation import OrderExcitation
 from dynamics.response.linear_system import LinearSystem
-from dynamics.transient.envelope import half_between_extremes
+from dynamics.response.order_excitation import OrderExcitation
+from dynamics.transient.curve_selection import Moving, axis_names, select_curve, units_of
+from dynamics.transient.envelope import half_peak_to_peak
 from dynamics.transient.order_forces import (
     USUAL_REACH,
     OrderForces,
     checked_step,
     cycle_turns,
 )
-from dynamics.transient.picking import Moving, axis_names, pick, units_of
 from dynamics.transient.propagator import PLACES, Propagator, StateSpace
 from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
 
@@ -116,7 +116,7 @@ class SteadyMotion:
     def _half_way(self, values: FloatArray) -> FloatArray:
         if self.unbounded:
             return np.full(values.shape[1], np.inf)
-        return half_over_cycle(values)
+        return half_peak_to_peak_over_cycle(values)
 
     def plot(
         self, axes: "Axes | None" = None, place: int | str = 0, *, quantity: Moving = "torque"
@@ -143,13 +143,13 @@ class SteadyMotion:
         """
         if self.unbounded:
             raise InputError(
-                f"speed: given {show_quantity(self.speed, 'rad/s', 5)}; allowed are speeds with a steady "
+                f"speed: given {format_quantity(self.speed, 'rad/s', 5)}; allowed are speeds with a steady "
                 "vibration, because this one grows without bounds."
             )
-        picked = pick(self.system.chain, quantity, place, self.motion, self.torque)
+        picked = select_curve(self.system.chain, quantity, place, self.motion, self.torque)
         axes = new_axes(axes)
         draw_over_angle(axes, self.shaft_angle, {picked.name: picked.values}, picked.label)
-        write_title(axes, f"{picked.name}, {show_quantity(self.speed, 'rad/s', 5)}")
+        write_title(axes, f"{picked.name}, {format_quantity(self.speed, 'rad/s', 5)}")
         return axes
 
     def to_xarray(self, quantity: Moving | None = None) -> "Dataset":
@@ -210,13 +210,13 @@ def phasors_over_cycle(
     return np.asarray(np.exp(-1j * np.outer(given, angles)) @ values * (2.0 / count))
 
 
-def half_over_cycle(values: FloatArray) -> FloatArray:
-    """Return half of the way between the extremes of what repeats, (k,), from samples (m, k)."""
+def half_peak_to_peak_over_cycle(values: FloatArray) -> FloatArray:
+    """Return half of the peak-to-peak value over a cycle, (k,), from its samples (m, k)."""
     count = len(values)
     spectrum = np.fft.rfft(values, axis=0)
     finer = np.fft.irfft(spectrum, FINER * count, axis=0) * FINER
     # One more sample on each side, so that the extremes have neighbors.
-    return half_between_extremes(np.vstack((finer[-1:], finer, finer[:1])))
+    return half_peak_to_peak(np.vstack((finer[-1:], finer, finer[:1])))
 
 
 def steady_motion(
@@ -296,7 +296,7 @@ def steady_from(
     points = (angles[:, np.newaxis] + speed * step * PLACES).reshape(-1)
     given = forces.at(points, np.full(points.size, speed)).reshape(count, PLACES.size, -1)
     start, unbounded = _periodic_start(space, propagator, given, period)
-    states = np.vstack((start, propagator.march(start, given)[:-1]))
+    states = np.vstack((start, propagator.propagate(start, given)[:-1]))
     if unbounded:
         states[:] = 0.0
     places = slice(len(start) - space.rigid, len(start))
@@ -330,7 +330,7 @@ def _periodic_start(
     """Return the state that comes back after the cycle, and whether none does."""
     size = len(space.matrix)
     free = size - space.rigid
-    gained = propagator.march(np.zeros(size), forces)[-1]
+    gained = propagator.propagate(np.zeros(size), forces)[-1]
     over_cycle = np.linalg.matrix_power(propagator.transition, len(forces))
     # Places of rigid motions change by speed times period: in that unit they compare with the rest.
     unit = np.ones(size)

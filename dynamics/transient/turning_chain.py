@@ -12,9 +12,9 @@ from crankbase.summaries import summarized
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.cylinders import CylinderForces
+from dynamics.indices import node_index
 from dynamics.mechanism.rod_model_names import RodModelName
-from dynamics.places import node_index
-from dynamics.response.excitation import checked_speed_index
+from dynamics.response.order_excitation import checked_speed_index
 from dynamics.transient.throw_curves import ThrowCurves, throw_curves
 from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
 
@@ -230,7 +230,7 @@ def turning_chain(
         magnifier=magnifier,
         modal_damping=modal_damping,
     )
-    return put_together(
+    return assemble_turning_chain(
         system,
         throw_curves(engine, gas, place, model),
         np.array(engine_chain.throw_nodes),
@@ -238,10 +238,10 @@ def turning_chain(
     )
 
 
-def put_together(
+def assemble_turning_chain(
     system: ViscousSystem, curves: ThrowCurves, nodes: ArrayLike, load_node: int
 ) -> TurningChain:
-    """Return the turning chain with curves on given nodes (t,).
+    """Assemble the turning chain with curves on given nodes (t,).
 
     Raises
     ------

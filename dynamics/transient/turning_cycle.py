@@ -14,13 +14,17 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
 from dynamics.plots.angle_curves import draw_over_angle
 from dynamics.plots.coordinates import angle_axis, name_axis
+from dynamics.transient.curve_selection import Moving, axis_names, select_curve, units_of
 from dynamics.transient.order_forces import cycle_turns
-from dynamics.transient.picking import Moving, axis_names, pick, units_of
-from dynamics.transient.steady import half_over_cycle, phasors_over_cycle, spring_torques
+from dynamics.transient.steady import (
+    half_peak_to_peak_over_cycle,
+    phasors_over_cycle,
+    spring_torques,
+)
 from dynamics.transient.turning_chain import TurningChain
 from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
 
@@ -91,12 +95,12 @@ class TurningCycle:
     @property
     def amplitude(self) -> FloatArray:
         """Half of the way between the extremes of each node [rad], (n,)."""
-        return half_over_cycle(self.motion)
+        return half_peak_to_peak_over_cycle(self.motion)
 
     @property
     def torque_amplitude(self) -> FloatArray:
         """Half of the way between the extremes of each element [N m], (e,)."""
-        return half_over_cycle(self.torque)
+        return half_peak_to_peak_over_cycle(self.torque)
 
     def torque_phasors(self, orders: ArrayLike) -> ComplexArray:
         """Return those of the elements' torque by orders, shape (K, e) [N m]."""
@@ -132,10 +136,10 @@ class TurningCycle:
         InputError
             If it is not the motion of a chain, or there is no such place or quantity.
         """
-        picked = pick(self.chain.system.chain, quantity, place, self.motion, self.torque)
+        picked = select_curve(self.chain.system.chain, quantity, place, self.motion, self.torque)
         axes = new_axes(axes)
         draw_over_angle(axes, self.shaft_angle, {picked.name: picked.values}, picked.label)
-        write_title(axes, f"{picked.name}, {show_quantity(self.mean_speed, 'rad/s', 5)}")
+        write_title(axes, f"{picked.name}, {format_quantity(self.mean_speed, 'rad/s', 5)}")
         return axes
 
     def to_xarray(self) -> "Dataset":
@@ -217,7 +221,7 @@ def steady_cycle(
     )
     shooting = _Shooting(chain, speed, 2.0 * np.pi * turns / speed, method)
     unknowns, missed = shooting.solved()
-    return _told(shooting, unknowns, missed, turns, count)
+    return _sampled_cycle(shooting, unknowns, missed, turns, count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,8 +250,8 @@ class _Shooting:
         states[:, : self.count] = unknowns[:, :-1] * state.sizes[: self.count]
         return state, states
 
-    def missed(self, unknowns: FloatArray) -> FloatArray:
-        """Return what unknowns (c, 2 q + 1) miss, (c, 2 q + 1)."""
+    def residual(self, unknowns: FloatArray) -> FloatArray:
+        """Return the residual (c, 2 q + 1) of unknowns (c, 2 q + 1)."""
         state, states = self.starts(unknowns)
         found = state.integrate(states, (0.0, self.period), self.method, t_eval=[self.period])
         self.check(found.success)
@@ -268,7 +272,7 @@ class _Shooting:
         unknowns = np.zeros(size)
         mean = float(self.chain.curves.torque_mean.sum())
         unknowns[-1] = mean / self.chain.torque_size(self.speed)
-        missed = self.missed(np.vstack((unknowns, unknowns + DIFFERENCE * np.eye(size))))
+        missed = self.residual(np.vstack((unknowns, unknowns + DIFFERENCE * np.eye(size))))
         step = np.linalg.pinv((missed[1:] - missed[0]).T / DIFFERENCE, rcond=NO_CHANGE)
         left = missed[0]
         for _ in range(TRIALS):
@@ -277,7 +281,7 @@ class _Shooting:
                 return unknowns, float(np.max(np.abs(left))) / scale
             moved = -step @ left
             unknowns = unknowns + moved
-            after = self.missed(unknowns[np.newaxis])[0]
+            after = self.residual(unknowns[np.newaxis])[0]
             towards = step @ (after - left)
             length = moved @ towards
             if length == 0.0:
@@ -294,10 +298,10 @@ class _Shooting:
         )
 
 
-def _told(
+def _sampled_cycle(
     shooting: _Shooting, unknowns: FloatArray, missed: float, turns: int, samples: int
 ) -> TurningCycle:
-    """Return the cycle told at even angles."""
+    """Return the cycle sampled at even angles."""
     chain, speed = shooting.chain, shooting.speed
     state, states = shooting.starts(unknowns[np.newaxis])
     angles = even_angles(2.0 * np.pi * turns, samples)

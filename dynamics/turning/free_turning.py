@@ -253,7 +253,7 @@ def turn_freely(
     if speed * end > 2.0 * math.pi * UNSTOPPED * MOST_TURNS:
         raise too_many_turns("duration", end, speed * end / (2.0 * math.pi))
     moments = shaft_moments(engine, gas, load, friction, gravity, model, crankcase_pressure)
-    told = _told_times(times, samples, end)
+    told = _output_times(times, samples, end)
     states, stop_time = _integrated(moments, (first, speed), end, told)
     return _assembled(moments, told, states, stop_time)
 
@@ -334,10 +334,10 @@ def _stroke(
     def stops(_: float, state: FloatArray) -> float:
         return float(state[1])
 
-    def arrives(_: float, state: FloatArray) -> float:
+    def reaches_end(_: float, state: FloatArray) -> float:
         return float(state[0]) - limit if math.isfinite(limit) else -1.0
 
-    events: list[Any] = [stops, arrives]
+    events: list[Any] = [stops, reaches_end]
     for event, direction in zip(events, (-1.0, 1.0), strict=True):
         event.terminal, event.direction = True, direction
     found = solve_ivp(
@@ -393,7 +393,7 @@ def _stop_remark(time: float, angle: float) -> str:
     return f"The engine stops after {time:.6g} s {place}, because what brakes it outweighs what drives it."
 
 
-def _told_times(times: ArrayLike | None, samples: int, end: float) -> FloatArray:
+def _output_times(times: ArrayLike | None, samples: int, end: float) -> FloatArray:
     if times is None:
         return np.linspace(0.0, end, whole_number("samples", samples, 2, "start and end are told"))
     given = finite_vector("times", times)

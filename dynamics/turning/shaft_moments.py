@@ -12,7 +12,7 @@ from dynamics.engine.forces import rod_models
 from dynamics.engine.layout import EngineLayout
 from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.turning.curves import TurnCurves, engine_curves
-from dynamics.turning.given_functions import checked_inertia, checked_moment
+from dynamics.turning.function_checks import checked_inertia, checked_moment
 from dynamics.turning.piston_gas import Gas, PistonGas, piston_gas
 
 # Moment that brakes [N m], of speed [rad/s] and shaft angle [rad].

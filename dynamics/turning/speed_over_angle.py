@@ -22,7 +22,7 @@ from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from dynamics.plots.angle_curves import draw_over_angle
 from dynamics.running_limits import turns_followed
-from dynamics.turning.given_functions import checked_inertia, checked_moment
+from dynamics.turning.function_checks import checked_inertia, checked_moment
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -186,7 +186,7 @@ def speed_over_angle(
     per_turn = whole_number("samples", samples, 1, "results are told so often per turn")
     count = max(1, round(per_turn * turns))
     angles = np.linspace(first, first + length, count + 1)
-    states, stopped = _marched(inertia, moment, angles, speed)
+    states, stopped = _integrate_speed(inertia, moment, angles, speed)
     return SpeedOverAngle(
         angle=read_only(angles[: len(states)].copy()),
         speed=read_only(np.array([speed for speed, _, _ in states])),
@@ -227,7 +227,7 @@ class _StoppedError(Exception):
         self.angle = angle
 
 
-def _marched(
+def _integrate_speed(
     inertia: Inertia, moment: Moment, angles: FloatArray, start_speed: float
 ) -> tuple[list[tuple[float, float, float]], float | None]:
     """Return speed, time and energy at the angles, and where the shaft stopped."""
@@ -241,7 +241,7 @@ def _marched(
         for part in range(parts):
             begin = angle + part * step / parts
             try:
-                energy, taken = _advanced(shaft, begin, step / parts, energy, HALVINGS)
+                energy, taken = _energy_after_step(shaft, begin, step / parts, energy, HALVINGS)
             except _StoppedError as stop:
                 return states, stop.angle
             time += taken
@@ -249,7 +249,7 @@ def _marched(
     return states, None
 
 
-def _advanced(
+def _energy_after_step(
     shaft: _Shaft, begin: float, step: float, energy: float, halvings: int
 ) -> tuple[float, float]:
     """Return the energy after a step and the time it takes, halving the step where that is needed.
@@ -261,8 +261,10 @@ def _advanced(
     if found is not None:
         return found
     if halvings > 0:
-        middle, first = _advanced(shaft, begin, 0.5 * step, energy, halvings - 1)
-        end, second = _advanced(shaft, begin + 0.5 * step, 0.5 * step, middle, halvings - 1)
+        middle, first = _energy_after_step(shaft, begin, 0.5 * step, energy, halvings - 1)
+        end, second = _energy_after_step(
+            shaft, begin + 0.5 * step, 0.5 * step, middle, halvings - 1
+        )
         return end, first + second
     if shaft.stays_at_rest([begin + stage * step for stage in STAGES]):
         raise _StoppedError(begin)

@@ -13,7 +13,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import even_angles
 from dynamics.running_limits import turns_followed
-from dynamics.turning.given_functions import checked_inertia, checked_moment
+from dynamics.turning.function_checks import checked_inertia, checked_moment
 from dynamics.turning.speed_over_angle import (
     Inertia,
     Moment,
@@ -155,7 +155,7 @@ def steady_turning(
         )
         return SteadyTurning(load, found) if found.stopped_at is None else None
 
-    def misses(unknowns: FloatArray) -> list[float]:
+    def residual(unknowns: FloatArray) -> list[float]:
         try:
             found = turned(unknowns)
         except UnsettledError:  # close to rest: a trial like those that stop
@@ -167,8 +167,8 @@ def steady_turning(
         return [gained / scale, turning.mean_speed / wanted - 1.0]
 
     # The full output, as otherwise a search that finds nothing warns.
-    solved = fsolve(misses, [1.0, 1.0], xtol=1e-12, maxfev=TRIALS, full_output=True)[0]
-    steady = max(abs(miss) for miss in misses(solved)) <= STEADY
+    solved = fsolve(residual, [1.0, 1.0], xtol=1e-12, maxfev=TRIALS, full_output=True)[0]
+    steady = max(abs(miss) for miss in residual(solved)) <= STEADY
     found = turned(solved, told) if steady else None
     if found is None:
         raise InputError(

@@ -33,8 +33,10 @@ def name_of(part: Cylinder | WebPlate) -> str:
     return "pin 1" if part.name == "pin" else part.name
 
 
-def distinct(parts: Sequence[Part], value: Callable[[Part], object]) -> list[tuple[Part, str]]:
-    """Return the first part with each value and, if there are several values, who has it."""
+def distinct_values(
+    parts: Sequence[Part], value: Callable[[Part], object]
+) -> list[tuple[Part, str]]:
+    """Return the first part with each distinct value and, if there are several values, who has it."""
     groups: dict[str, list[Part]] = {}
     for part in parts:
         groups.setdefault(str(value(part)), []).append(part)

@@ -18,7 +18,7 @@ from geometry.plots.dimension_lines import (
 from geometry.plots.dimension_texts import (
     corner_texts,
     degrees,
-    distinct,
+    distinct_values,
     millimeters,
     name_of,
     symbol,
@@ -51,7 +51,7 @@ def dimension_end(view: View, parts: ThrowParts) -> None:
     widths, more = _widths(webs)
     callouts += more
     cornered = [web for web in webs if corner_texts(web)]
-    for web, who in distinct(cornered, lambda w: list(corner_texts(w))):
+    for web, who in distinct_values(cornered, lambda w: list(corner_texts(w))):
         for text, (u, v) in corner_texts(web).items():
             callouts.append(_callout(at_smaller_x(web, u, v), text + who))
     for side, dimensions in widths.items():
@@ -73,7 +73,9 @@ def _end_distances(view: View, parts: ThrowParts) -> tuple[list[list[Linear]], l
     ]
     callouts = []
     ends = (parts.webs[0], parts.webs[-1])
-    for web, who in distinct(ends, lambda w: [millimeters(end) for end in distances_to_ends(w)]):
+    for web, who in distinct_values(
+        ends, lambda w: [millimeters(end) for end in distances_to_ends(w)]
+    ):
         foot, tip = (millimeters(end) for end in distances_to_ends(web))
         if web.direction[0] != 0.0:
             end = place(web, 0.0, web.outline.tip)[0]
@@ -94,7 +96,7 @@ def _widths(webs: Sequence[WebPlate]) -> tuple[dict[int, list[Linear]], list[Cal
     """Widths of the webs: above (1) and below (-1) the view if they stand upright, or beside it."""
     across: dict[int, list[Linear]] = {1: [], -1: []}
     callouts = []
-    for web, who in distinct(webs, lambda w: millimeters(w.outline.width)):
+    for web, who in distinct_values(webs, lambda w: millimeters(w.outline.width)):
         half = 0.5 * web.outline.width
         text = f"$B$ {millimeters(web.outline.width)}{who}"
         if web.direction[0] == 0.0:
@@ -120,11 +122,11 @@ def _circle_callouts(parts: ThrowParts) -> list[Callout]:
 
     journal = parts.cylinders[0]
     for cylinders, index in (([journal], "km"), (parts.pins, "shm")):
-        for one, who in distinct(cylinders, lambda c: millimeters(c.radius)):
+        for one, who in distinct_values(cylinders, lambda c: millimeters(c.radius)):
             text = f"{symbol('D', index)} ⌀{millimeters(2.0 * one.radius)}{who}"
             add(one.axis, one.radius, 0.6 * one.radius, text)
         bored = [c for c in cylinders if c.bore_radius > 0.0]
-        for one, who in distinct(bored, _bore_texts):
+        for one, who in distinct_values(bored, _bore_texts):
             text, offset = _bore_texts(one)
             add(one.bore_axis, one.bore_radius, 0.0, f"{symbol('d', index)} {text}{who}{offset}")
     return found
@@ -145,7 +147,7 @@ def _weights(webs: Sequence[WebPlate], value: Callable[[Sector], float]) -> list
         return "" if web.sector is None else f"{value(web.sector):.9f}"
 
     weighted = [web for web in webs if web.sector is not None and value(web.sector) > 0.0]
-    return [(web, web.sector, who) for web, who in distinct(weighted, shown) if web.sector]
+    return [(web, web.sector, who) for web, who in distinct_values(weighted, shown) if web.sector]
 
 
 def _dimension_weights(view: View, webs: Sequence[WebPlate]) -> list[Callout]:

@@ -75,7 +75,7 @@ def _draw_web(view: View, web: WebPlate) -> None:
         view.stroke(edge, {**OUTLINE, "zorder": 1.0})
     for slope in web.slopes:
         if slope.inward > 0.0:
-            view.stroke(_knee(web, slope.start), {**EDGE, "zorder": 1.0})
+            view.stroke(_slope_start(web, slope.start), {**EDGE, "zorder": 1.0})
 
 
 def _edges(web: WebPlate) -> list[Array]:
@@ -84,21 +84,21 @@ def _edges(web: WebPlate) -> list[Array]:
     if web.sector is not None:
         edges.append(sector_uv(web.sector))
     if has_flush_weight(web):
-        edges = [_dense(edge) for edge in edges]
+        edges = [_resampled_line(edge) for edge in edges]
         within = np.abs(edges[1][:, 0]) < web.outline.half_width(edges[1][:, 1]) * (1.0 - 1e-9)
         edges[0][on_weight(web, edges[0])] = np.nan
         edges[1][within] = np.nan
     return [mirror(place(web, *edge.T)) for edge in edges]
 
 
-def _dense(points: Array, count: int = 1200) -> Array:
+def _resampled_line(points: Array, count: int = 1200) -> Array:
     """Points at equal steps along a line, so that it can be cut off anywhere."""
     steps = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     places = np.linspace(0.0, steps[-1], count)
     return np.column_stack([np.interp(places, steps, column) for column in points.T])
 
 
-def _knee(web: WebPlate, v: float) -> Array:
+def _slope_start(web: WebPlate, v: float) -> Array:
     """The line on a web's face where its slope begins."""
     half = half_width(web, v)
     return mirror(place(web, [-half, half], [v, v]))
@@ -128,7 +128,7 @@ def _lines_in_front(parts: ThrowParts) -> list[Array]:
     lines += [_circle(c.bore_axis, c.bore_radius) for c in parts.cylinders[:2] if c.bore_radius]
     if web.sector is None or has_flush_weight(web):
         lines += _edges(web)
-    return lines + [_knee(web, slope.start) for slope in web.slopes if slope.inward > 0.0]
+    return lines + [_slope_start(web, slope.start) for slope in web.slopes if slope.inward > 0.0]
 
 
 def _lines_behind(parts: ThrowParts) -> list[Array]:
@@ -142,7 +142,7 @@ def _lines_behind(parts: ThrowParts) -> list[Array]:
         if web.sector is not None and web.sector.inner_radius > 0.0:
             inner = sector_arc(web.sector, web.sector.inner_radius)
             lines.append(mirror(place(web, *inner.T)))
-        lines += [_knee(web, slope.start) for slope in web.slopes]
+        lines += [_slope_start(web, slope.start) for slope in web.slopes]
     return lines
 
 

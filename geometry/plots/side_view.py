@@ -22,7 +22,7 @@ from geometry.plots.dimension_lines import (
     View,
     text_size,
 )
-from geometry.plots.dimension_texts import distinct, millimeters, name_of, symbol
+from geometry.plots.dimension_texts import distinct_values, millimeters, name_of, symbol
 from geometry.plots.throw_shapes import (
     Array,
     Point,
@@ -91,7 +91,7 @@ def _draw_web(view: View, web: WebPlate) -> None:
     corners = np.vstack([np.column_stack([z, y]) for z in faces(web, uv[:, 1])])
     view.surface(corners[ConvexHull(corners).vertices], WEB_COLOR)
     for before, after in pairwise(web.outline.pieces):
-        if isinstance(before, Line) and isinstance(after, Line) and _bent(before, after):
+        if isinstance(before, Line) and isinstance(after, Line) and _is_visible_edge(before, after):
             u, v = after.start
             _, y_near = at_smaller_x(web, u, v)
             start, end = faces_at(web, v)
@@ -110,8 +110,8 @@ def _draw_weight(view: View, sector: Sector, y: Array) -> None:
     view.surface([(z[0], low), (z[1], low), (z[1], high), (z[0], high)], WEB_COLOR)
 
 
-def _bent(before: Line, after: Line) -> bool:
-    """Whether two straight pieces of an outline meet in an edge that is seen."""
+def _is_visible_edge(before: Line, after: Line) -> bool:
+    """Whether two straight pieces of an outline meet in a visible edge."""
     first, second = np.subtract(before.end, before.start), np.subtract(after.end, after.start)
     sine = abs(first[0] * second[1] - first[1] * second[0])
     return bool(sine > 0.05 * np.linalg.norm(first) * np.linalg.norm(second))
@@ -154,7 +154,7 @@ def _dimension_fillets(view: View, parts: ThrowParts) -> None:
         name = "$r$" if one_radius else symbol("r", "km")
         tip = _on_fillet(journal, False, 1.0)
         view.leader(tip, (-9.0, 16.0), f"{name} {millimeters(journal.end_fillet)}")
-    for pin, _ in distinct(pins, _pin_fillet):
+    for pin, _ in distinct_values(pins, _pin_fillet):
         if _pin_fillet(pin) > 0.0:
             name = "$r$" if one_radius else symbol("r", "shm")
             _dimension_pin_fillet(view, parts, pin, f"{name} {millimeters(_pin_fillet(pin))}")

@@ -91,7 +91,7 @@ def plot_throws(
     """
     starts = np.concatenate([[0.0], np.cumsum([parts.length for parts in throws])])
     placed = [
-        placed_parts(parts, angle, float(start))
+        positioned_parts(parts, angle, float(start))
         for parts, angle, start in zip(throws, crank_angles, starts[:-1], strict=True)
     ]
     length = float(starts[-1])
@@ -119,7 +119,7 @@ def plot_throws(
     return axes
 
 
-def placed_parts(parts: ThrowParts, angle: float, along: float) -> ThrowParts:
+def positioned_parts(parts: ThrowParts, angle: float, along: float) -> ThrowParts:
     """Return a throw's parts turned by an angle [rad] about +z and moved along the shaft [m]."""
     cosine, sine = math.cos(angle), math.sin(angle)
 

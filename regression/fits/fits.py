@@ -22,7 +22,12 @@ from regression.fits.equation_text import term_effects
 from regression.fits.forms import Basis, FittedForm, Form, form_named
 from regression.fits.groups import group_named
 from regression.fits.selection import backward
-from regression.fits.statistics import LeastSquares, adjusted, explained, least_squares
+from regression.fits.statistics import (
+    LeastSquares,
+    adjusted,
+    coefficient_of_determination,
+    least_squares,
+)
 from regression.fits.terms import Term, code, design_matrix, term_name
 from regression.plots.equations import draw_effects
 
@@ -292,7 +297,7 @@ def fit_form(
     predicted = sizes * fitted.predict(points)
     errors = np.abs(predicted / values - 1.0)
     heldout = _heldout_errors(fitted, kind, heldout_x, heldout_y, heldout_scale)
-    r_squared = explained(values, predicted)
+    r_squared = coefficient_of_determination(values, predicted)
     return Fit(
         fitted=fitted,
         statistics=solution,
@@ -373,7 +378,9 @@ def _leave_one_out(
     solution: LeastSquares, values: Array, sizes: Array, logarithmic: bool
 ) -> float | None:
     """Return Q2 from each run's prediction by the fit to all others, by the hat matrix."""
-    left_out = solution.left_out
+    left_out = solution.leave_one_out
     if left_out is None:
         return None
-    return explained(values, sizes * (np.exp(left_out) if logarithmic else left_out))
+    return coefficient_of_determination(
+        values, sizes * (np.exp(left_out) if logarithmic else left_out)
+    )

@@ -66,8 +66,8 @@ def _press(matrix: Array, y: Array) -> float:
     return float(np.sum(((y - orthogonal @ (orthogonal.T @ y)) / left) ** 2))
 
 
-class Judged(Protocol):
-    """A fit that was judged by held-out designs."""
+class CrossValidatedForm(Protocol):
+    """A form whose fit was cross-validated by held-out designs."""
 
     @property
     def form(self) -> str:
@@ -82,7 +82,7 @@ class Judged(Protocol):
         """Largest relative error at the held-out designs."""
 
 
-AnyFit = TypeVar("AnyFit", bound=Judged)
+AnyFit = TypeVar("AnyFit", bound=CrossValidatedForm)
 
 
 @dataclass(frozen=True)

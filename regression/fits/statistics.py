@@ -112,22 +112,22 @@ class LeastSquares:
         return adjusted(self.r_squared, self.runs, len(self.coefficients))
 
     @property
-    def left_out(self) -> Array | None:
-        """Each row's prediction (n,) by the fit to all others; None where a row cannot be missed."""
+    def leave_one_out(self) -> Array | None:
+        """Leave-one-out predictions (n,), by the fits to all others; None where a row cannot be missed."""
         if float(np.max(self.leverage)) >= FULL_LEVERAGE:
             return None
         return self.fitted + self.residuals - self.residuals / (1.0 - self.leverage)
 
     @property
     def press(self) -> float | None:
-        """Sum of squares of the errors of `left_out`."""
-        if self.left_out is None:
+        """Sum of squares of the errors of `leave_one_out`."""
+        if self.leave_one_out is None:
             return None
         return float(np.sum((self.residuals / (1.0 - self.leverage)) ** 2))
 
     @property
     def q_squared(self) -> float | None:
-        """Share of the sum of squares that `left_out` explains: 1 - PRESS / total."""
+        """Share of the sum of squares that `leave_one_out` explains: 1 - PRESS / total."""
         press = self.press
         return (
             None if press is None or self.total_squares == 0.0 else 1.0 - press / self.total_squares
@@ -214,8 +214,8 @@ def adjusted(r_squared: float | None, runs: int, coefficients: int) -> float | N
     return 1.0 - (1.0 - r_squared) * (runs - 1) / (runs - coefficients)
 
 
-def explained(values: Array, predicted: Array) -> float:
-    """Return 1 - residual / total sum of squares; 1 where there is nothing to explain."""
+def coefficient_of_determination(values: Array, predicted: Array) -> float:
+    """Return R squared, 1 - residual / total sum of squares; 1 where there is nothing to explain."""
     # Divided by the largest value first, because squares of a compliance may be denormal.
     size = float(np.max(np.abs(values)))
     centered = (values - np.mean(values)) / size

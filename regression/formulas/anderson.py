@@ -8,7 +8,7 @@ throws; ``1 - 0.125 (D_km + D_shm) / R`` is the share of the crank radius that b
 the web has 2/3 at gamma = 180 deg and 1/6 at 0, as a slender frame.
 """
 
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from regression.formulas.case import ThrowCase
 from regression.formulas.reading import AxialFormula, Reading
 from regression.formulas.remarks import Remark, negative_shear_remarks
@@ -34,7 +34,7 @@ def _remarks(case: ThrowCase) -> list[Remark]:
         remarks.append(
             Remark(
                 "The crank radius "
-                f"{show_quantity(case.throw.crank_radius, 'm')} is at most an eighth of the sum of "
+                f"{format_quantity(case.throw.crank_radius, 'm')} is at most an eighth of the sum of "
                 "both journal diameters: nothing of the web is left to bend (k_1 <= 0).",
                 invalidates=True,
             )

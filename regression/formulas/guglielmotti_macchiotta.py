@@ -8,7 +8,7 @@ not the main journal. Whose diameter shortens the web cannot be told from the pr
 journal's is taken.
 """
 
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from regression.formulas.case import ThrowCase, round_inertia
 from regression.formulas.reading import AxialFormula, Reading
 from regression.formulas.remarks import (
@@ -46,7 +46,7 @@ def _remarks(case: ThrowCase) -> list[Remark]:
     if share <= 0.0:
         remarks.append(
             Remark(
-                f"The crank radius {show_quantity(case.throw.crank_radius, 'm')} is at most 0.44 "
+                f"The crank radius {format_quantity(case.throw.crank_radius, 'm')} is at most 0.44 "
                 "of the main journal's diameter: nothing of the web is left to bend "
                 "(R - 0.44 D_km <= 0).",
                 invalidates=True,
@@ -56,7 +56,7 @@ def _remarks(case: ThrowCase) -> list[Remark]:
         remarks.append(
             Remark(
                 "Main journal and crankpin overlap by "
-                f"{show_quantity(case.throw.overlap, 'm')}, and the formula is for slow-speed "
+                f"{format_quantity(case.throw.overlap, 'm')}, and the formula is for slow-speed "
                 f"shafts: it counts {100.0 * share**2:.2g} % of the plain web's bending."
             )
         )

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from geometry.throw import CrankThrow
 from regression.formulas.case import ThrowCase
 
@@ -45,7 +45,7 @@ def plain_web_remarks(case: ThrowCase) -> list[Remark]:
         return []
     return [
         Remark(
-            f"Main journal and crankpin overlap by {show_quantity(overlap, 'm')}: a formula with "
+            f"Main journal and crankpin overlap by {format_quantity(overlap, 'm')}: a formula with "
             "the plain web section overestimates the compliance, up to about threefold beside "
             "finite elements."
         )
@@ -59,7 +59,7 @@ def negative_shear_remarks(case: ThrowCase) -> list[Remark]:
         return []
     return [
         Remark(
-            f"Main journal and crankpin overlap by {show_quantity(overlap, 'm')}: the formula's "
+            f"Main journal and crankpin overlap by {format_quantity(overlap, 'm')}: the formula's "
             "shear term is negative there."
         )
     ]

@@ -7,7 +7,7 @@ as that of a slender frame, 8 R^3 / (E B h^3); the rest of the last term is the 
 the effective width. The factor k_n for the overlap is not published, the angle does not enter.
 """
 
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from regression.formulas.case import ThrowCase
 from regression.formulas.reading import AxialFormula, Reading
 from regression.formulas.remarks import Remark, no_angle_remarks
@@ -47,7 +47,7 @@ def _remarks(case: ThrowCase) -> list[Remark]:
     if overlap > 0.0 and "k_n" not in case.given_constants:
         remarks.append(
             Remark(
-                f"Main journal and crankpin overlap by {show_quantity(overlap, 'm')}, for which the "
+                f"Main journal and crankpin overlap by {format_quantity(overlap, 'm')}, for which the "
                 "factor k_n is not published: the value stands for no overlap (k_n = 1), unless "
                 "the constant k_n is given.",
                 invalidates=True,

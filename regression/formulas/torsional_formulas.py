@@ -17,7 +17,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from geometry.throw import CrankThrow
 from regression.formulas.arguments import shear_modulus
 from regression.formulas.case import round_inertia
@@ -226,7 +226,7 @@ def _value(
     if name == "Ker Wilson" and _ker_wilson_web_length(throw) <= 0.0:
         valid = False
         remarks.append(
-            f"The crank radius {show_quantity(throw.crank_radius, 'm')} is at most a fifth of the "
+            f"The crank radius {format_quantity(throw.crank_radius, 'm')} is at most a fifth of the "
             "sum of both journal diameters: nothing of the web is left to twist."
         )
     if name == "Zimanenko" and throw.pin_diameter != throw.main_journal_diameter:

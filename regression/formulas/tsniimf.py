@@ -11,7 +11,7 @@ The plain thickness, h_e = h, with which the survey's own table may have been ca
 
 import math
 
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from regression.formulas.case import ThrowCase
 from regression.formulas.reading import AxialFormula, Reading
 from regression.formulas.remarks import (
@@ -74,8 +74,8 @@ def _printed_remarks(case: ThrowCase) -> list[Remark]:
     if throw.overlap < throw.web_thickness:
         remarks.append(
             Remark(
-                f"The overlap {show_quantity(throw.overlap, 'm')} is smaller than the web's "
-                f"thickness {show_quantity(throw.web_thickness, 'm')}: the print makes the web "
+                f"The overlap {format_quantity(throw.overlap, 'm')} is smaller than the web's "
+                f"thickness {format_quantity(throw.web_thickness, 'm')}: the print makes the web "
                 f"{(throw.web_thickness / throw.overlap) ** 1.5:.3g} times softer than one "
                 "without overlap.",
                 invalidates=True,

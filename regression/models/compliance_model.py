@@ -19,15 +19,15 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel
 from geometry.throw import CrankThrow
 from regression.models.angle import between_values, fold_angle
+from regression.models.compiled_model import CompiledModel, column_ranges
+from regression.models.extrapolation import OutOfRange, OutsideRangeWarning
 from regression.models.family import Family
-from regression.models.family_throw import throw_question
-from regression.models.lookup import Lookup, tell, tell_between
+from regression.models.family_throw import query_for_throw
+from regression.models.lookup import Lookup, make_lookup, make_lookup_between_neighbors
 from regression.models.model_file import FILE_FORMAT, FORMAT_VERSION, read_model, write_model
-from regression.models.outside import Outside, OutsideRangeWarning
-from regression.models.question import Answer
-from regression.models.ready_model import ReadyModel, column_ranges
 from regression.models.response_model import ResponseModel
-from regression.records import above_zero
+from regression.models.response_query import ResponseValues
+from regression.records import is_positive_response
 from regression.throw_values import check_dimension
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ class ComplianceModel(InputModel):
                     f"fixed: given {both[0]}, which is a factor of {name}; a dimension either "
                     "varies or is fixed."
                 )
-            if above_zero(name) and not response.largest_value > 0.0:
+            if is_positive_response(name) and not response.largest_value > 0.0:
                 raise InputError(
                     f"coefficients of {name}: given ones whose equation is {response.largest_value:g} "
                     "or less in all of its range; allowed are those of a response above zero, as every "
@@ -145,14 +145,14 @@ class ComplianceModel(InputModel):
                     f"ranges: given {low:g} to {high:g} for {name}; allowed is a range from lower to "
                     "higher, of what is not fixed."
                 )
-        _ = self._ready  # refuses columns that no dimension gives
+        _ = self._compiled  # refuses columns that no dimension gives
         return self
 
     def __repr__(self) -> str:
         """Name the responses and the factors with their ranges; all else is in the fields."""
         family = self.family
         factors = [
-            f"{name} {family.show(name, low)} to {family.show(name, high)}"
+            f"{name} {family.format_value(name, low)} to {family.format_value(name, high)}"
             for name, (low, high) in family.ranges.items()
         ]
         factors += [f"{name} {' or '.join(of)}" for name, of in family.categories.items()]
@@ -203,14 +203,14 @@ class ComplianceModel(InputModel):
             For each dimension or ratio outside the range of the fit; the value is not clipped.
         """
         if gamma_deg is None:
-            value = self._ready.quick(AXIAL, dimensions)
+            value = self._compiled.fast_lookup(AXIAL, dimensions)
             if value is not None:
                 return value
         return self._found(AXIAL, dimensions, gamma_deg, strict)
 
     def torsional_compliance(self, *, strict: bool = False, **dimensions: ArrayLike | str) -> Value:
         """Torsional compliance [rad/(N m)]; else as `axial_compliance`."""
-        value = self._ready.quick(TORSIONAL, dimensions)
+        value = self._compiled.fast_lookup(TORSIONAL, dimensions)
         return self._found(TORSIONAL, dimensions, None, strict) if value is None else value
 
     def influence_coefficient(
@@ -222,7 +222,7 @@ class ComplianceModel(InputModel):
     ) -> Value:
         """Lengthening per unit radial force on the pin, c [m/N]; else as `axial_compliance`."""
         if gamma_deg is None:
-            value = self._ready.quick(INFLUENCE, dimensions)
+            value = self._compiled.fast_lookup(INFLUENCE, dimensions)
             if value is not None:
                 return value
         return self._found(INFLUENCE, dimensions, gamma_deg, strict)
@@ -238,7 +238,7 @@ class ComplianceModel(InputModel):
     ) -> Value:
         """Value of any response of the model by its name [SI]; else as `axial_compliance`."""
         if gamma_deg is None:
-            value = self._ready.quick(response, dimensions)
+            value = self._compiled.fast_lookup(response, dimensions)
             if value is not None:
                 return value
         return self._found(response, dimensions, gamma_deg, strict)
@@ -273,9 +273,9 @@ class ComplianceModel(InputModel):
             As in `axial_compliance`; if the model does not hold the response; for an array.
         """
         if gamma_deg is None:
-            value = self._ready.quick(response, dimensions)
+            value = self._compiled.fast_lookup(response, dimensions)
             if value is not None:
-                return tell(self.responses[response], self._ready.bands[response], value)
+                return make_lookup(self.responses[response], self._compiled.bands[response], value)
         asked: dict[str, Any] = {**dimensions, "gamma_deg": gamma_deg}
         for name, given in asked.items():
             if np.ndim(given):
@@ -284,8 +284,8 @@ class ComplianceModel(InputModel):
                     "because a lookup tells about one throw."
                 )
         if gamma_deg is None:
-            return self._asked(response, dimensions, strict)
-        return self._told_between(response, dimensions, gamma_deg, strict)
+            return self._query_values(response, dimensions, strict)
+        return self._lookup_between_neighbors(response, dimensions, gamma_deg, strict)
 
     def dimensions_of(self, throw: CrankThrow) -> dict[str, Any]:
         """What to ask the model for a throw: its dimensions and labels by name.
@@ -299,7 +299,7 @@ class ComplianceModel(InputModel):
         InputError
             If the throw has a feature that the throws of the model did not have, or lacks one.
         """
-        return dict(throw_question(throw, self._ready.family, self.throw))
+        return dict(query_for_throw(throw, self._compiled.family, self.throw))
 
     def of_throw(
         self, throw: CrankThrow, *, gamma_deg: float | None = None, strict: bool = False
@@ -343,23 +343,23 @@ class ComplianceModel(InputModel):
             warnings.warn(f"{name} is left out: {reason}", stacklevel=2)
         return found
 
-    def answer(self, response: str, dimensions: Mapping[str, ArrayLike | str]) -> Answer:
+    def answer(self, response: str, dimensions: Mapping[str, ArrayLike | str]) -> ResponseValues:
         """Values of a response with what lies outside its range, without warnings."""
-        return self._ready.question(response).ask(dimensions)
+        return self._compiled.query(response).evaluate(dimensions)
 
     def places(
         self, response: str, dimensions: Mapping[str, ArrayLike | str]
     ) -> NDArray[np.float64]:
         """Places in the ranges of an equation's columns, -1 to 1 inside; (columns, ...)."""
-        return self._ready.question(response).places(dimensions)
+        return self._compiled.query(response).places(dimensions)
 
     @property
     def family(self) -> Family:
         """What varies and what is fixed in the throws that the model answers for."""
-        return self._ready.family
+        return self._compiled.family
 
     @cached_property
-    def _ready(self) -> ReadyModel:
+    def _compiled(self) -> CompiledModel:
         ranges = self.ranges or column_ranges(self.responses)
         family = Family(
             ranges=ranges,
@@ -369,7 +369,9 @@ class ComplianceModel(InputModel):
             units=self.units,
             relations=self.relations,
         )
-        return ReadyModel(self.responses, family, self.material, self.constant_groups, self.throw)
+        return CompiledModel(
+            self.responses, family, self.material, self.constant_groups, self.throw
+        )
 
     def _found(
         self,
@@ -381,32 +383,36 @@ class ComplianceModel(InputModel):
         """Answer the long way, with warnings for the caller of the public method, two frames up."""
         values: Value
         if gamma_deg is None:
-            answer = self._ready.question(name).ask(dimensions)
+            answer = self._compiled.query(name).evaluate(dimensions)
             values, beyond = answer.values, answer.outside
         else:
             angle = fold_angle(gamma_deg)
-            answers = [self._ready.question(part).ask(dimensions) for part in self.angle_law(name)]
+            answers = [
+                self._compiled.query(part).evaluate(dimensions) for part in self.angle_law(name)
+            ]
             values = between_values(angle, [answer.values for answer in answers])
-            beyond = _once(one for answer in answers for one in answer.outside)
+            beyond = _each_dimension_once(one for answer in answers for one in answer.outside)
         for one in beyond:
             if strict:
-                raise InputError(one.refusal)
+                raise InputError(one.error_sentence)
             warnings.warn(one.remark, OutsideRangeWarning, stacklevel=3)
         return values
 
-    def _asked(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> Lookup:
-        answer = self._ready.question(name).ask(dimensions)
+    def _query_values(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> Lookup:
+        answer = self._compiled.query(name).evaluate(dimensions)
         if strict and answer.outside:
-            raise InputError(answer.outside[0].refusal)
-        band = self._ready.bands[name]
-        return tell(self.responses[name], band, float(answer.values), answer.outside)
+            raise InputError(answer.outside[0].error_sentence)
+        band = self._compiled.bands[name]
+        return make_lookup(self.responses[name], band, float(answer.values), answer.outside)
 
-    def _told_between(
+    def _lookup_between_neighbors(
         self, name: str, dimensions: Mapping[str, Any], gamma_deg: float, strict: bool
     ) -> Lookup:
-        parts = [self._asked(part, dimensions, strict) for part in self.angle_law(name)]
+        parts = [self._query_values(part, dimensions, strict) for part in self.angle_law(name)]
         own = self.responses[name].symbol if name in self.responses else parts[0].symbol
-        return tell_between(fold_angle(gamma_deg), parts, own, self._ready.angle_law_remarks)
+        return make_lookup_between_neighbors(
+            fold_angle(gamma_deg), parts, own, self._compiled.angle_law_remarks
+        )
 
     def angle_law(self, name: str) -> tuple[str, str, str]:
         """Names of the three responses (at 0 deg, at 180 deg, rho) of a response's angle law.
@@ -566,24 +572,24 @@ class ComplianceModel(InputModel):
                 f"{os.fspath(path)}: given a damaged compliance model; {error}"
             ) from None
 
-    # Copies make their own short ways, and files of a process pool carry none.
+    # Copies make their own fast evaluators, and files of a process pool carry none.
 
     def __copy__(self) -> Self:
         copied = super().__copy__()
-        copied.__dict__.pop("_ready", None)
+        copied.__dict__.pop("_compiled", None)
         return copied
 
     def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
         copied = super().__deepcopy__(memo)
-        copied.__dict__.pop("_ready", None)
+        copied.__dict__.pop("_compiled", None)
         return copied
 
     def __getstate__(self) -> dict[Any, Any]:
         state = super().__getstate__()
-        own = {name: value for name, value in state["__dict__"].items() if name != "_ready"}
+        own = {name: value for name, value in state["__dict__"].items() if name != "_compiled"}
         return state | {"__dict__": own}
 
 
-def _once(found: Iterable[Outside]) -> tuple[Outside, ...]:
+def _each_dimension_once(found: Iterable[OutOfRange]) -> tuple[OutOfRange, ...]:
     """Say of each dimension once that it lies outside."""
     return tuple({one.name: one for one in found}.values())

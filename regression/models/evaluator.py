@@ -53,7 +53,7 @@ def compile_equation(fitted: FittedForm) -> CompiledEquation:
         Gives what `fitted.predict` gives, but for rounding.
     """
     codings = tuple(zip(fitted.log_factors, fitted.center, fitted.half_range, strict=True))
-    polynomial = _nested(dict(zip(fitted.terms, fitted.coefficients, strict=True)))
+    polynomial = _horner_tree(dict(zip(fitted.terms, fitted.coefficients, strict=True)))
     if not fitted.logarithmic:
         total = _closure(polynomial)
         return CompiledEquation(
@@ -62,7 +62,7 @@ def compile_equation(fitted: FittedForm) -> CompiledEquation:
         )
     # exp(constant) once and for all: the rest is of order 1 and loses no digits in the exponential.
     size = math.exp(polynomial.constant)
-    rest = _closure(_Nest(0.0, polynomial.children))
+    rest = _closure(_HornerNode(0.0, polynomial.children))
     return CompiledEquation(
         lambda columns: size * math.exp(rest(_coded(columns, codings, math.log))),
         lambda columns: size * np.exp(rest(_coded(columns, codings, np.log))),
@@ -81,25 +81,25 @@ def _coded(
 
 
 @dataclass(frozen=True)
-class _Nest:
-    """constant + sum of z_i times the nest of child i."""
+class _HornerNode:
+    """Node of a Horner scheme: constant + sum of z_i times child i."""
 
     constant: float
-    children: Mapping[int, "_Nest"]
+    children: Mapping[int, "_HornerNode"]
 
 
-def _nested(coefficients: Mapping[Term, float]) -> _Nest:
-    """Group terms by their first column, and so on within each group."""
+def _horner_tree(coefficients: Mapping[Term, float]) -> _HornerNode:
+    """Build a Horner scheme: terms grouped by their first column, and so on within each group."""
     inner: dict[int, dict[Term, float]] = {}
     for term, coefficient in coefficients.items():
         if term:
             inner.setdefault(term[0], {})[term[1:]] = coefficient
-    return _Nest(
-        coefficients.get((), 0.0), {number: _nested(inner[number]) for number in sorted(inner)}
+    return _HornerNode(
+        coefficients.get((), 0.0), {number: _horner_tree(inner[number]) for number in sorted(inner)}
     )
 
 
-def _closure(nest: _Nest) -> Callable[[Sequence[Column]], Column]:
+def _closure(nest: _HornerNode) -> Callable[[Sequence[Column]], Column]:
     constant = nest.constant
     leaves = tuple((i, n.constant) for i, n in nest.children.items() if not n.children)
     branches = tuple((i, _closure(n)) for i, n in nest.children.items() if n.children)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.model import field_extra
-from regression.throw_values import SAME, declaration, field_unit, show
+from regression.throw_values import SAME, declaration, field_unit, format_value
 
 # A float or an array; of a category a label or an array of labels.
 Given = Any
@@ -50,9 +50,9 @@ class Family:
         """SI unit of a name; "" for a pure number."""
         return self.units.get(name) or field_unit(name) or ""
 
-    def show(self, name: str, value: float) -> str:
-        """Write a value of a name in its unit."""
-        return show(name, value, self.unit(name))
+    def format_value(self, name: str, value: float) -> str:
+        """Format a value of a name in its unit."""
+        return format_value(name, value, self.unit(name))
 
     @property
     def factors(self) -> tuple[str, ...]:
@@ -81,7 +81,7 @@ class Family:
             elif name in self.labels:
                 found[name] = _checked_labels(name, value, (self.labels[name],))
             elif name in self.ranges or name in self.fixed or name in self.relations:
-                found[name] = _checked_numbers(name, value, self._least(name), self)
+                found[name] = _checked_numbers(name, value, self._lower_limit(name), self)
             else:
                 raise InputError(
                     f"{name}: unknown dimension; allowed are {', '.join(self.factors)}, the factors "
@@ -160,13 +160,13 @@ class Family:
             return
         place = int(np.argmax(np.where(wrong, np.abs(values - wanted), 0.0)))
         raise InputError(
-            f"{name}: given {self.show(name, float(values.flat[place]))}; allowed is "
-            f"{self.show(name, float(wanted.flat[place]))}, because {reason} (its factors are "
+            f"{name}: given {self.format_value(name, float(values.flat[place]))}; allowed is "
+            f"{self.format_value(name, float(wanted.flat[place]))}, because {reason} (its factors are "
             f"{', '.join(self.factors)})."
         )
 
-    def _least(self, name: str) -> float:
-        """The sign that a number may have: features may be absent (0), offsets of bores negative."""
+    def _lower_limit(self, name: str) -> float:
+        """The lower limit of a number: features may be absent (0), offsets of bores negative."""
         if name in self.ranges:
             return self.ranges[name][0]
         info = declaration(name)
@@ -200,7 +200,7 @@ def _checked_numbers(
     ):
         wrong = ~np.isfinite(array) | ((array <= 0.0) if least > 0.0 else (array < 0.0))
         # What is shown has its unit, so that nothing need be said of units.
-        shown = family.show(name, float(array[wrong].flat[0]))
+        shown = family.format_value(name, float(array[wrong].flat[0]))
         raise InputError(f"{name}: given {shown}; allowed are {sign}.")
     return array if array.ndim else float(array)
 

@@ -1,4 +1,4 @@
-"""A given throw as a question to a model: its dimensions by name, if it is one of the model's family."""
+"""A given throw as a query to a model: its dimensions by name, if it is one of the model's family."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -8,7 +8,14 @@ from crankbase.errors import InputError
 from crankbase.model import field_extra
 from geometry.throw import CrankThrow
 from regression.models.family import Family
-from regression.throw_values import DEFAULTS, declaration, field_unit, same, show, throw_values
+from regression.throw_values import (
+    DEFAULTS,
+    declaration,
+    field_unit,
+    format_value,
+    same_dimension,
+    throw_values,
+)
 
 # Beginnings of the names of what makes one end of a throw another than the other.
 _ONE_SIDED = ("left_web.", "right_web.", "further_pins.")
@@ -23,7 +30,7 @@ def angle_law_remarks(family: Family, study_throw: Mapping[str, Any] | None) -> 
     ----------
     family : Family
     study_throw : mapping or None
-        As in `throw_question`.
+        As in `query_for_throw`.
 
     Raises
     ------
@@ -41,10 +48,10 @@ def angle_law_remarks(family: Family, study_throw: Mapping[str, Any] | None) -> 
     )
 
 
-def throw_question(
+def query_for_throw(
     throw: CrankThrow, family: Family, study_throw: Mapping[str, Any] | None
 ) -> dict[str, float | str]:
-    """Return what a model has to be asked for a throw.
+    """Return the query to a model for a throw.
 
     Parameters
     ----------
@@ -107,18 +114,19 @@ def _check_same(
     if isinstance(expected, float) and field_unit(name) == "m":
         wanted = expected * size
     numbers = isinstance(given, float) and isinstance(wanted, float)
-    if given == wanted or (numbers and same(cast(float, given), cast(float, wanted))):
+    if given == wanted or (numbers and same_dimension(cast(float, given), cast(float, wanted))):
         return
     raise InputError(
-        f"throw.{name}: given {_shown(name, given)}; allowed is {_shown(name, wanted)}, because the "
+        f"throw.{name}: given {_format_dimension(name, given)}; allowed is "
+        f"{_format_dimension(name, wanted)}, because the "
         "throws that the model was fitted to were so."
     )
 
 
-def _shown(name: str, value: float | str | None) -> str:
+def _format_dimension(name: str, value: float | str | None) -> str:
     if value is None:
         return "none"
-    return value if isinstance(value, str) else show(name, value)
+    return value if isinstance(value, str) else format_value(name, value)
 
 
 def _free_factors(
@@ -189,7 +197,7 @@ def _solution(
     straight = low + (high - low) * (target - start) / (stop - start)
     inside = low < straight < high
     try:
-        if same(value(straight), target):
+        if same_dimension(value(straight), target):
             return straight
         from scipy import optimize  # a lookup by numbers does without
 
@@ -204,5 +212,5 @@ def _solution(
     except (InputError, RuntimeError):  # beyond the range there may be no value, or no end of steps
         return None
     # Where the ends have values on the same side, a solution inside has another one beside it.
-    certain = same(value(found), target) and inside == (low < found < high)
+    certain = same_dimension(value(found), target) and inside == (low < found < high)
     return float(found) if certain else None

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from crankbase.summaries import summarized
 from regression.models.angle import between_values
 from regression.models.error_band import ErrorBand
-from regression.models.outside import Outside
+from regression.models.extrapolation import OutOfRange
 from regression.models.response_model import ResponseModel
 
 NO_BAND = "none holds outside the range of the fit"
@@ -70,10 +70,10 @@ class Lookup:
         return f"Lookup({self.symbol or 'value'} = {self.value:.6g} {self.unit}{support}{band})"
 
 
-def tell(
-    response: ResponseModel, band: ErrorBand, value: float, beyond: Sequence[Outside] = ()
+def make_lookup(
+    response: ResponseModel, band: ErrorBand, value: float, beyond: Sequence[OutOfRange] = ()
 ) -> Lookup:
-    """Put together what is known of a value of a response."""
+    """Make the lookup of a value: what is known of it."""
     lower, upper = (None, None) if beyond else band.around(value)
     return Lookup(
         value=value,
@@ -91,10 +91,10 @@ def tell(
     )
 
 
-def tell_between(
+def make_lookup_between_neighbors(
     angle: float, parts: Sequence[Lookup], symbol: str, remarks: Sequence[str] = ()
 ) -> Lookup:
-    """Tell of a throw between neighbors: its band is that of the three numbers together.
+    """Make the lookup of a throw between neighbors: its band is that of the three numbers together.
 
     Parameters
     ----------

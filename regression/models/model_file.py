@@ -106,7 +106,7 @@ def read_model(path: str | os.PathLike[str]) -> dict[str, Any]:
         )
     if version == OLD_VERSION:
         try:
-            return _brought_up_to_date(content)
+            return _upgraded_content(content)
         except (AttributeError, KeyError, TypeError) as error:
             raise InputError(f"{shown}: given a damaged compliance model; {error}") from None
     return content
@@ -118,8 +118,8 @@ def checksum(content: Mapping[str, object]) -> str:
     return hashlib.sha256(spelled.encode()).hexdigest()
 
 
-def _brought_up_to_date(content: dict[str, Any]) -> dict[str, Any]:
-    """Spell out what followed from the form's name in version 1."""
+def _upgraded_content(content: dict[str, Any]) -> dict[str, Any]:
+    """Upgrade content of version 1: spell out what followed from the form's name."""
     fe_error = content.get("provenance", {}).get("largest_fe_error_estimate")
     responses = {}
     for name, response in content["responses"].items():

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from crankbase.errors import InputError
-from regression.plans.relations import calculate, in_order, read_expression
+from regression.plans.relations import evaluate_expression, evaluation_order, read_expression
 
 
 def related(
@@ -36,13 +36,13 @@ def related(
     expressions = {name: read_expression(text, name, units) for name, text in relations.items()}
     values = dict(known)
     found: dict[str, Any] = {}
-    for name in in_order(expressions):
+    for name in evaluation_order(expressions):
         expression = expressions[name]
         if name in known or not set(expression.names) <= values.keys():
             continue
         arrays = np.broadcast_arrays(*(values[used] for used in expression.names))
         used = dict(zip(expression.names, arrays, strict=True))
-        result = calculate(expression, used, units, units[name])
+        result = evaluate_expression(expression, used, units, units[name])
         if not np.all(np.isfinite(result)):
             raise InputError(
                 f"{name}: given dimensions for which {relations[name]} has no value; allowed are "

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from crankbase.checks.choices import check_not_given
 from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import BLUE, RED, new_axes
-from crankbase.drawing.legends import shown_unit, write_title
+from crankbase.drawing.legends import display_unit, write_title
 from crankbase.errors import InputError
 from crankbase.tables.frames import grid, table
 from fem.plots.over_angle import angle_axis
@@ -52,7 +52,7 @@ def plot_section(
     found: list[Lookup] = [
         lookup(response, **{**asked, ANGLE: gamma_deg, factor: value}) for value in values.tolist()
     ]
-    size = shown_unit(found[0].unit)[1]
+    size = display_unit(found[0].unit)[1]
     axes = new_axes(axes)
     unit = family.unit(factor) if factor != ANGLE else "deg"
     x = values / (1.0 if factor == ANGLE else factor_size(unit, ()))
@@ -153,7 +153,7 @@ def middle(family: Family) -> dict[str, float | str]:
 def _others(family: Family, asked: Mapping[str, Any], gamma_deg: float | None) -> str:
     """Say where the other factors stand."""
     shown = [
-        f"{name.replace('_', ' ')} {v if isinstance(v, str) else family.show(name, float(v))}"
+        f"{name.replace('_', ' ')} {v if isinstance(v, str) else family.format_value(name, float(v))}"
         for name, v in asked.items()
     ]
     if gamma_deg is not None:

@@ -24,7 +24,7 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from geometry.throw import CrankThrow
 from regression.models.compliance_model import ComplianceModel
 from regression.models.lookup import Lookup
@@ -147,7 +147,7 @@ class Optimum:
                 "plot are one or more whose bound is not 0, because values are drawn as a share of it."
             )
         names = [
-            f"{one.limit.name} {one.limit.sign} {show_quantity(one.limit.bound, one.limit.unit)}"
+            f"{one.limit.name} {one.limit.sign} {format_quantity(one.limit.bound, one.limit.unit)}"
             for one in self.limits
         ]
         shares = {
@@ -224,7 +224,7 @@ class _Problem:
 
 
 @dataclass(frozen=True)
-class _Found:
+class _SearchResult:
     place: Array
     objective: float
     broken: float
@@ -286,10 +286,10 @@ def find_optimum(
         nearest = min(range(len(found)), key=lambda n: found[n].broken)
         raise InputError(_infeasible(problems[nearest], found[nearest]))
     best = min(feasible, key=lambda n: found[n].objective)
-    return _told(problems[best], found[best], sum(one.evaluations for one in found))
+    return _make_optimum(problems[best], found[best], sum(one.evaluations for one in found))
 
 
-def _search(problem: _Problem) -> _Found:
+def _search(problem: _Problem) -> _SearchResult:
     """Look for the best design that keeps the limits; else for the one that breaks them least."""
     count = 0
 
@@ -301,7 +301,7 @@ def _search(problem: _Problem) -> _Found:
     dimensions = problem.space.dimensions
     if dimensions == 0:
         alone = np.zeros(0)
-        return _Found(alone, *_rated(problem, alone), 1)
+        return _SearchResult(alone, *_evaluate(problem, alone), 1)
     box = [(0.0, 1.0)] * dimensions
     settings: dict[str, Any] = {
         "maxiter": _GENERATIONS,
@@ -317,22 +317,22 @@ def _search(problem: _Problem) -> _Found:
     constraints = (_optimize.NonlinearConstraint(problem.excess, -np.inf, 0.0),) if limited else ()
     start = _optimize.differential_evolution(objective, box, constraints=constraints, **settings).x
     candidates = [start, _polished(problem, start)]
-    if min(_rated(problem, place)[1] for place in candidates) > SPARE:
+    if min(_evaluate(problem, place)[1] for place in candidates) > SPARE:
         nearest = _optimize.differential_evolution(
             lambda places: np.max(problem.excess(places), axis=0), box, **settings
         ).x
         candidates = [nearest, _nearest(problem, nearest)]
         candidates += [_polished(problem, place) for place in tuple(candidates)]
-    rated = [(_rated(problem, place), place) for place in candidates]
+    rated = [(_evaluate(problem, place), place) for place in candidates]
     kept = [one for one in rated if one[0][1] <= SPARE]
     if kept:
         (value, broken), place = min(kept, key=lambda one: one[0][0])
     else:
         (value, broken), place = min(rated, key=lambda one: one[0][1])
-    return _Found(place, value, broken, count)
+    return _SearchResult(place, value, broken, count)
 
 
-def _rated(problem: _Problem, place: Array) -> tuple[float, float]:
+def _evaluate(problem: _Problem, place: Array) -> tuple[float, float]:
     """Objective, and how far the limits are broken."""
     broken = problem.excess(place)
     return float(problem.objective(place)), float(np.max(broken)) if broken.size else 0.0
@@ -381,7 +381,7 @@ def _checks(problem: _Problem, points: Points) -> tuple[LimitCheck, ...]:
     return tuple(checks)
 
 
-def _told(problem: _Problem, found: _Found, evaluations: int) -> Optimum:
+def _make_optimum(problem: _Problem, found: _SearchResult, evaluations: int) -> Optimum:
     model, space = problem.model, problem.space
     factors = problem.factors(found.place)
     points = Points(model, factors)
@@ -413,10 +413,10 @@ def _told(problem: _Problem, found: _Found, evaluations: int) -> Optimum:
     )
 
 
-def _infeasible(problem: _Problem, found: _Found) -> str:
+def _infeasible(problem: _Problem, found: _SearchResult) -> str:
     """Say that no throw keeps the limits, and how near the nearest comes."""
     factors = problem.factors(found.place)
-    show = problem.model.family.show
+    show = problem.model.family.format_value
     at = ", ".join(
         f"{name} {value if isinstance(value, str) else show(name, value)}"
         for name, value in factors.items()
@@ -433,8 +433,8 @@ def _infeasible(problem: _Problem, found: _Found) -> str:
         )
     shown = "; ".join(
         f"{check.limit.name} {check.limit.sign} "
-        f"{show_quantity(check.limit.bound, check.limit.unit)} comes to "
-        f"{show_quantity(check.worst, check.limit.unit)}"
+        f"{format_quantity(check.limit.bound, check.limit.unit)} comes to "
+        f"{format_quantity(check.worst, check.limit.unit)}"
         for check in missed
     )
     band = " at the worst end of the error band" if problem.margins else ""

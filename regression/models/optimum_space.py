@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.models.compliance_model import ComplianceModel
+from regression.models.extrapolation import edges
 from regression.models.optimum_limits import Points
-from regression.models.outside import edges
 
 Array = NDArray[np.float64]
 # Kinds that the two sides of a constraint may have.
@@ -131,9 +131,9 @@ def search_space(model: ComplianceModel, fixed: Mapping[str, float | str]) -> Se
         low, high = edges(*family.ranges[name])
         if not low <= value <= high:
             raise InputError(
-                f"fixed: given {family.show(name, value)} for {name}; allowed is "
-                f"{family.show(name, family.ranges[name][0])} to "
-                f"{family.show(name, family.ranges[name][1])}, the range of the model."
+                f"fixed: given {family.format_value(name, value)} for {name}; allowed is "
+                f"{family.format_value(name, family.ranges[name][0])} to "
+                f"{family.format_value(name, family.ranges[name][1])}, the range of the model."
             )
         numbers[name] = float(value)
     constraints = [_group_range(model, name) for name in _grouped(model)]
@@ -169,7 +169,7 @@ def _group_range(model: ComplianceModel, response: str) -> Excess:
 
 def _constraint(model: ComplianceModel, text: str) -> Excess:
     """A constraint of the study as a function that is 0 or less where it holds."""
-    from regression.plans.relations import calculate, read_constraint, read_expression
+    from regression.plans.relations import evaluate_expression, read_constraint, read_expression
 
     units = model.family.all_units
     read = read_constraint(text, "constraint", units)
@@ -186,7 +186,7 @@ def _constraint(model: ComplianceModel, text: str) -> Excess:
     def evaluated(expression: Any, values: Mapping[str, Any]) -> Any:
         for unit in _UNITS:
             try:
-                return calculate(expression, values, units, unit)
+                return evaluate_expression(expression, values, units, unit)
             except InputError as error:
                 reason = error
         raise reason

@@ -12,7 +12,7 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel
 from regression.fits.forms import FittedForm
 from regression.fits.terms import code
-from regression.throw_values import show
+from regression.throw_values import format_value
 
 if TYPE_CHECKING:  # a lookup needs no fits
     from regression.fits.fits import Fit
@@ -178,7 +178,7 @@ class ResponseModel(InputModel):
     def __repr__(self) -> str:
         """Name the response, its form and the ranges of its columns; the numbers are in its fields."""
         ranges = (
-            f"{name} {show(name, low)} to {show(name, high)}"
+            f"{name} {format_value(name, low)} to {format_value(name, high)}"
             for name, low, high in zip(self.factors, self.lowest, self.highest, strict=True)
         )
         unit = f" [{self.unit}]" if self.unit else ""

@@ -12,7 +12,7 @@ from crankbase.errors import InputError
 from regression.plans.design_choice import LARGEST_DESIGN, DesignChoice
 from regression.plans.designs_factorial import (
     ROMAN,
-    confused,
+    aliased_effects,
     corner_fraction,
     corners_by_generators,
     resolution_of,
@@ -159,8 +159,8 @@ def check_ranges(factors: Sequence[Factor], kind: str) -> None:
         if not factor.categorical and not _ends_only(factor):
             raise InputError(
                 f"study.factors.{factor.name}: given {len(factor.levels or ())} levels; allowed with "
-                f'the design {kind!r} is a range, like {{ from = "{factor.show(factor.lowest)}", '
-                f'to = "{factor.show(factor.highest)}" }}, because it takes its own values there.'
+                f'the design {kind!r} is a range, like {{ from = "{factor.format_value(factor.lowest)}", '
+                f'to = "{factor.format_value(factor.highest)}" }}, because it takes its own values there.'
             )
 
 
@@ -233,7 +233,7 @@ def _fractional_factorial(factors: Sequence[Factor], choice: DesignChoice) -> De
     power = f"2^({number}-{left_out})" if left_out else f"2^{number}"
     quality = f"resolution {ROMAN.get(found, str(found))}" if found else "all corners"
     runs = _crossed(factors, two_level, 0.5 + 0.5 * coded)
-    groups = confused(coded, tuple(factor.name for factor in two_level))
+    groups = aliased_effects(coded, tuple(factor.name for factor in two_level))
     remarks = (f"Effects that cannot be told apart: {'; '.join(groups)}.",) if groups else ()
     return Design(runs, f"fractional factorial {power}, {quality}, {len(runs)} runs", remarks)
 
@@ -272,9 +272,9 @@ def _rows(factors: Sequence[Factor], choice: DesignChoice) -> Design:
         for factor, value in zip(factors, row, strict=True):
             if not factor.lowest <= value <= factor.highest:
                 raise InputError(
-                    f"study.file: given {factor.name} = {factor.show(value)} in row {place}; allowed "
-                    f"is the factor's range, {factor.show(factor.lowest)} to "
-                    f"{factor.show(factor.highest)}."
+                    f"study.file: given {factor.name} = {factor.format_value(value)} in row {place}; allowed "
+                    f"is the factor's range, {factor.format_value(factor.lowest)} to "
+                    f"{factor.format_value(factor.highest)}."
                 )
     _check_size(len(choice.rows))
     return Design(np.array(choice.rows), _file_statement(len(choice.rows)))

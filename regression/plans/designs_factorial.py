@@ -110,8 +110,8 @@ def resolution_of(design: Coded) -> int | None:
     return None
 
 
-def confused(design: Coded, names: tuple[str, ...]) -> tuple[str, ...]:
-    """List which main effects and interactions of two factors a fraction cannot tell apart.
+def aliased_effects(design: Coded, names: tuple[str, ...]) -> tuple[str, ...]:
+    """List aliased effects: main effects and interactions of two factors that a fraction cannot tell apart.
 
     Parameters
     ----------

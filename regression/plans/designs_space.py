@@ -25,7 +25,7 @@ SEARCHED_EACH, SEARCHED, SEARCHED_AT_LEAST = 50, 100_000, 2000
 Points = NDArray[np.float64]
 
 
-def tries_of(count: int) -> int:
+def hypercube_trials(count: int) -> int:
     """Return how many Latin hypercubes of so many points are tried."""
     return max(1, min(TRIES, POINTS_TRIED // count))
 
@@ -47,7 +47,7 @@ def latin_hypercube_points(
     seed : sequence of int
         Entropy of the random numbers.
     tries : int, optional
-        `tries_of` so many points by default.
+        `hypercube_trials` so many points by default.
 
     Returns
     -------
@@ -61,7 +61,7 @@ def latin_hypercube_points(
     if count == 1 or len(choices) == 1:
         return best
     best_distance = smallest_distance(best)
-    for _ in range((tries or tries_of(count)) - 1):
+    for _ in range((tries or hypercube_trials(count)) - 1):
         candidate = _at_choices(sampler.random(count), choices)
         distance = smallest_distance(candidate)
         if distance > best_distance:
@@ -108,7 +108,7 @@ def smallest_distance(points: Points) -> float:
     return float(np.min(distances))
 
 
-def thinned(points: Points, count: int) -> NDArray[np.int64]:
+def well_spaced_subset(points: Points, count: int) -> NDArray[np.int64]:
     """Choose `count` of the points, far apart: of the nearest two, one is left out, and again.
 
     Parameters
@@ -142,14 +142,14 @@ def thinned(points: Points, count: int) -> NDArray[np.int64]:
     return np.flatnonzero(staying)
 
 
-def drawn(
+def draw_feasible_points(
     draw: Callable[[int], Points],
     possible: Callable[[Points], NDArray[np.bool_]],
     count: int,
     *,
     in_order: bool,
 ) -> tuple[Points, NDArray[np.bool_], NDArray[np.bool_]] | None:
-    """Draw points until `count` of them are possible.
+    """Draw points until `count` of them are feasible.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def drawn(
         if found >= count:
             taken = np.zeros(number, dtype=bool)
             indices = np.flatnonzero(usable)
-            chosen = np.arange(count) if in_order else thinned(points[indices], count)
+            chosen = np.arange(count) if in_order else well_spaced_subset(points[indices], count)
             taken[indices[chosen]] = True
             return points, taken, ~usable
         if number >= most:

@@ -11,7 +11,7 @@ from crankbase.checks.choices import check_choice, did_you_mean
 from crankbase.checks.scalars import is_number, is_whole_within
 from crankbase.errors import InputError, quoted
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from geometry.throw import CrankThrow
 
 SPACINGS = ("even", "log", "chebyshev", "log chebyshev")
@@ -70,7 +70,8 @@ class Factor:
             self._check_levels(name, self.levels)
         if not self.lowest < self.highest:
             raise InputError(
-                f"{name}: given the range {self.show(self.lowest)} to {self.show(self.highest)}; the "
+                f"{name}: given the range {self.format_value(self.lowest)} to "
+                f"{self.format_value(self.highest)}; the "
                 "lowest value must lie below the highest, or the factor does not vary."
             )
 
@@ -83,13 +84,14 @@ class Factor:
             )
         if number != len(levels):
             raise InputError(
-                f"{name}: given {', '.join(map(self.show, levels))}; each level may stand once, "
+                f"{name}: given {', '.join(map(self.format_value, levels))}; each level may stand once, "
                 "because repeated finite element runs give the same result."
             )
         if min(levels) < self.lowest or max(levels) > self.highest:
             raise InputError(
-                f"{name}: given levels {', '.join(map(self.show, levels))}; allowed are levels within "
-                f"the range {self.show(self.lowest)} to {self.show(self.highest)}."
+                f"{name}: given levels {', '.join(map(self.format_value, levels))}; allowed "
+                "are levels within "
+                f"the range {self.format_value(self.lowest)} to {self.format_value(self.highest)}."
             )
 
     @classmethod
@@ -143,7 +145,7 @@ class Factor:
         logarithmic = spacing.startswith("log")
         if logarithmic and lowest <= 0.0:
             raise InputError(
-                f"{field}.from: given {plain.show(lowest)}; allowed is more than 0 with spacing "
+                f"{field}.from: given {plain.format_value(lowest)}; allowed is more than 0 with spacing "
                 f"{spacing!r}, because zero has no logarithm."
             )
         ends = np.log([lowest, highest]) if logarithmic else np.array([lowest, highest])
@@ -161,11 +163,11 @@ class Factor:
         """Whether the factor is a choice between labels."""
         return bool(self.labels)
 
-    def show(self, value: float) -> str:
-        """Write one of the factor's values as people read it."""
+    def format_value(self, value: float) -> str:
+        """Format one of the factor's values as people read it."""
         if self.labels:
             return self.labels[round(value)]
-        return show_quantity(value, self.unit)
+        return format_quantity(value, self.unit)
 
 
 def rounded(value: float) -> float:

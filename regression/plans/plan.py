@@ -23,7 +23,7 @@ from regression.plans.designs import (
     space_filling_statement,
     values_at,
 )
-from regression.plans.designs_space import drawn
+from regression.plans.designs_space import draw_feasible_points
 from regression.plans.factors import Factor, throw_fields, unknown_field
 from regression.plans.variants import Variant, Variants
 from regression.records import HELD_OUT, RUN, content_key
@@ -299,7 +299,7 @@ def plan_designs(plan: StudyPlan) -> PlannedStudy:
     variants = plan.variants()
     if plan.design.kind in SPACE_FILLING:
         assert plan.design.runs is not None
-        runs, excluded, drawn_runs = _drawn(
+        runs, excluded, drawn_runs = _draw_feasible_designs(
             plan, variants, RUN, plan.design.kind, plan.design.runs, RUN_STREAM
         )
         statement, remarks = space_filling_statement(plan.design.kind, plan.design.runs, plan.seed)
@@ -323,7 +323,7 @@ def plan_designs(plan: StudyPlan) -> PlannedStudy:
                 f"{len(excluded)} of {len(design.runs)} designs are excluded, so the others no longer "
                 "have the balance that the design's name promises.",
             )
-    held, held_excluded, _ = _drawn(
+    held, held_excluded, _ = _draw_feasible_designs(
         plan, variants, HELD_OUT, "latin hypercube", plan.held_out, HELD_OUT_STREAM
     )
     return PlannedStudy(plan, (*runs, *held), (*excluded, *held_excluded), statement, remarks)
@@ -342,10 +342,10 @@ def _split(
     return tuple(designs), tuple(excluded)
 
 
-def _drawn(
+def _draw_feasible_designs(
     plan: StudyPlan, variants: Variants, role: str, kind: str, count: int, stream: int
 ) -> tuple[tuple[PlannedDesign, ...], tuple[ExcludedDesign, ...], int]:
-    """Draw points until `count` of them can be built; also return how many were drawn."""
+    """Draw points until `count` of them are feasible designs; also return how many were drawn."""
     made: tuple[Variant, ...] = ()
 
     def draw(number: int) -> NDArray[np.float64]:
@@ -356,7 +356,7 @@ def _drawn(
         made = variants.at(values_at(plan.factors, points))
         return np.array([variant.throw is not None for variant in made])
 
-    found = drawn(draw, possible, count, in_order=kind == "sobol")
+    found = draw_feasible_points(draw, possible, count, in_order=kind == "sobol")
     if found is None:
         first = next(variant.reason for variant in made if variant.throw is None)
         raise InputError(

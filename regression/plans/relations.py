@@ -18,7 +18,7 @@ from crankbase.checks.choices import did_you_mean
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.text_limits import LARGEST_POWER, LONGEST_EXPRESSION
-from crankbase.units.quantity import show_quantity, unit_registry
+from crankbase.units.quantity import format_quantity, unit_registry
 
 TOKEN = re.compile(
     r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
@@ -251,10 +251,10 @@ def read_constraint(text: object, field: str, units: Units) -> Constraint:
     return Constraint(field, text, read, tuple(signs))
 
 
-def calculate(
+def evaluate_expression(
     expression: Expression, values: Values, units: Units, unit: str
 ) -> NDArray[np.float64]:
-    """Calculate an expression.
+    """Evaluate an expression.
 
     Parameters
     ----------
@@ -286,7 +286,9 @@ def calculate(
     return np.asarray(found.to(unit).magnitude, dtype=np.float64)
 
 
-def broken(constraint: Constraint, values: Values, units: Units, count: int) -> list[str | None]:
+def constraint_violations(
+    constraint: Constraint, values: Values, units: Units, count: int
+) -> list[str | None]:
     """Say for each of `count` designs how it breaks a constraint; None where it does not.
 
     Sides that differ by less than one part in 1e9 count as equal.
@@ -303,8 +305,8 @@ def broken(constraint: Constraint, values: Values, units: Units, count: int) -> 
             if reasons[place] is None:
                 reasons[place] = (
                     f"the constraint {constraint.text!r} is broken: "
-                    f"{show_quantity(left[place], unit)} is not {sign} "
-                    f"{show_quantity(right[place], unit)}"
+                    f"{format_quantity(left[place], unit)} is not {sign} "
+                    f"{format_quantity(right[place], unit)}"
                 )
     return reasons
 
@@ -367,7 +369,7 @@ def _shown_unit(quantity: Any) -> str:
     return "m" if quantity.check("[length]") else f"{quantity.to_base_units().units:~C}"
 
 
-def in_order(relations: Mapping[str, Expression]) -> tuple[str, ...]:
+def evaluation_order(relations: Mapping[str, Expression]) -> tuple[str, ...]:
     """Order the relations so that each uses only what stands before it.
 
     Raises
@@ -394,6 +396,6 @@ def is_unit(name: str) -> bool:
     return "." not in name and name in unit_registry()
 
 
-def names_used(expressions: Iterable[Expression | Constraint]) -> set[str]:
+def used_names(expressions: Iterable[Expression | Constraint]) -> set[str]:
     """Return all quantities that some expressions or constraints use."""
     return {name for expression in expressions for name in expression.names}

@@ -22,13 +22,13 @@ from regression.plans.factors import (
 from regression.plans.relations import (
     Constraint,
     Expression,
-    broken,
-    calculate,
-    in_order,
+    constraint_violations,
+    evaluate_expression,
+    evaluation_order,
     is_unit,
-    names_used,
     read_constraint,
     read_expression,
+    used_names,
 )
 
 
@@ -101,11 +101,11 @@ class Variants:
             for place, text in enumerate(constraints)
         )
         for factor in factors:
-            _check_factor(factor, fields, throw, names_used(read.values()))
+            _check_factor(factor, fields, throw, used_names(read.values()))
         ones = dict.fromkeys(units, np.array(1.0))
         for path, expression in read.items():
-            calculate(expression, ones, units, fields[path].unit)  # refuses another unit
-        ordered = {path: read[path] for path in in_order(read)}
+            evaluate_expression(expression, ones, units, fields[path].unit)  # refuses another unit
+        ordered = {path: read[path] for path in evaluation_order(read)}
         return cls(record, factors, fields, units, ordered, limits)
 
     def at(self, values: NDArray[np.float64]) -> tuple[Variant, ...]:
@@ -121,7 +121,7 @@ class Variants:
         known = self._quantities(values)
         for path, expression in self.relations.items():
             found = np.broadcast_to(
-                calculate(expression, known, self.units, self.units[path]), (count,)
+                evaluate_expression(expression, known, self.units, self.units[path]), (count,)
             )
             known[path] = np.array([rounded(value) for value in found.tolist()])
             for place in np.flatnonzero(~np.isfinite(known[path])).tolist():
@@ -129,7 +129,9 @@ class Variants:
                     f"the relation {path} = {expression.text!r} has no finite value"
                 )
         for constraint in self.constraints:
-            for place, reason in enumerate(broken(constraint, known, self.units, count)):
+            for place, reason in enumerate(
+                constraint_violations(constraint, known, self.units, count)
+            ):
                 reasons[place] = reasons[place] or reason
         return tuple(
             self._variant(row, place, known, reasons[place])
@@ -142,7 +144,7 @@ class Variants:
             for factor, column in zip(self.factors, values.T, strict=True)
             if not factor.categorical
         }
-        used = names_used((*self.relations.values(), *self.constraints))
+        used = used_names((*self.relations.values(), *self.constraints))
         base = {
             path: np.array(float(field_value(self.record, path)))
             for path in used
@@ -160,7 +162,7 @@ class Variants:
         if reason is not None:
             return Variant(None, reason)
         changes: dict[str, Any] = {
-            factor.name: factor.show(value) if factor.categorical else value
+            factor.name: factor.format_value(value) if factor.categorical else value
             for factor, value in zip(self.factors, row, strict=True)
             if factor.name in self.fields
         }
@@ -197,7 +199,10 @@ def _check_factor(
     if found is not None:
         unfit = next((label for label in factor.labels if label not in found.choices), None)
         if unfit is not None or bool(factor.labels) != bool(found.choices):
-            given = unfit or f"{factor.show(factor.lowest)} to {factor.show(factor.highest)}"
+            given = (
+                unfit
+                or f"{factor.format_value(factor.lowest)} to {factor.format_value(factor.highest)}"
+            )
             allowed = ", ".join(found.choices) or f"a range or levels in {found.unit or 'no unit'}"
             raise InputError(f"{name}: given {given}; allowed is {allowed}.")
         if factor.unit != found.unit:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.drawing.diagram_style import math_symbol
-from crankbase.drawing.legends import shown_unit
+from crankbase.drawing.legends import display_unit
 from regression.factor_labels import factor_text
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ POINTS = 80
 
 def factor_size(unit: str, labels: Sequence[str]) -> float:
     """Size of the unit that a factor is shown in; of a choice 1."""
-    return 1.0 if labels else shown_unit(unit)[1]
+    return 1.0 if labels else display_unit(unit)[1]
 
 
 def sweep(lowest: float, highest: float, labels: Sequence[str]) -> Array:
@@ -36,10 +36,10 @@ def label_factor_axis(axes: "Axes", name: str, unit: str, labels: Sequence[str])
         axes.set_xlim(-0.5, len(labels) - 0.5)
         axes.set_xlabel(factor_text(name))
         return
-    shown = shown_unit(unit)[0] if unit else ""
+    shown = display_unit(unit)[0] if unit else ""
     axes.set_xlabel(f"{factor_text(name)} [{shown}]" if shown else factor_text(name))
 
 
 def response_text(symbol: str, unit: str) -> str:
     """Write a response with the unit that it is shown in."""
-    return f"{math_symbol(symbol)} [{shown_unit(unit)[0]}]"
+    return f"{math_symbol(symbol)} [{display_unit(unit)[0]}]"

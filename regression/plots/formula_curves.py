@@ -25,7 +25,7 @@ DASHES: dict[str, Any] = {
 }
 
 
-def curve_look(number: int) -> dict[str, Any]:
+def curve_line_style(number: int) -> dict[str, Any]:
     """Color and dashes of a curve."""
     color, dashes = CURVES[number % len(CURVES)]
     return {"color": color, "linestyle": DASHES[dashes]}
@@ -53,7 +53,7 @@ def draw_over_angle(
         Finite elements under other supports, by their names [m/N].
     """
     for number, (name, values) in enumerate(formulas.items()):
-        axes.plot(gammas, values * SHOWN, **curve_look(number), linewidth=1.5, label=name)
+        axes.plot(gammas, values * SHOWN, **curve_line_style(number), linewidth=1.5, label=name)
     if fe is not None:
         axes.plot(gammas, fe * SHOWN, color="black", linewidth=2.6, label="finite elements")
     draw_supports(axes, bounds or {})

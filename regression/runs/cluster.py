@@ -18,8 +18,8 @@ from crankbase.errors import InputError
 from regression.plans.plan import MODEL_VERSION
 from regression.records import Outcome
 from regression.runs.interrupts import interrupts_deferred, interrupts_ignored
-from regression.runs.shelf import shared_shelf
-from regression.runs.work_list import WorkList
+from regression.runs.process_pool import shared_process_pool
+from regression.runs.work_queue import WorkQueue
 
 # Seconds between two looks at the tasks if none has woken the loop, and at the list of workers.
 WAKE, LOOK = 0.5, 1.0
@@ -95,23 +95,23 @@ def _version(package: str) -> str:
 def compute_design(
     run: str, request: Mapping[str, Any], limits: Limits, coordinator: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Compute a design on a worker's machine; `Shelf.compute` says what is returned.
+    """Compute a design on a worker's machine; `ProcessPool.compute` says what is returned.
 
     A worker of another model version, or release, computes nothing and returns its identity alone.
     """
     own = identity()
     if any(own[name] != coordinator[name] for name in ("model_version", "crankfem")):
         return {"identity": own}
-    return shared_shelf().compute(run, request, limits) | {"identity": own}
+    return shared_process_pool().compute(run, request, limits) | {"identity": own}
 
 
 async def end_run(run: str) -> None:
     """End on a worker's machine what is under way for a run that was stopped."""
-    shared_shelf().end_run(run)
+    shared_process_pool().end_run(run)
 
 
 @dataclass
-class _Given:
+class _RunningDesign:
     """A design under way: its key, its task, and when it was given."""
 
     key: str
@@ -122,9 +122,9 @@ class _Given:
 class _Dispatch:
     """The designs of one run on a cluster, handed out and collected."""
 
-    def __init__(self, work: WorkList, cluster: Cluster, limits: Limits, note: Note) -> None:
+    def __init__(self, work: WorkQueue, cluster: Cluster, limits: Limits, note: Note) -> None:
         self.work, self.cluster, self.limits, self.note = work, cluster, limits, note
-        self.given: dict[str, _Given] = {}
+        self.given: dict[str, _RunningDesign] = {}
         # Why a worker cannot take part: raised when what the others have finished is stored.
         self.refusal: InputError | None = None
         self._places: Mapping[str, bool] = {}
@@ -153,8 +153,8 @@ class _Dispatch:
             settled.append((outcome, one.task))
         return settled
 
-    def hand_out(self) -> None:
-        """Give every free worker a design.
+    def assign_designs(self) -> None:
+        """Assign a design to every free worker.
 
         Raises
         ------
@@ -178,13 +178,13 @@ class _Dispatch:
         for place in sorted(free):
             if now < self._set_aside.get(place, 0.0):
                 continue
-            request = self.work.take()
+            request = self.work.next_request()
             if request is None:
                 return
             task = self.cluster.submit(place, request, self.limits)
-            self.given[place] = _Given(request["key"], task)
+            self.given[place] = _RunningDesign(request["key"], task)
 
-    def _fetch(self, place: str, one: _Given) -> Outcome | None:
+    def _fetch(self, place: str, one: _RunningDesign) -> Outcome | None:
         try:
             found = one.task.result()
         except TaskLostError as error:
@@ -198,9 +198,9 @@ class _Dispatch:
         self._compare(place, found["identity"])
         if "lost" in found:
             return self.work.lost(one.key, found["lost"], found["seconds"], found["worker"])
-        return self.work.answered(found["answer"], found["worker"])
+        return self.work.outcome(found["answer"], found["worker"])
 
-    def _lose(self, place: str, one: _Given, reason: str) -> Outcome | None:
+    def _lose(self, place: str, one: _RunningDesign, reason: str) -> Outcome | None:
         return self.work.lost(one.key, reason, time.monotonic() - one.since, place)
 
     def _compare(self, place: str, found: Mapping[str, Any]) -> None:
@@ -243,7 +243,7 @@ def run_on_cluster(
     StudyStoppedError
         If the cluster is gone.
     """
-    work = WorkList(designs)
+    work = WorkQueue(designs)
     dispatch = _Dispatch(work, cluster, limits, note)
     try:
         while len(work) or dispatch.given:
@@ -252,7 +252,7 @@ def run_on_cluster(
                 with interrupts_deferred():
                     settled = dispatch.collect()
                 # The workers go on while the answers are stored.
-                dispatch.hand_out()
+                dispatch.assign_designs()
             finally:  # whatever becomes of the cluster, or of another worker
                 with interrupts_deferred():
                     for outcome, task in settled:

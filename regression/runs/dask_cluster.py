@@ -73,8 +73,8 @@ class _DaskTask:
         self._fetched()
 
 
-def quiet_dask() -> None:
-    """Keep Dask's own log away: what matters of it is said by us, in sentences."""
+def silence_dask_log() -> None:
+    """Silence Dask's own log: what matters of it is said by us, in sentences."""
     with contextlib.suppress(ImportError):
         import_module("distributed")  # sets the levels of its loggers when it is first loaded
     for name in list(logging.root.manager.loggerDict):

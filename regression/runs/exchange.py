@@ -12,13 +12,13 @@ from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from regression.plans.factors import Factor, changed_record, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan
-from regression.plans.relations import calculate
+from regression.plans.relations import evaluate_expression
 from regression.plans.variants import Variants
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow
-from regression.runs.store_results import factor_value, within
+from regression.runs.store_results import factor_value, is_in_range
 from regression.runs.study_table import DONE, throw_dimensions, throw_outlines
 from regression.runs.table_columns import Column, read_columns, read_lines
-from regression.throw_values import same, show
+from regression.throw_values import format_value, same_dimension
 
 ROLES = (RUN, HELD_OUT, MEASURED)
 # A dimension and a ratio that both were measured agree if they do to this share: they were rounded.
@@ -160,12 +160,13 @@ class _RowReader:
                 continue
             values = {name: np.array(float(value)) for name, value in known.items()}
             units = self._variants.units
-            expected = float(calculate(relation, values, units, units[path]))
+            expected = float(evaluate_expression(relation, values, units, units[path]))
             if not abs(given["field"][path] - expected) <= AGREE * abs(expected):
                 listed = ", ".join(f"{name} = {known[name]:g}" for name in ratios)
                 raise InputError(
-                    f"{headers[path]}: given {show(path, given['field'][path])} beside {listed}; "
-                    f"allowed is {show(path, expected)}, which follows from it, or one of the two alone."
+                    f"{headers[path]}: given {format_value(path, given['field'][path])} beside {listed}; "
+                    f"allowed is {format_value(path, expected)}, which follows from it, or "
+                    "one of the two alone."
                 )
 
     def _computed_throw(
@@ -210,11 +211,11 @@ class _RowReader:
         self, factor: Factor, given: Mapping[str, Mapping[str, Any]], headers: Mapping[str, str]
     ) -> None:
         value = given["field"].get(factor.name, given["factor"].get(factor.name))
-        if value is None or within(factor, value):
+        if value is None or is_in_range(factor, value):
             return
-        shown = value if factor.labels else factor.show(value)
+        shown = value if factor.labels else factor.format_value(value)
         allowed = ", ".join(factor.labels) or (
-            f"{factor.show(factor.lowest)} to {factor.show(factor.highest)}"
+            f"{factor.format_value(factor.lowest)} to {factor.format_value(factor.highest)}"
         )
         raise InputError(
             f"{headers[factor.name]}: given {shown}; allowed is {allowed}, the study's own range, in a "
@@ -227,8 +228,8 @@ class _RowReader:
             agrees, shown, allowed = value == expected, value, str(expected)
         else:
             number = 0.0 if expected is None else float(expected)
-            agrees = same(value, number)
-            shown, allowed = show(name, value), show(name, number)
+            agrees = same_dimension(value, number)
+            shown, allowed = format_value(name, value), format_value(name, number)
         if not agrees:
             raise InputError(
                 f"{where}: given {shown}; allowed is {allowed}, as the study has it at these factors, "

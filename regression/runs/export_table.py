@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from crankbase.errors import InputError, MissingLibraryError
-from crankbase.outputs import written
+from crankbase.outputs import atomic_file
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from regression.plans.plan import MODEL_VERSION
@@ -129,7 +129,7 @@ def export_table(table: StudyTable, path: str | Path) -> int:
     """
     path = Path(path)
     check_export(path)
-    with written(path, "table") as part:
+    with atomic_file(path, "table") as part:
         (_write_csv if path.suffix == ".csv" else _write_parquet)(part, table)
     return len(table.rows)
 

@@ -214,10 +214,12 @@ class ResultStore:
         """Read a design's row; None if there is none, or a damaged one."""
         query = "SELECT * FROM designs WHERE key = ?"
         row = self._connection.execute(query, (key,)).fetchone()
-        return None if row is None else self._sound(key, read_design, dict(row))
+        return None if row is None else self._read_or_skip(key, read_design, dict(row))
 
-    def _sound(self, place: str, read: Callable[..., Row], row: Mapping[str, Any]) -> Row | None:
-        """Read a row; a damaged one is left out, and it is kept in mind why."""
+    def _read_or_skip(
+        self, place: str, read: Callable[..., Row], row: Mapping[str, Any]
+    ) -> Row | None:
+        """Read a row, or skip a damaged one and keep in mind why."""
         try:
             return read(row, checked=self._checked)
         except DamagedRowError as error:
@@ -232,7 +234,7 @@ class ResultStore:
                 "JOIN study_designs s ON s.design = d.key GROUP BY d.key ORDER BY first"
             )
             for row in map(dict, rows):
-                outcome = self._sound(row["key"], read_design, row)
+                outcome = self._read_or_skip(row["key"], read_design, row)
                 if outcome is not None and outcome.responses is not None:
                     yield row["role"], outcome, row.get("model_version")
 
@@ -288,7 +290,7 @@ class ResultStore:
                 "SELECT * FROM extra_rows WHERE study = ? ORDER BY rowid", (study,)
             ).fetchall()
         found = (
-            self._sound(f"row {place} from elsewhere", read_extra, dict(row))
+            self._read_or_skip(f"row {place} from elsewhere", read_extra, dict(row))
             for place, row in enumerate(rows, start=1)
         )
         return tuple(row for row in found if row is not None)

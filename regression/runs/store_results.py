@@ -11,17 +11,17 @@ from regression.plans.factors import Factor, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.records import ExtraRow, Outcome
 from regression.runs.store import ResultStore
-from regression.runs.store_rows import told_of
+from regression.runs.store_rows import damaged_rows_warning
 from regression.runs.study_table import throw_dimensions, throw_outlines
-from regression.throw_values import same
+from regression.throw_values import same_dimension
 
 
-def within(factor: Factor, given: Any) -> bool:
+def is_in_range(factor: Factor, given: Any) -> bool:
     """Whether a value of a factor lies in the study's range; rounding must not put it outside."""
     if factor.labels:
         return given in factor.labels
     inside = factor.lowest <= given <= factor.highest
-    return inside or same(given, factor.lowest) or same(given, factor.highest)
+    return inside or same_dimension(given, factor.lowest) or same_dimension(given, factor.highest)
 
 
 def factor_value(factor: Factor, given: Any) -> float:
@@ -76,7 +76,7 @@ def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> Stor
         else:
             rows.append(row)
     if not finished and not rows:
-        damaged = f"; {told_of(store.damaged, store.path)}" if store.damaged else ""
+        damaged = f"; {damaged_rows_warning(store.damaged, store.path)}" if store.damaged else ""
         raise InputError(
             f"import: given {str(store.path)!r}, in which {left_out} results are of another throw, "
             f"material, accuracy or model version; allowed is a store with results of this study{damaged}."
@@ -100,7 +100,7 @@ def _row_of(outcome: Outcome, role: str, plan: StudyPlan, source: str) -> ExtraR
         return None
     for factor in plan.factors:
         value = given[factor.name]  # None also for a ratio that only relations use
-        if value is None or not within(factor, value):
+        if value is None or not is_in_range(factor, value):
             return None
     values = tuple(factor_value(factor, given[factor.name]) for factor in plan.factors)
     variant = plan.variants().at(np.array([values]))[0]

@@ -47,8 +47,8 @@ class DamagedRowError(ValueError):
     """A row does not say what was written; the message says why, in a few words."""
 
 
-def told_of(damaged: Mapping[str, str], store: object) -> str:
-    """Tell of damaged rows of a store that were left out, of the first what is wrong with it."""
+def damaged_rows_warning(damaged: Mapping[str, str], store: object) -> str:
+    """Warn of damaged rows of a store that were left out, saying of the first what is wrong with it."""
     place, why = next(iter(damaged.items()))
     first = f"{place}: {why}" + ("; and others" if len(damaged) > 1 else "")
     number = "1 row is" if len(damaged) == 1 else f"{len(damaged)} rows are"

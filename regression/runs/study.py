@@ -21,7 +21,7 @@ from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, conte
 from regression.runs.exchange import read_rows
 from regression.runs.store import ResultStore, is_database
 from regression.runs.store_results import read_store
-from regression.runs.store_rows import told_of
+from regression.runs.store_rows import damaged_rows_warning
 from regression.runs.study_table import StudyTable, study_table
 from regression.runs.supervised import design_limits
 from regression.runs.workers import run_designs
@@ -110,7 +110,9 @@ def run_plan(
         _register(results, plan, planned)
         known = {k: found for k, found in results.outcomes(unique).items() if not found.lost}
         if results.damaged and note is not None:
-            note(f"{told_of(results.damaged, store)}; their designs are computed again.")
+            note(
+                f"{damaged_rows_warning(results.damaged, store)}; their designs are computed again."
+            )
         finished = len(known)
         if progress:
             progress(finished, len(unique), None)
@@ -183,12 +185,12 @@ def read_study(store: str | Path, study: str | None = None) -> StudyTable:
                 "stay in the file."
             )
         if len(plans) != 1:
-            raise _not_one(results, study, plans or held)
+            raise _study_choice_text(results, study, plans or held)
         plan = StudyPlan.from_record(next(iter(plans.values())))
         return _table(results, plan, _as_registered(results, plan), 0)
 
 
-def _not_one(
+def _study_choice_text(
     results: ResultStore, study: str | None, plans: Mapping[str, Mapping[str, Any]]
 ) -> InputError:
     """Say which studies a store holds, so that one of them can be named."""
@@ -216,7 +218,7 @@ def _described(results: ResultStore, plan: StudyPlan) -> str:
     factors = [
         f"{factor.name} {' or '.join(factor.labels)}"
         if factor.labels
-        else f"{factor.name} {factor.show(factor.lowest)} to {factor.show(factor.highest)}"
+        else f"{factor.name} {factor.format_value(factor.lowest)} to {factor.format_value(factor.highest)}"
         for factor in plan.factors
     ]
     return f"{plan.design.kind} of {roles.count(RUN)} runs: {', '.join(factors)}"
@@ -284,7 +286,7 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
             return ImportSummary(0, results.add_extra_rows(plan.key, rows), 0, coinciding)
     with ResultStore(path, readonly=True) as other:
         found = read_store(other, plan, {design.key for design in planned.designs})
-        damaged = told_of(other.damaged, path) if other.damaged else ""
+        damaged = damaged_rows_warning(other.damaged, path) if other.damaged else ""
     with ResultStore(store) as results:
         _register(results, plan, planned)
         known = results.outcomes(one.key for one in found.finished)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_inside, shown_unit, write_title
+from crankbase.drawing.legends import display_unit, legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.model import field_extra
 from crankbase.summaries import summarized
@@ -20,7 +20,7 @@ from regression.plans.plan import ExcludedDesign, PlannedDesign, StudyPlan
 from regression.plots.factor_axis import factor_size, label_factor_axis, response_text
 from regression.plots.runs import draw_runs
 from regression.records import HELD_OUT, MEASURED, ExtraRow, Outcome
-from regression.throw_values import same
+from regression.throw_values import same_dimension
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -154,7 +154,7 @@ class StudyTable:
         draw_runs(
             axes,
             self.values[:, place] / factor_size(chosen.unit, chosen.labels),
-            self.responses[column] / shown_unit(unit)[1],
+            self.responses[column] / display_unit(unit)[1],
             self.held_out,
         )
         label_factor_axis(axes, chosen.name, chosen.unit, chosen.labels)
@@ -324,7 +324,7 @@ def _equal(one: tuple[float, ...] | None, other: tuple[float, ...] | None) -> bo
     return (
         one is not None
         and other is not None
-        and all(same(a, b) for a, b in zip(one, other, strict=True))
+        and all(same_dimension(a, b) for a, b in zip(one, other, strict=True))
     )
 
 

@@ -68,7 +68,7 @@ class SupervisedProcess(CallProcess):
         super().__init__(spawn_worker(), "the worker process", messages)
 
     def compute(self, request: Mapping[str, Any]) -> None:
-        """Give it a design."""
+        """Send it a design."""
         self.give("regression.runs.worker:answer", request)
 
     def take(self, message: Message) -> tuple[str, Any]:

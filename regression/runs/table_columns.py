@@ -13,7 +13,7 @@ from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
 from crankbase.units.quantity import parse_quantity
 from fem.responses import RESPONSES
 from regression.plans.plan import StudyPlan
-from regression.records import above_zero
+from regression.records import is_positive_response
 
 # Columns that say something of a row as a whole.
 ABOUT = ("role", "source", "status", "model_version")
@@ -167,7 +167,7 @@ def _response_reader(where: str, name: str, given: str | None) -> Callable[[str,
             )
         return value
 
-    return read_positive if above_zero(name) else read
+    return read_positive if is_positive_response(name) else read
 
 
 def _number(cell: str, where: str) -> float:

@@ -9,7 +9,7 @@ from crankbase.calls import WATCH, Limits, Message, Messages, ProcessLostError
 from regression.records import Outcome
 from regression.runs.interrupts import interrupts_deferred
 from regression.runs.supervised import TIME_LIMIT, SupervisedProcess
-from regression.runs.work_list import WorkList
+from regression.runs.work_queue import WorkQueue
 
 
 def run_designs(
@@ -38,39 +38,39 @@ def run_designs(
     workers are ended; what arrived is kept, for Ctrl-C waits while an answer is taken and stored.
     """
     limits = limits or Limits(TIME_LIMIT)
-    work = WorkList(designs)
+    work = WorkQueue(designs)
     # Each process with the key of the design it works on.
     pool: dict[SupervisedProcess, str] = {}
     messages: Messages = SimpleQueue()
 
     def start() -> None:
-        request = work.take()
+        request = work.next_request()
         if request is not None:
             process = SupervisedProcess(messages)
             pool[process] = request["key"]
             process.compute(request)
 
-    def lose(process: SupervisedProcess, loss: ProcessLostError) -> None:
+    def record_loss(process: SupervisedProcess, loss: ProcessLostError) -> None:
         outcome = work.lost(pool.pop(process), str(loss), loss.seconds, process.name)
         start()
         if outcome is not None:
             on_outcome(outcome)
 
-    def settle(process: SupervisedProcess, message: Message) -> None:
+    def store_answer(process: SupervisedProcess, message: Message) -> None:
         try:
             _, answer = process.take(message)
         except ProcessLostError as loss:
-            lose(process, loss)
+            record_loss(process, loss)
             return
         # The process works on while the answer is stored.
-        request = work.take()
+        request = work.next_request()
         if request is None:
             del pool[process]
             process.end()
         else:
             pool[process] = request["key"]
             process.compute(request)
-        on_outcome(work.answered(answer, process.name))
+        on_outcome(work.outcome(answer, process.name))
 
     try:
         for _ in range(min(workers, len(work))):
@@ -80,12 +80,12 @@ def run_designs(
                 process, message = messages.get(timeout=WATCH)
                 if process in pool:  # no last word of one that was ended
                     with interrupts_deferred():
-                        settle(process, message)
+                        store_answer(process, message)
             for process in list(pool):
                 try:
                     process.watch(limits)
                 except ProcessLostError as loss:
-                    lose(process, loss)
+                    record_loss(process, loss)
     finally:
         for process in pool:
             process.end()

@@ -14,7 +14,7 @@ import numpy as np
 
 from crankbase.errors import InputError, MeshError
 from geometry.mass import mass_properties, mesh_mass_properties
-from geometry.mending import corner_quality, smallest_jacobians
+from geometry.mesh_repair import corner_quality, smallest_jacobians
 from geometry.mesher import mesh_isolated
 from geometry.sizes import predict_unknowns
 from geometry.throw import CrankThrow

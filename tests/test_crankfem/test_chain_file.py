@@ -12,7 +12,7 @@ from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.chain.chain_text import read_chain_text, write_chain_text
 from crankfem.files.reading.data_files import shipped_chains
 from dynamics.chains.chain import Chain
-from dynamics.chains.links import Dashpot, Gear
+from dynamics.chains.connections import Dashpot, Gear
 from dynamics.chains.shaft_elements import ShaftCone, shaft_cylinder, shaft_flange
 from fem.material import STEEL
 

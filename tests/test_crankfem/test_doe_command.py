@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from crankfem.cli.console import pace
+from crankfem.cli.console import progress_text
 from fem.responses import RESPONSES
 from puppets import PRELUDE, puppet
 from regression.records import StudyStoppedError
@@ -185,7 +185,7 @@ def test_doe_says_which_table_cannot_be_read(call, study, tmp_path):
 
 def test_limits_are_quantities(call, study, monkeypatch):
     given = {}
-    monkeypatch.setattr("regression.runs.dask_cluster.quiet_dask", lambda: None)
+    monkeypatch.setattr("regression.runs.dask_cluster.silence_dask_log", lambda: None)
 
     def run_plan(*_, **options):
         given.update(options)
@@ -295,7 +295,7 @@ def finished(store):
     ],
 )
 def test_pace(given, text):
-    assert pace(*given) == text
+    assert progress_text(*given) == text
 
 
 def test_the_store_of_the_command_is_plain_sql(call, study, tmp_path):

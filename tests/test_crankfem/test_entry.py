@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from crankfem.cli.interrupts import interrupts_end_at_once, interrupts_raise
+from crankfem.cli.interrupts import interrupts_exit_immediately, interrupts_raise
 
 pytestmark = pytest.mark.usefixtures("interruptible")
 
@@ -48,13 +48,13 @@ def test_an_interrupt_while_modules_load(spawn, command, sentence):
 
 def test_afterwards_interrupts_are_what_they_were():
     usual = signal.getsignal(signal.SIGINT)
-    with interrupts_end_at_once():
+    with interrupts_exit_immediately():
         assert signal.getsignal(signal.SIGINT) is not usual
     assert signal.getsignal(signal.SIGINT) is usual
 
 
 def test_work_that_must_be_closed_sees_an_interrupt():
-    with interrupts_end_at_once():
+    with interrupts_exit_immediately():
         ending = signal.getsignal(signal.SIGINT)
         with pytest.raises(KeyboardInterrupt), interrupts_raise():
             signal.raise_signal(signal.SIGINT)
@@ -72,6 +72,6 @@ def work():
 
 
 def test_an_interrupt_while_something_is_cleared_away_is_not_lost(capsys):
-    with interrupts_end_at_once(), interrupts_raise(), pytest.raises(KeyboardInterrupt):
+    with interrupts_exit_immediately(), interrupts_raise(), pytest.raises(KeyboardInterrupt):
         work()
     assert capsys.readouterr().err == ""

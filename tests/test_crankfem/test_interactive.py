@@ -22,33 +22,33 @@ from crankbase.errors import InputError
 from crankfem.analyses.study.fitting import fit_study, predicted
 from crankfem.report.interactive.angles import formulas_over_angle
 from crankfem.report.interactive.campbell import campbell
+from crankfem.report.interactive.curve_decimation import visible_points
 from crankfem.report.interactive.curves import UNSEEN, figure_of
-from crankfem.report.interactive.decimation import fewer_triangles
+from crankfem.report.interactive.labels import design_texts
 from crankfem.report.interactive.mechanism import (
     developed_load,
     polar_load,
 )
 from crankfem.report.interactive.mechanism_plots import MECHANISM
+from crankfem.report.interactive.mesh_decimation import decimate_triangles
 from crankfem.report.interactive.over_speed import Curve, amplitudes_over_speed
 from crankfem.report.interactive.rounding import rounded
 from crankfem.report.interactive.shaft import axial_split, shaft_modes
 from crankfem.report.interactive.shapes import mode_shapes
 from crankfem.report.interactive.study import parity, response_over_factors
-from crankfem.report.interactive.thinning import seen_points
 from crankfem.report.interactive.throw_view import (
     DRAWN_DISPLACEMENT,
     MOST_STRESSED,
     throw_view,
 )
-from crankfem.report.interactive.triangles import TriangleSurface, trails
+from crankfem.report.interactive.triangles import TriangleSurface, polylines
 from crankfem.report.interactive.vibration import VIBRATION
-from crankfem.report.interactive.words import designs_told
 from crankfem.report.interactive.writing import write_figure
 from crankfem.report.plots import ANGLES, STUDY, TORQUE
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
 from dynamics.engine.loads import LoadDiagram
 from dynamics.harmonics import harmonics
-from dynamics.plots.quantities import shown
+from dynamics.plots.quantities import quantity_display
 from dynamics.response.resonance import Resonance
 from dynamics.response.series import OrderSeries
 from fem import fillet_stress
@@ -112,7 +112,7 @@ def test_thinned_curves_look_the_same():
     x = np.linspace(0.0, 10.0, 2001)
     y = 1.0 / ((x - 4.0) ** 2 + 0.01)
     y[700:703] = np.nan
-    kept = seen_points(x, y, 0.05, 0.5)
+    kept = visible_points(x, y, 0.05, 0.5)
     assert kept.size < 200
     assert np.isnan(y[kept]).sum() == 1
     assert {0, 699, 703, 2000} <= set(kept.tolist())
@@ -122,7 +122,7 @@ def test_thinned_curves_look_the_same():
         assert np.abs(np.interp(x[part], x[own], y[own]) - y[part]).max() <= 0.05 * (1 + 1e-9)
         # Steps are halved until they are short enough.
         assert np.diff(x[own]).max() <= 0.5 * (1 + 1e-9)
-    assert seen_points(x, x, 0.0).tolist() == [0, 2000]
+    assert visible_points(x, x, 0.0).tolist() == [0, 2000]
 
 
 def test_what_json_does_not_know_is_refused(tmp_path):
@@ -330,7 +330,7 @@ def test_names_are_no_markup(load, studied):
         polar_load(own, "crank", SHARP_NAME),
         developed_load(own, SHARP_NAME),
         formulas_over_angle(np.array(record["gamma_deg"]), fe, {SHARP_NAME: fe}, {}),
-        ({"text": designs_told((choice,), np.array([[0.0], [1.0]]))}, {}),
+        ({"text": design_texts((choice,), np.array([[0.0], [1.0]]))}, {}),
     ]
     for figure in figures:
         every = list(texts(figure))
@@ -600,7 +600,7 @@ def test_edges_and_shading_of_a_cube():
     assert sharp.sum() == len(cube.sharp_edges()) == 12 * 3
     assert len(cube.sharp_edges(11.9)) == 36
     assert len(cube.sharp_edges(12.1)) == 0
-    sources, triangles = cube.apart_at_edges()
+    sources, triangles = cube.split_at_sharp_edges()
     assert np.array_equal(sources[triangles], cube.triangles)
     assert len(sources) == 6 * 16
     apart = TriangleSurface(cube.points[sources], triangles)
@@ -613,8 +613,8 @@ def test_fewer_triangles_keep_shape_edges_and_steep_values():
     values = np.zeros(len(cube.points))
     peak = int(np.argmin(np.linalg.norm(cube.points - [1.0, 0.5, 0.5], axis=1)))
     values[peak] = 1.0
-    assert len(fewer_triangles(cube, values, 10**6).triangles) == len(cube.triangles) == 1728
-    coarse = fewer_triangles(cube, values, 600)
+    assert len(decimate_triangles(cube, values, 10**6).triangles) == len(cube.triangles) == 1728
+    coarse = decimate_triangles(cube, values, 600)
     # Each move takes two triangles.
     assert len(coarse.triangles) == 600
     assert peak in np.unique(coarse.triangles)
@@ -629,14 +629,14 @@ def test_fewer_triangles_keep_shape_edges_and_steep_values():
 def test_what_cannot_go_unnoticed_stays():
     cube = box(4)
     # All points inside the six sides gone, edges as they were: 16 points round each side.
-    coarse = fewer_triangles(cube, np.zeros(len(cube.points)), 10)
+    coarse = decimate_triangles(cube, np.zeros(len(cube.points)), 10)
     assert 6 * 14 <= len(coarse.triangles) < len(cube.triangles)
     assert len(coarse.sharp_edges()) == 12 * 4
 
 
 def test_trails_draw_each_edge_once():
     edges = np.array([[0, 1], [1, 2], [2, 0], [2, 3], [3, 4], [7, 8]])
-    found = trails(edges)
+    found = polylines(edges)
     drawn = [tuple(sorted(pair)) for one in found for pair in pairwise(one)]
     assert sorted(drawn) == sorted(tuple(sorted(pair)) for pair in edges.tolist())
     assert len(found) <= 3  # of six
@@ -783,7 +783,7 @@ def test_vibration_of_an_engine(tmp_path, strict, coupled_vibration):
 def test_paper_and_screen_draw_the_same_curves(series):
     limits = {"limit": np.where(series.speeds < 30.0, np.inf, 2e-4)}
     barred = [(25.0, 30.0), (40.0, 44.0)]
-    described = series.over_speed(0, shown("twist", "SI"), limits=limits, barred=barred)
+    described = series.over_speed(0, quantity_display("twist", "SI"), limits=limits, barred=barred)
     traces, layout = figure_of(described, "x")
     axes = Figure().subplots()
     draw_curves(axes, described)

@@ -5,8 +5,8 @@ import pytest
 from crankbase.checks.arrays import finite_array, positive_number
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
-from dynamics.places import values_at_nodes
-from dynamics.turning.given_functions import checked_inertia
+from dynamics.indices import values_at_nodes
+from dynamics.turning.function_checks import checked_inertia
 from fem.dynamic_shaft import natural_modes
 from fem.material import STEEL
 from fem.modes import free_modes

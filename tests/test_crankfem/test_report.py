@@ -17,10 +17,10 @@ from pathlib import Path
 import pytest
 
 from comparing import close
-from crankfem.analyses.about import about_record, file_records, repeat_record, run_command
+from crankfem.analyses.provenance import file_records, provenance_record, repeat_record, run_command
 from crankfem.analyses.throw.compliances import compliance_tables, regression_record
 from crankfem.files.reading.data_files import data_folder
-from crankfem.report import numbers
+from crankfem.report import text_filters
 from crankfem.report.figures import load_figures, script_text
 from crankfem.report.summary import summary
 from crankfem.report.writing import render_report, script, write_report
@@ -338,7 +338,7 @@ def test_the_input_can_be_had_from_the_report(results, page):
 
 
 def test_what_a_run_was_made_with(tmp_path):
-    about = about_record()
+    about = provenance_record()
     assert re.match(r"\d+\.\d+", about["version"])
     assert about["packages"]["numpy"] is not None
     file = tmp_path / "my engine.toml"
@@ -405,34 +405,37 @@ def test_only_speeds_that_are_dangerous_are_called_so(results, page, status, hea
 @pytest.mark.parametrize(
     ("written", "expected"),
     [
-        (numbers.significant(15597.4), "15597"),
-        (numbers.significant(99999.6), "100000"),
-        (numbers.percent(1.0), "100"),
-        (numbers.percent(12.345), "1234"),
-        (numbers.percent(0.9996, 3), "100"),
-        (numbers.percent(-0.0540138), "-5.4"),
-        (numbers.used(12.345), "1234 %"),
-        (numbers.used(0.99961), "100 %"),
-        (numbers.used(None), "unbounded"),
-        (numbers.quantity(12.3456, "m"), "12346 mm"),
-        (numbers.quantity(0.5, ""), "0.5"),
-        (numbers.significant(1.6), "1.600"),
-        (numbers.significant(34.1041), "34.10"),
-        (numbers.significant(15597.4, 5), "15597"),
-        (numbers.percent(2e-7), "below 0.001"),
-        (numbers.percent(0.0), "0"),
-        (numbers.fixed(-1e-12, 2), "0.00"),
-        (numbers.quantity(None, "Pa"), "unbounded"),
-        (numbers.quantity(24478491.8, "Pa"), "24.48 MPa"),
-        (numbers.motion(1.41734e-3, "torsional"), "1.42 mrad"),
-        (numbers.tiny(-3.87e-13), "4e-13"),
-        (numbers.tiny(2e-7), "2e-7"),
-        (numbers.duration(7.26), "7.3 s"),
-        (numbers.duration(59.6), "1 min 0 s"),
-        (numbers.duration(3725.0), "1 h 2 min"),
-        (numbers.moment("2026-11-21T21:30:07+05:30"), "21 November 2026, 21:30 UTC+05:30"),
-        (numbers.tied("at 497.8 1/min, 9 of 10"), "at 497.8\N{NO-BREAK SPACE}1/min, 9 of 10"),
-        (str(numbers.head("a <b> [mm]")), 'a &lt;b&gt; <span class="nowrap">[mm]</span>'),
+        (text_filters.significant(15597.4), "15597"),
+        (text_filters.significant(99999.6), "100000"),
+        (text_filters.percent(1.0), "100"),
+        (text_filters.percent(12.345), "1234"),
+        (text_filters.percent(0.9996, 3), "100"),
+        (text_filters.percent(-0.0540138), "-5.4"),
+        (text_filters.format_usage(12.345), "1234 %"),
+        (text_filters.format_usage(0.99961), "100 %"),
+        (text_filters.format_usage(None), "unbounded"),
+        (text_filters.quantity(12.3456, "m"), "12346 mm"),
+        (text_filters.quantity(0.5, ""), "0.5"),
+        (text_filters.significant(1.6), "1.600"),
+        (text_filters.significant(34.1041), "34.10"),
+        (text_filters.significant(15597.4, 5), "15597"),
+        (text_filters.percent(2e-7), "below 0.001"),
+        (text_filters.percent(0.0), "0"),
+        (text_filters.fixed(-1e-12, 2), "0.00"),
+        (text_filters.quantity(None, "Pa"), "unbounded"),
+        (text_filters.quantity(24478491.8, "Pa"), "24.48 MPa"),
+        (text_filters.motion(1.41734e-3, "torsional"), "1.42 mrad"),
+        (text_filters.tiny(-3.87e-13), "4e-13"),
+        (text_filters.tiny(2e-7), "2e-7"),
+        (text_filters.duration(7.26), "7.3 s"),
+        (text_filters.duration(59.6), "1 min 0 s"),
+        (text_filters.duration(3725.0), "1 h 2 min"),
+        (text_filters.moment("2026-11-21T21:30:07+05:30"), "21 November 2026, 21:30 UTC+05:30"),
+        (
+            text_filters.keep_units_together("at 497.8 1/min, 9 of 10"),
+            "at 497.8\N{NO-BREAK SPACE}1/min, 9 of 10",
+        ),
+        (str(text_filters.head("a <b> [mm]")), 'a &lt;b&gt; <span class="nowrap">[mm]</span>'),
     ],
 )
 def test_numbers_are_written_for_reading(written, expected):

@@ -7,8 +7,8 @@ from crankbase.errors import InputError
 from crankfem.analyses.vibration.plots.response_plots import plot_over_speed, plot_response_campbell
 from dynamics.chains.chain import Chain
 from dynamics.response.damping import damped
-from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.resonance import resonances
 
 TWO = Chain([1.0, 1.0], [2e4], names=["pulley", "flywheel"])  # 200 rad/s

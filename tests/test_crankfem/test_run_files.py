@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from crankbase.errors import InputError
-from crankbase.outputs import LISTED, files_of_a_run, replacing_files, write_text
+from crankbase.outputs import LISTED, recording_run_files, replacing_files, write_text
 from crankfem.jobs.run_files import (
     MODEL,
     PICTURED,
@@ -41,7 +41,7 @@ def finished(tmp_path):
     """The folder of a finished run, with a file of the user's among the pictures."""
     folder = make_folder(tmp_path / "run")
     (folder / STORE).write_text("old", encoding="utf-8")
-    with files_of_a_run():
+    with recording_run_files():
         for name, kind in LEFT.items():
             write_text(folder / name, "old", kind)
     (folder / "pictures" / "mine.png").write_text("mine", encoding="utf-8")

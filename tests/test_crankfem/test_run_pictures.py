@@ -3,7 +3,7 @@
 import pytest
 
 from crankbase.errors import InputError, MissingLibraryError, RenderError
-from crankbase.outputs import written
+from crankbase.outputs import atomic_file
 from crankfem.analyses.throw.pictures import offscreen
 from crankfem.analyses.throw.pictures.offscreen import ADVICE, OffscreenProcess, render_failure
 from crankfem.jobs.run_pictures import Pictures, Renderings
@@ -25,7 +25,7 @@ def write(path):
 
 
 def write_half_and_fail(path):
-    with written(path, "picture") as part:
+    with atomic_file(path, "picture") as part:
         write(part)
         raise ValueError("no such thing")
 
@@ -86,14 +86,14 @@ def test_an_interrupt_is_no_picture_that_fails(pictures):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        pictures.tried("picture", interrupt)
+        pictures.attempt("picture", interrupt)
 
 
 def test_with_the_traceback_asked_for_it_is_shown(pictures, monkeypatch, capsys):
-    pictures.tried("picture", fail)
+    pictures.attempt("picture", fail)
     assert "Traceback" not in capsys.readouterr().err
     monkeypatch.setenv("CRANKFEM_TRACEBACK", "1")
-    pictures.tried("picture", fail)
+    pictures.attempt("picture", fail)
     assert "Traceback" in capsys.readouterr().err
 
 

@@ -9,7 +9,7 @@ import pytest
 from comparing import close
 from crankfem.analyses.shaft.shaft_surroundings import shaft_surroundings
 from crankfem.analyses.shaft.whole_damping import modal_damping
-from crankfem.analyses.shaft.whole_shaft import left_out, shaft_response
+from crankfem.analyses.shaft.whole_shaft import shaft_response, unmodeled_sections
 from crankfem.analyses.vibration.engine_limits import even_firing_interval
 from crankfem.analyses.vibration.modes import axial_weights
 from crankfem.files.engine.engine_file import load_engine
@@ -193,8 +193,8 @@ def test_cylinders_act_on_the_pins_and_with_the_damping_of_the_file(two_pins):
 def test_what_only_the_chains_know(tmp_path):
     text = ALL.replace('\n[propeller_forces]\nnode = "propeller"\nmean_thrust = "1 kN"\n', "")
     engine, *_ = around(text, tmp_path=tmp_path)
-    assert left_out(engine) == ("[shaft_line]",)
-    assert left_out(load_engine("6chn25-34")) == ()
+    assert unmodeled_sections(engine) == ("[shaft_line]",)
+    assert unmodeled_sections(load_engine("6chn25-34")) == ()
 
 
 def test_axial_work_of_a_radial_force_counts_all_throws_that_it_lengthens():

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import crankfem as cf
-from crankbase.summaries import summarized, text_of
+from crankbase.summaries import summarized, summary_text
 
 MOST = 400
 # What a field may hold of which the usual text of a dataclass stays short.
@@ -25,7 +25,7 @@ NESTED = {"CrossheadEngine", "EngineMagnifier", "Limit", "MainBearings", "ShaftC
 @given(st.lists(st.text(max_size=90), max_size=60), st.from_regex(r"\A[A-Z][a-z]{0,30}\Z"))
 def test_a_text_keeps_to_three_lines(parts, name):
     parts = [re.sub(r"\s", " ", part)[:90] for part in parts]
-    text = text_of(name, parts)
+    text = summary_text(name, parts)
     assert text.startswith(name)
     assert len(text.splitlines()) <= 3 or any(len(part.splitlines()) > 1 for part in parts)
     assert len(text) <= MOST

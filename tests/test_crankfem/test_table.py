@@ -53,6 +53,6 @@ def test_a_row_has_a_cell_for_each_column():
 
 def test_columns_are_picked_by_name():
     table = Table("t", [Column("a"), Column("b")], [[1.0, 2.0]], marks=["over"])
-    picked = table.only("b")
+    picked = table.select("b")
     assert [column.name for column in picked.columns] == ["b"]
     assert (picked.texts(), picked.marks) == ([["2"]], ["over"])

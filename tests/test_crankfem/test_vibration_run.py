@@ -11,7 +11,7 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional_chain
 from crankfem.analyses.vibration.assessment import assess
-from crankfem.analyses.vibration.excitation import engine_harmonics
+from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.forced import forced_vibrations, nominal_section_modulus
 from crankfem.analyses.vibration.forced_records import forced_columns, forced_record
 from crankfem.analyses.vibration.records import run_record
@@ -23,7 +23,7 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
 from crankfem.files.reading.data_files import engine_path
 from crankfem.report.interactive.vibration import VIBRATION
-from dynamics.excitation.on_chains import axial_excitation
+from dynamics.excitation.chain_excitation import axial_excitation
 from dynamics.response.forced import forced_response
 from dynamics.torque.torque import engine_torque
 from fem.analysis import analyze_throw

@@ -25,8 +25,8 @@ from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     highest_exciting_frequency,
     shaft_response,
-    whole_beside,
     whole_shaft,
+    whole_shaft_remark,
 )
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.mechanism_file import load_mechanism
@@ -200,15 +200,17 @@ def test_difference_of_the_whole_shaft_is_told_beside_the_verdict():
         return chain_verdict([match], ResponseMatch(kind, speeds, *peaks))
 
     good = verdict("axial", 1e-4, 1.01e-4)
-    assert whole_beside(ShaftComparison(None, good, verdict("torsional", 1e-2, 1.05e-2))) == ()
+    assert (
+        whole_shaft_remark(ShaftComparison(None, good, verdict("torsional", 1e-2, 1.05e-2))) == ()
+    )
     bad = ShaftComparison(None, good, verdict("torsional", 13.1e-3, 8.752e-3, (118.5, 126.4)))
-    assert whole_beside(bad) == (
+    assert whole_shaft_remark(bad) == (
         "Judged with chains; the whole crankshaft differs: torsional amplitude of the free end 8.75 instead "
         "of 13.1 mrad.",
     )
     other = verdict("axial", 1.266e-3, 1.27e-3, (105.6, 115.0))
     mixed = verdict("torsional", 1e-2, 1e-2, share=0.48)
-    (said,) = whole_beside(ShaftComparison(None, other, mixed))
+    (said,) = whole_shaft_remark(ShaftComparison(None, other, mixed))
     assert "torsional mode 1 is torsional by 48 % only; axial mode 1 at 115.0 instead of" in said
-    (said,) = whole_beside(ShaftComparison(None, verdict("axial", 1.266e-3, np.inf)))
+    (said,) = whole_shaft_remark(ShaftComparison(None, verdict("axial", 1.266e-3, np.inf)))
     assert "axial amplitude of the free end unbounded instead of 1266 um" in said

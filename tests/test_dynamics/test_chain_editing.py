@@ -4,6 +4,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
+from dynamics.chains.connections import Dashpot, Gear
 from dynamics.chains.editing import (
     add_node,
     find_node,
@@ -15,7 +16,6 @@ from dynamics.chains.editing import (
     with_inertia,
     with_names,
 )
-from dynamics.chains.links import Dashpot, Gear
 
 
 @pytest.fixture

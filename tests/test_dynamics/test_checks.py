@@ -35,7 +35,7 @@ from dynamics.excitation.pressure_map import PressureMap
 from dynamics.excitation.propeller import PropellerForces, propeller_excitation
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.mechanism.rods import ConnectingRod
-from dynamics.response.excitation import OrderExcitation
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.running_limits import at_most, within
 from dynamics.torque.pin_harmonics import pin_force_harmonics
 from dynamics.torque.star import star_diagram

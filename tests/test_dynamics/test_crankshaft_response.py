@@ -31,8 +31,8 @@ from dynamics.crankshaft.surroundings import (
     MainBearings,
     ShaftSurroundings,
 )
-from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
+from dynamics.response.order_excitation import OrderExcitation
 
 RADIUS, LENGTH = 0.15, 0.4
 AXIAL, TWIST, MASS, INERTIA = 1e9, 2e7, 100.0, 3.0

@@ -5,7 +5,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.assessment.damper_search import Tried, thinned
+from dynamics.assessment.damper_search import TrialSize, without_close_sizes
 from dynamics.assessment.damper_sizing import (
     size_axial_damper,
     size_rubber_damper,
@@ -20,7 +20,7 @@ from dynamics.assessment.response_curves import (
 )
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import ViscousDamper
-from dynamics.response.excitation import OrderExcitation
+from dynamics.response.order_excitation import OrderExcitation
 
 MAIN = Chain([1.0], [], {0: 1.0}, connections=[], names=["main"])
 SPEEDS = np.linspace(0.4, 1.6, 121)
@@ -57,9 +57,11 @@ def test_axial_damper_at_a_node_can_be_too_strong():
 
 
 def test_sizes_of_a_searchs_end_are_told_once():
-    tried = [Tried(size, np.empty(0), 2.0 - size) for size in (0.1, 0.5, 0.999, 1.001, 1.002, 3.0)]
-    assert [one.size for one in thinned(tried)] == [0.1, 0.5, 1.001, 3.0]
-    assert thinned(tried[:1]) == tuple(tried[:1])
+    tried = [
+        TrialSize(size, np.empty(0), 2.0 - size) for size in (0.1, 0.5, 0.999, 1.001, 1.002, 3.0)
+    ]
+    assert [one.size for one in without_close_sizes(tried)] == [0.1, 0.5, 1.001, 3.0]
+    assert without_close_sizes(tried[:1]) == tuple(tried[:1])
 
 
 def test_a_free_nodes_amplitude_is_with_or_without_the_rigid_body():

@@ -16,7 +16,7 @@ from dynamics.chains.absorber_optima import (
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.chains.editing import with_damper
-from dynamics.response.harmonic import harmonic_answer
+from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import chain_system
 
 # Main inertia 1, spring 1: frequency 1, static deflection 1 per unit torque.
@@ -27,7 +27,7 @@ SPEEDS = np.linspace(0.5, 1.4, 3001)
 def peak(chain, node=0, speeds=SPEEDS):
     forces = np.zeros((speeds.size, len(chain.names)), dtype=complex)
     forces[:, node] = 1.0
-    motion = harmonic_answer(chain_system(chain), speeds, forces).motion
+    motion = harmonic_response(chain_system(chain), speeds, forces).motion
     return np.max(np.abs(motion[:, node]))
 
 

@@ -9,23 +9,23 @@ from dynamics.chains.engine_chains import axial_chain, torsional_chain
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.axial_comparison import compare_axial_forces
-from dynamics.excitation.combined import combined_excitation
-from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
-from dynamics.excitation.cylinders import forces_at_speeds
-from dynamics.excitation.on_chains import (
+from dynamics.excitation.chain_excitation import (
     axial_excitation,
     axial_throw_forces,
     node_torques,
     torque_excitation,
 )
+from dynamics.excitation.combined_excitation import combined_excitation
+from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
+from dynamics.excitation.cylinders import forces_at_speeds
 from dynamics.excitation.torsion_to_axial import (
     axial_excitation_of_torsion,
     tangential_towards_flywheel,
     torsion_influence,
 )
 from dynamics.mechanism.rods import ConnectingRod
-from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
+from dynamics.response.order_excitation import OrderExcitation
 
 ROD = ConnectingRod(0.25, 2.0, 0.08, 0.02, 0.004)
 RADIUS = 0.07

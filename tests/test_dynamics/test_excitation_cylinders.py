@@ -15,7 +15,7 @@ from dynamics.engine.motions import reduced_inertia
 from dynamics.excitation.cylinder_harmonics import cylinder_harmonics
 from dynamics.excitation.cylinders import cylinder_forces
 from dynamics.excitation.engine_load import propeller_load
-from dynamics.excitation.motored import motored_from_compression
+from dynamics.excitation.motored_pressure import motored_from_compression
 from dynamics.gas.cycle_values import usual_gas_cycle
 from dynamics.gas.cylinder_volume import cylinder_volume
 from dynamics.gas.gas_cycle import gas_cycle

@@ -8,9 +8,9 @@ from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.harmonics import harmonics
 from dynamics.response.damping import damped
-from dynamics.response.excitation import OrderExcitation, phasors_of
 from dynamics.response.forced import forced_response
 from dynamics.response.loads import alternating_stress, element_loads, section_modulus
+from dynamics.response.order_excitation import OrderExcitation, phasors_of
 from dynamics.response.power import power_balance
 from dynamics.response.resonance import resonances
 

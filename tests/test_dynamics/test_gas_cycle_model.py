@@ -12,7 +12,7 @@ from crankbase.errors import InputError
 from dynamics.gas.closed_cycle import (
     closed_pressure,
     motored_pressure,
-    rise_per_heat,
+    pressure_rise_per_heat,
 )
 from dynamics.gas.cycle_values import USUAL_VALUES, assumption_remarks, usual_gas_cycle
 from dynamics.gas.cylinder_volume import cylinder_volume
@@ -101,7 +101,7 @@ def burnt_share(cycle, angles):
     """
     cycle = replace(cycle, heat_capacity_ratio=1.0 + 2.0**-36)
     law = cylinder_volume(position, AREA, 15.0)
-    return rise_per_heat(cycle, law, angles) * law.at(angles) * 2.0**36
+    return pressure_rise_per_heat(cycle, law, angles) * law.at(angles) * 2.0**36
 
 
 @given(st.floats(0.0, 5.0), st.floats(0.6, 0.9999), st.floats(-40.0, 10.0), st.floats(5.0, 110.0))
@@ -204,8 +204,8 @@ def test_pressure_solves_the_equation_of_the_first_law(shape, volume):
 
 def test_pressure_is_found_at_any_angle_alone(volume):
     angles = np.radians([40.0, -3.0, 100.0, -90.0, 3.0])
-    together = rise_per_heat(FOUR, volume, angles)
-    alone = [rise_per_heat(FOUR, volume, [angle])[0] for angle in angles]
+    together = pressure_rise_per_heat(FOUR, volume, angles)
+    alone = [pressure_rise_per_heat(FOUR, volume, [angle])[0] for angle in angles]
     # Other parts of the same integral: its own accuracy.
     assert together == close(np.array(alone), rel=1e-10)
     assert together[3] == 0.0

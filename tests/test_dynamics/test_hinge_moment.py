@@ -18,7 +18,7 @@ from dynamics.engine.forces import mechanism_forces
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.gas_force import piston_gas_force, two_stroke_cycle
 from dynamics.hinge.moment import hinge_moment
-from dynamics.hinge.reduced import KINEMATICS, reduced_crank
+from dynamics.hinge.reduced_crank import KINEMATICS, reduced_crank
 from dynamics.mechanism.rods import ConnectingRod
 
 ROD = ConnectingRod(1.55, 150.0, 0.8, 50.0)

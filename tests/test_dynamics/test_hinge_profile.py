@@ -13,9 +13,14 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.moment import hinge_moment
-from dynamics.hinge.polar import check_roller, outer_parallel, polar_curvature, smallest_hollow
+from dynamics.hinge.polar_curves import (
+    check_roller,
+    outer_parallel,
+    polar_curvature,
+    smallest_hollow,
+)
 from dynamics.hinge.profile import hinge_profile
-from dynamics.hinge.reduced import reduced_crank
+from dynamics.hinge.reduced_crank import reduced_crank
 from dynamics.hinge.spring import GasSpring
 from dynamics.mechanism.rods import ConnectingRod
 

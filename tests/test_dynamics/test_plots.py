@@ -45,15 +45,15 @@ from dynamics.harmonics import harmonics
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.moment import hinge_moment
 from dynamics.hinge.profile import hinge_profile
-from dynamics.hinge.running import SteadyHingeTurn
+from dynamics.hinge.simulation import SteadyHingeTurn
 from dynamics.hinge.spring import GasSpring
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.plots.stars import KIND_COLORS
 from dynamics.response.campbell_diagram import campbell_diagram
 from dynamics.response.damping import damped
-from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
 from dynamics.response.loads import element_loads
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.power import power_balance
 from dynamics.response.resonance import resonances
 from dynamics.torque.pin_harmonics import pin_force_harmonics

@@ -9,9 +9,9 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
+from dynamics.excitation.calculated_pressure_map import pressure_map_from_cycles
 from dynamics.excitation.cylinders import cylinder_forces
 from dynamics.excitation.engine_load import propeller_load
-from dynamics.excitation.map_from_cycles import pressure_map_from_cycles
 from dynamics.excitation.pressure_map import pressure_map
 from dynamics.gas.cycle_values import usual_gas_cycle
 from dynamics.gas.gas_cycle import gas_cycle

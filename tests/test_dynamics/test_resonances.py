@@ -7,8 +7,8 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.response.damping import damped
-from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.resonance import resonances
 from dynamics.response.speed_grid import refined_speeds
 

@@ -5,7 +5,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.response.excitation import at_angles
+from dynamics.response.order_excitation import at_angles
 from dynamics.response.synthesis import PEAK_ERROR_BOUND, common_order, synthesis
 
 ONE = np.array([100.0])

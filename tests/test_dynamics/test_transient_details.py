@@ -9,17 +9,17 @@ import pytest
 
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
+from dynamics.chains.connections import Gear
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.chains.links import Gear
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.layout import EngineLayout
+from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinders import cylinder_forces
-from dynamics.excitation.on_chains import torque_excitation
 from dynamics.gas.pressure import gas_pressure
 from dynamics.mechanism.rods import ConnectingRod
-from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
-from dynamics.transient.acting import LoadStep
+from dynamics.response.order_excitation import OrderExcitation
+from dynamics.transient.applied_forces import LoadStep
 from dynamics.transient.run import transient_motion
 from dynamics.transient.speed_curve import SpeedCurve
 from dynamics.transient.steady import steady_motion

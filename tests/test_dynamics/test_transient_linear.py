@@ -10,10 +10,10 @@ import pytest
 
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from dynamics.chains.links import Dashpot, Gear
-from dynamics.response.excitation import OrderExcitation
+from dynamics.chains.connections import Dashpot, Gear
 from dynamics.response.forced import forced_response
-from dynamics.transient.acting import LoadStep
+from dynamics.response.order_excitation import OrderExcitation
+from dynamics.transient.applied_forces import LoadStep
 from dynamics.transient.envelope import envelope_over
 from dynamics.transient.run import transient_motion
 from dynamics.transient.speed_curve import SpeedCurve

@@ -9,8 +9,8 @@ from crankfem.analyses.vibration.plots.transient_plots import (
     plot_transient_over_speed,
 )
 from dynamics.chains.chain import Chain
-from dynamics.response.excitation import OrderExcitation
 from dynamics.response.linear_system import chain_system
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.transient.run import transient_motion
 from dynamics.transient.speed_curve import SpeedCurve
 

@@ -17,8 +17,8 @@ from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.forces import rod_models
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import reduced_inertia
+from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinders import cylinder_forces
-from dynamics.excitation.on_chains import torque_excitation
 from dynamics.gas.pressure import gas_pressure
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.response.forced import forced_response

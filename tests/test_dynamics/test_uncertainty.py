@@ -16,7 +16,7 @@ from dynamics.assessment.uncertainty import (
     sampled_factors,
 )
 from dynamics.chains.chain import Chain
-from dynamics.chains.links import Dashpot, Gear
+from dynamics.chains.connections import Dashpot, Gear
 
 # A geared and branched shaft with all that a chain can have.
 CHAIN = Chain(

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from fem.assembly import assemble_stiffness
-from fem.class_compliances import axial_answers
+from fem.class_compliances import class_axial_compliances
 from fem.condensation import condense, nodes_on
 from fem.loads import RADIAL, uniform_pin_loads, unit_pin_loads
 from fem.material import STEEL
@@ -137,6 +137,6 @@ def axial_compliance():
         mesh = mesh_throw(throw, size_factor)
         matrix = assemble_stiffness(mesh.points, mesh.elements, material)
         part = condense(mesh, matrix, unit_pin_loads(mesh), axial_class(mesh.part))
-        return axial_answers(part, "pinned")[0]
+        return class_axial_compliances(part, "pinned")[0]
 
     return compute

@@ -7,7 +7,7 @@ import fem.accuracy
 from comparing import close
 from crankbase.errors import InputError
 from crankbase.stopwatch import Stopwatch
-from fem.accuracy import Problem, solve_level, solve_to
+from fem.accuracy import Problem, solve_level, solve_to_accuracy
 from fem.analysis import analyze_axial, analyze_throw
 from fem.material import STEEL, Material
 from fem.refinement import refined_sizes
@@ -174,7 +174,7 @@ def test_error_estimate_covers_the_true_error(dimensions, radius, accuracies, fi
     """
     throw = CrankThrow(**dimensions | ({} if radius is None else {"fillet_radius": radius}))
     problem = Problem(STEEL, "auto", "rigid", Stopwatch())
-    judged = [solve_to(throw, accuracy, problem) for accuracy in accuracies]
+    judged = [solve_to_accuracy(throw, accuracy, problem) for accuracy in accuracies]
     sizes = refined_sizes(judged[-1].mesh, judged[-1].errors, finest)
     coarser, finer = (
         solve_level(mesh_throw(throw, factor, sizes=sizes), problem) for factor in (1.0, 0.75)

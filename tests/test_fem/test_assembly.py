@@ -9,7 +9,7 @@ from crankbase.errors import InputError
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.elements import QUADRATURE_ORDER, element_stiffnesses, physical_gradients
 from fem.material import STEEL, Material
-from geometry.mending import EDGES
+from geometry.mesh_repair import EDGES
 from geometry.shapes import shapes_for_quadrature
 
 SOFT = Material(youngs_modulus=7e10, poisson_ratio=0.45, density=2700.0)

@@ -16,7 +16,7 @@ from crankbase.errors import InputError
 from fem import fillet_stress
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.condensation import nodes_on
-from fem.fillet_mesh import fillet_element, finer_at, measured_sizes
+from fem.fillet_mesh import fillet_element, measured_sizes, refine_at
 from fem.fillet_stress import fillet_stresses
 from fem.fillet_surface import fillet_points, fillet_surface
 from fem.fillets import sharp_corners, throw_fillets
@@ -30,7 +30,7 @@ from fem.principal import (
     principal_stresses,
     von_mises,
 )
-from fem.surface_stress import smallest_turns, surface_stress, tangent_frames
+from fem.surface_stress import smallest_rotations, surface_stress, tangent_frames
 from fem.unit_loads import solve_unit_loads, unit_loads, whole_facets, whole_nodes
 from geometry.facets import six_node_triangles
 from geometry.mesh import mesh_throw
@@ -177,7 +177,7 @@ def test_frames_and_smallest_turns():
     assert np.linalg.det(frames) == close(1.0)
     assert np.array_equal(frames[:, 2], normals)
     others = normals[::-1]
-    turns = smallest_turns(normals, others)
+    turns = smallest_rotations(normals, others)
     assert turns @ turns.swapaxes(1, 2) == close(identity, abs=1e-9)
     assert np.einsum("nij,nj->ni", turns, normals) == close(others, abs=1e-12)
     cosine = 0.5 * (np.trace(turns, axis1=1, axis2=2) - 1.0)
@@ -397,7 +397,7 @@ def test_sizes_grow_from_where_they_are_small(mesh):
     edges = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)
     assert np.median(sizes.sizes[sizes.tetrahedra].mean(axis=1) / edges) == close(1.0, abs=0.2)
     place = sizes.points[5]
-    finer = finer_at(sizes, [(place[None], 0.001), (np.empty((0, 3)), 1e-9)])
+    finer = refine_at(sizes, [(place[None], 0.001), (np.empty((0, 3)), 1e-9)])
     assert finer.sizes[5] == 0.001
     assert np.all(finer.sizes <= sizes.sizes)
     distance = np.linalg.norm(sizes.points - place, axis=1)

@@ -13,7 +13,7 @@ from comparing import close
 from fem.assembly import symmetric_product
 from fem.mass_matrix import QUADRATURE_ORDER, assemble_mass, element_masses
 from geometry.mass import mass_properties, mesh_mass_properties
-from geometry.mending import EDGES
+from geometry.mesh_repair import EDGES
 from geometry.shapes import element_quadrature, shapes_for_quadrature
 
 DENSITY = 7850.0

@@ -15,7 +15,7 @@ from fem.class_modes import ClassModes, PartMatrices, class_problem, frequencies
 from fem.condensation import blocked_unknowns
 from fem.material import STEEL
 from fem.mode_names import end_motions_of, name_of_motion
-from fem.modes import _lowest_of_all, free_modes, rigid_count
+from fem.modes import _lowest_modes, free_modes, rigid_count
 from fem.solver import SolveError
 from fem.symmetry import SymmetryClass, symmetry_classes
 from geometry.mesh import mesh_throw
@@ -195,7 +195,7 @@ def test_enough_of_each_class_is_sought():
             squares = np.concatenate([np.zeros(rigid_count(symmetry)), ladders[symmetry][:elastic]])
             return ClassModes(symmetry, squares, np.zeros((1, 3, len(squares))), squares, "")
 
-        found = _lowest_of_all(solve, symmetries, count)
+        found = _lowest_modes(solve, symmetries, count)
         elastic = np.sort(np.concatenate([m.squares[rigid_count(m.symmetry) :] for m in found]))
         expected = np.sort(np.concatenate(list(ladders.values())))
         assert np.array_equal(elastic[:count], expected[:count])

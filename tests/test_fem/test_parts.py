@@ -9,7 +9,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from fem.analysis import analyze_throw
-from fem.class_compliances import axial_answers, torsional_answer
+from fem.class_compliances import class_axial_compliances, class_torsional_compliance
 from fem.loads import radial_directions, uniform_pin_loads
 from fem.responses import evaluate_throw
 from fem.shaft import shaft_compliances, solve_shaft
@@ -140,8 +140,8 @@ def test_few_classes_are_enough_for_these_supports(request, kind, support):
         part = {4: "quarter", 2: "half", 1: "full"}[copies]
         by_class = {found.symmetry: found for found in classes}
         expected = support_throw(superelement, support)
-        axial, influence = axial_answers(by_class[axial_class(part)], support)
-        torsional = torsional_answer(by_class[torsional_class(part)], support)
+        axial, influence = class_axial_compliances(by_class[axial_class(part)], support)
+        torsional = class_torsional_compliance(by_class[torsional_class(part)], support)
         assert axial == close(expected.axial, rel=1e-9)
         assert influence == close(expected.influence, rel=1e-9)
         assert torsional == close(expected.torsional, rel=1e-9)

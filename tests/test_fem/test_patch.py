@@ -21,8 +21,8 @@ from fem.assembly import assemble_stiffness, symmetric_product
 from fem.elements import physical_gradients
 from fem.material import STEEL
 from fem.solver import solve_symmetric
-from geometry.mending import EDGES
 from geometry.mesh import mesh_throw
+from geometry.mesh_repair import EDGES
 from geometry.shapes import shapes_for_quadrature
 from geometry.throw import CrankThrow
 

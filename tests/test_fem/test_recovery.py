@@ -28,7 +28,7 @@ from fem.recovery import energy_errors, recovered_stress, strain_energy, stresse
 from fem.solver import solve_symmetric
 from fem.supports import support_throw
 from fem.symmetry import axial_class
-from geometry.mending import EDGES
+from geometry.mesh_repair import EDGES
 from geometry.shapes import shapes_for_quadrature
 
 # xx, yy, zz, xy, yz, zx of a 3 x 3 matrix.

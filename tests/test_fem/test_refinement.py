@@ -24,7 +24,7 @@ from fem.accuracy import (
     SAFETY,
     Problem,
     solve_level,
-    solve_to,
+    solve_to_accuracy,
 )
 from fem.material import STEEL
 from fem.recovery import EnergyErrors
@@ -280,19 +280,19 @@ class Recorder:
 
 def test_one_mesh_is_enough_where_it_is_accurate_enough(throw, mesh, level):
     mesher = Recorder(mesh)
-    found = solve_to(throw, 0.1, PROBLEM, mesher)
+    found = solve_to_accuracy(throw, 0.1, PROBLEM, mesher)
     assert mesher.asked == [(FIRST_FILLETED, "auto", None)]
     assert found.error_estimate == level.error_estimate == SAFETY * level.errors.relative
     assert found.axial == level.axial
     sharp = Recorder(mesh)
-    solve_to(throw.model_copy(update={"fillet_radius": 0.0}), 0.1, PROBLEM, sharp)
+    solve_to_accuracy(throw.model_copy(update={"fillet_radius": 0.0}), 0.1, PROBLEM, sharp)
     assert sharp.asked == [(FIRST_SHARP, "auto", None)]
 
 
 def test_a_mesh_that_gets_no_better_ends_the_search(throw, mesh, level):
     """The first one stays, and says how far off it is."""
     mesher = Recorder(mesh)
-    found = solve_to(throw, 0.02, PROBLEM, mesher)
+    found = solve_to_accuracy(throw, 0.02, PROBLEM, mesher)
     assert len(mesher.asked) == 2
     factor, part, sizes = mesher.asked[1]
     assert (factor, part) == (1.0, "auto")
@@ -305,7 +305,7 @@ def test_meshes_stay_within_the_budget(throw, mesh, monkeypatch):
     """Sizes are scaled so that no more unknowns are expected than allowed; the first mesh's too."""
     monkeypatch.setattr(fem.accuracy, "MOST_UNKNOWNS", 5_000)
     mesher = Recorder(mesh)
-    solve_to(throw, 0.001, PROBLEM, mesher)
+    solve_to_accuracy(throw, 0.001, PROBLEM, mesher)
     first, (factor, _, sizes) = mesher.asked[0][0], mesher.asked[1]
     assert expected_unknowns(throw, first) <= 5_000 < expected_unknowns(throw, first / 1.2)
     assert factor > 1.0

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from fem.class_compliances import axial_answers, torsional_answer
+from fem.class_compliances import class_axial_compliances, class_torsional_compliance
 from fem.shaft import assemble_shaft, free_unknowns
 from fem.superelement import RX, RY, RZ, UZ
 from fem.supports import Neighbors, reactions, support_throw
@@ -168,10 +168,10 @@ def test_turning_the_throw_changes_nothing(superelement):
 @pytest.mark.parametrize("support", ["pinned", "guided"])
 def test_two_classes_are_enough_for_these_supports(superelement, classes, support):
     expected = support_throw(superelement, support)
-    axial, influence = axial_answers(classes[0], support)
+    axial, influence = class_axial_compliances(classes[0], support)
     assert axial == close(expected.axial, rel=1e-10)
     assert influence == close(expected.influence, rel=1e-10)
-    assert torsional_answer(classes[-1], support) == close(expected.torsional, rel=1e-10)
+    assert class_torsional_compliance(classes[-1], support) == close(expected.torsional, rel=1e-10)
 
 
 def test_lengthening_under_radial_force_is_the_pins_motion_under_axial_force(superelement):

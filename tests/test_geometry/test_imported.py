@@ -9,7 +9,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError, MeshError
 from fem.assembly import assemble_stiffness
-from fem.class_compliances import axial_answers
+from fem.class_compliances import class_axial_compliances
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
@@ -23,7 +23,7 @@ from geometry.imported_mesh import (
 )
 from geometry.isolated import IsolatedProcess, shared_process
 from geometry.mass import mass_properties
-from geometry.mesh import LADDER, mesh_throw
+from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.shapes import element_volumes
 from geometry.solid import (
     BORE,
@@ -640,9 +640,9 @@ def test_the_mesh_is_the_same_in_another_process(imported, mesh):
 def test_failed_ways_are_passed_over_and_recorded(imported):
     mesh = mesh_imported_from(imported, 2.5, None, ("as planned: it took too long",))
     assert mesh.attempts == ("as planned: it took too long",)
-    assert mesh.size_factor == close(2.5 * LADDER[1].share)
+    assert mesh.size_factor == close(2.5 * MESHING_STRATEGIES[1].share)
     with pytest.raises(MeshError, match="6 ways of meshing the throw failed"):
-        mesh_imported_from(imported, 2.5, None, ("no",) * len(LADDER))
+        mesh_imported_from(imported, 2.5, None, ("no",) * len(MESHING_STRATEGIES))
 
 
 def test_too_fine_a_mesh_is_refused(imported):
@@ -667,7 +667,7 @@ def test_surfaces_that_are_elsewhere_are_noticed(imported):
     names |= {LEFT_END: names[RIGHT_END], RIGHT_END: names[LEFT_END]}
     wrong = replace(imported, surfaces=tuple(names.items()))
     with pytest.raises(MeshError, match="'left end' of the file is not where it was"):
-        mesh_imported_from(wrong, 3.0, None, ("no",) * (len(LADDER) - 1))
+        mesh_imported_from(wrong, 3.0, None, ("no",) * (len(MESHING_STRATEGIES) - 1))
 
 
 @pytest.mark.slow
@@ -689,7 +689,9 @@ def test_nothing_is_left_behind_in_this_process(throw, plain, imported):
 def axial_compliance(mesh):
     matrix = assemble_stiffness(mesh.points, mesh.elements, STEEL)
     part = condense(mesh, matrix, unit_pin_loads(mesh), axial_class(mesh.part))
-    return SimpleNamespace(value=axial_answers(part, "pinned")[0], factor=mesh.size_factor)
+    return SimpleNamespace(
+        value=class_axial_compliances(part, "pinned")[0], factor=mesh.size_factor
+    )
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ from comparing import close
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError, MeshError
 from geometry.isolated import IsolatedProcess, shared_process
-from geometry.mesh import LADDER, mesh_throw
+from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
 
@@ -141,7 +141,7 @@ def test_if_every_way_hangs_it_is_said(dimensions, monkeypatch):
 
     monkeypatch.setattr(process, "call", late)
     with pytest.raises(
-        MeshError, match=f"{len(LADDER)} ways .* took longer than the limit of 60 s"
+        MeshError, match=f"{len(MESHING_STRATEGIES)} ways .* took longer than the limit of 60 s"
     ):
         mesh_isolated(CrankThrow(**dimensions), 2.0, process=process)
 

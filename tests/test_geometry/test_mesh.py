@@ -12,9 +12,9 @@ import geometry.mesh
 import geometry.mesh_checks
 from comparing import close
 from crankbase.errors import InputError, MeshError
-from geometry.mending import EDGES, corner_quality, mend, smallest_jacobians
-from geometry.mesh import LADDER, mesh_throw, mesh_throw_from
+from geometry.mesh import MESHING_STRATEGIES, mesh_throw, mesh_throw_from
 from geometry.mesh_checks import check_quality, check_volume
+from geometry.mesh_repair import EDGES, corner_quality, smallest_jacobians, straighten_elements
 from geometry.shapes import element_quadrature, element_volumes
 from geometry.solid import (
     CRANK_PLANE,
@@ -215,7 +215,7 @@ def test_mending_straightens_what_curving_turned_inside_out():
     kept = elements[0, 4]
     points[kept] += (0.0, 0.0, 0.02)
     assert smallest_jacobians(points, elements).min() < 0.0
-    mended_points, mended = mend(points, elements)
+    mended_points, mended = straighten_elements(points, elements)
     assert smallest_jacobians(mended_points, elements).min() > 0.05
     assert mended == np.count_nonzero(smallest_jacobians(points, elements) < 0.05)
     assert np.array_equal(mended_points[shared], straight[shared])
@@ -225,7 +225,7 @@ def test_mending_straightens_what_curving_turned_inside_out():
 def test_mending_leaves_sound_meshes_alone():
     points, elements = straight_tetrahedra(CORNERS, TWO)
     points[elements[0, 4]] += (0.0, 0.0, 0.02)
-    mended_points, mended = mend(points, elements)
+    mended_points, mended = straighten_elements(points, elements)
     assert mended == 0
     assert np.array_equal(mended_points, points)
 
@@ -233,7 +233,7 @@ def test_mending_leaves_sound_meshes_alone():
 def test_what_cannot_be_mended_is_refused():
     points, elements = straight_tetrahedra(CORNERS, [(1, 0, 2, 3)])
     with pytest.raises(MeshError, match="stay inside out"):
-        mend(points, elements)
+        straighten_elements(points, elements)
 
 
 def test_mended_elements_are_counted(dimensions):
@@ -259,10 +259,10 @@ def test_a_mesh_that_misses_the_volume_is_made_again_finer(dimensions, monkeypat
     assert mesh.attempts == ("as planned: refused",)
 
 
-@pytest.mark.parametrize("rung", range(len(LADDER)))
+@pytest.mark.parametrize("rung", range(len(MESHING_STRATEGIES)))
 def test_every_way_of_meshing_gives_the_same_part(dimensions, rung):
     throw = CrankThrow(**dimensions, pin_bore=0.06)
-    failed = tuple(f"{way.what}: tried elsewhere" for way in LADDER[:rung])
+    failed = tuple(f"{way.what}: tried elsewhere" for way in MESHING_STRATEGIES[:rung])
     mesh = mesh_throw_from(throw, 1.2, "auto", None, failed)
     assert mesh.attempts[:rung] == failed
     assert 4.0 * mesh.solid.volume == close(throw.volume, rel=1e-9)
@@ -273,7 +273,7 @@ def test_a_hopeless_mesh_is_an_error_that_says_what_was_tried(dimensions, monkey
         raise MeshError("refused")
 
     monkeypatch.setattr(geometry.mesh, "check_volume", refuse)
-    with pytest.raises(MeshError, match=f"{len(LADDER)} ways .* refused"):
+    with pytest.raises(MeshError, match=f"{len(MESHING_STRATEGIES)} ways .* refused"):
         mesh_throw(CrankThrow(**dimensions), 3.0)
 
 

@@ -12,15 +12,15 @@ from crankbase import outputs
 from crankbase.errors import InputError
 from crankbase.outputs import (
     LISTED,
+    atomic_file,
     check_output,
     copy_file,
     files_listed,
-    files_of_a_run,
-    hand_over,
     protected,
+    recording_run_files,
     replacing_files,
     write_text,
-    written,
+    write_user_file,
 )
 
 
@@ -179,7 +179,7 @@ def test_a_name_that_can_be_foretold_leads_nowhere(file, tmp_path):
         (tmp_path / name).symlink_to("victim")
     seen = []
     for _ in range(2):
-        with written(file, "table") as part:
+        with atomic_file(file, "table") as part:
             seen.append(part.name)
             assert part.parent == file.parent
             assert part.suffix == file.suffix
@@ -193,7 +193,7 @@ def test_what_fails_leaves_what_was_there(file, error):
     write_text(file, "old", "table")
 
     def write():
-        with written(file, "table") as part:
+        with atomic_file(file, "table") as part:
             part.write_text("half", encoding="utf-8")
             raise error
 
@@ -233,7 +233,7 @@ def test_a_program_that_dies_leaves_a_file_that_the_next_one_knows(file, monkeyp
 
 def test_a_file_put_there_meanwhile_stays(file):
     def write():
-        with written(file, "table") as part:
+        with atomic_file(file, "table") as part:
             part.write_text("new", encoding="utf-8")
             file.write_text("mine", encoding="utf-8")
 
@@ -256,7 +256,7 @@ def test_a_pipe_takes_what_it_is_given(tmp_path):
 
 def test_a_list_names_nothing_outside_its_folder(tmp_path):
     (tmp_path / "in").mkdir()
-    with files_of_a_run():
+    with recording_run_files():
         write_text(tmp_path / "a", "ours", "table")
         write_text(tmp_path / "in" / "a", "ours", "table")
     listed = json.loads((tmp_path / "in" / LISTED).read_text(encoding="utf-8"))
@@ -269,7 +269,7 @@ def test_a_list_names_nothing_outside_its_folder(tmp_path):
 
 def test_only_a_run_takes_a_runs_place(file):
     write_text(file, "of a command", "table")
-    with files_of_a_run(), pytest.raises(InputError, match="no run of crankfem has made it"):
+    with recording_run_files(), pytest.raises(InputError, match="no run of crankfem has made it"):
         write_text(file, "of a run", "table")
     assert files_listed(file.parent) == []
 
@@ -288,10 +288,10 @@ def test_many_programs_write_into_one_folder(tmp_path):
 
 
 def test_what_is_handed_over_is_the_users(file):
-    hand_over(file, b"a template", "input file")
+    write_user_file(file, b"a template", "input file")
     assert names(file.parent) == ["a.csv"]
     with pytest.raises(InputError, match="crankfem has not made it"):
-        hand_over(file, b"another", "input file")
+        write_user_file(file, b"another", "input file")
 
 
 def test_a_copy_is_written_like_any_file(file, tmp_path):

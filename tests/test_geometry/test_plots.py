@@ -8,13 +8,13 @@ from matplotlib import pyplot
 from matplotlib.collections import PolyCollection
 
 from comparing import close
-from crankbase.drawing.legends import shown_unit
+from crankbase.drawing.legends import display_unit
 from crankbase.errors import InputError
 from geometry.crankshaft import Crankshaft
 from geometry.mesh import ThrowMesh
 from geometry.mesh_checks import SolidProperties
 from geometry.plots.mesh_plot import view_frame
-from geometry.plots.throw_plot import placed_parts
+from geometry.plots.throw_plot import positioned_parts
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 
@@ -77,7 +77,7 @@ def test_no_other_views(throw):
 
 
 def test_parts_are_turned_and_moved(throw):
-    placed = placed_parts(throw.parts, math.pi / 2.0, 1.0)
+    placed = positioned_parts(throw.parts, math.pi / 2.0, 1.0)
     assert placed.pins[0].axis == close((-0.170, 0.0), abs=1e-15)
     assert placed.webs[1].end == close(throw.parts.webs[1].end + 1.0)
     assert placed.cylinders[0].axis == close((0.0, 0.0))
@@ -134,4 +134,4 @@ def test_a_view_is_a_right_handed_frame():
     [("m", ("mm", 1e-3)), ("m/N", ("$10^{-9}$ m/N", 1e-9)), ("kg", ("kg", 1.0)), ("", ("1", 1.0))],
 )
 def test_units_on_axes(unit, shown):
-    assert shown_unit(unit) == shown
+    assert display_unit(unit) == shown

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.units.quantity import parse_quantity, show_quantity, unit_registry
+from crankbase.units.quantity import format_quantity, parse_quantity, unit_registry
 
 
 @pytest.mark.parametrize(
@@ -176,12 +176,12 @@ def test_pure_numbers_take_no_unit():
     ],
 )
 def test_show_quantity(value, unit, shown):
-    assert show_quantity(value, unit) == shown
+    assert format_quantity(value, unit) == shown
 
 
 @given(st.floats(1e-3, 10.0))
 def test_shown_lengths_read_back(length):
-    assert parse_quantity(show_quantity(length, "m", 17), "m", "f") == close(length, rel=1e-14)
+    assert parse_quantity(format_quantity(length, "m", 17), "m", "f") == close(length, rel=1e-14)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from comparing import close
 from crankbase.errors import InputError, MeshError
 from geometry.gmsh_session import gmsh_session
 from geometry.isolated import IsolatedProcess
-from geometry.mesh import LADDER, mesh_throw
+from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesher import mesh_here, mesh_isolated
 from geometry.shapes import element_volumes
 from geometry.size_map import SizeMap, regular_volume, set_size_map
@@ -151,7 +151,7 @@ def test_a_map_too_coarse_for_the_volume_climbs_the_ladder(throw, coarse_mesh):
     mesh = mesh_throw(throw, sizes=map_of(coarse_mesh, lambda points: np.full(len(points), 0.1)))
     assert len(mesh.attempts) > 0
     assert all("differ by more than 0.1 %" in attempt for attempt in mesh.attempts)
-    assert mesh.size_factor == LADDER[len(mesh.attempts)].share
+    assert mesh.size_factor == MESHING_STRATEGIES[len(mesh.attempts)].share
     volume = element_volumes(mesh.points, mesh.elements).sum()
     assert volume == close(mesh.solid.volume, rel=1e-3)
     hopeless = map_of(coarse_mesh, lambda points: np.full(len(points), 0.2))

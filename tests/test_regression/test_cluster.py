@@ -22,11 +22,11 @@ from puppets import puppet
 from regression.plans.plan import StudyPlan
 from regression.records import StudyStoppedError
 from regression.runs import cluster as cluster_module
-from regression.runs import shelf as shelf_module
+from regression.runs import process_pool as shelf_module
 from regression.runs import supervised
 from regression.runs.cluster import TaskLostError, compute_design, identity, run_on_cluster
 from regression.runs.dask_cluster import DaskCluster, check_address
-from regression.runs.shelf import Shelf
+from regression.runs.process_pool import ProcessPool
 from regression.runs.study import run_plan
 
 THROW = CrankThrow(
@@ -382,7 +382,7 @@ def test_a_worker_with_other_libraries_is_told_once():
 
 
 def test_a_process_is_kept_between_designs_and_replaced_when_it_dies(puppets):
-    shelf, limits = Shelf(), Limits(20.0)
+    shelf, limits = ProcessPool(), Limits(20.0)
     answers = [shelf.compute("run", {"key": key}, limits) for key in ("a", "b", "die", "c")]
     shelf.close()
     assert [answer["answer"]["key"] for answer in answers if "answer" in answer] == ["a", "b", "c"]
@@ -394,20 +394,20 @@ def test_a_process_is_kept_between_designs_and_replaced_when_it_dies(puppets):
 
 
 def test_limits_are_kept_on_the_workers_machine(puppets):
-    answer = Shelf().compute("run", {"key": "hang"}, Limits(0.3))
+    answer = ProcessPool().compute("run", {"key": "hang"}, Limits(0.3))
     assert answer["lost"] == "took longer than the limit of 0.3 s"
     assert puppets[0].poll() is not None
 
 
 def test_a_process_that_nobody_asks_ends(puppets, monkeypatch):
     monkeypatch.setattr(shelf_module, "IDLE", 0.1)
-    shelf = Shelf()
+    shelf = ProcessPool()
     shelf.compute("run", {"key": "a"}, Limits(20.0))
     puppets[0].wait(timeout=10.0)
 
 
 def test_a_run_that_stops_ends_its_own_designs_alone(puppets):
-    shelf, answers = Shelf(), {}
+    shelf, answers = ProcessPool(), {}
 
     def compute(run):
         answers[run] = shelf.compute(run, {"key": f"hang {run}"}, Limits(3.0))

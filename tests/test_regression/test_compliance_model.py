@@ -14,9 +14,9 @@ from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
+from regression.models.extrapolation import OutsideRangeWarning
 from regression.models.lookup import Lookup
 from regression.models.model_file import FILE_FORMAT, FORMAT_VERSION, checksum
-from regression.models.outside import OutsideRangeWarning
 from regression.models.response_model import ResponseModel
 
 ROOT = Path(__file__).resolve().parents[2]

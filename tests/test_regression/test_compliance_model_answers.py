@@ -24,8 +24,8 @@ from regression.fits.terms import polynomial_terms
 from regression.models.angle import between, fold_angle
 from regression.models.compliance_model import ComplianceModel
 from regression.models.evaluator import PIECE, compile_equation
+from regression.models.extrapolation import OutsideRangeWarning
 from regression.models.model_file import checksum
-from regression.models.outside import OutsideRangeWarning
 from regression.models.response_model import ResponseModel
 
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.038, 0.098)}
@@ -506,7 +506,7 @@ def test_many_spellings_do_not_fill_the_memory(model):
     for number in range(1200):
         with pytest.raises(InputError, match="unknown dimension"):
             model.axial_compliance(**MIDDLE, **{f"color_{number}": 1.0})
-    assert len(model._ready._ways) <= 1000
+    assert len(model._compiled._ways) <= 1000
     assert model.axial_compliance(**MIDDLE) > 0.0
 
 

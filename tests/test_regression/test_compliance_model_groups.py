@@ -19,7 +19,7 @@ from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
 from regression.fits.groups import group_named
 from regression.models.compliance_model import ComplianceModel
-from regression.models.outside import OutsideRangeWarning
+from regression.models.extrapolation import OutsideRangeWarning
 from regression.models.response_model import ResponseModel
 
 E, RHO = STEEL.youngs_modulus, STEEL.density

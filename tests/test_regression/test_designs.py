@@ -28,12 +28,17 @@ from regression.plans.designs import (
     without_repeats,
 )
 from regression.plans.designs_factorial import (
-    confused,
+    aliased_effects,
     corner_fraction,
     corners_by_generators,
     resolution_of,
 )
-from regression.plans.designs_space import drawn, latin_hypercube_points, sobol_points, thinned
+from regression.plans.designs_space import (
+    draw_feasible_points,
+    latin_hypercube_points,
+    sobol_points,
+    well_spaced_subset,
+)
 from regression.plans.factors import Factor
 
 BOX = {
@@ -149,12 +154,12 @@ def test_published_fractions(choice, table, statement):
 
 def test_what_the_published_fractions_confuse():
     names = tuple("ABCDE")
-    assert set(confused(np.array(HALF_OF_FOUR), names)) == {
+    assert set(aliased_effects(np.array(HALF_OF_FOUR), names)) == {
         "A x B = C x D",
         "A x C = B x D",
         "A x D = B x C",
     }
-    assert set(confused(np.array(QUARTER_OF_FIVE), names)) == {
+    assert set(aliased_effects(np.array(QUARTER_OF_FIVE), names)) == {
         "A = B x D = C x E",
         "B = A x D",
         "C = A x E",
@@ -168,7 +173,7 @@ def test_what_the_published_fractions_confuse():
         "Effects that cannot be told apart: A x B = C x D; A x C = B x D; A x D = B x C.",
     )
     # An effect and the negative of another are as little apart.
-    assert "A = B x D" in confused(corners_by_generators("a b c -ab", 4), names)
+    assert "A = B x D" in aliased_effects(corners_by_generators("a b c -ab", 4), names)
 
 
 # Smallest published fraction of each resolution: (factors, resolution) -> runs.
@@ -424,30 +429,42 @@ def test_one_factor_and_one_run():
 
 def test_thinning_keeps_points_apart():
     points = latin_hypercube_points(60, [0, 0, 0], [4], tries=1)
-    kept = thinned(points, 40)
+    kept = well_spaced_subset(points, 40)
     assert len(kept) == 40
     assert list(kept) == sorted(set(kept))
     generator = np.random.default_rng(2)
     random = [pdist(points[generator.choice(60, 40, replace=False)]).min() for _ in range(100)]
     assert pdist(points[kept]).min() >= max(random)
-    assert np.array_equal(thinned(points, 60), np.arange(60))
+    assert np.array_equal(well_spaced_subset(points, 60), np.arange(60))
     # Of the nearest two, 1.0 and 1.1, the one goes that has the nearer next neighbor.
-    assert thinned(np.array([[0.0], [1.0], [1.1], [1.3], [3.0]]), 4).tolist() == [0, 1, 3, 4]
-    assert thinned(np.array([[0.0], [0.7], [1.0], [1.1], [3.0]]), 4).tolist() == [0, 1, 3, 4]
+    assert well_spaced_subset(np.array([[0.0], [1.0], [1.1], [1.3], [3.0]]), 4).tolist() == [
+        0,
+        1,
+        3,
+        4,
+    ]
+    assert well_spaced_subset(np.array([[0.0], [0.7], [1.0], [1.1], [3.0]]), 4).tolist() == [
+        0,
+        1,
+        3,
+        4,
+    ]
 
 
 def test_drawing_goes_on_until_enough_points_can_be_used():
     def draw(count):
         return latin_hypercube_points(count, [0, 0], [1], tries=1)
 
-    points, taken, impossible = drawn(draw, lambda p: p[:, 0] < 0.2, 10, in_order=False)
+    points, taken, impossible = draw_feasible_points(
+        draw, lambda p: p[:, 0] < 0.2, 10, in_order=False
+    )
     assert np.count_nonzero(taken) == 10
     assert np.all(points[taken][:, 0] < 0.2)
     assert np.array_equal(impossible, points[:, 0] >= 0.2)
-    points, taken, _ = drawn(draw, lambda p: p[:, 0] < 0.2, 10, in_order=True)
+    points, taken, _ = draw_feasible_points(draw, lambda p: p[:, 0] < 0.2, 10, in_order=True)
     usable = np.flatnonzero(points[:, 0] < 0.2)
     assert np.flatnonzero(taken).tolist() == usable[:10].tolist()
-    assert drawn(draw, lambda p: p[:, 0] < 0.0, 10, in_order=False) is None
+    assert draw_feasible_points(draw, lambda p: p[:, 0] < 0.0, 10, in_order=False) is None
 
 
 def test_levels_have_no_place_in_a_space_filling_design():

@@ -100,7 +100,7 @@ def test_choices_are_counted():
     factor = Factor.of_labels("web_outline", ("obround", "rectangle"))
     assert factor.categorical
     assert (factor.lowest, factor.highest, factor.levels) == (0.0, 1.0, (0.0, 1.0))
-    assert factor.show(1.0) == "rectangle"
+    assert factor.format_value(1.0) == "rectangle"
     assert not Factor("web_width", "m", 0.1, 0.2).categorical
 
 

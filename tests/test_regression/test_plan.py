@@ -152,7 +152,7 @@ def test_choices_are_run_and_held_out():
     outlines = [design.inputs["throw"]["web_outline"] for design in of_role(planned, HELD_OUT)]
     assert sorted(outlines) == ["obround"] * 5 + ["rectangle"] * 5
     for design in planned.designs:
-        assert design.inputs["throw"]["web_outline"] == OUTLINE.show(design.values[1])
+        assert design.inputs["throw"]["web_outline"] == OUTLINE.format_value(design.values[1])
 
 
 def test_nested_fields_and_fields_that_are_angles():

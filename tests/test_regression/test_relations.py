@@ -13,9 +13,9 @@ from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.plans.factors import throw_fields
 from regression.plans.relations import (
-    broken,
-    calculate,
-    in_order,
+    constraint_violations,
+    evaluate_expression,
+    evaluation_order,
     is_unit,
     read_constraint,
     read_expression,
@@ -32,7 +32,9 @@ D, H, Q = VALUES["pin_diameter"], VALUES["web_thickness"], VALUES["ratio"]
 
 
 def value_of(text, unit="m"):
-    return calculate(read_expression(text, "study.relations.x", UNITS), VALUES, UNITS, unit)
+    return evaluate_expression(
+        read_expression(text, "study.relations.x", UNITS), VALUES, UNITS, unit
+    )
 
 
 @pytest.mark.parametrize(
@@ -133,7 +135,7 @@ def test_results_of_another_kind(text, unit, message):
 
 def reasons(text):
     constraint = read_constraint(text, "study.constraints[0]", UNITS)
-    return [reason is not None for reason in broken(constraint, VALUES, UNITS, 2)]
+    return [reason is not None for reason in constraint_violations(constraint, VALUES, UNITS, 2)]
 
 
 @pytest.mark.parametrize(
@@ -159,17 +161,19 @@ def test_rounding_breaks_no_constraint():
     units = {"a": "m"}
     for text, holds in (("a <= 0.3 m", True), ("a >= 0.3 m", True), ("a < 0.3 m", False)):
         constraint = read_constraint(text, "c", units)
-        assert (broken(constraint, {"a": np.array([3 * 0.1])}, units, 1) == [None]) is holds
+        assert (
+            constraint_violations(constraint, {"a": np.array([3 * 0.1])}, units, 1) == [None]
+        ) is holds
 
 
 def test_what_has_no_value_holds_nothing():
     constraint = read_constraint("1 mm / (ratio - 2) < 5 m", "c", UNITS)
-    assert broken(constraint, VALUES, UNITS, 2)[1] is not None
+    assert constraint_violations(constraint, VALUES, UNITS, 2)[1] is not None
 
 
 def test_the_reason_shows_both_sides():
     constraint = read_constraint("web_thickness >= 0.3 * pin_diameter", "c", UNITS)
-    assert broken(constraint, VALUES, UNITS, 2)[0] == (
+    assert constraint_violations(constraint, VALUES, UNITS, 2)[0] == (
         "the constraint 'web_thickness >= 0.3 * pin_diameter' is broken: 50 mm is not >= 54 mm"
     )
 
@@ -198,7 +202,7 @@ def test_relations_stand_behind_what_they_use():
     texts = {"a": "b + c", "b": "2 * c", "c": "ratio * pin_diameter", "d": "a"}
     units = UNITS | dict.fromkeys("abcd", "m")
     read = {name: read_expression(text, name, units) for name, text in texts.items()}
-    order = in_order(read)
+    order = evaluation_order(read)
     assert sorted(order) == sorted(texts)
     for name, expression in read.items():
         assert all(
@@ -211,7 +215,7 @@ def test_relations_that_go_round(texts):
     units = dict.fromkeys("abc", "m")
     read = {name: read_expression(text, name, units) for name, text in texts.items()}
     with pytest.raises(InputError, match=r"^study\.relations: given a circle \(.* -> .*\)"):
-        in_order(read)
+        evaluation_order(read)
 
 
 def test_no_field_of_a_throw_is_a_unit():
@@ -234,10 +238,10 @@ def test_no_field_of_a_throw_is_a_unit():
 
 def test_one_design_and_many_give_the_same():
     expression = read_expression("ratio * pin_diameter - 3 mm", "x", UNITS)
-    many = calculate(expression, VALUES, UNITS, "m")
+    many = evaluate_expression(expression, VALUES, UNITS, "m")
     for place in range(2):
         one = {name: column[place] for name, column in VALUES.items()}
-        assert calculate(expression, one, UNITS, "m") == many[place]
+        assert evaluate_expression(expression, one, UNITS, "m") == many[place]
     assert math.isclose(many[0], 0.267, rel_tol=1e-12)
 
 

@@ -5,7 +5,12 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from regression.fits.statistics import adjusted, explained, least_squares, press_without_each
+from regression.fits.statistics import (
+    adjusted,
+    coefficient_of_determination,
+    least_squares,
+    press_without_each,
+)
 
 
 def random_system(seed=0, rows=30, columns=6):
@@ -31,7 +36,7 @@ def test_a_line_through_three_points():
     assert found.f_value == close(3.0)
     assert found.leverage == close([5 / 6, 1 / 3, 5 / 6])
     # Left out one by one: -1 at the first, 1/2 at the second, 2 at the third.
-    assert found.left_out == close([1.0, 0.5, 2.0])
+    assert found.leave_one_out == close([1.0, 0.5, 2.0])
     assert found.press == close(2.25)
     assert found.q_squared == close(1 - 2.25 / (2 / 3))
     assert found.variance_inflation == close([1.0])
@@ -56,7 +61,7 @@ def test_a_constant_response_has_nothing_to_explain():
     found = least_squares(matrix, np.full(30, 0.5), names(matrix))
     assert found.r_squared is None
     assert found.q_squared is None
-    assert explained(np.full(4, 2.0), np.full(4, 2.0)) == 1.0
+    assert coefficient_of_determination(np.full(4, 2.0), np.full(4, 2.0)) == 1.0
 
 
 def test_variance_inflation_of_a_column_that_nearly_repeats_another():

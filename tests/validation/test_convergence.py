@@ -33,13 +33,13 @@ from scipy.optimize import brentq
 
 from comparing import close
 from fem.assembly import assemble_stiffness
-from fem.class_compliances import axial_answers
+from fem.class_compliances import class_axial_compliances
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
 from fem.symmetry import axial_class
-from geometry.mending import EDGES
 from geometry.mesh import mesh_throw
+from geometry.mesh_repair import EDGES
 from geometry.shapes import element_volumes
 from geometry.throw import CrankThrow
 
@@ -79,7 +79,7 @@ def axial_compliance(mesh):
     """e_n, pinned."""
     matrix = assemble_stiffness(mesh.points, mesh.elements, STEEL)
     part = condense(mesh, matrix, unit_pin_loads(mesh), axial_class(mesh.part))
-    return axial_answers(part, "pinned")[0]
+    return class_axial_compliances(part, "pinned")[0]
 
 
 def first_mesh(fillet_radius):

@@ -24,7 +24,7 @@ from dynamics.assessment.damper_sizing import size_rubber_damper, size_viscous_d
 from dynamics.assessment.limits import given_limit
 from dynamics.assessment.response_curves import node_amplitude
 from dynamics.chains.chain import Chain
-from dynamics.response.excitation import OrderExcitation
+from dynamics.response.order_excitation import OrderExcitation
 
 MAIN = Chain([1.0], [], {0: 1.0}, connections=[], names=["main"])
 SPEEDS = np.arange(0.4, 1.6, 0.004)

@@ -35,7 +35,7 @@ from skfem.quadrature import get_quadrature
 
 from comparing import close
 from fem.assembly import assemble_stiffness, symmetric_product
-from fem.class_compliances import axial_answers
+from fem.class_compliances import class_axial_compliances
 from fem.condensation import condense, nodes_on
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
@@ -188,7 +188,7 @@ def case(request, dimensions):
     for ends in ("rigid", "averaged"):
         part = condense(mesh, stiffness, pins, axial_class("quarter"), end_sections=ends)
         bounds[ends] = {
-            step: axial_answers(part, support)[0]
+            step: class_axial_compliances(part, support)[0]
             for step, support in ((0, "guided"), (180, "pinned"))
         }
     return length, quarter, bounds["rigid"], bounds["averaged"]

@@ -17,7 +17,7 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.excitation.cylinders import forces_at_speeds
-from dynamics.excitation.given_torque import torque_harmonics
+from dynamics.excitation.prescribed_torque import torque_harmonics
 from dynamics.torque_table import read_torque_table
 
 TABLE = read_torque_table(

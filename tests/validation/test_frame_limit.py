@@ -41,7 +41,7 @@ import pytest
 
 from comparing import close
 from fem.assembly import assemble_stiffness
-from fem.class_compliances import axial_answers, torsional_answer
+from fem.class_compliances import class_axial_compliances, class_torsional_compliance
 from fem.condensation import condense
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
@@ -98,8 +98,8 @@ def finite_element_compliances(throw, size_factor):
     pulled = condense(mesh, matrix, pins, axial_class(mesh.part))
     twisted = condense(mesh, matrix, pins, torsional_class(mesh.part))
     supports = ("pinned", "guided")
-    return [axial_answers(pulled, support)[0] for support in supports] + [
-        torsional_answer(twisted, support) for support in supports
+    return [class_axial_compliances(pulled, support)[0] for support in supports] + [
+        class_torsional_compliance(twisted, support) for support in supports
     ]
 
 

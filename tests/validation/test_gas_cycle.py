@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from dynamics.gas.closed_cycle import closed_pressure, rise_per_heat
+from dynamics.gas.closed_cycle import closed_pressure, pressure_rise_per_heat
 from dynamics.gas.cycle_values import usual_gas_cycle
 from dynamics.gas.cylinder_volume import cylinder_volume
 from dynamics.gas.gas_cycle import gas_cycle
@@ -110,7 +110,7 @@ def test_wiebe_law_with_the_customary_factor(figure):
     share = np.array([0.1, 0.25, 0.5, 0.8])
     angles = cycle.combustion_start + share * cycle.combustion_duration
     expected = 1.0 - np.exp(-6.907755278982137 * share**2)
-    burnt = rise_per_heat(cycle, law, angles) * law.at(angles) * 2.0**36
+    burnt = pressure_rise_per_heat(cycle, law, angles) * law.at(angles) * 2.0**36
     figure("burnt share by Wiebe's law", 0.999 * burnt, expected, 1e-9)
 
 

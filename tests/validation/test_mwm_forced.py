@@ -24,9 +24,9 @@ from scipy.linalg import expm
 
 from dynamics.chains.chain import Chain
 from dynamics.harmonics import harmonics
-from dynamics.response.excitation import OrderExcitation, phasors_of
 from dynamics.response.forced import forced_response
 from dynamics.response.loads import element_loads
+from dynamics.response.order_excitation import OrderExcitation, phasors_of
 from dynamics.response.power import power_balance
 
 INERTIA = np.array([0.0170, 0.0090, 0.0467, 0.0327, 0.0467, 0.0467, 0.0327, 0.0487, 2.0750])

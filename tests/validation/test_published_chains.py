@@ -20,7 +20,7 @@ import pytest
 from comparing import close
 from crankfem.files.chain.chain_file import load_chain
 from dynamics.chains.chain import Chain
-from dynamics.chains.links import Gear
+from dynamics.chains.connections import Gear
 from dynamics.chains.shaft_bodies import RigidBody
 from dynamics.chains.shaft_elements import ShaftMaterial, shaft_cylinder
 from dynamics.chains.shaft_line import ShaftLine

@@ -25,7 +25,7 @@ from skfem import ElementTriP2, MeshTri1
 from skfem.quadrature import get_quadrature
 
 from fem.condensation import nodes_on
-from fem.fillet_mesh import finer_at, measured_sizes
+from fem.fillet_mesh import measured_sizes, refine_at
 from fem.fillet_surface import fillet_surface
 from fem.material import STEEL
 from fem.principal import largest_principal, principal_stresses, von_mises
@@ -34,9 +34,9 @@ from fem.symmetry import MirrorImage
 from fem.unit_loads import solve_unit_loads, unit_loads
 from geometry.facets import six_node_triangles
 from geometry.gmsh_session import gmsh_session
-from geometry.mending import mend
 from geometry.mesh import ThrowMesh, mesh_throw, read_mesh
 from geometry.mesh_checks import SolidProperties
+from geometry.mesh_repair import straighten_elements
 from geometry.solid import CRANK_PLANE, FILLET, LEFT_END, MIDDLE_PLANE, RIGHT_END, WEB, remove_loose
 from geometry.throw import CrankThrow
 
@@ -77,7 +77,7 @@ def revolved(part, length, outline, size):
         gmsh.model.mesh.generate(3)
         gmsh.model.mesh.setOrder(2)
         points, elements, surfaces = read_mesh(gmsh, names)
-    points, mended = mend(points, elements)
+    points, mended = straighten_elements(points, elements)
     return ThrowMesh(part, length, (), points, elements, surfaces, 1.0, mended, NOT_USED)
 
 
@@ -243,7 +243,7 @@ def test_stresses_over_the_middle_of_a_throw_carry_the_loads(dimensions, figure)
     throw = CrankThrow(**dimensions)
     coarse = mesh_throw(throw, 1.2)
     section = coarse.points[nodes_on(coarse, MIDDLE_PLANE)]
-    mesh = mesh_throw(throw, 1.0, sizes=finer_at(measured_sizes(coarse), [(section, 0.012)]))
+    mesh = mesh_throw(throw, 1.0, sizes=refine_at(measured_sizes(coarse), [(section, 0.012)]))
     loaded = solve_unit_loads(mesh, unit_loads(np.array([[0.0, -1.0, 0.0]])), STEEL)
     halves = [MirrorImage(across, False, mesh.length) for across in (False, True)]
     resultants = np.zeros((6, 5))

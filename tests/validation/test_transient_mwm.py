@@ -17,8 +17,8 @@ from scipy.integrate import solve_ivp
 
 from comparing import close
 from dynamics.chains.chain import Chain
-from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import forced_response
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.transient.run import transient_motion
 from dynamics.transient.speed_curve import SpeedCurve
 from dynamics.transient.steady import steady_motion

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.tables.table import listed
+from crankbase.tables.table import format_names
 from crankbase.units.units import RPM
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
@@ -109,7 +109,7 @@ def _gas_remarks(run: MechanismRun) -> list[str]:
     return [
         remark
         if len(places) == len(run.pressure)
-        else f"Cylinders {listed(places)}: {remark[0].lower()}{remark[1:]}"
+        else f"Cylinders {format_names(places)}: {remark[0].lower()}{remark[1:]}"
         for remark, places in whose.items()
     ]
 

@@ -11,7 +11,7 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, mechanism_of, with_throws
-from crankfem.files.sections.pressure_input import motored_pressures
+from crankfem.files.sections.cylinder_pressures import motored_pressures
 from dynamics.balance.balance import Balance, balance
 from dynamics.balance.hinged_rods import HingedRodEffects, hinged_rod_effects
 from dynamics.engine.forces import MechanismForces, mechanism_forces, pin_groups

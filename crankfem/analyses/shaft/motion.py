@@ -2,7 +2,7 @@
 
 from typing import Literal, NamedTuple
 
-from crankbase.units.units import UNITS, VIBRATING, written
+from crankbase.units.units import UNITS, VIBRATING, unit_symbol
 
 
 class Motion(NamedTuple):
@@ -32,7 +32,7 @@ class Motion(NamedTuple):
 def _motion(quantity: Literal["displacement", "twist"]) -> Motion:
     printed = VIBRATING[quantity]
     si, size = UNITS[printed]
-    return Motion(quantity, si, printed, written(printed), size)
+    return Motion(quantity, si, printed, unit_symbol(printed), size)
 
 
 MOTION = {"axial": _motion("displacement"), "torsional": _motion("twist")}

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from crankfem.analyses.shaft.chains import engine_throw_inertias
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.engine.engine_file import EngineFile
@@ -84,12 +84,12 @@ def _flywheel(engine_file: EngineFile) -> tuple[EndBody, Remarks]:
         overhang = 0.5 * engine_file.crank_throws[-1].main_journal_length
         where = (
             "at the end of the last main journal (assumed, because no flange is given), "
-            f"{show_quantity(overhang, 'm')} beyond its middle"
+            f"{format_quantity(overhang, 'm')} beyond its middle"
         )
     else:
         overhang = thickness
         where = (
-            f"at the far side of the flange, {show_quantity(overhang, 'm')} beyond the last main journal's "
+            f"at the far side of the flange, {format_quantity(overhang, 'm')} beyond the last main journal's "
             "middle; its mass includes that of the flange"
         )
     return EndBody(given.mass, given.inertia, overhang=overhang), (

@@ -106,7 +106,7 @@ class ShaftComparison:
     coupled : CoupledResponse or None
         None where nothing is forced.
     axial, torsional : ChainVerdict or None
-        None where the chains hold what the whole shaft does not; see `left_out`.
+        None where the chains hold what the whole shaft does not; see `unmodeled_sections`.
     """
 
     coupled: CoupledResponse | None
@@ -229,7 +229,7 @@ def whole_shaft(
         remarks += (
             "rods on one pin act at its middle; the moment of rods side by side is left out",
         )
-    left = left_out(engine_file)
+    left = unmodeled_sections(engine_file)
     if left:
         remarks += (
             f"{' and '.join(left)} are left out of the whole crankshaft, though not of the chains, which "
@@ -245,7 +245,7 @@ def whole_shaft(
     )
 
 
-def left_out(engine_file: EngineFile) -> tuple[str, ...]:
+def unmodeled_sections(engine_file: EngineFile) -> tuple[str, ...]:
     """Return the sections of an engine file that the chains know and the whole crankshaft does not."""
     given = {
         "[shaft_line]": bool(engine_file.shaft_lines),
@@ -356,8 +356,8 @@ def compare_with_chains(
     return ShaftComparison(coupled, *verdicts)
 
 
-def whole_beside(comparison: ShaftComparison) -> tuple[str, ...]:
-    """Say beside a verdict, which judges the chains, how far the whole crankshaft differs from them.
+def whole_shaft_remark(comparison: ShaftComparison) -> tuple[str, ...]:
+    """Remark on a verdict, which judges the chains, how far the whole crankshaft differs from them.
 
     Returns
     -------

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from crankbase.drawing.diagram_style import math_symbol
-from crankbase.drawing.legends import shown_unit, write_title
+from crankbase.drawing.legends import display_unit, write_title
 from crankfem.analyses.study.fitting import ResponseFits, Sensitivities, predicted
-from crankfem.analyses.study.nominal_section import over_factor
+from crankfem.analyses.study.nominal_section import factor_sweep
 from regression.factor_labels import factor_text
 from regression.fits.fits import Fit
 from regression.plots.equations import (
@@ -34,10 +34,10 @@ def draw_over_factor(axes: "Axes", table: StudyTable, found: ResponseFits, place
     element results there; open ones are results elsewhere, moved there along the chosen equation: they
     keep their distance to it.
     """
-    factor, size = table.plan.factors[place], shown_unit(found.unit)[1]
+    factor, size = table.plan.factors[place], display_unit(found.unit)[1]
     forms = forms_drawn(found)
     values = sweep(factor.lowest, factor.highest, factor.labels)
-    section = over_factor(table, found, place, forms, values)
+    section = factor_sweep(table, found, place, forms, values)
     x_size = factor_size(factor.unit, factor.labels)
     drawn = [
         Curve(fit.form, curve / size, fit is found.chosen)
@@ -51,7 +51,7 @@ def draw_over_factor(axes: "Axes", table: StudyTable, found: ResponseFits, place
 
 def draw_fit_parity(axes: "Axes", table: StudyTable, found: ResponseFits, fit: Fit) -> None:
     """Draw a form's values over those by finite elements, and say how far held-out designs are off."""
-    size = shown_unit(found.unit)[1]
+    size = display_unit(found.unit)[1]
     by_fe, values = table.responses[found.column], predicted(table, found, fit)
     draw_parity(axes, by_fe / size, values / size, table.held_out)
     worst = 100.0 * (fit.largest_heldout_error or 0.0)
@@ -60,15 +60,15 @@ def draw_fit_parity(axes: "Axes", table: StudyTable, found: ResponseFits, fit: F
 
 def draw_fit_errors(axes: "Axes", table: StudyTable, found: ResponseFits, fit: Fit) -> None:
     """Draw a form's errors over the values by finite elements."""
-    size = shown_unit(found.unit)[1]
+    size = display_unit(found.unit)[1]
     by_fe, values = table.responses[found.column], predicted(table, found, fit)
     draw_errors(axes, by_fe / size, 100.0 * (values / by_fe - 1.0), table.held_out)
-    axes.set_xlabel(fe_text(found))
+    axes.set_xlabel(fe_axis_label(found))
 
 
-def fe_text(found: ResponseFits) -> str:
+def fe_axis_label(found: ResponseFits) -> str:
     """Label of an axis for a response by finite elements."""
-    return f"{math_symbol(found.symbol)} by FE [{shown_unit(found.unit)[0]}]"
+    return f"{math_symbol(found.symbol)} by FE [{display_unit(found.unit)[0]}]"
 
 
 def draw_fit_elasticities(

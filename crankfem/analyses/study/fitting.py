@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.drawing.bars import draw_rows
 from crankbase.drawing.diagram_style import math_symbol, new_axes
-from crankbase.drawing.legends import shown_unit, write_title
+from crankbase.drawing.legends import display_unit, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table as frame
-from crankfem.analyses.about import program_version
+from crankfem.analyses.provenance import program_version
 from fem.responses import RESPONSES
 from regression.fits.columns import Encoding, constant_groups, factor_encoding, group_encoding
 from regression.fits.equation_text import equation_text, term_effects
@@ -29,7 +29,7 @@ from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 from regression.plans.factors import Factor, field_value
 from regression.plans.plan import MODEL_VERSION, StudyPlan
-from regression.plans.relations import calculate
+from regression.plans.relations import evaluate_expression
 from regression.plots.equations import draw_effects
 from regression.records import MEASURED
 from regression.runs.study_table import StudyTable
@@ -190,7 +190,7 @@ class ResponseFits:
         elif fit.basis == "groups":
             unit, size, of = "1", 1.0, ""
         else:
-            (unit, size), of = shown_unit(self.unit), ""
+            (unit, size), of = display_unit(self.unit), ""
         label = f"coded coefficient of {of}{math_symbol(self.symbol)} [{unit}]"
         draw_effects(axes, names, values / size, label, fit.form)
 
@@ -460,7 +460,7 @@ def dimensions_at(plan: StudyPlan, values: Array, names: list[str]) -> dict[str,
         if not factor.labels
     }
     for path, expression in variants.relations.items():
-        found = calculate(expression, known, variants.units, variants.units[path])
+        found = evaluate_expression(expression, known, variants.units, variants.units[path])
         known[path] = np.array(np.broadcast_to(found, (len(values),)))
     return {name: known[name] for name in names}
 

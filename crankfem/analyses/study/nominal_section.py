@@ -42,7 +42,7 @@ def same_designs(table: StudyTable, points: Array) -> NDArray[np.bool_]:
 
 
 @dataclass(frozen=True, eq=False)
-class OverFactor:
+class FactorSweep:
     """Equations and designs along one factor, in SI units.
 
     Attributes
@@ -64,15 +64,15 @@ class OverFactor:
     on_line: NDArray[np.bool_]
 
 
-def over_factor(
+def factor_sweep(
     table: StudyTable, found: ResponseFits, place: int, forms: Sequence[Fit], values: Array
-) -> OverFactor:
+) -> FactorSweep:
     """Return forms at (p,) values of the factor at `place`, and the designs beside them."""
     section = nominal_section(table)
     points = moved(section, place, values)
     here = moved(section, place, table.values[:, place])
     off_curve = table.responses[found.column] / predicted(table, found, found.chosen)
-    return OverFactor(
+    return FactorSweep(
         values=values,
         curves=[surface(table.plan, found, fit)(points) for fit in forms],
         results=surface(table.plan, found, found.chosen)(here) * off_curve,

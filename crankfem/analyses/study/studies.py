@@ -15,7 +15,7 @@ from crankfem.analyses.study.fit_diagrams import (
     draw_fit_parity,
     draw_fit_sobol,
     draw_over_factor,
-    fe_text,
+    fe_axis_label,
 )
 from crankfem.analyses.study.fitting import ResponseFits, compliance_model, fit_study, sensitivities
 from crankfem.files.engine.throw_file import load_study
@@ -102,7 +102,7 @@ class StudyResult:
         axes = new_axes(axes)
         if show == "parity":
             draw_fit_parity(axes, self.table, found, fit)
-            axes.set_xlabel(fe_text(found))
+            axes.set_xlabel(fe_axis_label(found))
             axes.set_ylabel(f"{response_text(found.symbol, found.unit)} by the equation")
             legend_inside(axes)
         elif show == "response":

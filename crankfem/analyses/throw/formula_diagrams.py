@@ -7,7 +7,7 @@ import numpy as np
 
 from crankbase.checks.arrays import positive_number
 from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import shown_unit, write_title
+from crankbase.drawing.legends import display_unit, write_title
 from crankbase.errors import InputError
 from fem.material import STEEL, Material
 from fem.plots.over_angle import ANGLES_DEG
@@ -55,7 +55,7 @@ def plot_formulas(
             f"found: given values in {', '.join(sorted(units)) or 'no unit'}; allowed are the formulas of "
             "one kind, at least one, because they share an axis."
         )
-    unit, size = shown_unit(next(iter(units)))
+    unit, size = display_unit(next(iter(units)))
     kind = "axial" if unit.endswith("m/N") else "torsional"
     axes = new_axes(axes)
     draw_formula_bars(

@@ -3,7 +3,7 @@
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, finite_or_none
 from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
-from dynamics.assessment.barred_ranges import BarredRange, judged_to
+from dynamics.assessment.barred_ranges import BarredRange, limit_end_speed
 from dynamics.assessment.verdict import LimitCheck
 
 
@@ -23,7 +23,7 @@ def assessment_record(assessment: Assessment) -> Record:
             {
                 "name": limit.name,
                 "unit": limit.unit,
-                "judged_to_rpm": judged_to(limit, verdict.running_range) * RPM,
+                "judged_to_rpm": limit_end_speed(limit, verdict.running_range) * RPM,
                 "source": limit.source,
                 "assumed": limit.assumed,
                 "remark": limit.remark,

@@ -9,7 +9,7 @@ import numpy as np
 from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.sections.limits_sections import LimitsInput
-from dynamics.assessment.barred_ranges import judged_to
+from dynamics.assessment.barred_ranges import limit_end_speed
 from dynamics.assessment.limit_rules import Kind as EngineKind
 from dynamics.assessment.limit_rules import crankshaft_limit
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
@@ -98,8 +98,8 @@ def engine_limits(
     return found, tuple(remarks)
 
 
-def judged_ends(engine_file: EngineFile) -> tuple[float, ...]:
-    """Return the speeds at which judging ends [rad/s], ascending, the lowest running speed first.
+def assessment_end_speeds(engine_file: EngineFile) -> tuple[float, ...]:
+    """Return the speeds at which the assessment ends [rad/s], ascending, the lowest running speed first.
 
     That of a limit is the highest running speed, or the end of its rule above it; an engine without
     gas pressure is not judged, so that its running range stands alone.
@@ -109,7 +109,7 @@ def judged_ends(engine_file: EngineFile) -> tuple[float, ...]:
     if engine_file.gas is None and engine_file.gas_map is None:
         return running
     limits, _ = engine_limits(engine_file)
-    ends = {judged_to(limit, running) for limit in limits.values()}
+    ends = {limit_end_speed(limit, running) for limit in limits.values()}
     return tuple(sorted({*running, *ends}))
 
 

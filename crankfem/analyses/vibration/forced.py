@@ -16,28 +16,28 @@ from crankbase.tables.frames import table_of
 from crankfem.analyses.shaft.chains import damped_engine_chain
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.throw_analyses import Analyses
-from crankfem.analyses.vibration.engine_limits import judged_ends, limit_findings
-from crankfem.analyses.vibration.excitation import (
+from crankfem.analyses.vibration.engine_excitation import (
     Frequencies,
-    acting_remarks,
     calculated_speeds,
     compared_axial_forces,
     excitation_along_shaft,
+    excitation_remarks,
     forces_over_speeds,
-    joined_speeds,
+    merged_speeds,
     with_propeller,
 )
+from crankfem.analyses.vibration.engine_limits import assessment_end_speeds, limit_findings
 from crankfem.analyses.vibration.modes import Vibration
 from crankfem.files.engine.engine_file import EngineFile
-from dynamics.assessment.barred_ranges import judged_to
+from dynamics.assessment.barred_ranges import limit_end_speed
 from dynamics.assessment.limits import usage
 from dynamics.assessment.worst_speeds import refined_maxima
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.critical import major_orders
 from dynamics.excitation.axial_comparison import AxialForceComparison
+from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces
-from dynamics.excitation.on_chains import torque_excitation
 from dynamics.plots.quantities import Quantity
 from dynamics.response.damping import DampedChain
 from dynamics.response.forced import ForcedResponse, forced_response
@@ -270,7 +270,7 @@ def forced_vibrations(
         if len(further)
         else own
     )
-    answers = _answers(case, joined_speeds(speeds, worst))
+    answers = _responses(case, merged_speeds(speeds, worst))
     lengthened, twisted = (
         replace(answer, resonances=_resonances(engine_file, answer)) for answer in answers
     )
@@ -290,10 +290,10 @@ class _Case:
     chains: tuple[DampedChain, ...]
 
 
-def _answers(case: _Case, speeds: FloatArray) -> tuple[ForcedVibration, ForcedVibration]:
+def _responses(case: _Case, speeds: FloatArray) -> tuple[ForcedVibration, ForcedVibration]:
     """Axial and torsional vibration at some speeds, resonances left out."""
     engine_file, axial, cranks = case.engine_file, case.axial.chosen, case.torsional.chosen.chain
-    engine, ends = engine_file.engine, judged_ends(engine_file)
+    engine, ends = engine_file.engine, assessment_end_speeds(engine_file)
     running = (engine.lowest_speed, engine.highest_speed)
     judged = (ends[0], min(ends[-1], float(speeds[-1])))
     forces = forces_over_speeds(engine_file, case.harmonics, speeds)
@@ -310,7 +310,7 @@ def _answers(case: _Case, speeds: FloatArray) -> tuple[ForcedVibration, ForcedVi
             kind="axial",
             engine_chain=axial.chain,
             damping=case.chains[0].record,
-            remarks=(*acting_remarks(engine_file, "axial"), *remarks),
+            remarks=(*excitation_remarks(engine_file, "axial"), *remarks),
             forces=forces,
             response=lengthened,
             loads=element_loads(lengthened),
@@ -327,7 +327,7 @@ def _answers(case: _Case, speeds: FloatArray) -> tuple[ForcedVibration, ForcedVi
             kind="torsional",
             engine_chain=cranks,
             damping=case.chains[1].record,
-            remarks=acting_remarks(engine_file, "torsional"),
+            remarks=excitation_remarks(engine_file, "torsional"),
             forces=forces,
             response=twisted,
             loads=loads,
@@ -344,20 +344,20 @@ def _answers(case: _Case, speeds: FloatArray) -> tuple[ForcedVibration, ForcedVi
 def _worst_speeds(case: _Case, speeds: FloatArray) -> FloatArray:
     """Speeds at which most of the limits is used, and where free ends move most, closer than the grid."""
     return refined_maxima(
-        lambda some: _uses(case, _answers(case, some)),
+        lambda some: _limit_usage(case, _responses(case, some)),
         speeds,
-        _uses(case, _answers(case, speeds)),
+        _limit_usage(case, _responses(case, speeds)),
         least=1.0,
     )
 
 
-def _uses(case: _Case, answers: tuple[ForcedVibration, ForcedVibration]) -> FloatArray:
+def _limit_usage(case: _Case, answers: tuple[ForcedVibration, ForcedVibration]) -> FloatArray:
     """Used shares of the limits as far as they are judged, (curves, speeds), and free ends' amplitudes."""
     engine = case.engine_file.engine
     running = (engine.lowest_speed, engine.highest_speed)
     speeds = answers[0].response.speeds
     used = [
-        np.where(speeds <= judged_to(limit, running), usage(limit, curve), 0.0)
+        np.where(speeds <= limit_end_speed(limit, running), usage(limit, curve), 0.0)
         for limit, curve in limit_findings(case.engine_file, *answers)
     ]
     # Speeds below the running ones are passed on starting: their maxima are for themselves.

@@ -23,7 +23,7 @@ from crankfem.analyses.shaft.chains import (
 from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.sources import Sources, axial_sources, torsional_sources
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
-from crankfem.analyses.vibration.engine_limits import judged_ends
+from crankfem.analyses.vibration.engine_limits import assessment_end_speeds
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.chain_modes import Modes
 from dynamics.chains.engine_chains import EngineChain
@@ -332,7 +332,7 @@ def _criticals(
 ) -> tuple[WeightedCritical, ...]:
     engine = engine_file.engine
     orders = engine_orders(engine.strokes, engine_file.vibration.highest_order)
-    ends = judged_ends(engine_file)
+    ends = assessment_end_speeds(engine_file)
     found = critical_speeds(result.elastic_frequencies, orders, (ends[0], ends[-1]))
     shapes = result.modes.shapes[:, result.modes.rigid :]
     return tuple(

@@ -17,13 +17,13 @@ from crankfem.analyses.shaft.whole_shaft import (
     ShaftComparison,
     WholeShaft,
     compare_with_chains,
-    left_out,
     shaft_response,
-    whole_beside,
+    unmodeled_sections,
     whole_shaft,
+    whole_shaft_remark,
 )
 from crankfem.analyses.vibration.assessment import Assessment, assess
-from crankfem.analyses.vibration.excitation import engine_harmonics
+from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.forced import ForcedVibration, forced_vibrations
 from crankfem.analyses.vibration.modes import Vibration, axial_vibration, torsional_vibration
 from crankfem.files.engine.engine_file import EngineFile, load_engine
@@ -302,7 +302,7 @@ def engine_vibration(
         answer = None if twisted is None else shaft_response(read, whole, twisted.forces)
         comparison = (
             ShaftComparison(answer)
-            if left_out(read)
+            if unmodeled_sections(read)
             else compare_with_chains(
                 whole,
                 axial.chosen.chain,
@@ -313,7 +313,7 @@ def engine_vibration(
             )
         )
     if assessment is not None and comparison is not None:
-        assessment = replace(assessment, beside=whole_beside(comparison))
+        assessment = replace(assessment, beside=whole_shaft_remark(comparison))
     return EngineVibration(
         engine_file=read,
         analyses=analyses,

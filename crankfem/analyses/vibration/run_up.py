@@ -13,8 +13,8 @@ from crankbase.tables.frames import table
 from crankbase.units.quantity import parse_quantity
 from crankfem.analyses.shaft.chains import magnifier_of
 from crankfem.analyses.vibration.run import EngineVibration
+from dynamics.transient.curve_selection import axis_names
 from dynamics.transient.envelope import Envelope
-from dynamics.transient.picking import axis_names
 from dynamics.transient.run import TransientMotion, transient_motion
 from dynamics.transient.speed_curve import SpeedCurve
 

@@ -98,7 +98,7 @@ def resonance_table(record: Record, units: OutputUnits = SI) -> Table:
     worst = sorted(found, key=lambda one: -one["severity"])[:ROWS_SHOWN]
     motion = MOTION[kind].printed
     return Table(
-        f"{kind.capitalize()} resonances {_judged(record, units)}"
+        f"{kind.capitalize()} resonances {_assessed_range(record, units)}"
         + (f", the {ROWS_SHOWN} most severe of {len(found)}" if len(found) > ROWS_SHOWN else ""),
         [
             SPEED,
@@ -179,7 +179,7 @@ def limit_table(record: Record, limit: str | None = None, units: OutputUnits = S
         ],
         marks=["" if one["passed"] else "over" for one in checks],
     )
-    return table if limit is None else table.only("where", "at", "reached", "permitted", "used")
+    return table if limit is None else table.select("where", "at", "reached", "permitted", "used")
 
 
 def margin_table(record: Record, kind: str) -> Table:
@@ -241,7 +241,7 @@ def run_up_table(record: Record, units: OutputUnits = SI) -> Table:
     )
 
 
-def _judged(record: Record, units: OutputUnits) -> str:
+def _assessed_range(record: Record, units: OutputUnits) -> str:
     """Say over which speeds resonances are listed."""
     running, judged = record.get("running_rpm"), record.get("judged_rpm")
     # Results of older runs know no speeds above the running range.

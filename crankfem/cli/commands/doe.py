@@ -65,7 +65,7 @@ def doe(
     """Run a design of experiments, or continue it where it stopped."""
     from crankfem.files.engine.throw_file import load_study
     from crankfem.files.reading.data_files import engine_path
-    from crankfem.jobs.outputs import check_apart, check_writable
+    from crankfem.jobs.outputs import check_distinct_files, check_writable
     from regression.runs.export_table import check_export, export_table
 
     limits = {
@@ -84,25 +84,25 @@ def doe(
     files = [store, engine_path(study), *(import_ or ())]
     if export is not None:
         check_export(export)
-        check_apart({"--store": store, "--export": export})
+        check_distinct_files({"--store": store, "--export": export})
         check_writable(export, "table", *files, name=f"--export {export}")
     for file in import_ or ():
         _import(read, store, file, quiet)
     table = _run(read, store, workers, {"dask": dask, **limits}, quiet)
 
-    def say(text: str) -> None:
+    def print_progress(text: str) -> None:
         # With --json nothing but the results may stand on standard output.
         if json:
-            console.note(text, quiet)
+            console.print_note(text, quiet)
         else:
             console.print_line(text)
 
-    say(_summary(table, store))
+    print_progress(_summary(table, store))
     for text in _warnings(table, store):
-        say(f"Note: {text}")
+        print_progress(f"Note: {text}")
     if export is not None:
         count = export_table(table, export)
-        say(f"{count} rows written to {export}.")
+        print_progress(f"{count} rows written to {export}.")
     _show_fits(table, json)
 
 
@@ -122,12 +122,12 @@ def _summary(table: "StudyTable", store: Path) -> str:
 
 def _warnings(table: "StudyTable", store: Path) -> list[str]:
     """What makes the errors of a fit say less than they seem to."""
-    from regression.runs.store_rows import told_of
+    from regression.runs.store_rows import damaged_rows_warning
 
     held_out = int(table.held_out.sum())
     found = []
     if table.damaged:
-        told = told_of(table.damaged, store)
+        told = damaged_rows_warning(table.damaged, store)
         found.append(f"{told}; import them again.")
     if 0 < held_out < FEW_HELD_OUT:
         found.append(
@@ -173,12 +173,12 @@ def _import(plan: "StudyPlan", store: Path, file: Path, quiet: bool) -> None:
     own = (
         f"; {found.coinciding} at the study's own designs are not used" if found.coinciding else ""
     )
-    console.note(
+    console.print_note(
         f"{file}: {found.designs} finished designs and {found.rows} further rows taken over{left_out}{own}.",
         quiet,
     )
     if found.damaged:
-        console.note(f"Note: {found.damaged}.", quiet)
+        console.print_note(f"Note: {found.damaged}.", quiet)
 
 
 def _run(
@@ -187,9 +187,9 @@ def _run(
     from regression.runs import study
 
     if options["dask"] is not None:
-        from regression.runs.dask_cluster import quiet_dask
+        from regression.runs.dask_cluster import silence_dask_log
 
-        quiet_dask()
+        silence_dask_log()
     with console.RunProgress(quiet) as progress:
         progress.step("Running the study")
         try:
@@ -204,7 +204,7 @@ def _run(
             interrupted = False
             progress.finish()
     if interrupted:
-        console.end_interrupted(
+        console.exit_interrupted(
             f"Stopped. {progress.finished_designs} are finished and kept in {store}; the same command "
             "continues where it stopped."
         )

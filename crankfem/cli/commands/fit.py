@@ -48,7 +48,7 @@ def fit(
     from crankfem.cli.tables.fit_tables import MAIN_RESPONSE, print_comparisons, print_fits
     from crankfem.jobs.outputs import check_writable
     from regression.models.model_file import is_model
-    from regression.runs.store_rows import told_of
+    from regression.runs.store_rows import damaged_rows_warning
     from regression.runs.study import read_study
 
     if model.is_dir():
@@ -65,7 +65,7 @@ def fit(
     table = read_study(store, study)
     if table.damaged:
         again = "run the study again (crankfem doe), which computes their designs"
-        console.note(f"Note: {told_of(table.damaged, store)}; {again}.", quiet)
+        console.print_note(f"Note: {damaged_rows_warning(table.damaged, store)}; {again}.", quiet)
     fits = fit_study(table)
     if response is not None and response not in fits:
         raise InputError(

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _Request:
     """What the command line asks for."""
 
     throw: str | None
@@ -97,7 +97,7 @@ def formulas(
         )
         _published(json)
         return
-    asked = _Asked(
+    asked = _Request(
         throw=throw,
         gamma=180.0 if gamma is None else parse_gamma(gamma, quiet),
         variant=variant or "corrected",
@@ -121,13 +121,13 @@ def _refuse_beside_published(given: Mapping[str, bool]) -> None:
         )
 
 
-def _one_throw(engine: str, asked: _Asked) -> None:
+def _one_throw(engine: str, asked: _Request) -> None:
     from crankfem.analyses.throw.formula_records import fe_record, formula_records
     from crankfem.cli.tables import formula_tables
-    from crankfem.cli.throw_choice import chosen_throw
+    from crankfem.cli.throw_choice import select_throw
     from fem.analysis import analyze_throw
 
-    dimensions, material = chosen_throw(engine, asked.throw, asked.quiet)
+    dimensions, material = select_throw(engine, asked.throw, asked.quiet)
     gamma, constants = asked.gamma, asked.constants
     records: dict[str, Any] = dict(
         formula_records(dimensions, material, gamma, asked.variant, constants)
@@ -141,7 +141,7 @@ def _one_throw(engine: str, asked: _Asked) -> None:
         formula_tables.print_one_throw(records, gamma, constants, asked.units)
 
 
-def _all_engines(asked: _Asked) -> None:
+def _all_engines(asked: _Request) -> None:
     from crankfem.analyses.throw.formula_spread import (
         engine_spread,
         spread_of_engines,
@@ -164,7 +164,7 @@ def _all_engines(asked: _Asked) -> None:
             variant=asked.variant,
             constants=asked.constants,
         ),
-        lambda place, count, name: console.note(
+        lambda place, count, name: console.print_note(
             f"finite elements: {name} ({place} of {count})", asked.quiet
         ),
     )

@@ -26,7 +26,7 @@ USUAL_ORDERS, USUAL_ENGINE_ORDERS = 9.0, 12.0
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _Request:
     """What the command line asks for."""
 
     strokes: int | None
@@ -80,8 +80,12 @@ def harmonics(
             f"--orders: given {orders:g}; allowed is an order above 0, because "
             "orders count cycles per crankshaft revolution."
         )
-    asked = _Asked(strokes, orders, cylinder, speed, csv, pictures)
-    record = _of_engine(source, asked) if _names_engine(source) else _of_table(source, asked)
+    asked = _Request(strokes, orders, cylinder, speed, csv, pictures)
+    record = (
+        _engine_harmonics(source, asked)
+        if _names_engine(source)
+        else _torque_table_harmonics(source, asked)
+    )
     if csv is not None:
         write_table(csv, record)
     if json:
@@ -103,7 +107,7 @@ def _names_engine(source: str) -> bool:
     return not path.is_file() or (path.name in shipped_engines() and path.parent == Path())
 
 
-def _of_table(source: str, asked: _Asked) -> dict[str, Any]:
+def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     from crankfem.analyses.mechanism.harmonics_record import harmonics_record
     from crankfem.analyses.mechanism.plots.plots import plot_torque
     from crankfem.files.reading.data_files import torque_path
@@ -129,7 +133,7 @@ def _of_table(source: str, asked: _Asked) -> dict[str, Any]:
     return {"table": path.name} | harmonics_record(found)
 
 
-def _of_engine(source: str, asked: _Asked) -> dict[str, Any]:
+def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     from crankfem.analyses import titles
     from crankfem.analyses.mechanism.plots.torque_plots import picture_torque
     from crankfem.cli.speed_argument import parse_speed

@@ -56,26 +56,26 @@ def lookup(
     loaded = ComplianceModel.load(model)
     asked: dict[str, Any] = {}
     if throw is not None:
-        from crankfem.cli.throw_choice import chosen_throw
+        from crankfem.cli.throw_choice import select_throw
 
-        asked |= loaded.dimensions_of(chosen_throw(throw, quiet=quiet)[0])
+        asked |= loaded.dimensions_of(select_throw(throw, quiet=quiet)[0])
     asked |= model_dimensions(loaded, dimensions or [])
     angle = None
     if gamma is not None:
         from crankfem.cli.angle_argument import parse_gamma
 
         angle = parse_gamma(gamma, quiet)
-    answers, refused = _answers(loaded, asked, angle, strict)
+    answers, refused = _lookups(loaded, asked, angle, strict)
     if json:
         records = {name: _record(answer) for name, answer in answers.items()}
         print_json(records | {name: {"refused": reason} for name, reason in refused.items()})
         return
-    _print_answers(loaded, answers, angle is not None, shown)
+    _print_lookups(loaded, answers, angle is not None, shown)
     for name, reason in refused.items():
         print_line(shown.text(f"{_title(name)}: left out; {reason}"))
 
 
-def _answers(
+def _lookups(
     model: "ComplianceModel", asked: dict[str, Any], gamma: float | None, strict: bool
 ) -> tuple[dict[str, "Lookup"], dict[str, str]]:
     """Look all responses up; tell which cannot be, as long as any can."""
@@ -126,7 +126,7 @@ def _record(answer: "Lookup") -> dict[str, Any]:
     }
 
 
-def _print_answers(
+def _print_lookups(
     model: "ComplianceModel",
     answers: dict[str, "Lookup"],
     with_angle: bool,
@@ -143,11 +143,11 @@ def _print_answers(
         if all(remark in answer.remarks for answer in answers.values())
     ]
     for name in between:
-        _print_answer(name, answers[name], shared, units)
+        _print_lookup(name, answers[name], shared, units)
     if between and others:
         print_line("Whatever the angle of --gamma:")
     for name in others:
-        _print_answer(name, answers[name], shared, units)
+        _print_lookup(name, answers[name], shared, units)
     for remark in shared:
         print_line(units.text(remark))
     banded = [name for name, answer in answers.items() if answer.inside]
@@ -156,7 +156,7 @@ def _print_answers(
         _print_bands(model, equations)
 
 
-def _print_answer(name: str, answer: "Lookup", shared: list[str], units: "OutputUnits") -> None:
+def _print_lookup(name: str, answer: "Lookup", shared: list[str], units: "OutputUnits") -> None:
     value = units.quantity(answer.value, answer.unit, 4)
     support = f" ({answer.support})" if answer.support else ""
     if not answer.inside:

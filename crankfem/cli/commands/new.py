@@ -91,7 +91,7 @@ def new(
 
 
 def _write_template(file: Path, cylinders: int | None, strokes: int | None) -> None:
-    from crankbase.outputs import hand_over
+    from crankbase.outputs import write_user_file
     from crankfem.files.engine.engine_template import engine_template
 
     text = engine_template(
@@ -99,12 +99,12 @@ def _write_template(file: Path, cylinders: int | None, strokes: int | None) -> N
         CYLINDERS if cylinders is None else cylinders,
         STROKES if strokes is None else strokes,
     )
-    hand_over(file, text.encode(), "input file")
+    write_user_file(file, text.encode(), "input file")
 
 
 def _copy(source: str, file: Path) -> str:
     """Copy a shipped file; return its kind."""
-    from crankbase.outputs import hand_over
+    from crankbase.outputs import write_user_file
     from crankfem.files.reading.shipped import shipped_files
     from crankfem.jobs.outputs import check_writable
 
@@ -115,7 +115,7 @@ def _copy(source: str, file: Path) -> str:
             f"--from: given {source!r}; allowed are {', '.join(known)}, because these are shipped."
         )
     check_writable(file, "input file", found.path)
-    hand_over(file, found.path.read_bytes(), "input file")
+    write_user_file(file, found.path.read_bytes(), "input file")
     return found.kind
 
 

@@ -13,7 +13,7 @@ from crankfem.cli.commands import completion
 Choice = TypeVar("Choice", bound=str)
 
 
-def _let_replace(command: typer.Context, force: bool) -> bool:
+def _set_replacement_rules(command: typer.Context, force: bool) -> bool:
     """Set by which rules the command that begins writes its files."""
     command.with_resource(replacing_files(force))
     return force
@@ -70,7 +70,7 @@ ForceOption = Annotated[
     typer.Option(
         "--force",
         help="Replace files too that crankfem has not made, but none that is read here.",
-        callback=_let_replace,
+        callback=_set_replacement_rules,
     ),
 ]
 UnitsOption = Annotated[

@@ -16,7 +16,7 @@ from crankfem.cli.commands.options import (
     UnitsOption,
     WorkersOption,
 )
-from crankfem.cli.commands.strict import check_judged, end_strictly
+from crankfem.cli.commands.strict import check_has_limits, exit_if_limits_exceeded
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
@@ -47,14 +47,14 @@ def run(
     source: str | RunInputs = engine
     if strict:
         source = read_inputs(engine)
-        check_judged(source.engine_file)
+        check_has_limits(source.engine_file)
     with console.RunProgress(quiet) as progress:
         try:
             made = run_engine(source, output, workers=workers, progress=progress)
         except KeyboardInterrupt:
             if not progress.total:  # there is no study, or nothing of it is known yet
                 raise
-            console.end_interrupted(
+            console.exit_interrupted(
                 f"Stopped. {progress.finished_designs} are finished and kept; the same command takes them "
                 "over."
             )
@@ -67,7 +67,7 @@ def run(
         _print(made.results, shown)
         console.print_line(f"Report: {made.report}")
     if strict:
-        end_strictly(made.results["vibration"])
+        exit_if_limits_exceeded(made.results["vibration"])
 
 
 def _print(results: dict[str, Any], units: "OutputUnits") -> None:
@@ -97,18 +97,18 @@ def report(
 
     from jinja2 import TemplateError
 
-    from crankbase.outputs import check_output, files_of_a_run, is_plain, protect
+    from crankbase.outputs import check_output, is_regular_file, protect, recording_run_files
     from crankfem.jobs.run_files import PICTURES, REPORT, RESULTS, list_older_run
     from crankfem.report.writing import render_report, write_report_text
 
     path = folder / RESULTS
-    if not is_plain(path):
+    if not is_regular_file(path):
         raise InputError(
             f"{folder}: has no {RESULTS}; give the folder that crankfem run has written."
         )
     protect(path)
     list_older_run(folder)
-    with files_of_a_run():
+    with recording_run_files():
         check_output(folder / REPORT, "report")
     content = path.read_bytes()
     try:
@@ -127,7 +127,7 @@ def report(
         ) from None
     made = write_report_text(folder / REPORT, text)
     if unread is not None:
-        console.note(f"Note: {unread}", quiet)
+        console.print_note(f"Note: {unread}", quiet)
     if json:
         print_json({"report": str(made)})
     else:

@@ -45,7 +45,7 @@ def export(
     quiet: QuietOption = False,
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
-    from crankfem.cli.throw_choice import chosen_throw
+    from crankfem.cli.throw_choice import select_throw
     from crankfem.files.engine.throw_file import load_crankshaft
     from crankfem.files.reading.file_kinds import engine_sections
     from crankfem.jobs.outputs import check_writable
@@ -57,7 +57,7 @@ def export(
 
     _refuse_beside_shaft(name, shaft)
     content = engine_sections(engine)
-    throw, material = chosen_throw(content, name, quiet or shaft)
+    throw, material = select_throw(content, name, quiet or shaft)
     record: dict[str, Any] = {"file": str(file)}
     if calculix and (file.suffix != ".inp" or part != "full"):
         raise InputError(
@@ -133,11 +133,11 @@ def draw(
         picture_shaft,
         picture_throw,
     )
-    from crankfem.cli.throw_choice import chosen_throw
+    from crankfem.cli.throw_choice import select_throw
     from crankfem.files.engine.throw_file import load_crankshaft
     from crankfem.files.reading.data_files import engine_path
     from crankfem.files.reading.file_kinds import engine_sections
-    from crankfem.jobs.outputs import check_apart, check_writable
+    from crankfem.jobs.outputs import check_distinct_files, check_writable
 
     source = engine_path(engine)
     of = "throw" if name is None else f"throw-{name}"
@@ -145,11 +145,11 @@ def draw(
     check_drawing_ending(drawing)
     for file in filter(None, (picture, shaft)):
         check_picture_ending(file)
-    check_apart({"--output": drawing, "--picture": picture, "--shaft": shaft})
+    check_distinct_files({"--output": drawing, "--picture": picture, "--shaft": shaft})
     for file in filter(None, (drawing, picture, shaft)):
         check_writable(file, "picture", source)
     content = engine_sections(engine)
-    dimensions, _ = chosen_throw(content, name, quiet)
+    dimensions, _ = select_throw(content, name, quiet)
     crankshaft = load_crankshaft(content) if shaft else None
     title = _title(content) if name is None else f"{_title(content)}, throw {name}"
     files = [write_drawing(dimensions, drawing, title)]

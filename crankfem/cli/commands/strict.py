@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 NOT_ACCEPTABLE = "not acceptable"
 
 
-def check_judged(engine: "EngineFile") -> None:
-    """Refuse an engine that --strict cannot judge, before anything is computed for it.
+def check_has_limits(engine: "EngineFile") -> None:
+    """Refuse an engine without limits, which --strict cannot judge, before anything is computed for it.
 
     Raises
     ------
@@ -26,14 +26,14 @@ def check_judged(engine: "EngineFile") -> None:
         )
 
 
-def end_strictly(vibration: dict[str, Any]) -> None:
-    """End with code 4 if the limits are exceeded, after all results have been written and printed.
+def exit_if_limits_exceeded(vibration: dict[str, Any]) -> None:
+    """Exit with code 4 if the limits are exceeded, after all results have been written and printed.
 
     Parameters
     ----------
     vibration : dict
         Record of the vibration, `crankfem.analyses.vibration.records.run_record`, of an engine that
-        `check_judged` has let pass.
+        `check_has_limits` has let pass.
 
     Raises
     ------
@@ -42,4 +42,4 @@ def end_strictly(vibration: dict[str, Any]) -> None:
     """
     assessment = vibration["assessment"]
     if assessment["status"] == NOT_ACCEPTABLE:
-        console.end_exceeded(f"Limits are exceeded: {assessment['sentence']}")
+        console.exit_limits_exceeded(f"Limits are exceeded: {assessment['sentence']}")

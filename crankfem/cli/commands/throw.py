@@ -51,7 +51,7 @@ def throw(
     from crankbase.tables.output_units import parse_output_units
     from crankfem.analyses.throw.throw_record import mode_records, throw_record
     from crankfem.cli.tables import tables
-    from crankfem.cli.throw_choice import chosen_throw
+    from crankfem.cli.throw_choice import select_throw
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
     from fem.analysis import analyze_throw
     from fem.class_modes import MOST_MODES
@@ -71,14 +71,14 @@ def throw(
             )
         part: Throw = import_throw(engine, pins=pins or ("pin",))
         for remark in part.remarks:
-            console.note(remark, quiet)
+            console.print_note(remark, quiet)
         material = STEEL
     else:
         if pins:
             raise InputError(
                 f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
             )
-        part, material = chosen_throw(engine, name, quiet)
+        part, material = select_throw(engine, name, quiet)
     analysis = analyze_throw(
         part, material, accuracy, solver=solver, end_sections=cast(Any, end_sections)
     )
@@ -118,14 +118,14 @@ def stress(
     from crankfem.analyses.throw.pictures.stress_picture import picture_name
     from crankfem.analyses.throw.stress import stress_record
     from crankfem.cli.tables.stress_tables import print_stresses
-    from crankfem.cli.throw_choice import chosen_throw
+    from crankfem.cli.throw_choice import select_throw
     from crankfem.files.reading.data_files import engine_path
     from fem.fillet_stress import fillet_stresses
     from fem.loads import radial_directions
     from fem.unit_loads import unit_loads
 
     shown = parse_output_units(units)
-    part, material = chosen_throw(engine, name, quiet)
+    part, material = select_throw(engine, name, quiet)
     if pictures is not None:
         if not pictures.absolute().parent.is_dir():
             raise InputError(

@@ -15,7 +15,7 @@ from crankfem.cli.commands.options import (
     StrictOption,
     UnitsOption,
 )
-from crankfem.cli.commands.strict import check_judged, end_strictly
+from crankfem.cli.commands.strict import check_has_limits, exit_if_limits_exceeded
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def vibration(
     content = any_sections(engine)
     if content is None or describes_a_chain(content):
         others = coupled or strict or any(given is not None for given in (run_up, csv, pictures))
-        _of_chain(engine, content, json, shown, only_engines=others)
+        _print_chain_modes(engine, content, json, shown, only_engines=others)
         return
     from crankbase.drawing.diagram_style import make_folder
     from crankbase.outputs import check_output, protect
@@ -89,7 +89,7 @@ def vibration(
     duration = None if run_up is None else parse_duration(run_up)
     read = load_engine(content)
     if strict:
-        check_judged(read)
+        check_has_limits(read)
     if csv is not None or pictures is not None:
         protect(read.path, *engine_tables(read, mechanism_of(read)))
     folders = [None if given is None else Path(given) for given in (csv, pictures)]
@@ -135,10 +135,10 @@ def vibration(
         for path in written:
             console.print_line(f"Written: {path}")
     if strict:
-        end_strictly(record)
+        exit_if_limits_exceeded(record)
 
 
-def _of_chain(
+def _print_chain_modes(
     path: str, content: "TomlFile | None", json: bool, units: "OutputUnits", *, only_engines: bool
 ) -> None:
     """Print the modes of a chain file.

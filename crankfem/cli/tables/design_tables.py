@@ -85,7 +85,7 @@ def _print_excluded(planned: PlannedStudy) -> None:
     for designs in groups[:MOST_REASONS]:
         first = designs[0]
         values = ", ".join(
-            f"{factor.name} {factor.show(value)}"
+            f"{factor.name} {factor.format_value(value)}"
             for factor, value in zip(factors, first.values, strict=True)
         )
         more = f" ({len(designs) - 1} more alike)" if len(designs) > 1 else ""
@@ -100,11 +100,11 @@ def _column(factor: Factor) -> Column:
 
 
 def _cell(factor: Factor, value: float) -> Cell:
-    return factor.show(value) if factor.categorical else float(value)
+    return factor.format_value(value) if factor.categorical else float(value)
 
 
 def _named(factors: tuple[Factor, ...], values: tuple[float, ...]) -> dict[str, float | str]:
     return {
-        factor.name: factor.show(value) if factor.categorical else value
+        factor.name: factor.format_value(value) if factor.categorical else value
         for factor, value in zip(factors, values, strict=True)
     }

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from crankbase.tables.table import Column, Table
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from crankfem.analyses.record import Record
 from crankfem.analyses.study.fit_records import LACK_OF_FIT
 from crankfem.cli.console import number, print_line, print_table
@@ -30,7 +30,7 @@ def print_fits(
     detailed = response or (MAIN_RESPONSE if MAIN_RESPONSE in fits else next(iter(fits)))
     _print_overview(fits, form)
     record = fits[detailed]
-    shown = _taken(record, form)
+    shown = _selected_form(record, form)
     _print_forms(detailed, record, shown)
     print_line(f"Chosen by its errors: {record['reason']}")
     if form is None:
@@ -55,7 +55,7 @@ def print_fits(
     _print_sensitivities(detailed, record)
 
 
-def _taken(record: Record, form: str | None) -> Record:
+def _selected_form(record: Record, form: str | None) -> Record:
     """Return the form that goes into the model: the given one or its twin, else the chosen one."""
     wanted = record["chosen"] if form is None else record["twins"].get(form, form)
     found: Record = next(f for f in record["forms"] if f["form"] == wanted)
@@ -67,7 +67,7 @@ def print_main_fits(fits: Mapping[str, Record]) -> None:
     _print_overview(fits)
     record = fits.get(MAIN_RESPONSE)
     if record is not None:
-        chosen = _taken(record, None)
+        chosen = _selected_form(record, None)
         print_line(f"{chosen['form']}: {chosen['equation']}")
 
 
@@ -88,7 +88,7 @@ def print_comparisons(records: list[Record]) -> None:
             [
                 [
                     r["source"],
-                    _words(r["response"]),
+                    _form_label(r["response"]),
                     r["measured"],
                     r.get("calculated"),
                     r.get("ratio"),
@@ -105,7 +105,7 @@ def print_comparisons(records: list[Record]) -> None:
 
 
 def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None:
-    chosen = {name: _taken(record, form) for name, record in fits.items()}
+    chosen = {name: _selected_form(record, form) for name, record in fits.items()}
     equations = "their chosen equations" if form is None else f"the form {form}, as given"
     print_table(
         Table(
@@ -118,7 +118,7 @@ def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None
             ],
             [
                 [
-                    _words(name),
+                    _form_label(name),
                     f["form"],
                     f["q_squared"],
                     _percent(f["largest_error_held_out"]),
@@ -135,7 +135,7 @@ def _print_forms(name: str, record: Record, taken: Record) -> None:
     support = f", {record['support']}" if record["support"] else ""
     print_table(
         Table(
-            f"{_words(name).capitalize()} {record['symbol']}{support}: largest (mean) errors in %",
+            f"{_form_label(name).capitalize()} {record['symbol']}{support}: largest (mean) errors in %",
             [
                 Column("form", words=True),
                 Column("terms"),
@@ -196,7 +196,7 @@ def _print_sensitivities(name: str, record: Record) -> None:
     sobol = found["sobol"] or {"first": {}, "total": {}}
     print_table(
         Table(
-            f"Sensitivity of the {_words(name)} by the chosen equation",
+            f"Sensitivity of the {_form_label(name)} by the chosen equation",
             [
                 Column("factor", words=True),
                 Column("nominal"),
@@ -209,7 +209,7 @@ def _print_sensitivities(name: str, record: Record) -> None:
                     factor,
                     value
                     if isinstance(value, str)
-                    else show_quantity(value, found["units"][factor]),
+                    else format_quantity(value, found["units"][factor]),
                     f"{round(found['elasticity'][factor], 3) + 0.0:+.3f}"
                     if factor in found["elasticity"]
                     else "",
@@ -225,7 +225,7 @@ def _print_sensitivities(name: str, record: Record) -> None:
     )
 
 
-def _words(name: str) -> str:
+def _form_label(name: str) -> str:
     return name.replace("_", " ")
 
 

@@ -29,7 +29,7 @@ def print_run(record: Record, units: OutputUnits = SI) -> None:
         print_table(mode_table(own), units)
         if forced is None:
             print_table(critical_table(own), units)
-        sources = source_table(own).only("source", "frequencies", "first beside chosen")
+        sources = source_table(own).select("source", "frequencies", "first beside chosen")
         print_table(sources, units)
         if forced is not None:
             _print_forced(forced[kind], units)

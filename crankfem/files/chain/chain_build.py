@@ -19,9 +19,9 @@ from crankfem.files.chain.chain_sections import (
     TorsionalNode,
 )
 from dynamics.chains.chain import Chain
+from dynamics.chains.connections import Dashpot, Gear
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.chains.editing import with_damper
-from dynamics.chains.links import Dashpot, Gear
 from dynamics.chains.shaft_elements import ShaftCone, shaft_cylinder, shaft_flange
 from fem.material import Material
 
@@ -256,7 +256,7 @@ def _spring(section: Section, number: int, element: Element, left: str, right: s
             "the element is."
         )
     for name in (*SHAPE_FIELDS, "parts"):
-        _refuse(number, element, name, "stiffness")
+        _link_error(number, element, name, "stiffness")
     stiffness = positive_number(
         field,
         element.stiffness,
@@ -270,10 +270,10 @@ def _spring(section: Section, number: int, element: Element, left: str, right: s
 
 def _check_shape(number: int, element: Element, shape: str) -> None:
     for name in ("stiffness", "damping", "distributed_inertia"):
-        _refuse(number, element, name, "shape")
+        _link_error(number, element, name, "shape")
     for name in SHAPE_FIELDS:
         if name not in SHAPES[shape]:
-            _refuse(number, element, name, f"shape {shape}")
+            _link_error(number, element, name, f"shape {shape}")
         elif getattr(element, name) is None:
             raise InputError(
                 f"chain.elements[{number}].{name}: missing; allowed is a length above 0 mm, because a "
@@ -281,7 +281,7 @@ def _check_shape(number: int, element: Element, shape: str) -> None:
             )
 
 
-def _refuse(number: int, element: Element, name: str, beside: str) -> None:
+def _link_error(number: int, element: Element, name: str, beside: str) -> None:
     if getattr(element, name) != type(element).model_fields[name].default:
         raise InputError(
             f"chain.elements[{number}].{name}: given beside {beside}; allowed is one of the two, because "

@@ -19,7 +19,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.units.quantity import parse_quantity
 from dynamics.chains.chain import Chain
-from dynamics.chains.links import Dashpot, Gear
+from dynamics.chains.connections import Dashpot, Gear
 from dynamics.chains.shaft_elements import Motion
 
 COLUMNS = re.compile(r"\s{2,}|\t+")

@@ -8,7 +8,7 @@ from typing import Any
 from crankbase.errors import InputError
 from crankbase.model import InputModel
 from crankbase.summaries import summarized
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.engine.mechanism_cylinders import (
     angles_of_throws,
@@ -35,7 +35,7 @@ from crankfem.files.reading.section_changes import (
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,
-    first_name,
+    free_end_throw_name,
     read_throws,
     throw_names,
     throws_along_shaft,
@@ -50,7 +50,7 @@ from crankfem.files.sections.engine_sections import (
     TwoMassInput,
     VibrationSettings,
 )
-from crankfem.files.sections.excitation_input import GasMap, Misfire, PropellerForcesSection
+from crankfem.files.sections.excitation_sections import GasMap, Misfire, PropellerForcesSection
 from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
 from crankfem.files.sections.vibration_sections import (
@@ -236,7 +236,7 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
         records, provenance = without_changed(self.records, self.provenance, told)
         study = self._study_of(throws or {PLAIN: made.get("throw", self.throw)}, made)
         if throws and "throw" not in made:
-            made["throw"] = throws[first_name(throws, made.get("shaft", self.shaft))]
+            made["throw"] = throws[free_end_throw_name(throws, made.get("shaft", self.shaft))]
         return replace(
             self,
             **made,
@@ -294,7 +294,7 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
     rod, piston = content.required("rod", Rod), content.required("piston", Piston)
     hinged = content.model("hinged_rods", HingedRods)
     shaft = content.model("shaft", ShaftLayout)
-    first = first_name(throws, shaft)
+    first = free_end_throw_name(throws, shaft)
     thrust = content.required("thrust_bearing", ThrustBearing)
     gas, gas_map = content.model("gas", Gas), content.model("gas_map", GasMap)
     misfire = content.model("misfire", Misfire)
@@ -352,7 +352,7 @@ def load_engine_or_throw(path: str | Path | TomlFile) -> EngineFile | ThrowFile:
     throws = read_throws(content)
     material = content.model("material", Material) or STEEL
     content.model("engine", Engine)
-    first = first_name(throws, content.model("shaft", ShaftLayout))
+    first = free_end_throw_name(throws, content.model("shaft", ShaftLayout))
     content.model("shaft_ends", ShaftEnds)
     study_plan(content, throws, first, material)
     return ThrowFile(content.path, throws, throws[first], material, tuple(content.records))
@@ -417,7 +417,7 @@ def _check_gas_map(gas_map: GasMap | None, engine: Engine) -> None:
     speeds = [point.speed for point in gas_map.points]
     if min(speeds) > engine.lowest_speed or max(speeds) < engine.highest_speed:
         given, allowed = (
-            f"{show_quantity(low, 'rad/s', 5)} to {show_quantity(high, 'rad/s', 5)}"
+            f"{format_quantity(low, 'rad/s', 5)} to {format_quantity(high, 'rad/s', 5)}"
             for low, high in (
                 (min(speeds), max(speeds)),
                 (engine.lowest_speed, engine.highest_speed),

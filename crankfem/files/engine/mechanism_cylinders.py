@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from crankfem.files.sections.engine_sections import Engine, ShaftLayout
 from crankfem.files.sections.mechanism_sections import HingedRods, Piston, Rod
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
@@ -127,19 +127,20 @@ def check_sizes(
     radius = throw.crank_radius
     if not math.isclose(2.0 * radius, engine.stroke, rel_tol=1e-3):
         raise InputError(
-            f"{section}.crank_radius: given {show_quantity(radius, 'm')}; allowed is half of engine.stroke, "
-            f"{show_quantity(engine.stroke / 2.0, 'm')}."
+            f"{section}.crank_radius: given {format_quantity(radius, 'm')}; allowed is half "
+            "of engine.stroke, "
+            f"{format_quantity(engine.stroke / 2.0, 'm')}."
         )
     if rod.length <= 1.5 * radius:
         raise InputError(
-            f"rod.length: given {show_quantity(rod.length, 'm')}; allowed is more than 1.5 crank radii, "
-            f"{show_quantity(1.5 * radius, 'm')}, or the mechanism cannot turn."
+            f"rod.length: given {format_quantity(rod.length, 'm')}; allowed is more than 1.5 crank radii, "
+            f"{format_quantity(1.5 * radius, 'm')}, or the mechanism cannot turn."
         )
     largest = min(radius, rod.length - 1.5 * radius)
     if abs(piston.pin_offset) > largest:
         raise InputError(
-            f"piston.pin_offset: given {show_quantity(piston.pin_offset, 'm')}; allowed is "
-            f"{show_quantity(largest, 'm')} or less either way, because the rod must reach the piston."
+            f"piston.pin_offset: given {format_quantity(piston.pin_offset, 'm')}; allowed is "
+            f"{format_quantity(largest, 'm')} or less either way, because the rod must reach the piston."
         )
 
 
@@ -231,9 +232,9 @@ def _positions(
             turned = engine.crank_angles[place] - math.atan2(-pin.axis[0], pin.axis[1])
             if abs(math.remainder(turned - throw_angles[number], 2.0 * math.pi)) > IN_LINE:
                 raise InputError(
-                    f"engine.crank_angles: given {show_quantity(engine.crank_angles[place], 'rad')} for "
+                    f"engine.crank_angles: given {format_quantity(engine.crank_angles[place], 'rad')} for "
                     f"cylinder {place + 1}, whose pin on throw {number + 1} stands at "
-                    f"{show_quantity(engine.crank_angles[place] - turned + throw_angles[number], 'rad')}; "
+                    f"{format_quantity(engine.crank_angles[place] - turned + throw_angles[number], 'rad')}; "
                     "allowed is the angle of its pin, because the rod is on it (engine.throws says which "
                     "cylinder is on which throw, [[throw.further_pins]] gives a throw more pins)."
                 )

@@ -31,9 +31,9 @@ from crankfem.files.sections.crank_throws import (
     throw_names,
     throws_along_shaft,
 )
+from crankfem.files.sections.cylinder_pressures import cylinder_pressures
 from crankfem.files.sections.engine_sections import Engine, Flywheel, FreeEnd, ShaftLayout
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
-from crankfem.files.sections.pressure_input import cylinder_pressures
 from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import GasPressure

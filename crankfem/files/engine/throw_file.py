@@ -9,7 +9,7 @@ from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,
     Throws,
-    first_name,
+    free_end_throw_name,
     read_throws,
     throw_names,
     throw_of_name,
@@ -136,4 +136,4 @@ def load_study(path: str | Path | TomlFile) -> StudyPlan:
 def _first(content: TomlFile, throws: Throws) -> str:
     """Name of the throw at the free end; the section [shaft] of a plain file is not looked at."""
     layout = None if PLAIN in throws else content.model("shaft", ShaftLayout)
-    return first_name(throws, layout)
+    return free_end_throw_name(throws, layout)

@@ -8,7 +8,7 @@ from typing import TypeVar
 from crankbase.errors import InputError
 from crankbase.model import InputModel
 from crankbase.summaries import summarized
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from crankfem.files.hinge.hinge_sections import (
     Comparison,
     Crank,
@@ -25,7 +25,7 @@ from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.gas_force import piston_gas_force, two_stroke_cycle
 from dynamics.hinge.moment import HingeMoment, hinge_moment
 from dynamics.hinge.profile import HingeProfile, hinge_profile
-from dynamics.hinge.reduced import Kinematics
+from dynamics.hinge.reduced_crank import Kinematics
 from dynamics.hinge.spring import GasSpring
 from dynamics.mechanism.rods import ConnectingRod
 
@@ -132,9 +132,10 @@ class HingeFile:
         for point in self.operation.points:
             if math.isclose(point.speed, speed, rel_tol=SAME_SPEED):
                 return point
-        allowed = ", ".join(show_quantity(known, "rad/s") for known in self.speeds)
+        allowed = ", ".join(format_quantity(known, "rad/s") for known in self.speeds)
         raise InputError(
-            f"{field}: given {show_quantity(speed, 'rad/s')}; allowed are the speeds of the running points, "
+            f"{field}: given {format_quantity(speed, 'rad/s')}; allowed are the speeds of "
+            "the running points, "
             f"{allowed}, because the gas force is known for them."
         )
 

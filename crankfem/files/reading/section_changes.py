@@ -9,7 +9,7 @@ from crankbase.checks.choices import allowed_names
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from crankfem.files.reading.toml_file import InputRecord
 from geometry.throw import CrankThrow
 
@@ -158,7 +158,7 @@ def _changes(prefix: str, before: object, after: InputModel | None) -> Iterator[
             continue
         record = None
         if new is not None:
-            shown = _shown(new, field_extra(info, "unit"))
+            shown = _format_change(new, field_extra(info, "unit"))
             meaning, symbol = info.description or "", field_extra(info, "symbol") or ""
             own = name in getattr(after, "model_fields_set", ())
             source = SOURCE if own else "default"
@@ -166,9 +166,9 @@ def _changes(prefix: str, before: object, after: InputModel | None) -> Iterator[
         yield Change(field, record)
 
 
-def _shown(value: object, unit: str | None) -> str:
+def _format_change(value: object, unit: str | None) -> str:
     if isinstance(value, tuple):
-        return ", ".join(_shown(item, unit) for item in value)
+        return ", ".join(_format_change(item, unit) for item in value)
     if unit is not None and is_number(value):
-        return show_quantity(value, unit)
+        return format_quantity(value, unit)
     return str(value)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.engine_sections import NamedThrow, ShaftLayout
 from geometry.crankshaft import Crankshaft
@@ -84,7 +84,7 @@ def throw_names(throws: Throws, layout: ShaftLayout | None, count: int) -> tuple
     return names
 
 
-def first_name(throws: Throws, layout: ShaftLayout | None) -> str:
+def free_end_throw_name(throws: Throws, layout: ShaftLayout | None) -> str:
     """Return the name of the throw at the free end; where the file has no shaft, of its first throw."""
     names = () if layout is None else layout.throws or ()
     return next((name for name in names if name in throws), next(iter(throws)))
@@ -113,7 +113,7 @@ def throw_of_name(throws: Throws, name: object, field: str, default: str) -> Cra
     return throws[name]
 
 
-def check_alike(throws: Throws) -> None:
+def check_compatible_throws(throws: Throws) -> None:
     """Refuse throws by name that cannot be cranks of one shaft.
 
     Raises
@@ -126,8 +126,8 @@ def check_alike(throws: Throws) -> None:
     for name, throw in others:
         if not math.isclose(throw.crank_radius, model.crank_radius, rel_tol=1e-9):
             raise InputError(
-                f"throws.{name}.crank_radius: given {show_quantity(throw.crank_radius, 'm')}; allowed is "
-                f"{show_quantity(model.crank_radius, 'm')} as in throws.{first}, because all pistons of an "
+                f"throws.{name}.crank_radius: given {format_quantity(throw.crank_radius, 'm')}; allowed is "
+                f"{format_quantity(model.crank_radius, 'm')} as in throws.{first}, because all pistons of an "
                 "engine have one stroke."
             )
         if len(throw.parts.pins) != count:
@@ -158,7 +158,7 @@ def throws_along_shaft(
     """
     along = tuple(throws[name] for name in names)
     if PLAIN not in throws:
-        check_alike(throws)
+        check_compatible_throws(throws)
         _ = Crankshaft(along, angles)  # refuses main journals that neighbors cannot share
     return along
 
@@ -192,12 +192,12 @@ def _named(content: TomlFile, name: str, given: Mapping[str, Any]) -> CrankThrow
             f"{section}.like: given {also.like!r}; allowed is another throw that is given in full"
             f"{': ' if full else ', but there is none'}{', '.join(full)}."
         )
-    merged = _with_those_of(content, section, own, f"throws.{also.like}", given[also.like])
+    merged = _with_missing_fields(content, section, own, f"throws.{also.like}", given[also.like])
     throw = content.made(section, CrankThrow, merged)
     return throw.reversed() if also.reversed else throw
 
 
-def _with_those_of(
+def _with_missing_fields(
     content: TomlFile,
     section: str,
     own: Mapping[str, Any],
@@ -214,5 +214,5 @@ def _with_those_of(
                 if field == origin or field.startswith((f"{origin}.", f"{origin}[")):
                     content.provenance[place + field.removeprefix(origin)] = source
         elif isinstance(value, Mapping) and isinstance(own[key], Mapping):
-            merged[key] = _with_those_of(content, place, own[key], origin, value)
+            merged[key] = _with_missing_fields(content, place, own[key], origin, value)
     return merged

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel, quantity_field
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from crankbase.units.units import PER_MINUTE
 from dynamics.engine.firing import firing_angles_of_order, firing_intervals
 
@@ -60,14 +60,14 @@ class Engine(InputModel):
             raise InputError(f"engine.strokes: given {self.strokes}; allowed are 2 and 4.")
         if not self.lowest_speed < self.highest_speed:
             raise InputError(
-                f"engine.lowest_speed: given {show_quantity(self.lowest_speed, 'rad/s')}; allowed is less "
-                f"than highest_speed, {show_quantity(self.highest_speed, 'rad/s')}."
+                f"engine.lowest_speed: given {format_quantity(self.lowest_speed, 'rad/s')}; allowed is less "
+                f"than highest_speed, {format_quantity(self.highest_speed, 'rad/s')}."
             )
         if not self.lowest_speed <= self.rated_speed <= self.highest_speed:
             raise InputError(
-                f"engine.rated_speed: given {show_quantity(self.rated_speed, 'rad/s')}; allowed is "
-                f"lowest_speed to highest_speed, {show_quantity(self.lowest_speed, 'rad/s')} to "
-                f"{show_quantity(self.highest_speed, 'rad/s')}."
+                f"engine.rated_speed: given {format_quantity(self.rated_speed, 'rad/s')}; allowed is "
+                f"lowest_speed to highest_speed, {format_quantity(self.lowest_speed, 'rad/s')} to "
+                f"{format_quantity(self.highest_speed, 'rad/s')}."
             )
         for name, kind in (
             ("crank_angles", "angles"),

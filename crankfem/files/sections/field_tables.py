@@ -9,11 +9,11 @@ from pydantic_core import PydanticUndefined
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from crankbase.units.units import DISPLAY_UNITS
 from crankfem.files.sections import (
     engine_sections,
-    excitation_input,
+    excitation_sections,
     limits_sections,
     mechanism_sections,
     vibration_sections,
@@ -45,9 +45,9 @@ SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
     (vibration_sections.Bearings, "optional"),
     (vibration_sections.ShaftLineFiles, "optional"),
     (mechanism_sections.Gas, "optional; without it reactions are given for 100 kN"),
-    (excitation_input.GasMap, "optional"),
-    (excitation_input.Misfire, "optional"),
-    (excitation_input.PropellerForcesSection, "optional"),
+    (excitation_sections.GasMap, "optional"),
+    (excitation_sections.Misfire, "optional"),
+    (excitation_sections.PropellerForcesSection, "optional"),
     (limits_sections.LimitsInput, "optional"),
     (limits_sections.RangesInput, "optional"),
     (engine_sections.VibrationSettings, "optional"),
@@ -132,7 +132,9 @@ def _allowed(info: FieldInfo) -> str:
         allowed = " or ".join(get_args(choices[0]))
     default = info.default
     if default is not PydanticUndefined and default is not ... and default is not None:
-        text = show_quantity(default, unit) if unit and isinstance(default, float) else f"{default}"
+        text = (
+            format_quantity(default, unit) if unit and isinstance(default, float) else f"{default}"
+        )
         allowed += f"{', ' if allowed else ''}default {text}"
     return allowed
 
@@ -141,7 +143,7 @@ def _limit(value: float, unit: str) -> str:
     """Write a limit; a pure number without exponent as long as it can be read so."""
     if not unit and float(value).is_integer() and abs(value) < WRITTEN_OUT:
         return f"{value:.0f}"
-    return show_quantity(value, unit)
+    return format_quantity(value, unit)
 
 
 def _is_choice(kind: object) -> bool:

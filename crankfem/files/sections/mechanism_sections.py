@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel, quantity_field
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 
 
 def _check_share(section: str, share: float, whole: float) -> None:
@@ -58,7 +58,8 @@ class Rod(InputModel):
     def _share_below_whole(self) -> Self:
         if self.center_offset != 0.0 and self.inertia is None:
             raise InputError(
-                f"rod.center_offset: given {show_quantity(self.center_offset, 'm')} without inertia; allowed "
+                f"rod.center_offset: given {format_quantity(self.center_offset, 'm')} "
+                "without inertia; allowed "
                 "are both, because a rod that stands as two masses at its pins has its center between them."
             )
         _check_share(self.section, self.rotating_mass, self.mass)

@@ -78,7 +78,7 @@ def campbell(
         own = [one for one in found if one.kind == name]
         if own:
             traces.append(_dots(kind, f"{name} order", own, color))
-    notes = [_order_label(order, frame) for order in orders.tolist() if frame.tells(order)]
+    notes = [_order_label(order, frame) for order in orders.tolist() if frame.has_label(order)]
     notes += [
         {
             "x": left,
@@ -106,7 +106,7 @@ def campbell(
 
 def _order_line(order: float, frame: CampbellFrame, *, first: bool) -> Part:
     """Return one order's line as far as it is seen; the legend switches all of them at once."""
-    speeds = np.linspace(frame.ends[0], frame.leaves(order)[0], PLACES)
+    speeds = np.linspace(frame.ends[0], frame.line_end(order)[0], PLACES)
     return line(
         speeds,
         order * speeds / 60.0,
@@ -120,7 +120,7 @@ def _order_line(order: float, frame: CampbellFrame, *, first: bool) -> Part:
 
 
 def _order_label(order: float, frame: CampbellFrame) -> Part:
-    speed, frequency, over = frame.leaves(order)
+    speed, frequency, over = frame.line_end(order)
     return {
         "x": speed,
         "y": frequency,
@@ -152,12 +152,12 @@ def _dots(kind: str, name: str, own: Sequence[Resonance], color: str) -> Part:
         color,
         "%{text}",
         size=[round(DOT + DOT_GROWTH * one.severity, 1) for one in own],
-        text=[_told(kind, one) for one in own],
+        text=[_hover_text(kind, one) for one in own],
         marker={"symbol": ["x" if one.unbounded else "circle" for one in own]},
     )
 
 
-def _told(kind: str, one: Resonance) -> str:
+def _hover_text(kind: str, one: Resonance) -> str:
     motion = MOTION[kind]
     size = (
         "unbounded: nothing damps it"

@@ -3,8 +3,8 @@
 import numpy as np
 
 from crankbase.drawing.curves import Band, Curves, Mark
+from crankfem.report.interactive.curve_decimation import visible_points
 from crankfem.report.interactive.style import Figure, Part, axis, band, layout, line, literal
-from crankfem.report.interactive.thinning import seen_points
 
 # Shares of the height that a thinned curve may miss, and of the width without a point to hover on.
 UNSEEN, HOVER_STEP = 5e-4, 1.0 / 80.0
@@ -23,8 +23,8 @@ def figure_of(curves: Curves, title: str) -> Figure:
         top = max(float(np.nanmax(own.values, initial=0.0)) for own in curves.series)
     traces = []
     for own in sorted(curves.series, key=lambda one: one.role == "order"):
-        kept = seen_points(x, own.values, UNSEEN * top, HOVER_STEP * float(np.ptp(x)))
-        color, dash, width = own.look
+        kept = visible_points(x, own.values, UNSEEN * top, HOVER_STEP * float(np.ptp(x)))
+        color, dash, width = own.line_style
         traces.append(
             line(
                 x[kept],

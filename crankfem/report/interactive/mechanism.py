@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
+from crankfem.report.interactive.curve_decimation import visible_points
 from crankfem.report.interactive.style import (
     QUIET_COLOR,
     Figure,
@@ -17,7 +18,6 @@ from crankfem.report.interactive.style import (
     line,
     number,
 )
-from crankfem.report.interactive.thinning import seen_points
 from dynamics.engine.loads import LoadDiagram
 
 Array = NDArray[np.float64]
@@ -84,7 +84,7 @@ def polar_load(load: LoadDiagram, frame: str, title: str) -> Figure:
             BLUE,
             hover,
             width=1.8,
-            customdata=_told(degrees, force, closed),
+            customdata=_hover_values(degrees, force, closed),
         ),
         dots(
             across[marks],
@@ -93,9 +93,9 @@ def polar_load(load: LoadDiagram, frame: str, title: str) -> Figure:
             BLUE,
             hover,
             size=6,
-            customdata=_told(degrees, force, marks),
+            customdata=_hover_values(degrees, force, marks),
             mode="markers+text",
-            text=_roomy(degrees[marks], force[marks], 0.16 * half),
+            text=_spaced_labels(degrees[marks], force[marks], 0.16 * half),
             textposition=[
                 _side(complex(one), complex(force.mean())) for one in force[marks].tolist()
             ],
@@ -122,7 +122,7 @@ def developed_load(load: LoadDiagram, title: str) -> Figure:
     degrees = degrees_of(load.angles)
     size = KILO * load.magnitude
     x, y = np.append(degrees, 2.0 * degrees[-1] - degrees[-2]), np.append(size, size[0])
-    kept = seen_points(x, y, UNSEEN * float(y.max()), HOVER_STEP)
+    kept = visible_points(x, y, UNSEEN * float(y.max()), HOVER_STEP)
     mean, most = KILO * load.mean, KILO * load.maximum
     told = "shaft angle %{x:.4g} deg<br>%{y:.4g} kN"
     traces = [
@@ -165,7 +165,7 @@ def piston_forces(run: MechanismRun, cylinder: int, title: str) -> Figure:
         (forces.side, GREEN, "dashdot", "side, N"),
     ):
         y = KILO * values[cylinder - 1][order]
-        kept = seen_points(x, y, UNSEEN * float(np.ptp(y)), HOVER_STEP)
+        kept = visible_points(x, y, UNSEEN * float(np.ptp(y)), HOVER_STEP)
         told = f"{label}<br>%{{x:.4g}} deg after the firing top<br>%{{y:.4g}} kN"
         traces.append(line(x[kept], y[kept], label, color, told, width=1.8, dash=dash))
     cycle = float(np.degrees(run.layout.cycle))
@@ -181,7 +181,7 @@ def _angle_axis(title: str, x: Array) -> Part:
     return axis(title, range=[float(x[0]), float(x[-1])], dtick=90, tick0=0)
 
 
-def _told(
+def _hover_values(
     degrees: Array, force: NDArray[np.complex128], those: NDArray[np.int64]
 ) -> list[list[float]]:
     """Return shaft angle [deg] and size of the force for hovering."""
@@ -191,7 +191,7 @@ def _told(
     ]
 
 
-def _roomy(degrees: Array, force: NDArray[np.complex128], room: float) -> list[str]:
+def _spaced_labels(degrees: Array, force: NDArray[np.complex128], room: float) -> list[str]:
     """Return labels of angles where there is room for them."""
     labeled: list[complex] = []
     texts = []

@@ -9,7 +9,7 @@ import numpy as np
 from crankfem.report.interactive.curves import figure_of
 from crankfem.report.interactive.style import Figure
 from dynamics.assessment.limits import VibrationLimit
-from dynamics.plots.quantities import shown
+from dynamics.plots.quantities import quantity_display
 from dynamics.response.series import OrderSeries
 
 
@@ -61,7 +61,7 @@ def amplitudes_over_speed(
                 passing["limit while passing"] = values
     described = series.over_speed(
         curve.place,
-        shown(curve.quantity, "SI"),
+        quantity_display(curve.quantity, "SI"),
         limits=limits,
         passing=passing,
         barred=barred,

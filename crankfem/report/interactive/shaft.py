@@ -14,7 +14,7 @@ from crankfem.report.interactive.style import (
     layout,
     level,
     line,
-    shown_in_turn,
+    visibility_by_choice,
 )
 from dynamics.crankshaft.coupled_response import CoupledResponse, split_curves
 from dynamics.crankshaft.shaft_modes import ShaftModes
@@ -79,7 +79,7 @@ def shaft_modes(modes: ShaftModes, radius: float, title: str) -> Figure:
                     visible=count == 0,
                 )
             )
-    turns = shown_in_turn(np.repeat(np.arange(len(labels)), 4).tolist(), len(labels))
+    turns = visibility_by_choice(np.repeat(np.arange(len(labels)), 4).tolist(), len(labels))
     return traces, layout(
         axis("place along the shaft [mm]"),
         axis("relative displacement [1]", range=[-1.1, 1.1]),

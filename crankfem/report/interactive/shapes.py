@@ -13,8 +13,8 @@ from crankfem.report.interactive.style import (
     layout,
     level,
     line,
+    line_style,
     literal,
-    look,
     number,
 )
 
@@ -45,7 +45,7 @@ def mode_shapes(result: SourceResult, title: str) -> Figure:
         shape, still = modes.shapes[:, mode], modes.node_positions[mode]
         count = f"{len(still)} node{'s' if len(still) != 1 else ''}"
         label = f"mode {shown + 1}: {modes.frequencies[mode]:.1f} Hz, {count}"
-        color = look(shown)["color"]
+        color = line_style(shown)["color"]
         shared: Part = {
             "legendgroup": f"mode {shown + 1}",
             "visible": True if shown < SHAPES_SHOWN else "legendonly",
@@ -59,7 +59,7 @@ def mode_shapes(result: SourceResult, title: str) -> Figure:
                 x,
                 y,
                 label,
-                **look(shown),
+                **line_style(shown),
                 hover=f"%{{text}}<br>relative {moved} %{{y:.3f}}<br>{label}",
                 mode="lines+markers",
                 marker={"size": 6},

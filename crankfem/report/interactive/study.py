@@ -8,7 +8,17 @@ from numpy.typing import NDArray
 
 from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE
 from crankfem.analyses.study.fitting import ResponseFits, predicted
-from crankfem.analyses.study.nominal_section import over_factor
+from crankfem.analyses.study.nominal_section import factor_sweep
+from crankfem.report.interactive.labels import (
+    choice_labels,
+    design_texts,
+    display_unit,
+    display_values,
+    factor_text,
+    factor_title,
+    symbol_text,
+    with_unit,
+)
 from crankfem.report.interactive.rounding import rounded
 from crankfem.report.interactive.style import (
     Figure,
@@ -20,17 +30,7 @@ from crankfem.report.interactive.style import (
     level,
     line,
     literal,
-    shown_in_turn,
-)
-from crankfem.report.interactive.words import (
-    designs_told,
-    factor_text,
-    factor_title,
-    shown_labels,
-    shown_unit,
-    shown_values,
-    symbol_text,
-    with_unit,
+    visibility_by_choice,
 )
 from regression.fits.fits import Fit
 from regression.plans.factors import Factor
@@ -51,21 +51,21 @@ def response_over_factors(table: StudyTable, found: ResponseFits) -> Figure:
     element results there; open ones are results elsewhere, moved there along the chosen equation: they
     keep their distance to it.
     """
-    unit, size = shown_unit(found.unit)
+    unit, size = display_unit(found.unit)
     factors = table.plan.factors
-    told = designs_told(factors, table.values)
+    told = design_texts(factors, table.values)
     forms = _forms(found)
     traces: list[Part] = []
     owners: list[int] = []
     for place, factor in enumerate(factors):
-        section = over_factor(table, found, place, forms, _sweep(factor))
-        x, on_line = shown_values(factor, section.values), section.on_line
+        section = factor_sweep(table, found, place, forms, _sweep(factor))
+        x, on_line = display_values(factor, section.values), section.on_line
         own = [
             _curve(factor, x, curve / size, fit, number, unit)
             for number, (fit, curve) in enumerate(zip(forms, section.curves, strict=True))
         ]
         y = section.results / size
-        across = shown_values(factor, table.values[:, place])
+        across = display_values(factor, table.values[:, place])
         for those, symbol, name in (
             (~on_line, "circle-open", "other designs, moved to this line"),
             (on_line, "circle", "finite elements"),
@@ -86,7 +86,7 @@ def response_over_factors(table: StudyTable, found: ResponseFits) -> Figure:
         owners += [place] * len(own)
     changes = [
         [{"visible": visible}, {"xaxis.title.text": factor_title(factor), **_ticks(factor)}]
-        for visible, factor in zip(shown_in_turn(owners, len(factors)), factors, strict=True)
+        for visible, factor in zip(visibility_by_choice(owners, len(factors)), factors, strict=True)
     ]
     return traces, layout(
         axis(factor_title(factors[0]), **_first_ticks(factors[0])),
@@ -98,9 +98,9 @@ def response_over_factors(table: StudyTable, found: ResponseFits) -> Figure:
 
 def parity(table: StudyTable, found: ResponseFits) -> Figure:
     """Draw one form at a time against finite elements: values above, errors in per cent below."""
-    unit, size = shown_unit(found.unit)
+    unit, size = display_unit(found.unit)
     column = table.responses[found.column]
-    told = designs_told(table.plan.factors, table.values)
+    told = design_texts(table.plan.factors, table.values)
     symbol = symbol_text(found.symbol)
     forms = [found.chosen, *(fit for fit in found.fits if fit is not found.chosen)]
     values = [predicted(table, found, fit) for fit in forms]
@@ -197,7 +197,7 @@ def _ticks(factor: Factor) -> Part:
     return {
         "xaxis.tickmode": "array",
         "xaxis.tickvals": list(range(len(factor.labels))),
-        "xaxis.ticktext": shown_labels(factor),
+        "xaxis.ticktext": choice_labels(factor),
         "xaxis.autorange": True,
     }
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.drawing.curves import order_look
+from crankbase.drawing.curves import order_line_style
 from crankbase.drawing.diagram_style import GRAY, STYLE
 from crankfem.report.interactive.rounding import rounded
 
@@ -136,9 +136,9 @@ def dots(
     } | more
 
 
-def look(number: int) -> Part:
-    """Color and dashes of one of many curves, as arguments of `line`."""
-    color, dash, _ = order_look(number)
+def line_style(number: int) -> Part:
+    """Line style of one of many curves, color and dashes, as arguments of `line`."""
+    color, dash, _ = order_line_style(number)
     return {"color": color, "dash": dash}
 
 
@@ -193,7 +193,7 @@ def choice(name: str, labels: Sequence[str], changes: Sequence[list[Any]]) -> Pa
     }
 
 
-def shown_in_turn(owners: Sequence[int], count: int) -> list[list[bool]]:
+def visibility_by_choice(owners: Sequence[int], count: int) -> list[list[bool]]:
     """Return which traces are visible under each of `count` choices, by the choice they belong to."""
     return [[owner == number for owner in owners] for number in range(count)]
 

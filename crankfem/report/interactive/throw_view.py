@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from crankbase.units.units import UNITS
 from crankfem.analyses.throw.pictures.surface import stretched_surface
-from crankfem.report.interactive.decimation import fewer_triangles
+from crankfem.report.interactive.mesh_decimation import decimate_triangles
 from crankfem.report.interactive.rounding import rounded
 from crankfem.report.interactive.style import (
     QUIET_COLOR,
@@ -20,7 +20,7 @@ from crankfem.report.interactive.style import (
     number,
     plain_layout,
 )
-from crankfem.report.interactive.triangles import TriangleSurface, trails
+from crankfem.report.interactive.triangles import TriangleSurface, polylines
 from crankfem.report.interactive.writing import write_figure
 from fem.fillet_peaks import FilletStresses
 from fem.principal import von_mises
@@ -127,8 +127,8 @@ def throw_figure(analysis: ThrowAnalysis, stresses: FilletStresses | None = None
     sizes = np.linalg.norm(displacement, axis=1)
     size = float(np.ptp(points, axis=0).max())
     lifted = points + LIFT * size * surface.point_normals
-    features = trails(surface.sharp_edges(SHORTEST * size))
-    sources, triangles = fewer_triangles(surface, sizes, MOST_TRIANGLES).apart_at_edges()
+    features = polylines(surface.sharp_edges(SHORTEST * size))
+    sources, triangles = decimate_triangles(surface, sizes, MOST_TRIANGLES).split_at_sharp_edges()
     scale = DRAWN_DISPLACEMENT * float(np.ptp(points[:, 2])) / float(sizes[sources].max())
     moved = points + scale * displacement
     middles = _middles(places[given.edges], points, BENT * size)
@@ -139,7 +139,7 @@ def throw_figure(analysis: ThrowAnalysis, stresses: FilletStresses | None = None
     views = [_View("solid", (0, 1), "drag to turn; pinch, or click and scroll, to zoom")]
     if len(middles) <= MOST_EDGES:
         traces.append(_lines(lifted, _through(middles), size, MESH_COLOR, 1.2, "element edges"))
-        views.append(_View("mesh", (0, len(traces) - 1), _mesh_told(analysis)))
+        views.append(_View("mesh", (0, len(traces) - 1), _mesh_text(analysis)))
     shown = DISPLACEMENT_SHOWN * sizes[sources]
     # In mm for 1 N; drawn against 1 kN.
     factor = scale / (MILLI * 1e3)
@@ -229,7 +229,7 @@ def _change(view: _View, traces: list[Part]) -> list[Part]:
     ]
 
 
-def _mesh_told(analysis: ThrowAnalysis) -> str:
+def _mesh_text(analysis: ThrowAnalysis) -> str:
     mesh = analysis.mesh
     images = len(whole_nodes(mesh).images)
     return (
@@ -259,8 +259,8 @@ def _stress_views(stresses: FilletStresses, place: int) -> tuple[Part, list[_Vie
     # What is largest under any of the loads shall stay.
     relative = equivalent[:, [column for column, _ in chosen]]
     relative = (relative / relative.max(axis=0)).max(axis=1)
-    surface = fewer_triangles(TriangleSurface(points, corners), relative, MOST_STRESSED)
-    sources, triangles = surface.apart_at_edges()
+    surface = decimate_triangles(TriangleSurface(points, corners), relative, MOST_STRESSED)
+    sources, triangles = surface.split_at_sharp_edges()
     trace = _solid(
         points[sources],
         triangles,
@@ -387,7 +387,7 @@ def _middles(edges: Integers, points: Array, beside: float) -> dict[tuple[int, i
 def _through(middles: dict[tuple[int, int], int]) -> list[list[int]]:
     """Return strokes along element edges, through the middles of bent ones."""
     strokes = []
-    for trail in trails(np.array(list(middles), dtype=np.int64).reshape(-1, 2)):
+    for trail in polylines(np.array(list(middles), dtype=np.int64).reshape(-1, 2)):
         stroke = trail[:1]
         for a, b in pairwise(trail):
             middle = middles[min(a, b), max(a, b)]

@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE
+from crankfem.report.interactive.curve_decimation import visible_points
 from crankfem.report.interactive.curves import UNSEEN
 from crankfem.report.interactive.rounding import rounded
 from crankfem.report.interactive.style import Figure, axis, dots, layout, line, number
-from crankfem.report.interactive.thinning import seen_points
 from dynamics.harmonics import Harmonics
 from dynamics.plots.bars import ORDER_LABEL, bar_width
 from dynamics.plots.sampled_torque import ANGLE_LABEL, TORQUE_LABEL, over_cycle
@@ -21,7 +21,7 @@ HOVER_STEP = 6.0
 def torque_and_harmonics(samples: Array, found: Harmonics) -> Figure:
     """Draw torque samples with the sum of all harmonics above, and the amplitudes by order below."""
     degrees, sums, own = over_cycle(samples, found)
-    kept = seen_points(degrees, sums, UNSEEN * float(np.ptp(sums)), HOVER_STEP)
+    kept = visible_points(degrees, sums, UNSEEN * float(np.ptp(sums)), HOVER_STEP)
     told = "<br>crank angle %{x:.4g} deg<br>%{y:.4g} N m"
     bars = {
         "type": "bar",

@@ -82,8 +82,8 @@ class TriangleSurface:
         lengths = np.linalg.norm(np.subtract(*self.points[found.T]), axis=1)
         return found[np.bincount(pieces, lengths)[pieces] >= shortest] if len(found) else found
 
-    def apart_at_edges(self) -> tuple[Integers, Integers]:
-        """Give each smooth patch points of its own, so that shading does not round off its edges.
+    def split_at_sharp_edges(self) -> tuple[Integers, Integers]:
+        """Split the surface at sharp edges, so that shading does not round off its edges.
 
         Returns
         -------
@@ -106,8 +106,8 @@ def _connected(pairs: Integers, count: int) -> Integers:
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
-def trails(ends: Integers) -> list[list[int]]:
-    """Join edges (e, 2) end to end, so that they are drawn in few strokes.
+def polylines(ends: Integers) -> list[list[int]]:
+    """Join edges (e, 2) end to end to polylines, so that they are drawn in few strokes.
 
     Returns
     -------

@@ -9,7 +9,7 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
 from crankbase.drawing.legends import legend_inside, write_title
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class RunningPoint:
     @property
     def label(self) -> str:
         """Its speed, as a legend says it."""
-        return show_quantity(self.speed, "rad/s", 5)
+        return format_quantity(self.speed, "rad/s", 5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +165,9 @@ def draw_speeds(
         axes.plot(np.degrees(turn.angles), turn.speed * RPM, dash, color=color, label=label)
     axes.set_ylim(0.0, 1.3 * float(without.speed.max()) * RPM)
     axes.set_ylabel("crank speed [1/min]")
-    write_title(axes, f"Speed over a turn from {show_quantity(from_speed, 'rad/s', 5)} at the top")
+    write_title(
+        axes, f"Speed over a turn from {format_quantity(from_speed, 'rad/s', 5)} at the top"
+    )
     _turn_axis(axes)
     axes.legend(frameon=False, fontsize=9, loc="upper right")
 

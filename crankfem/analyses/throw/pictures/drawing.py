@@ -12,7 +12,7 @@ import numpy as np
 
 from crankbase.drawing.diagram_style import REPRODUCIBLE
 from crankbase.errors import InputError
-from crankbase.outputs import written
+from crankbase.outputs import atomic_file
 from crankfem.analyses.throw.pictures.title_block import (
     BLOCK_HEIGHT,
     POINT_ON_PAPER,
@@ -113,7 +113,7 @@ def write_drawing(throw: CrankThrow, path: str | Path, title: str = "") -> Path:
     path = Path(path)
     metadata = ENDINGS[check_drawing_ending(path)]
     try:
-        with mpl.rc_context(REPRODUCIBLE), written(path, "picture") as part:
+        with mpl.rc_context(REPRODUCIBLE), atomic_file(path, "picture") as part:
             draw_throw(throw, title).savefig(part, dpi=PIXELS_PER_INCH, metadata=metadata)
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None

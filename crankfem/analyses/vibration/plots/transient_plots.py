@@ -13,7 +13,7 @@ from crankbase.errors import InputError
 from crankfem.analyses.titles import add_title
 from dynamics.plots.over_time import draw_speed
 from dynamics.plots.speed_curves import draw_named_curves
-from dynamics.transient.picking import Moving
+from dynamics.transient.curve_selection import Moving
 from dynamics.transient.run import TransientMotion
 from dynamics.transient.turning_run import TurningRun
 

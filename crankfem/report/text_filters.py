@@ -9,15 +9,15 @@ from markupsafe import Markup, escape
 from crankbase.units.number_formats import (
     UNBOUNDED,
     fixed,
+    format_usage,
     nano,
     percent,
     scaled,
     significant,
     tiny,
-    used,
 )
-from crankbase.units.quantity import show_quantity
-from crankfem.analyses.about import run_command
+from crankbase.units.quantity import format_quantity
+from crankfem.analyses.provenance import run_command
 from crankfem.analyses.record import Record
 from crankfem.analyses.shaft.motion import MOTION
 
@@ -40,10 +40,10 @@ def quantity(value: float | None, unit: str, digits: int = 4) -> str:
         return UNBOUNDED
     if not unit:
         return f"{value:g}"
-    text = show_quantity(value, unit, digits)
+    text = format_quantity(value, unit, digits)
     while "e+" in text and digits < MOST_DIGITS:
         digits += 1
-        text = show_quantity(value, unit, digits)
+        text = format_quantity(value, unit, digits)
     return text
 
 
@@ -53,13 +53,13 @@ def motion(value: float | None, kind: str, digits: int = 3) -> str:
     return UNBOUNDED if value is None else f"{significant(value / own.size, digits)} {own.unit}"
 
 
-def source_words(name: str) -> str:
-    """Say where compliances come from."""
+def source_label(name: str) -> str:
+    """Label the source of compliances."""
     return SOURCE_WORDS.get(name, name)
 
 
-def words(name: str) -> str:
-    """Write a field's name in words."""
+def field_label(name: str) -> str:
+    """Return the label of a field: its name in words."""
     return name.replace("_", " ")
 
 
@@ -68,8 +68,8 @@ def sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:].removesuffix('.')}."
 
 
-def signs(text: str) -> str:
-    """Write the signs of an equation as they are printed in books."""
+def typeset_signs(text: str) -> str:
+    """Typeset the signs of an equation as books print them."""
     return text.replace(" * ", " · ").replace(" - ", " − ")
 
 
@@ -110,13 +110,13 @@ def duration(seconds: float) -> str:
     return f"{whole // 3600} h {whole % 3600 // 60} min"
 
 
-def check_figure(check: Record) -> str:
-    """Write the figure of a self-check."""
+def check_value_text(check: Record) -> str:
+    """Write the value of a self-check."""
     return _figure(check["figure"], check["unit"])
 
 
-def check_allowed(check: Record) -> str:
-    """Write what the figure of a self-check may be."""
+def check_limit_text(check: Record) -> str:
+    """Write the limit of a self-check."""
     allowed = check["allowed"]
     if allowed is None:
         return "not bounded" if check["met"] is None else "by its criteria"
@@ -133,7 +133,7 @@ def _figure(value: float | None, unit: str) -> str:
     return f"{value:g} {unit}".strip()
 
 
-def at_most_one(value: float) -> float:
+def capped_share(value: float) -> float:
     """Return a share for a bar that can be no longer than full."""
     return min(1.0, value) if math.isfinite(value) else 1.0
 
@@ -152,7 +152,7 @@ def head(text: str) -> Markup:
     )
 
 
-def tied(text: str) -> str:
+def keep_units_together(text: str) -> str:
     """Keep numbers and the units behind them on one line."""
     return UNIT_BEHIND.sub("\N{NO-BREAK SPACE}", text)
 
@@ -170,19 +170,19 @@ FILTERS = {
     "scaled": scaled,
     "motion": motion,
     "tiny": tiny,
-    "source": source_words,
-    "words": words,
+    "source": source_label,
+    "words": field_label,
     "sentence": sentence,
-    "signs": signs,
+    "signs": typeset_signs,
     "moment": moment,
     "duration": duration,
-    "check_figure": check_figure,
-    "check_allowed": check_allowed,
-    "bar": at_most_one,
-    "used": used,
+    "check_figure": check_value_text,
+    "check_allowed": check_limit_text,
+    "bar": capped_share,
+    "used": format_usage,
     "head": head,
     "run_command": run_command,
-    "tied": tied,
+    "tied": keep_units_together,
     "gpa": lambda value: f"{value / 1e9:.4g} GPa",
     "length_of": lambda values: math.hypot(*values),
     "sig_or_zero": lambda value: significant(value) if value else "0",

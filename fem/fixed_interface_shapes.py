@@ -1,4 +1,4 @@
-"""Shapes of a throw's inside with its end sections held: natural modes, and answers to inertia forces."""
+"""Shapes of a throw with its end sections fixed: natural modes, and responses to inertia forces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ INDEPENDENT = 1e-9
 
 
 @dataclass(frozen=True)
-class Inside:
+class FixedInterfaceShapes:
     """Shapes (3 n, m) with the end sections held, and what couples them to ends and pins."""
 
     symmetries: tuple[SymmetryClass, ...]
@@ -32,7 +32,7 @@ class Inside:
     pin_loads: Array
 
 
-def _inside(
+def _fixed_interface_shapes(
     problem: ClassProblem, cutoff: float, inertia: Array
 ) -> tuple[Array, NDArray[np.bool_], Array]:
     """Squares (m,), whether natural (m,), and shapes (3 n, m) of one class.
@@ -77,7 +77,7 @@ def shapes_of_class(
     inertia: Array,
     cutoff: float,
     corrections: bool,
-) -> Inside:
+) -> FixedInterfaceShapes:
     """Find the shapes of one class up to a frequency, their mass with end motions and pin loads' work.
 
     Parameters
@@ -102,7 +102,7 @@ def shapes_of_class(
         If the modes cannot be found.
     """
     forces = inertia if corrections else inertia[:, :0]
-    squares, natural, shapes = _inside(problem, cutoff, forces)
+    squares, natural, shapes = _fixed_interface_shapes(problem, cutoff, forces)
     copies = part.symmetry.copies
     pin_fields = part.pin_fields.reshape(len(shapes), -1)
     # The fields are answers to the pin loads, so the shapes' work on them is the loads' on the shapes.
@@ -110,7 +110,7 @@ def shapes_of_class(
     pin_loads = np.zeros((len(part.pin_loads), len(squares), 6))
     for work, (pin, component) in zip(works.T, part.pin_components, strict=True):
         pin_loads[pin, :, component] = work
-    return Inside(
+    return FixedInterfaceShapes(
         symmetries=(part.symmetry,) * len(squares),
         squares=squares,
         natural=natural,
@@ -120,9 +120,11 @@ def shapes_of_class(
     )
 
 
-def shapes_of_throw(mesh: ThrowMesh, pins: int, parts: Sequence[Inside]) -> Inside:
+def shapes_of_throw(
+    mesh: ThrowMesh, pins: int, parts: Sequence[FixedInterfaceShapes]
+) -> FixedInterfaceShapes:
     """Put the shapes of all classes together: natural modes first, both kinds ascending."""
-    none = Inside(
+    none = FixedInterfaceShapes(
         symmetries=(),
         squares=np.zeros(0),
         natural=np.zeros(0, dtype=bool),
@@ -135,7 +137,7 @@ def shapes_of_throw(mesh: ThrowMesh, pins: int, parts: Sequence[Inside]) -> Insi
     squares = np.concatenate([part.squares for part in parts])
     natural = np.concatenate([part.natural for part in parts])
     order = np.lexsort((squares, ~natural))
-    return Inside(
+    return FixedInterfaceShapes(
         symmetries=tuple(symmetries[place] for place in order),
         squares=squares[order],
         natural=natural[order],

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from regression.throw_values import SAME, show
+from regression.throw_values import SAME, format_value
 
 # Lengths so many times as large as the range's end are most likely of another unit: 70 for 0.070 m.
 WRONG_UNIT = 100.0
@@ -16,8 +16,8 @@ class OutsideRangeWarning(UserWarning):
 
 
 @dataclass(frozen=True)
-class Outside:
-    """One column whose values leave its range.
+class OutOfRange:
+    """One column whose values are out of its range.
 
     Attributes
     ----------
@@ -56,28 +56,28 @@ class Outside:
         return (
             f"{self.name}: given {self._show(self.value)}{several}; the range of the fit is "
             f"{self._show(self.lowest)} to {self._show(self.highest)}, and "
-            f"{100.0 * self.distance:.3g} % of its width beyond it the error is unknown{self.hint}."
+            f"{100.0 * self.distance:.3g} % of its width beyond it the error is unknown{self.unit_hint}."
         )
 
     @property
-    def refusal(self) -> str:
+    def error_sentence(self) -> str:
         """One sentence for a value that is not given."""
         several = f" (and {self.number - 1} more)" if self.number > 1 else ""
         return (
             f"{self.name}: given {self._show(self.value)}{several}; allowed is the range of the fit, "
             f"{self._show(self.lowest)} to {self._show(self.highest)}, because an answer "
             f"{100.0 * self.distance:.3g} % of its width beyond it has no known error and strict "
-            f"answers are asked for{self.hint}."
+            f"answers are asked for{self.unit_hint}."
         )
 
     @property
-    def hint(self) -> str:
+    def unit_hint(self) -> str:
         """A question where a length is so large that its unit is doubtful."""
         wrong = self.unit == "m" and self.value > WRONG_UNIT * self.highest
         return " (mm given in place of m?)" if wrong else ""
 
     def _show(self, value: float) -> str:
-        return show(self.name, value, self.unit)
+        return format_value(self.name, value, self.unit)
 
 
 def edges(lowest: float, highest: float) -> tuple[float, float]:
@@ -86,26 +86,26 @@ def edges(lowest: float, highest: float) -> tuple[float, float]:
     return lowest - margin, highest + margin
 
 
-def outside(
+def find_out_of_range(
     name: str, values: float | NDArray[np.float64], lowest: float, highest: float, unit: str
-) -> Outside | None:
-    """Find what leaves a range; None if nothing does."""
+) -> OutOfRange | None:
+    """Find what is out of a range; None if nothing is."""
     low, high = edges(lowest, highest)
     if isinstance(values, float):
         if low <= values <= high:
             return None
-        return Outside(name, values, 1, lowest, highest, unit, alone=True)
+        return OutOfRange(name, values, 1, lowest, highest, unit, alone=True)
     least, most = float(np.min(values)), float(np.max(values))
     if low <= least and most <= high:
         return None
     number = int(np.count_nonzero((values < low) | (values > high)))
     farthest = least if lowest - least >= most - highest else most
-    return Outside(name, farthest, number, lowest, highest, unit)
+    return OutOfRange(name, farthest, number, lowest, highest, unit)
 
 
-def worst(found: list[Outside]) -> list[Outside]:
+def worst(found: list[OutOfRange]) -> list[OutOfRange]:
     """Join findings of pieces of one array: one for each name, with the farthest value."""
-    joined: dict[str, Outside] = {}
+    joined: dict[str, OutOfRange] = {}
     for one in found:
         other = joined.get(one.name)
         if other is None:
@@ -113,7 +113,7 @@ def worst(found: list[Outside]) -> list[Outside]:
         if other is None or one.alone:  # each piece finds the same number
             continue
         far = one if one.distance > other.distance else other
-        joined[one.name] = Outside(
+        joined[one.name] = OutOfRange(
             one.name, far.value, one.number + other.number, one.lowest, one.highest, one.unit
         )
     return list(joined.values())

@@ -29,7 +29,7 @@ def corner_quality(points: NDArray[np.float64], elements: NDArray[np.int64]) -> 
     return np.asarray(12.0 * (3.0 * volumes) ** (2.0 / 3.0) / squares)
 
 
-def mend(
+def straighten_elements(
     points: NDArray[np.float64], elements: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], int]:
     """Straighten the edges of elements that curving turned inside out.

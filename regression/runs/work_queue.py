@@ -1,4 +1,4 @@
-"""Which designs still wait, and how often each was tried."""
+"""The queue of designs that still wait, and how often each was tried."""
 
 from collections import deque
 from collections.abc import Iterable, Mapping
@@ -10,7 +10,7 @@ from regression.records import Outcome
 TRIES = 2
 
 
-class WorkList:
+class WorkQueue:
     """Designs to compute, handed out one by one.
 
     Parameters
@@ -27,7 +27,7 @@ class WorkList:
         """Count the designs that wait."""
         return len(self._waiting)
 
-    def take(self) -> dict[str, Any] | None:
+    def next_request(self) -> dict[str, Any] | None:
         """Hand out the next design as a request to a worker; None if none waits."""
         if not self._waiting:
             return None
@@ -35,7 +35,7 @@ class WorkList:
         self._tries[key] += 1
         return {"key": key, "inputs": self._inputs[key]}
 
-    def answered(self, answer: Mapping[str, Any], worker: str) -> Outcome:
+    def outcome(self, answer: Mapping[str, Any], worker: str) -> Outcome:
         """Make the outcome of a worker's answer."""
         key = answer["key"]
         return Outcome(

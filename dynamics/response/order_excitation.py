@@ -22,9 +22,9 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.harmonics import Harmonics
-from dynamics.places import node_index
+from dynamics.indices import node_index
 from dynamics.plots.coordinates import orders_and_speeds
-from dynamics.plots.quantities import Quantity, shown
+from dynamics.plots.quantities import Quantity, quantity_display
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis
 from dynamics.response.over_speed import OverSpeed
 
@@ -195,7 +195,7 @@ class OrderExcitation:
             If there is no such node or quantity, or the number of orders is not 1 or more.
         """
         place = node_index("node", node, self.forces.shape[2])
-        drawn = shown(quantity, "N m or N", "alternating load")
+        drawn = quantity_display(quantity, "N m or N", "alternating load")
         count = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")
         axes = new_axes(axes)
         sizes = drawn.factor * np.abs(self.forces[:, :, place])
@@ -225,7 +225,7 @@ class OrderExcitation:
         MissingLibraryError
             If xarray is not installed.
         """
-        unit = shown(quantity, "N m or N").unit
+        unit = quantity_display(quantity, "N m or N").unit
         over = ("order", "speed", "node")
         nodes = np.arange(self.forces.shape[2])
         return grid(

@@ -9,7 +9,7 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 from dynamics.critical import engine_orders
 from dynamics.cycle import order_step
-from dynamics.response.excitation import checked_orders
+from dynamics.response.order_excitation import checked_orders
 
 # An order that was calculated is a multiple of the step within this share of it.
 ON_STEP = 1e-9
@@ -34,8 +34,8 @@ def phasors_of_samples(samples: FloatArray) -> NDArray[np.complex128]:
     return np.asarray(found)
 
 
-def order_places(orders: ArrayLike, strokes: int, samples: int, what: str) -> NDArray[np.int64]:
-    """Return where orders stand among the phasors of samples over a cycle.
+def order_indices(orders: ArrayLike, strokes: int, samples: int, what: str) -> NDArray[np.int64]:
+    """Return the indices of orders among the phasors of samples over a cycle.
 
     Parameters
     ----------
@@ -75,8 +75,8 @@ def order_places(orders: ArrayLike, strokes: int, samples: int, what: str) -> ND
     return np.asarray(places, dtype=np.int64)
 
 
-def asked_orders(orders: ArrayLike | float, strokes: int) -> FloatArray:
-    """Return orders (K,) themselves, or all up to a highest one.
+def requested_orders(orders: ArrayLike | float, strokes: int) -> FloatArray:
+    """Return the requested orders (K,): themselves, or all up to a highest one.
 
     Raises
     ------

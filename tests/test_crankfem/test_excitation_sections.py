@@ -7,7 +7,7 @@ import pytest
 
 from comparing import close
 from crankbase.errors import InputError
-from crankfem.files.sections.excitation_input import (
+from crankfem.files.sections.excitation_sections import (
     GasMap,
     Misfire,
     PropellerForcesSection,

@@ -1,4 +1,4 @@
-"""Places among nodes, cylinders and the like, given by number or by name."""
+"""Indices of nodes, cylinders and the like, given by number or by name."""
 
 import operator
 from collections.abc import Mapping, Sequence
@@ -70,8 +70,8 @@ def values_at_nodes(
     return array
 
 
-def place_of(field: str, given: object, names: Sequence[str], what: str, reason: str) -> int:
-    """Return the place among names, 0 the first, of what is given by its name or that number.
+def index_of_name(field: str, given: object, names: Sequence[str], what: str, reason: str) -> int:
+    """Return the index among names, from 0, of what is given by its name or that number.
 
     Parameters
     ----------

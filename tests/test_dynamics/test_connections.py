@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from dynamics.chains.links import Dashpot, Gear
-from dynamics.response.harmonic import harmonic_answer
+from dynamics.chains.connections import Dashpot, Gear
+from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import chain_system
 
 value = st.floats(0.5, 2.0)
@@ -20,7 +20,7 @@ def answer(chain, frequency, node):
     forces = np.zeros((1, len(chain.names)), dtype=complex)
     forces[0, node] = 1.0
     system = chain_system(chain)
-    found = harmonic_answer(system, np.array([frequency]), forces @ system.expand)
+    found = harmonic_response(system, np.array([frequency]), forces @ system.expand)
     return (system.expand @ found.motion.T)[:, 0]
 
 

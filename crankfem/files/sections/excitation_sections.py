@@ -10,12 +10,12 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
 from crankbase.units.units import PER_MINUTE
 from crankfem.files.reading.data_files import find_table
+from crankfem.files.sections.cylinder_pressures import motored_pressures
 from crankfem.files.sections.mechanism_sections import Gas
-from crankfem.files.sections.pressure_input import motored_pressures
 from dynamics.engine.gas_forces import piston_position
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.engine_load import Load, propeller_load
-from dynamics.excitation.motored import motored_from_compression
+from dynamics.excitation.motored_pressure import motored_from_compression
 from dynamics.excitation.pressure_map import PressureMap, pressure_map
 from dynamics.excitation.propeller import PropellerForces
 from dynamics.gas.cylinder_volume import cylinder_volume

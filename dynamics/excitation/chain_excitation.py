@@ -16,7 +16,7 @@ from crankbase.errors import InputError
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.excitation.engine_load import Load
-from dynamics.response.excitation import OrderExcitation
+from dynamics.response.order_excitation import OrderExcitation
 
 if TYPE_CHECKING:
     from dynamics.chains.engine_chains import EngineChain
@@ -43,7 +43,7 @@ def torque_excitation(forces: CylinderForces, engine_chain: "EngineChain") -> Or
         If the chain is not torsional or has another number of throws.
     """
     nodes = _nodes_of_cylinders(engine_chain, forces.throws)
-    torques = _gathered(forces.torque, nodes, engine_chain.chain.inertia.size)
+    torques = _summed_at_nodes(forces.torque, nodes, engine_chain.chain.inertia.size)
     return OrderExcitation(forces.orders, forces.speeds, torques)
 
 
@@ -197,7 +197,9 @@ def axial_section_forces(pressing: ComplexArray, engine_chain: "EngineChain") ->
             f"are {len(sections) - 1}, because a throw lies between two sections."
         )
     count = engine_chain.chain.inertia.size
-    return _gathered(pressing, sections[1:], count) - _gathered(pressing, sections[:-1], count)
+    return _summed_at_nodes(pressing, sections[1:], count) - _summed_at_nodes(
+        pressing, sections[:-1], count
+    )
 
 
 def _nodes_of_cylinders(engine_chain: "EngineChain", throws: tuple[int, ...]) -> list[int]:
@@ -215,8 +217,10 @@ def _nodes_of_cylinders(engine_chain: "EngineChain", throws: tuple[int, ...]) ->
     return [nodes[throw] for throw in throws]
 
 
-def _gathered(values: ComplexArray, nodes: "tuple[int, ...] | list[int]", n: int) -> ComplexArray:
-    """Return values (K, S, c) added up on the nodes where they act (K, S, n)."""
+def _summed_at_nodes(
+    values: ComplexArray, nodes: "tuple[int, ...] | list[int]", n: int
+) -> ComplexArray:
+    """Return values (K, S, c) summed at the nodes where they act (K, S, n)."""
     found = np.zeros((*values.shape[:2], n), dtype=np.complex128)
     for place, node in enumerate(nodes):
         found[:, :, node] += values[:, :, place]

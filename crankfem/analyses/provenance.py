@@ -31,8 +31,8 @@ PACKAGES = (
 LONGEST_QUOTED = 200_000
 
 
-def about_record() -> Record:
-    """Which program made the numbers, with what, and when."""
+def provenance_record() -> Record:
+    """Provenance of the numbers: which program made them, with what, and when."""
     return {
         "program": "crankfem",
         "version": program_version(),
@@ -95,7 +95,7 @@ def file_records(engine_file: Path, tables: Iterable[Path]) -> list[Record]:
         "name", where the engine file looks for it; "sha256"; "text", None if it is very long.
     """
     return [
-        _file_record(path, _name_beside(engine_file, path))
+        _file_record(path, _relative_name(engine_file, path))
         for path in dict.fromkeys((engine_file, *tables))
     ]
 
@@ -112,7 +112,7 @@ def run_command(name: str) -> str:
     return f"crankfem run {shlex.quote(f'./{name}' if name.startswith('-') else name)}"
 
 
-def _name_beside(engine_file: Path, path: Path) -> str:
+def _relative_name(engine_file: Path, path: Path) -> str:
     """Name of a file as the engine file may call it: with its folders, a shipped table without."""
     for folder in (engine_file.parent, data_folder() / "tables"):
         if path.is_relative_to(folder):

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from crankfem.files.reading.data_files import find_table
 from crankfem.files.sections.mechanism_sections import Gas
 from dynamics.engine.gas_forces import piston_position
@@ -42,7 +42,7 @@ def cylinder_pressures(gas: Gas, layout: EngineLayout, file: Path) -> tuple[GasP
     cycle, remarks = _parameters(gas, layout)
 
     def fired(position: Position, area: float) -> GasPressure:
-        pressure = _reaching(gas, cycle, position, area)
+        pressure = _cycle_reaching_target(gas, cycle, position, area)
         return replace(pressure, remarks=remarks + pressure.remarks)
 
     return _for_each_cylinder(layout, fired)
@@ -82,7 +82,9 @@ def _for_each_cylinder(
     return tuple(pressures)
 
 
-def _reaching(gas: Gas, cycle: GasCycle, position: Position, area: float) -> GasPressure:
+def _cycle_reaching_target(
+    gas: Gas, cycle: GasCycle, position: Position, area: float
+) -> GasPressure:
     """Return the pressure of the cycle that reaches what the file asks for."""
     peak = None if gas.peak_pressure is None else gas.peak_pressure + ATMOSPHERE
     try:
@@ -96,7 +98,7 @@ def _reaching(gas: Gas, cycle: GasCycle, position: Position, area: float) -> Gas
     except InputError as error:
         text = str(error)
         if gas.peak_pressure is not None and peak is not None and text.startswith("peak"):
-            above, absolute = (show_quantity(value, "Pa") for value in (gas.peak_pressure, peak))
+            above, absolute = (format_quantity(value, "Pa") for value in (gas.peak_pressure, peak))
             text = text.replace(
                 f"given {absolute}; allowed are", f"given {above} above ambient; allowed in all are"
             )
@@ -126,7 +128,7 @@ def _parameters(gas: Gas, layout: EngineLayout) -> tuple[GasCycle, tuple[str, ..
     except InputError as error:
         raise InputError(f"gas.{error}") from None
     remark = (
-        f"Assumed: intake_pressure {show_quantity(intake, 'Pa', 4)}, so that combustion raises the "
+        f"Assumed: intake_pressure {format_quantity(intake, 'Pa', 4)}, so that combustion raises the "
         f"pressure {USUAL_PRESSURE_RISE:g} times, as is usual for diesel engines at rated load."
     )
     return suited, (remark,)

@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
-from crankfem.analyses.vibration.engine_limits import judged_ends
+from crankfem.analyses.vibration.engine_limits import assessment_end_speeds
 from crankfem.analyses.vibration.modes import SourceResult
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile
-from crankfem.files.sections.excitation_input import (
+from crankfem.files.sections.excitation_sections import (
     gas_map_load,
     gas_map_pressure,
     misfire_shares,
@@ -20,18 +20,18 @@ from crankfem.files.sections.excitation_input import (
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.critical import engine_orders
 from dynamics.excitation.axial_comparison import AxialForceComparison, compare_axial_forces
-from dynamics.excitation.combined import combined_excitation
+from dynamics.excitation.chain_excitation import axial_excitation
+from dynamics.excitation.combined_excitation import combined_excitation
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics, cylinder_harmonics
 from dynamics.excitation.cylinders import CylinderForces, forces_at_speeds
-from dynamics.excitation.on_chains import axial_excitation
 from dynamics.excitation.pressure_map import PressureMap
 from dynamics.excitation.propeller import propeller_excitation
 from dynamics.excitation.torsion_to_axial import axial_excitation_of_torsion, torsion_influence
 from dynamics.gas.pressure import GasPressure
 from dynamics.response.damping import DampedChain
-from dynamics.response.excitation import OrderExcitation
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.speed_grid import refined_speeds
 from dynamics.running_limits import within
 from fem.shaft import ShaftCompliances
@@ -111,11 +111,11 @@ def calculated_speeds(
         (low, high),
         points=POINTS,
     )
-    ends = [min(end, high) for end in judged_ends(engine_file) if within(end, low, high)]
-    return joined_speeds(speeds, ends)
+    ends = [min(end, high) for end in assessment_end_speeds(engine_file) if within(end, low, high)]
+    return merged_speeds(speeds, ends)
 
 
-def joined_speeds(speeds: Frequencies, others: Frequencies) -> NDArray[np.float64]:
+def merged_speeds(speeds: Frequencies, others: Frequencies) -> NDArray[np.float64]:
     """Return speeds with others among them, ascending; those so near to others that they are the same go."""
     given = np.asarray(speeds, dtype=np.float64)
     added = np.unique(np.asarray(others, dtype=np.float64))
@@ -199,8 +199,8 @@ def excitation_along_shaft(
     return combined_excitation(by_radial, by_torque), ()
 
 
-def acting_remarks(engine_file: EngineFile, kind: Kind) -> tuple[str, ...]:
-    """Say what excites beside cylinders that fire as one diagram tells."""
+def excitation_remarks(engine_file: EngineFile, kind: Kind) -> tuple[str, ...]:
+    """Remarks on what excites besides cylinders that fire as one diagram tells."""
     found = []
     if engine_file.misfire is not None:
         numbers = ", ".join(str(number) for number in engine_file.misfire.cylinders)

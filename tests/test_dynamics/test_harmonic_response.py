@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from dynamics.chains.links import Dashpot, Gear
-from dynamics.response.excitation import OrderExcitation
+from dynamics.chains.connections import Dashpot, Gear
 from dynamics.response.forced import forced_response
-from dynamics.response.harmonic import harmonic_answer
+from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import chain_system
 from dynamics.response.loads import element_loads
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.power import power_balance
 
 
@@ -84,7 +84,7 @@ def test_reciprocity(seed):
     system = chain_system(chain)
     frequency = np.random.default_rng(seed).uniform(10.0, 500.0)
     one_each = np.eye(6, dtype=complex) @ system.expand
-    answer = harmonic_answer(system, np.full(6, frequency), one_each)
+    answer = harmonic_response(system, np.full(6, frequency), one_each)
     receptance = answer.motion @ system.expand.T
     np.testing.assert_allclose(
         receptance, receptance.T, rtol=0.0, atol=1e-11 * np.max(np.abs(receptance))
@@ -115,14 +115,14 @@ def test_unbounded_within_1e_9_and_a_number_beyond():
     apart = np.array([-1e-8, -0.9e-9, 0.0, 0.9e-9, 1e-8])
     forces = np.tile(np.array([1.0 + 0j, -1.0]), (5, 1))
     for method in ("modal", "direct"):
-        answer = harmonic_answer(system, 200.0 * (1.0 + apart), forces, method)
+        answer = harmonic_response(system, 200.0 * (1.0 + apart), forces, method)
         assert answer.unbounded.tolist() == [False, True, True, True, False]
         assert np.all(np.isfinite(answer.motion))
         # 2 F / (2 m (w_n^2 - w^2)), the difference of squares to 8 of its 16 digits
         exact = 1.0 / (200.0**2 - (200.0 * (1.0 + apart[[0, 4]])) ** 2)
         np.testing.assert_allclose(answer.motion[[0, 4], 0], exact, rtol=1e-6)
         # A force that does no work on the mode moves the rigid body only.
-        together = harmonic_answer(system, np.array([200.0]), np.ones((1, 2), complex), method)
+        together = harmonic_response(system, np.array([200.0]), np.ones((1, 2), complex), method)
         assert not together.unbounded[0]
         np.testing.assert_allclose(together.motion, -1.0 / 200.0**2, rtol=1e-9)
 
@@ -130,7 +130,7 @@ def test_unbounded_within_1e_9_and_a_number_beyond():
 def test_damping_at_a_node_of_the_mode_leaves_it_unbounded():
     chain = Chain([1.0, 1.0, 1.0], [1e4, 1e4], ground_damping={1: 5.0})
     forces = np.array([[1.0 + 0j, 0.0, -1.0], [1.0, 0.0, 1.0]])
-    answer = harmonic_answer(chain_system(chain), np.array([100.0, 100.0]), forces)
+    answer = harmonic_response(chain_system(chain), np.array([100.0, 100.0]), forces)
     assert answer.unbounded.tolist() == [True, False]
 
 
@@ -145,4 +145,4 @@ def test_damping_at_a_node_of_the_mode_leaves_it_unbounded():
 def test_refused(frequencies, forces, method, words):
     system = chain_system(Chain([1.0, 1.0], [2e4]))
     with pytest.raises(InputError, match=words):
-        harmonic_answer(system, np.array(frequencies), forces.astype(complex), method)
+        harmonic_response(system, np.array(frequencies), forces.astype(complex), method)

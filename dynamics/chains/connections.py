@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray, finite_vector, positive_number
 from crankbase.errors import InputError
-from dynamics.places import node_index
+from dynamics.indices import node_index
 
 Pairs = tuple[tuple[int, int], ...]
 # Ratios of two ways through gears count as equal within this.

@@ -1,4 +1,4 @@
-"""Forces of cylinders whose torque harmonics are given, measured or printed."""
+"""Forces of cylinders from prescribed torque harmonics, measured or printed."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ from crankbase.errors import InputError
 from dynamics.cycle import order_step
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.engine_load import Load
-from dynamics.excitation.samples import asked_orders, order_places
+from dynamics.excitation.sampled_phasors import order_indices, requested_orders
 from dynamics.harmonics import Harmonics
 
 
@@ -69,11 +69,11 @@ def torque_harmonics(
         )
     radius = positive_number("crank_radius", crank_radius, "m", "it is a length")
     strokes = each[0].strokes
-    asked = asked_orders(orders, strokes)
+    asked = requested_orders(orders, strokes)
     gas: list[ComplexArray] = []
     for own, angle in zip(each, firing.tolist(), strict=True):
-        order_places(asked, strokes, own.samples, "the given torques")
-        order_places(asked, strokes, 2 * own.orders.size + 1, "the orders kept of the torques")
+        order_indices(asked, strokes, own.samples, "the given torques")
+        order_indices(asked, strokes, 2 * own.orders.size + 1, "the orders kept of the torques")
         places = np.round(asked / order_step(strokes)).astype(np.int64) - 1
         phasors = (own.cosine - 1j * own.sine)[places] * np.exp(-1j * asked * angle)
         tangential = np.zeros(asked.size + 1, dtype=np.complex128)
@@ -84,7 +84,7 @@ def torque_harmonics(
         crank_radius=radius,
         throws=at_throws,
         gas=tuple(gas),
-        weights=(_always,) * firing.size,
+        weights=(_constant_weight,) * firing.size,
         inertia=np.zeros((asked.size + 1, firing.size, 2), dtype=np.complex128),
         takes_load=False,
         one_diagram="torque diagram",
@@ -92,5 +92,5 @@ def torque_harmonics(
     )
 
 
-def _always(speeds: FloatArray, _load: Load | None) -> FloatArray:
+def _constant_weight(speeds: FloatArray, _load: Load | None) -> FloatArray:
     return np.ones((speeds.size, 1))

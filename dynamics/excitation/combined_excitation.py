@@ -3,7 +3,7 @@
 import numpy as np
 
 from crankbase.errors import InputError
-from dynamics.response.excitation import OrderExcitation
+from dynamics.response.order_excitation import OrderExcitation
 
 # Two orders are one within this share: that of a propeller comes from a gear ratio.
 SAME_ORDER = 1e-9

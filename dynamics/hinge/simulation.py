@@ -17,13 +17,13 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from crankbase.units.quantity import show_quantity
+from crankbase.units.quantity import format_quantity
 from crankbase.units.units import RPM
 from dynamics.cycle import even_angles
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.periodic import TURN, periodic_spline
 from dynamics.hinge.profile import HingeProfile
-from dynamics.hinge.reduced import ReducedCrank
+from dynamics.hinge.reduced_crank import ReducedCrank
 from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
 from dynamics.turning.speed_over_angle import SpeedOverAngle, speed_over_angle
 from dynamics.turning.steady_energy import energy_for_mean_speed, mean_speed, slowest_mean_speed
@@ -255,8 +255,8 @@ def steady_at(energy: TurnEnergy, flywheel: float, speed: float) -> SteadyHingeT
     if at_top is None:
         slowest = slowest_mean_speed(energy.gained, inertia)
         raise InputError(
-            f"speed: given a mean of {show_quantity(speed, 'rad/s', 4)}; allowed is "
-            f"{show_quantity(slowest, 'rad/s', 4)} or more with a flywheel of {flywheel:.4g} kg m^2, "
+            f"speed: given a mean of {format_quantity(speed, 'rad/s', 4)}; allowed is "
+            f"{format_quantity(slowest, 'rad/s', 4)} or more with a flywheel of {flywheel:.4g} kg m^2, "
             "because a slower crank does not come round: over a turn its energy swings by "
             f"{np.ptp(energy.gained) / 1e3:.4g} kJ."
         )

@@ -9,10 +9,10 @@ from scipy.integrate import solve_ivp
 from comparing import close
 from crankbase.errors import InputError
 from dynamics.hinge.crosshead import CrossheadEngine
-from dynamics.hinge.evening import best_pressure, flywheel_for
 from dynamics.hinge.moment import hinge_moment
 from dynamics.hinge.profile import hinge_profile
-from dynamics.hinge.running import simulate_hinge, steady_hinge_turn
+from dynamics.hinge.simulation import simulate_hinge, steady_hinge_turn
+from dynamics.hinge.speed_smoothing import best_pressure, flywheel_for
 from dynamics.hinge.spring import GasSpring
 from dynamics.mechanism.rods import ConnectingRod
 

@@ -1,6 +1,6 @@
 """One response of a compliance model, ready to be asked: names to columns, columns to a value.
 
-A question of plain numbers inside the range goes a short way: the checks and the evaluation are then
+A query of plain numbers inside the range has a fast evaluator: the checks and the evaluation are then
 a few comparisons and multiplications. Everything else (arrays, what lies outside, what is wrong) goes
 the long way, which says what is the matter.
 """
@@ -19,10 +19,10 @@ from crankbase.errors import InputError
 from fem.material import Material
 from regression.fits.groups import GROUPS, group_named, response_scale
 from regression.models.evaluator import PIECE, CompiledEquation, compile_equation, pieces
+from regression.models.extrapolation import OutOfRange, edges, find_out_of_range, worst
 from regression.models.family import Family, Given
-from regression.models.outside import Outside, edges, outside, worst
 from regression.models.response_model import IS, ResponseModel
-from regression.records import above_zero
+from regression.records import is_positive_response
 
 # Ratios that did not vary in a study agree with it within this (of 1, or of the ratio if larger): a
 # throw scaled by hand is rounded, and so small a part changes no compliance noticeably.
@@ -55,15 +55,15 @@ class Ratio:
 
 
 @dataclass(frozen=True)
-class Answer:
-    """Values of a response, and what of the question lies outside the range."""
+class ResponseValues:
+    """Values of a response, and what of the query lies outside the range."""
 
     values: Any
-    outside: tuple[Outside, ...]
+    outside: tuple[OutOfRange, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Question:
+class ResponseQuery:
     """How one response is found from dimensions.
 
     Attributes
@@ -90,12 +90,12 @@ class Question:
     scale: Reader | None
 
     @property
-    def least(self) -> float:
-        """What the response must exceed: 0 by nature, or nothing."""
-        return 0.0 if above_zero(self.name) else -math.inf
+    def lower_limit(self) -> float:
+        """Lower limit that the response must exceed: 0 by nature, or none."""
+        return 0.0 if is_positive_response(self.name) else -math.inf
 
-    def short_way(self, names: Sequence[str]) -> Callable[[Mapping[str, Given]], float | None]:
-        """Make the fast answer for questions that give just these names.
+    def fast_evaluator(self, names: Sequence[str]) -> Callable[[Mapping[str, Given]], float | None]:
+        """Make the fast evaluator for queries that give just these names.
 
         Returns
         -------
@@ -106,7 +106,7 @@ class Question:
         complete = set(self.needed) <= given | family.fixed.keys() | family.labels.keys()
         known = given <= {*family.factors, *family.fixed}
         if not complete or not known or (self.scale is not None and family.relations):
-            return _long_way
+            return _needs_full_evaluation
         numbers = tuple(name for name in names if name not in family.categories)
         labels = tuple((n, family.categories[n]) for n in names if n in family.categories)
         limits = tuple((c.read, *edges(c.lowest, c.highest)) for c in self.columns)
@@ -120,7 +120,7 @@ class Question:
         elif given & family.fixed.keys():
             fixed = ((name, family.fixed[name]) for name in names if name in family.fixed)
             ratios = tuple((itemgetter(name), *edges(value, value)) for name, value in fixed)
-        value, scale, least = self.equation.scalar, self.scale, self.least
+        value, scale, least = self.equation.scalar, self.scale, self.lower_limit
         rest = {**family.fixed, **family.labels} if scale is not None else {}
 
         def answer(dimensions: Mapping[str, Given]) -> float | None:
@@ -150,8 +150,8 @@ class Question:
 
         return answer
 
-    def ask(self, given: Mapping[str, Given]) -> Answer:
-        """Answer any question, or say what is wrong with it.
+    def evaluate(self, given: Mapping[str, Given]) -> ResponseValues:
+        """Evaluate any query, or say what is wrong with it.
 
         Parameters
         ----------
@@ -165,7 +165,7 @@ class Question:
             in the study, or the equation has no finite value there, or one that no throw has.
         """
         used, shape = self._used(given)
-        found: list[Outside] = []
+        found: list[OutOfRange] = []
         values: Any
         if shape == ():
             values = self._piece(used, self.equation.scalar, found)
@@ -174,20 +174,20 @@ class Question:
             flat = values.reshape(-1)
             for start, piece in pieces(used, shape):
                 flat[start : start + PIECE] = self._piece(piece, self.equation.array, found)
-        hint = next((one.hint for one in found if one.hint), "")
+        hint = next((one.unit_hint for one in found if one.unit_hint), "")
         if not np.all(np.isfinite(values)):
             beyond = "far outside the range of the fit" if found else "small or large"
             raise InputError(
                 f"dimensions: given ones so {beyond} that its equation has no finite value; allowed are "
                 f"those near the range, for beyond it the equation says nothing{hint}."
             )
-        if not np.min(values) > self.least:
+        if not np.min(values) > self.lower_limit:
             raise InputError(
                 f"{self.name}: given {float(np.min(values)):g}; allowed is a number above zero, as every "
                 "throw has it: an equation that gives another one does not hold for these "
                 f"dimensions{hint}."
             )
-        return Answer(values, tuple(worst(found)))
+        return ResponseValues(values, tuple(worst(found)))
 
     def places(self, given: Mapping[str, Given]) -> NDArray[np.float64]:
         """Places of points in the ranges of the columns, -1 to 1 inside; (columns, n)."""
@@ -226,14 +226,16 @@ class Question:
         self,
         known: Mapping[str, Given],
         evaluate: Callable[[Sequence[Any]], Any],
-        found: list[Outside],
+        found: list[OutOfRange],
     ) -> Any:
         """Evaluate one piece (or one point), and collect what lies outside."""
         for ratio in self.ratios:
             _check_ratio(ratio, ratio.read(known))
         columns = [column.read(known) for column in self.columns]
         for column, values in zip(self.columns, columns, strict=True):
-            beyond = outside(column.name, values, column.lowest, column.highest, column.unit)
+            beyond = find_out_of_range(
+                column.name, values, column.lowest, column.highest, column.unit
+            )
             if beyond is not None:
                 found.append(beyond)
         try:
@@ -244,18 +246,18 @@ class Question:
             return np.nan  # told of by the caller
 
 
-def _long_way(_: Mapping[str, Given]) -> None:
-    """Answer nothing: the long way must be gone."""
+def _needs_full_evaluation(_: Mapping[str, Given]) -> None:
+    """Return nothing: the full evaluation is needed."""
 
 
-def make_question(
+def make_response_query(
     name: str,
     response: ResponseModel,
     family: Family,
     material: Mapping[str, Any],
     constant_groups: Mapping[str, float],
-) -> Question:
-    """Prepare a response for questions.
+) -> ResponseQuery:
+    """Prepare a response for queries.
 
     Parameters
     ----------
@@ -283,7 +285,7 @@ def make_question(
     needed = dict.fromkeys(name for _, names, _ in readers for name in names)
     equation = compile_equation(response.fitted)
     if response.basis == "factors":
-        return Question(name, family, columns, (), tuple(needed), equation, None)
+        return ResponseQuery(name, family, columns, (), tuple(needed), equation, None)
     ratios, names = _ratios(family, constant_groups)
     needed |= dict.fromkeys(("pin_diameter", *names))
     try:
@@ -295,7 +297,7 @@ def make_question(
         ) from None
     scale = partial(response_scale, response.unit, material=constants)
     scale({"pin_diameter": 1.0})  # refuses a unit that has no scale
-    return Question(name, family, columns, ratios, tuple(needed), equation, scale)
+    return ResponseQuery(name, family, columns, ratios, tuple(needed), equation, scale)
 
 
 def _column_source(name: str, basis: str, family: Family) -> tuple[Reader, tuple[str, ...], str]:

@@ -1,4 +1,4 @@
-"""What evens a crank's speed: the flywheel that is enough, and the best pressure of a hinge."""
+"""What smooths a crank's speed: the flywheel that is enough, and the best pressure of a hinge."""
 
 import math
 from collections.abc import Callable
@@ -11,7 +11,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
-from dynamics.hinge.running import (
+from dynamics.hinge.simulation import (
     TurnEnergy,
     integrated,
     moments_on_crank,

@@ -15,7 +15,7 @@ TURN = 0.95
 VALUE_WEIGHT, LENGTH_WEIGHT = 0.03, 1e-3
 
 
-def fewer_triangles(surface: TriangleSurface, values: Array, most: int) -> TriangleSurface:
+def decimate_triangles(surface: TriangleSurface, values: Array, most: int) -> TriangleSurface:
     """Take points away until few enough triangles are left, or no more can go unnoticed.
 
     Parameters
@@ -47,7 +47,7 @@ def fewer_triangles(surface: TriangleSurface, values: Array, most: int) -> Trian
         # Each takes two triangles with it.
         wanted = (len(triangles) - most + 1) // 2
         order = np.argsort(costs, kind="stable")
-        goes = _far_apart(pairs[order], triangles, len(points), wanted)
+        goes = _independent_moves(pairs[order], triangles, len(points), wanted)
         triangles = goes[triangles]
         kept = np.all(triangles != np.roll(triangles, 1, axis=1), axis=1)
         if kept.all():
@@ -93,8 +93,8 @@ def _moves(
     return moves[best], costs[best]
 
 
-def _far_apart(moves: Integers, triangles: Integers, count: int, most: int) -> Integers:
-    """Choose moves, cheapest first, that do not touch each other, and return where points go (n,)."""
+def _independent_moves(moves: Integers, triangles: Integers, count: int, most: int) -> Integers:
+    """Choose independent moves, cheapest first, and return where points go (n,)."""
     around: list[set[int]] = [set() for _ in range(count)]
     for a, b, c in triangles.tolist():
         around[a] |= {b, c}

@@ -1,4 +1,4 @@
-"""A compliance model made ready for questions: compiled equations, bands, and short ways to values."""
+"""A compliance model compiled for queries: equations, bands, and fast evaluators."""
 
 from collections.abc import Callable, Mapping
 from functools import cached_property
@@ -8,15 +8,15 @@ from crankbase.errors import InputError
 from regression.models.error_band import error_band
 from regression.models.family import Family
 from regression.models.family_throw import angle_law_remarks
-from regression.models.question import Question, make_question
 from regression.models.response_model import IS, ResponseModel
+from regression.models.response_query import ResponseQuery, make_response_query
 
 # Short ways are kept for so many different sets of names.
 _MOST_WAYS = 1000
 
 
-class ReadyModel:
-    """What a model computes once for all its questions.
+class CompiledModel:
+    """What a model computes once for all its queries.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class ReadyModel:
         self._throw = throw
         self.bands = {name: error_band(name, response) for name, response in responses.items()}
         self._questions = {
-            name: make_question(name, response, family, material, constant_groups)
+            name: make_response_query(name, response, family, material, constant_groups)
             for name, response in responses.items()
         }
         self._ways: dict[tuple[str, ...], Callable[[Mapping[str, Any]], float | None]] = {}
@@ -60,8 +60,8 @@ class ReadyModel:
         """What is to be known of the angle law of the model's throws."""
         return angle_law_remarks(self.family, self._throw)
 
-    def question(self, name: str) -> Question:
-        """Return the question for a response, or say which there are."""
+    def query(self, name: str) -> ResponseQuery:
+        """Return the query for a response, or say which there are."""
         if name not in self._questions:
             raise InputError(
                 f"response: given {name!r}; allowed are {', '.join(self._questions)}, which this "
@@ -69,14 +69,14 @@ class ReadyModel:
             )
         return self._questions[name]
 
-    def quick(self, name: str, dimensions: Mapping[str, Any]) -> float | None:
-        """Answer the short way; None where the long one must be gone."""
+    def fast_lookup(self, name: str, dimensions: Mapping[str, Any]) -> float | None:
+        """Look a value up by the fast evaluator; None where the full evaluation is needed."""
         key = (name, *dimensions)
         way = self._ways.get(key)
         if way is None:
             if len(self._ways) >= _MOST_WAYS:
                 self._ways.clear()
-            way = self._ways[key] = self.question(name).short_way(tuple(dimensions))
+            way = self._ways[key] = self.query(name).fast_evaluator(tuple(dimensions))
         return way(dimensions)
 
 

@@ -6,15 +6,15 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
-from dynamics.places import place_of
+from dynamics.indices import index_of_name
 from dynamics.plots.quantities import MOVING, SI_UNITS
 
 Moving: TypeAlias = Literal["torque", "force", "twist", "displacement"]
 OF_ELEMENTS = ("torque", "force")
 
 
-class Picked(NamedTuple):
-    """What a diagram shows.
+class SelectedCurve(NamedTuple):
+    """The curve that a diagram shows.
 
     Parameters
     ----------
@@ -40,14 +40,14 @@ class Picked(NamedTuple):
     of_element: bool
 
 
-def pick(
+def select_curve(
     chain: Chain | None,
     quantity: Moving,
     place: int | str,
     motion: FloatArray,
     torque: FloatArray,
-) -> Picked:
-    """Pick the motion of a node or the load of an element.
+) -> SelectedCurve:
+    """Select the motion of a node or the load of an element.
 
     Parameters
     ----------
@@ -72,9 +72,9 @@ def pick(
     of_element = quantity in OF_ELEMENTS
     names, values = (chain.elements, torque) if of_element else (chain.names, motion)
     what = "the chain's elements" if of_element else "the chain's nodes"
-    index = place_of("place", place, names, what, "a diagram shows one of them")
+    index = index_of_name("place", place, names, what, "a diagram shows one of them")
     label, factor = MOVING[quantity]
-    return Picked(factor * values[:, index], index, names[index], label, factor, of_element)
+    return SelectedCurve(factor * values[:, index], index, names[index], label, factor, of_element)
 
 
 def axis_names(chain: Chain | None, nodes: int, elements: int) -> tuple[list[str], list[str]]:

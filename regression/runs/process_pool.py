@@ -14,7 +14,7 @@ from regression.runs.supervised import SupervisedProcess
 IDLE = 60.0
 
 
-class Shelf:
+class ProcessPool:
     """Worker processes that wait for designs, for callers on any thread."""
 
     def __init__(self) -> None:
@@ -25,7 +25,7 @@ class Shelf:
         self._timer: threading.Timer | None = None
 
     def compute(self, run: str, request: Mapping[str, Any], limits: Limits) -> dict[str, Any]:
-        """Compute one design in a process of the shelf.
+        """Compute one design in a process of the pool.
 
         Parameters
         ----------
@@ -40,16 +40,16 @@ class Shelf:
         dict
             ``worker``, and ``answer`` or ``lost`` with ``seconds``.
         """
-        process = self._take(run)
+        process = self._acquire(run)
         if process is None:
             return {"worker": "", "lost": "the run was stopped", "seconds": 0.0}
         process.compute(request)
         try:
             _, answer = process.wait(limits)
         except ProcessLostError as loss:
-            self._put_back(process, alive=False)
+            self._release(process, alive=False)
             return {"worker": process.name, "lost": str(loss), "seconds": loss.seconds}
-        self._put_back(process, alive=True)
+        self._release(process, alive=True)
         return {"worker": process.name, "answer": answer}
 
     def end_run(self, run: str) -> None:
@@ -67,7 +67,7 @@ class Shelf:
         for process in idle:
             process.end()
 
-    def _take(self, run: str) -> SupervisedProcess | None:
+    def _acquire(self, run: str) -> SupervisedProcess | None:
         with self._lock:
             if run in self._ended:
                 return None
@@ -83,7 +83,7 @@ class Shelf:
             self._busy[process] = run
         return process
 
-    def _put_back(self, process: SupervisedProcess, *, alive: bool) -> None:
+    def _release(self, process: SupervisedProcess, *, alive: bool) -> None:
         with self._lock:
             del self._busy[process]
             if alive:
@@ -96,12 +96,12 @@ class Shelf:
 
 
 @cache
-def _shelf_of(_owner: int) -> Shelf:
-    shelf = Shelf()
-    atexit.register(shelf.close)
-    return shelf
+def _pool_of_process(_owner: int) -> ProcessPool:
+    pool = ProcessPool()
+    atexit.register(pool.close)
+    return pool
 
 
-def shared_shelf() -> Shelf:
-    """Return the shelf that all threads of this process share; a forked child gets one of its own."""
-    return _shelf_of(os.getpid())
+def shared_process_pool() -> ProcessPool:
+    """Return the pool that all threads of this process share; a forked child gets one of its own."""
+    return _pool_of_process(os.getpid())

@@ -1,4 +1,4 @@
-"""All that acts on a system over time: excitations that take over from each other, and loads."""
+"""All forces on a system over time: excitations that take over from each other, and loads."""
 
 import math
 from collections.abc import Sequence
@@ -9,8 +9,8 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number
 from crankbase.errors import InputError
-from dynamics.places import node_index
-from dynamics.response.excitation import OrderExcitation
+from dynamics.indices import node_index
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.transient.order_forces import OrderForces
 from dynamics.transient.speed_curve import SpeedCurve
 
@@ -59,8 +59,8 @@ class LoadStep:
 
 
 @dataclass(frozen=True)
-class Piece:
-    """A piece of time from its start [s] in so many even steps [s]."""
+class TimeSegment:
+    """A segment of time from its start [s] in so many even steps [s]."""
 
     start: float
     step: float
@@ -68,7 +68,7 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class ActingForces:
+class AppliedForces:
     """All forces on the modes over time.
 
     Parameters
@@ -94,7 +94,7 @@ class ActingForces:
         changes: Sequence[tuple[float, OrderExcitation]],
         loads: Sequence[LoadStep],
         inputs: FloatArray,
-    ) -> "ActingForces":
+    ) -> "AppliedForces":
         """Return what acts; arguments as for `transient_motion`.
 
         Raises
@@ -105,7 +105,7 @@ class ActingForces:
         """
         for place, load in enumerate(loads):
             node_index(f"loads[{place}].node", load.node, len(inputs))
-        in_turn = _in_turn(excitation, changes, curve, inputs)
+        in_turn = _successive_excitations(excitation, changes, curve, inputs)
         return cls(curve, in_turn, tuple(loads), inputs)
 
     @property
@@ -124,8 +124,8 @@ class ActingForces:
         return forces.reshape(starts.size, places.size, -1)
 
 
-def even_pieces(acting: ActingForces, longest: float) -> list[Piece]:
-    """Return pieces of time, each of even steps, between whatever is not smooth."""
+def time_segments(acting: AppliedForces, longest: float) -> list[TimeSegment]:
+    """Return segments of time, each of even steps, between whatever is not smooth."""
     curve = acting.curve
     first, last = float(curve.times[0]), float(curve.times[-1])
     inner = [
@@ -141,11 +141,11 @@ def even_pieces(acting: ActingForces, longest: float) -> list[Piece]:
     for start, end in pairwise([*edges, last]):
         count = min((end - start) / longest * (1.0 - 1e-12), MOST_STEPS)
         steps = max(1, math.ceil(count))
-        pieces.append(Piece(start, (end - start) / steps, steps))
+        pieces.append(TimeSegment(start, (end - start) / steps, steps))
     return pieces
 
 
-def _in_turn(
+def _successive_excitations(
     excitation: OrderExcitation,
     changes: Sequence[tuple[float, OrderExcitation]],
     speed: SpeedCurve,

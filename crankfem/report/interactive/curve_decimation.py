@@ -1,4 +1,4 @@
-"""Curves by as few points as one sees."""
+"""Fewer points for a curve: those that one sees."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def seen_points(x: Array, y: Array, tolerance: float, step: float = np.inf) -> NDArray[np.int64]:
-    """Choose the points of a curve without which it would look different.
+def visible_points(x: Array, y: Array, tolerance: float, step: float = np.inf) -> NDArray[np.int64]:
+    """Choose the visible points of a curve: those without which it would look different.
 
     Parameters
     ----------

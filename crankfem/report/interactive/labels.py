@@ -24,7 +24,7 @@ def symbol_text(symbol: str) -> str:
     return re.sub(r"^([A-Za-z]+)_(\w+)$", r"\1<sub>\2</sub>", symbol)
 
 
-def shown_unit(unit: str) -> tuple[str, float]:
+def display_unit(unit: str) -> tuple[str, float]:
     """Return the unit in which a quantity of an SI unit is shown, and its size in SI."""
     text, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
     return text.replace("1e-9", "10<sup>-9</sup>") or "1", size
@@ -46,26 +46,26 @@ def factor_title(factor: Factor) -> str:
     """Write "web width B [mm]"."""
     if factor.labels:
         return factor_text(factor)
-    return f"{factor_text(factor)} [{shown_unit(factor.unit)[0]}]"
+    return f"{factor_text(factor)} [{display_unit(factor.unit)[0]}]"
 
 
-def shown_labels(factor: Factor) -> list[str]:
+def choice_labels(factor: Factor) -> list[str]:
     """Return the labels of a choice, none of a number."""
     return [literal(label) for label in factor.labels]
 
 
-def shown_values(factor: Factor, values: Array) -> Array:
+def display_values(factor: Factor, values: Array) -> Array:
     """Return a factor's values in the unit in which they are shown; of a choice the labels' numbers."""
-    return values if factor.labels else values / shown_unit(factor.unit)[1]
+    return values if factor.labels else values / display_unit(factor.unit)[1]
 
 
-def designs_told(factors: tuple[Factor, ...], values: Array) -> list[str]:
+def design_texts(factors: tuple[Factor, ...], values: Array) -> list[str]:
     """Return a text for each design (n, k) that says its dimensions, one a line."""
     columns = []
     for place, factor in enumerate(factors):
-        shown = shown_values(factor, values[:, place])
-        unit = shown_unit(factor.unit)[0] if factor.unit else ""
-        name, labels = literal(factor.name.replace("_", " ")), shown_labels(factor)
+        shown = display_values(factor, values[:, place])
+        unit = display_unit(factor.unit)[0] if factor.unit else ""
+        name, labels = literal(factor.name.replace("_", " ")), choice_labels(factor)
         columns.append(
             [
                 f"{name} " + (labels[round(value)] if labels else f"{value:.5g} {unit}".strip())
