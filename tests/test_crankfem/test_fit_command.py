@@ -51,7 +51,7 @@ def test_fit_writes_diagrams_and_json(store, call, tmp_path):
     assert answer.code == 0, answer.err
     record = answer.json()
     assert record["fits"]["mass"]["chosen"] in ("interactions", "quadratic")
-    assert len(list((tmp_path / "diagrams").glob("axial_compliance_*.svg"))) == 5
+    assert len(list((tmp_path / "diagrams").glob("axial_compliance_*.svg"))) == 4
     assert (tmp_path / "other.json").exists()
 
 
