@@ -219,6 +219,8 @@ def test_pictures_of_the_angle(tmp_path):
     throw, _ = load_throw("6chn25-34")
     tables = [axial_formulas(throw, gamma) for gamma in gammas]
     values = {name: np.array([t[name].value for t in tables]) for name in AXIAL_FORMULA_NAMES}
-    plot_formulas(tmp_path / "formulas.svg", gammas, law * 1e-9, values, (0.2e-9, 1e-9))
+    plot_formulas(
+        tmp_path / "formulas.svg", gammas, law * 1e-9, values, {"guided": 0.2e-9, "pinned": 1e-9}
+    )
     shown = texts(tmp_path / "formulas.svg")
     assert {*AXIAL_FORMULA_NAMES, "finite elements", "guided", "pinned"} <= set(shown)

@@ -334,7 +334,7 @@ def test_a_failing_cylinder_wakes_the_half_orders(coarse, run, tmp_path):
 @pytest.mark.slow
 def test_vibration_command(call, monkeypatch, tmp_path):
     monkeypatch.setattr(
-        "crankfem.analyses.vibration.run.analyze_throw",
+        "crankfem.analyses.shaft.throw_analyses.analyze_throw",
         lambda throw, material: analyze_throw(throw, material, 0.1),
     )
     answer = call("vibration", "8chn13-14", "--csv", tmp_path / "csv", "--pictures", tmp_path / "p")
