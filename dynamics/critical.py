@@ -1,7 +1,6 @@
 """Critical speeds: where an engine order meets a natural frequency, and which orders are major."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +17,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.units import RPM
-from dynamics.cycle import cycle_degrees, order_step
+from dynamics.cycle import order_step
 from dynamics.running_limits import within
 
 # A vector sum counts as full within this share of its largest possible value.
@@ -136,51 +135,22 @@ def critical_speeds(
     """
     natural = nonnegative_vector("frequencies", frequencies, "Hz", "they count vibrations in time")
     excited = positive_vector("orders", orders, "", "they count cycles per revolution")
-    low, high = _checked_range(speed_range)
-    found: list[CriticalSpeed] = []
-    for mode, frequency in enumerate(natural.tolist()):
-        for order in excited.tolist():
-            speed = 2.0 * math.pi * frequency / order
-            if within(speed, low, high):
-                found.append(CriticalSpeed(mode, frequency, order, speed))
-    return tuple(sorted(found, key=lambda item: (item.speed, item.mode, item.order)))
-
-
-def even_firing_angles(firing_order: Sequence[int], strokes: int = 4) -> FloatArray:
-    """Return the crank angle at which each cylinder fires, at even intervals over the cycle.
-
-    Parameters
-    ----------
-    firing_order : sequence of int
-        Cylinder numbers from 1 in the order of firing, such as (1, 3, 4, 2).
-    strokes : int
-        Strokes per cycle, 2 or 4.
-
-    Returns
-    -------
-    ndarray of shape (cylinders,)
-        Firing angle by cylinder [rad of crank angle], 0 for the first to fire.
-
-    Raises
-    ------
-    InputError
-        If the firing order does not name each cylinder once.
-
-    Examples
-    --------
-    >>> np.degrees(even_firing_angles((1, 3, 4, 2))).round(9).tolist()
-    [0.0, 540.0, 180.0, 360.0]
-    """
-    count = len(firing_order)
-    if count == 0 or sorted(firing_order) != list(range(1, count + 1)):
+    limits = positive_vector(
+        "speed_range", speed_range, "rad/s", "a critical speed is that of a turning shaft"
+    )
+    if limits.size != 2 or not limits[0] < limits[1]:
+        given = ", ".join(f"{limit:g}" for limit in limits)
         raise InputError(
-            f"firing_order: given {tuple(firing_order)}; allowed is each cylinder number from 1 to "
-            f"{max(count, 1)} once, because each cylinder fires once a cycle."
+            f"speed_range: given ({given}) rad/s; allowed is the lowest speed and then a higher "
+            "one, because critical speeds are looked for between them."
         )
-    angles = np.empty(count)
-    interval = math.radians(cycle_degrees(strokes)) / count
-    angles[np.asarray(firing_order, dtype=np.intp) - 1] = interval * np.arange(count)
-    return angles
+    meetings = (
+        CriticalSpeed(mode, frequency, order, 2.0 * math.pi * frequency / order)
+        for mode, frequency in enumerate(natural.tolist())
+        for order in excited.tolist()
+    )
+    found = (meeting for meeting in meetings if within(meeting.speed, *limits.tolist()))
+    return tuple(sorted(found, key=lambda item: (item.speed, item.mode, item.order)))
 
 
 def vector_sums(
@@ -248,16 +218,3 @@ def major_orders(orders: ArrayLike, firing_angles: ArrayLike) -> FloatArray:
     sums = vector_sums(orders, firing_angles)
     cylinders = np.size(firing_angles)
     return finite_vector("orders", orders)[sums >= (1.0 - FULL_SUM_TOLERANCE) * cylinders]
-
-
-def _checked_range(speed_range: tuple[float, float]) -> tuple[float, float]:
-    limits = positive_vector(
-        "speed_range", speed_range, "rad/s", "a critical speed is that of a turning shaft"
-    )
-    if limits.size != 2 or not limits[0] < limits[1]:
-        given = ", ".join(f"{limit:g}" for limit in limits)
-        raise InputError(
-            f"speed_range: given ({given}) rad/s; allowed is the lowest speed and then a higher "
-            "one, because critical speeds are looked for between them."
-        )
-    return float(limits[0]), float(limits[1])

@@ -1,14 +1,10 @@
 """The working cycle: its length in crank angle, its order step, and even angles over it."""
 
-from typing import Literal
-
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError
 
-# What keeps angles from standing evenly over one cycle.
-CycleFault = Literal["not increasing", "uneven", "closing sample", "other length"]
 # A sample may lie off its even place by this share of the step: room for angles printed rounded.
 PLACE_TOLERANCE = 0.02
 
@@ -78,30 +74,47 @@ def covers_cycle(angles_deg: FloatArray, cycle_deg: float) -> bool:
     return abs(span + step - cycle_deg) <= 2 * PLACE_TOLERANCE * step
 
 
-def cycle_fault(angles_deg: FloatArray, cycle_deg: float) -> tuple[CycleFault, int] | None:
-    """Return what keeps angles from being even over one cycle, the closing one left out.
+def is_even_cycle(angles_deg: FloatArray, cycle_deg: float) -> bool:
+    """Tell whether increasing angles are even over one cycle, the closing one left out."""
+    return first_uneven(angles_deg) is None and covers_cycle(angles_deg, cycle_deg)
+
+
+def check_even_cycle(field: str, angles_deg: FloatArray, cycle_deg: float) -> None:
+    """Refuse angles that are not even over one cycle, the closing one left out.
 
     Parameters
     ----------
+    field : str
+        What to call the angles in messages.
     angles_deg : ndarray of shape (m,)
         Two angles or more [deg], from anywhere on.
     cycle_deg : float
         Length of the cycle [deg].
 
-    Returns
-    -------
-    tuple of str and int, or None
-        The first fault of: "not increasing", "uneven", "closing sample" (even, but the last repeats
-        the first one cycle later), "other length" (even over more or less than one cycle); and the
-        index of the angle at which it shows. None without a fault.
+    Raises
+    ------
+    InputError
     """
-    index = first_not_increasing(angles_deg)
+    given = f"given {angles_deg.size} angles from {angles_deg[0]:g} to {angles_deg[-1]:g} deg"
+    falling, uneven = first_not_increasing(angles_deg), first_uneven(angles_deg)
+    index = uneven if falling is None else falling
     if index is not None:
-        return "not increasing", index
-    index = first_uneven(angles_deg)
-    if index is not None:
-        return "uneven", index
-    last = angles_deg.size - 1
+        wanted = (
+            f"even steps (here {np.median(np.diff(angles_deg)):g} deg), because all samples count alike"
+            if falling is None
+            else "strictly increasing angles, because the samples follow the crank"
+        )
+        raise InputError(
+            f"{field}[{index}]: given {angles_deg[index]:g} deg after {angles_deg[index - 1]:g} deg; "
+            f"allowed are {wanted}."
+        )
     if has_closing_sample(angles_deg, cycle_deg):
-        return "closing sample", last
-    return None if covers_cycle(angles_deg, cycle_deg) else ("other length", last)
+        raise InputError(
+            f"{field}: {given}, which includes the closing sample; leave it out, because it repeats the "
+            f"first sample one cycle of {cycle_deg:g} deg later."
+        )
+    if not covers_cycle(angles_deg, cycle_deg):
+        raise InputError(
+            f"{field}: {given}, which cover {angles_deg.size * mean_step(angles_deg):g} deg with their "
+            f"step; allowed is one cycle of {cycle_deg:g} deg, because the samples repeat with it."
+        )

@@ -18,7 +18,7 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.cycle import checked_strokes, cycle_degrees, cycle_fault, mean_step, order_step
+from dynamics.cycle import check_even_cycle, cycle_degrees, order_step
 from dynamics.plots.bars import draw_harmonics
 
 if TYPE_CHECKING:
@@ -125,14 +125,8 @@ class Harmonics:
                 f"highest_order: given {highest:g}; allowed are {self.orders[0]:g} to "
                 f"{self.orders[-1]:g}, because {self._why_no_others}."
             )
-        return replace(
-            self,
-            orders=self.orders[:kept],
-            amplitude=self.amplitude[:kept],
-            phase=self.phase[:kept],
-            cosine=self.cosine[:kept],
-            sine=self.sine[:kept],
-        )
+        series = ("orders", "amplitude", "phase", "cosine", "sine")
+        return replace(self, **{name: getattr(self, name)[:kept] for name in series})
 
     @property
     def _why_no_others(self) -> str:
@@ -268,130 +262,47 @@ def harmonics(
     >>> round(float(found.amplitude[2]), 9), round(float(found.phase[2]), 9)
     (8.0, 0.3)
     """
-    values = _checked_samples(samples)
-    checked_strokes(strokes)
-    start = 0.0 if angles_deg is None else _checked_start(angles_deg, values.size, strokes)
-    transform = np.fft.rfft(values)
-    weights = _term_weights(values.size)
-    # A_k - i B_k for angles that count from the first sample, then from crank angle zero.
-    coefficients = weights * transform[1:]
-    coefficients *= np.exp(-1j * _orders(values.size, strokes) * np.radians(start))
-    mean = float(transform[0].real) / values.size
-    return _assembled(values, mean, coefficients.real, -coefficients.imag, strokes)
-
-
-def harmonics_by_sums(samples: ArrayLike, strokes: int = 4) -> Harmonics:
-    """Find the harmonics as `harmonics` does, by the finite sums as they stand in the paper.
-
-    Parameters
-    ----------
-    samples : array_like of shape (m,)
-        At least 3 values, evenly over one cycle from crank angle zero, closing sample left out.
-    strokes : int
-        Strokes per cycle, 2 or 4.
-
-    Returns
-    -------
-    Harmonics
-        Equal to that of `harmonics` up to round-off.
-
-    Raises
-    ------
-    InputError
-        If there are fewer than 3 samples or one is not a finite number.
-
-    Notes
-    -----
-    Makushev, Polyakova 2024, doi 10.25206/1813-8225-2024-191-39-47, with x_j = 2 pi j / m:
-    A_k = 2/m sum y_j cos(k x_j) (3), B_k = 2/m sum y_j sin(k x_j) (4), M_0 = 1/m sum y_j (5).
-    The paper counts j from 1 to m; as y_m repeats y_0, that is the sum from 0 to m - 1.
-    """
-    values = _checked_samples(samples)
-    checked_strokes(strokes)
-    count = values.size
-    numbers = np.arange(1, count // 2 + 1)
-    # k j modulo m keeps the arguments below 2 pi, where cosine and sine are accurate.
-    arguments = 2.0 * np.pi / count * (np.outer(numbers, np.arange(count)) % count)
-    weights = _term_weights(count)
-    cosine = weights * (np.cos(arguments) @ values)
-    sine = weights * (np.sin(arguments) @ values)
-    return _assembled(values, float(values.sum()) / count, cosine, sine, strokes)
-
-
-def _checked_samples(samples: ArrayLike) -> FloatArray:
     values = finite_vector("samples", samples)
-    if values.size < 3:
+    count = values.size
+    if count < 3:
         raise InputError(
-            f"samples: given {values.size} values; allowed are 3 or more, because fewer do not "
+            f"samples: given {count} values; allowed are 3 or more, because fewer do not "
             "show amplitude and phase of the lowest harmonic."
         )
-    return values
-
-
-def _checked_start(angles_deg: ArrayLike, count: int, strokes: int) -> float:
-    """Return the first angle [deg] of angles that are even over one cycle."""
-    angles = finite_vector("angles_deg", angles_deg)
-    cycle = cycle_degrees(strokes)
-    if angles.size != count:
-        raise InputError(
-            f"angles_deg: given {angles.size} angles; allowed are exactly {count}, because there "
-            "is one for each sample."
-        )
-    found = cycle_fault(angles, cycle)
-    if found is None:
-        return float(angles[0])
-    fault, index = found
-    if fault == "not increasing":
-        raise InputError(
-            f"angles_deg[{index}]: given {angles[index]:g} deg after {angles[index - 1]:g} deg; "
-            "allowed are strictly increasing angles, because the samples follow the crank."
-        )
-    if fault == "uneven":
-        raise InputError(
-            f"angles_deg[{index}]: given {angles[index]:g} deg after {angles[index - 1]:g} deg; "
-            f"allowed are even steps (here {np.median(np.diff(angles)):g} deg), because the sums "
-            "weigh all samples alike."
-        )
-    if fault == "closing sample":
-        raise InputError(
-            f"angles_deg: given {angles[0]:g} to {angles[-1]:g} deg, which includes the closing "
-            f"sample; leave it out, because it repeats the first sample one cycle of {cycle:g} deg "
-            "later."
-        )
-    raise InputError(
-        f"angles_deg: given {count} angles from {angles[0]:g} to {angles[-1]:g} deg, which "
-        f"cover {count * mean_step(angles):g} deg with their step; allowed is one cycle of "
-        f"{cycle:g} deg, because strokes is {strokes}."
-    )
-
-
-def _orders(count: int, strokes: int) -> FloatArray:
-    return order_step(strokes) * np.arange(1, count // 2 + 1, dtype=np.float64)
-
-
-def _term_weights(count: int) -> FloatArray:
-    """Return 2/m for each harmonic, and 1/m for the one at half the sampling rate."""
-    weights = np.full(count // 2, 2.0 / count)
+    orders = order_step(strokes) * np.arange(1, count // 2 + 1, dtype=np.float64)
+    weights = np.full(orders.size, 2.0 / count)
     if count % 2 == 0:
         weights[-1] = 1.0 / count
-    return weights
-
-
-def _assembled(
-    values: FloatArray, mean: float, cosine: FloatArray, sine: FloatArray, strokes: int
-) -> Harmonics:
+    transform = np.fft.rfft(values)
+    # A_k - i B_k for angles that count from the first sample, then from crank angle zero.
+    coefficients = weights * transform[1:]
+    if angles_deg is not None:
+        coefficients *= np.exp(-1j * orders * np.radians(_first_angle(angles_deg, count, strokes)))
+    cosine, sine = coefficients.real, -coefficients.imag
     amplitude = np.hypot(cosine, sine)
     phase = np.arctan2(cosine, sine) % (2.0 * np.pi)
     round_off = amplitude <= ROUND_OFF_SHARE * np.max(np.abs(values))
     # A tiny negative angle becomes 2 pi itself by rounding in the modulo.
     phase[round_off | (phase >= 2.0 * np.pi)] = 0.0
     return Harmonics(
-        orders=read_only(_orders(values.size, strokes)),
+        orders=read_only(orders),
         amplitude=read_only(amplitude),
         phase=read_only(phase),
         cosine=read_only(cosine + 0.0),  # the sum turns a negative zero into zero
         sine=read_only(sine + 0.0),
-        mean=mean,
+        mean=float(transform[0].real) / count,
         strokes=int(strokes),
-        samples=int(values.size),
+        samples=int(count),
     )
+
+
+def _first_angle(angles_deg: ArrayLike, count: int, strokes: int) -> float:
+    """Return the first angle [deg] of angles that are even over one cycle."""
+    angles = finite_vector("angles_deg", angles_deg)
+    if angles.size != count:
+        raise InputError(
+            f"angles_deg: given {angles.size} angles; allowed are exactly {count}, because there "
+            "is one for each sample."
+        )
+    check_even_cycle("angles_deg", angles, cycle_degrees(strokes))
+    return float(angles[0])

@@ -180,10 +180,15 @@ class ShaftSurroundings:
         Driven machine behind a coupling at the flywheel.
     pin_masses : sequence of float
         Mass that goes with each pin across the shaft but not along it [kg], pins counted along the
-        shaft: rotating part of the rods and half of the reciprocating mass (`pin_mass`). Empty for
-        none.
+        shaft: rotating part of the rods and half of the reciprocating mass. Empty for none.
     loss_factor : float
         Of the shaft's material: its stiffness is k (1 + i loss_factor).
+
+    Notes
+    -----
+    A piston resists motion of the pin along the cylinder only. Seen from the shaft this direction turns
+    once a revolution, so that m_rec (1 + cos 2 phi) / 2 acts along a fixed direction of the shaft: its
+    mean is half, and the rest, which excites at twice the speed of rotation, is left out.
     """
 
     bearings: MainBearings | None = None
@@ -197,38 +202,6 @@ class ShaftSurroundings:
 
     def __post_init__(self) -> None:
         nonnegative_number("loss_factor", self.loss_factor, "", "it is that of a passive element")
-
-
-def pin_mass(rotating_mass: float, reciprocating_mass: float) -> float:
-    """Return the mass at a crankpin that stands for rods and pistons in the linear system.
-
-    Parameters
-    ----------
-    rotating_mass : float
-        Share of the rods that turns with the pin, of all cylinders on it [kg].
-    reciprocating_mass : float
-        Pistons and the rods' other share [kg].
-
-    Returns
-    -------
-    float
-        m_rot + m_rec / 2 [kg].
-
-    Raises
-    ------
-    InputError
-        If a mass is negative.
-
-    Notes
-    -----
-    A piston resists motion of the pin along the cylinder only. Seen from the shaft this direction turns
-    once a revolution, so that m_rec (1 + cos 2 phi) / 2 acts along a fixed direction of the shaft: its
-    mean is half, and the rest, which excites at twice the speed of rotation, is left out.
-    """
-    why = "it adds to the inertia of the shaft"
-    return nonnegative_number("rotating_mass", rotating_mass, "kg", why) + 0.5 * nonnegative_number(
-        "reciprocating_mass", reciprocating_mass, "kg", why
-    )
 
 
 def _each(name: str, given: ArrayLike, count: int, *, held: bool) -> FloatArray:

@@ -17,7 +17,7 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.cycle import cycle_degrees, cycle_fault
+from dynamics.cycle import check_even_cycle, cycle_degrees, has_closing_sample
 from dynamics.engine.forces import MechanismForces, pin_groups, summed
 from dynamics.engine.layout import check_distinct_positions
 from dynamics.plots.load_diagrams import Frame, check_polar, draw_developed_loads, draw_polar_loads
@@ -274,28 +274,15 @@ def main_bearing_loads(
 
 def _one_cycle(forces: MechanismForces) -> int:
     """Return how many of the angles stand in one cycle, without the closing one."""
-    degrees = np.degrees(forces.shaft_angles)
-    cycle = cycle_degrees(forces.engine.strokes)
+    degrees, cycle = np.degrees(forces.shaft_angles), cycle_degrees(forces.engine.strokes)
     if degrees.size < FEWEST_ANGLES:
-        raise _not_one_cycle(f"{degrees.size} angles", cycle)
-    found = cycle_fault(degrees, cycle)
-    if found is None:
-        return degrees.size
-    fault, index = found
-    if fault == "closing sample":
-        return degrees.size - 1
-    if fault == "not increasing":
-        raise _not_one_cycle(f"{degrees[index]:g} deg after {degrees[index - 1]:g} deg", cycle)
-    if fault == "uneven":
-        raise _not_one_cycle(f"uneven steps at {degrees[index]:g} deg", cycle)
-    raise _not_one_cycle(f"{degrees[0]:g} to {degrees[-1]:g} deg", cycle)
-
-
-def _not_one_cycle(given: str, cycle: float) -> InputError:
-    return InputError(
-        f"shaft_angles: given {given}; allowed are even steps over one cycle of {cycle:g} deg, because "
-        "a load's mean is taken over the cycle."
-    )
+        raise InputError(
+            f"shaft_angles: given {degrees.size} angles; allowed are even steps over one cycle of "
+            f"{cycle:g} deg, because a load's mean is taken over the cycle."
+        )
+    used = degrees.size - has_closing_sample(degrees, cycle)
+    check_even_cycle("shaft_angles", degrees[:used], cycle)
+    return used
 
 
 def _bearing_positions(values: ArrayLike) -> FloatArray:

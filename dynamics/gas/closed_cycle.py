@@ -86,34 +86,6 @@ def pressure_rise_per_heat(cycle: GasCycle, volume: CylinderVolume, angle: Array
     return np.asarray(rise, dtype=np.float64)
 
 
-def closed_pressure(
-    cycle: GasCycle, volume: CylinderVolume, heat: float, angle: ArrayLike
-) -> FloatArray:
-    """Return the pressure of the closed part for a heat released.
-
-    Parameters
-    ----------
-    cycle, volume
-        As for `pressure_rise_per_heat`.
-    heat : float
-        Heat released in one cycle, net of what the walls take [J].
-    angle : array_like of shape (m,)
-        Crank angles within the closed part [rad].
-
-    Returns
-    -------
-    ndarray of shape (m,)
-        Absolute pressure [Pa].
-    """
-    rise = pressure_rise_per_heat(cycle, volume, angle)
-    return motored_pressure(cycle, volume, angle) + heat * rise
-
-
-def _factor(cycle: GasCycle) -> float:
-    """Return a of the Wiebe law from the completeness."""
-    return -math.log1p(-cycle.wiebe_completeness)
-
-
 def _part_integrals(cycle: GasCycle, volume: CylinderVolume, ends: FloatArray) -> FloatArray:
     """Return the integrals of (V / V_closing)^(g - 1) dx between neighboring ends of shape (n,).
 
@@ -123,7 +95,8 @@ def _part_integrals(cycle: GasCycle, volume: CylinderVolume, ends: FloatArray) -
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     half = 0.5 * np.diff(ends)[:, np.newaxis]
     root = ends[:-1, np.newaxis] + half * (1.0 + nodes)
-    factor, power = _factor(cycle), ROOT_POWER * (cycle.wiebe_shape + 1.0)
+    factor = -math.log1p(-cycle.wiebe_completeness)
+    power = ROOT_POWER * (cycle.wiebe_shape + 1.0)
     burnt_by_root = (
         factor
         / cycle.wiebe_completeness

@@ -85,14 +85,6 @@ class GasCycleResult:
     mean_effective_pressure: float
     compression_pressure: float
 
-    @property
-    def work_ratio(self) -> float | None:
-        """Indicated work over heat, None without heat.
-
-        It is above the indicated efficiency of the fuel by the heat that the walls take.
-        """
-        return self.work / self.heat if self.heat > 0.0 else None
-
     def plot(
         self,
         axes: "Axes | None" = None,

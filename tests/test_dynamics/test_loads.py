@@ -172,17 +172,17 @@ def test_a_motion_that_does_not_fit_is_refused(motion, words):
 @pytest.mark.parametrize(
     ("angles", "words"),
     [
-        (ANGLES[:36], "given 0 to 350 deg; allowed are even steps over one cycle of 720 deg"),
+        (ANGLES[:36], r"given 36 angles from 0 to 350 deg, .*; allowed is one cycle of 720 deg"),
         (ANGLES[:2], "given 2 angles"),
         (ANGLES[::-1], "given 700 deg after 710 deg"),
-        (np.delete(ANGLES, 5), "given uneven steps at 60 deg"),
-        (np.radians(np.arange(0.0, 1440.0, 10.0)), "given 0 to 1430 deg"),
+        (np.delete(ANGLES, 5), r"given 60 deg after 40 deg; allowed are even steps"),
+        (np.radians(np.arange(0.0, 1440.0, 10.0)), "given 144 angles from 0 to 1430 deg"),
     ],
 )
 def test_angles_that_are_not_one_cycle_are_refused(angles, words):
     forces = forces_of(twin(), angles)
     for loads in (crankpin_loads, lambda forces: main_bearing_loads(forces, BEARINGS)):
-        with pytest.raises(InputError, match=f"shaft_angles: {words}"):
+        with pytest.raises(InputError, match=f"^shaft_angles.*: {words}"):
             loads(forces)
 
 

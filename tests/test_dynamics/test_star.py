@@ -7,13 +7,14 @@ from hypothesis import strategies as st
 
 from comparing import close
 from crankbase.errors import InputError
-from dynamics.critical import even_firing_angles, major_orders, vector_sums
+from dynamics.critical import major_orders, vector_sums
 from dynamics.cycle import order_step
 from dynamics.engine.cylinder import EngineCylinder, SlavePin
 from dynamics.engine.layout import EngineLayout
 from dynamics.mechanism.rods import ConnectingRod
 from dynamics.torque.star import leading_stars, same_stars, star_diagram
 from dynamics.torque.torque import engine_torque
+from references import even_firing_angles
 
 FOUR = even_firing_angles((1, 3, 4, 2))
 SIX = even_firing_angles((1, 5, 3, 6, 2, 4))
