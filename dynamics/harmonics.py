@@ -13,8 +13,6 @@ from crankbase.checks.arrays import (
     positive_number,
     read_only,
 )
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
@@ -184,10 +182,8 @@ class Harmonics:
             If no order is left.
         """
         shown = self if highest_order is None else self.up_to(highest_order)
-        axes = new_axes(axes)
-        draw_harmonics(axes, shown.orders, {"amplitude": shown.amplitude}, f"amplitude [{unit}]")
-        write_title(axes, "Harmonics")
-        return axes
+        bars = {"amplitude": shown.amplitude}
+        return draw_harmonics(axes, shown.orders, bars, f"amplitude [{unit}]", title="Harmonics")
 
     def to_pandas(self, unit: str = "unit of the samples") -> "DataFrame":
         """Return one row for each order: amplitude, phase, cosine and sine part.

@@ -1,6 +1,7 @@
 """Read a small CSV file of samples over crank angle: comments, a header of two names, rows."""
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +10,10 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray
 from crankbase.errors import InputError, shortened
 from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
-from dynamics.cycle import first_not_increasing
+from dynamics.cycle import checked_strokes, cycle_degrees, first_not_increasing, mean_step
+
+# Fewer samples show no cycle.
+FEWEST_SAMPLES = 3
 
 
 @dataclass(frozen=True)
@@ -24,21 +28,15 @@ class TableKind:
         Allowed names of the first and of the second column.
     headers : str
         The allowed headers in words.
-    header_shows : str
-        Why a table cannot do without its header.
-    header_reason : str
-        Why no other header will do.
-    sample_reason : str
-        Why every sample must be a finite number.
+    header_says : str
+        What a reader learns from the header alone.
     """
 
     name: str
     angle_names: tuple[str, ...]
     value_names: tuple[str, ...]
     headers: str
-    header_shows: str
-    header_reason: str
-    sample_reason: str
+    header_says: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,22 +45,95 @@ class SampleRows:
 
     Parameters
     ----------
+    path : Path
+        The file.
     angle_name, value_name : str
         The two names of the header.
     angles, values : ndarray of shape (m,)
-        The two columns, in the units that their names state.
+        The two columns, in the units that their names state; angles increase strictly.
     lines : tuple of int
         Line number of each row, counted from 1.
     comments : tuple of str
         The comment lines, without their number sign.
     """
 
+    path: Path
     angle_name: str
     value_name: str
     angles: FloatArray
     values: FloatArray
     lines: tuple[int, ...]
     comments: tuple[str, ...]
+
+    @property
+    def source(self) -> str:
+        """The comments as one text."""
+        return "\n".join(self.comments)
+
+    def angle_error(self, index: int, message: str) -> InputError:
+        """Return the error for the angle of a row, with file and line."""
+        return InputError(f"{self.path}, line {self.lines[index]}: {self.angle_name}: {message}.")
+
+    def value_error(self, index: int, message: str) -> InputError:
+        """Return the error for the value of a row, with file and line."""
+        return InputError(f"{self.path}, line {self.lines[index]}: {self.value_name}: {message}.")
+
+    def step_error(self, index: int, allowed: str) -> InputError:
+        """Return the error for an angle [deg] that does not fit the one before it."""
+        before, after = self.angles[index - 1 : index + 1]
+        return self.angle_error(
+            index, f"given {after:g} deg after {before:g} deg; allowed are {allowed}"
+        )
+
+    def strokes(
+        self, cycles: Mapping[int, float], fits: Callable[[FloatArray, float], bool], also: str = ""
+    ) -> int:
+        """Return the strokes whose cycle the angles cover.
+
+        Parameters
+        ----------
+        cycles : mapping of int to float
+            Length of the cycle [deg] for each number of strokes that is possible.
+        fits : callable
+            Whether angles cover a cycle, closing sample included or not.
+        also : str, optional
+            What else is allowed, for the message.
+
+        Raises
+        ------
+        InputError
+            If they cover none.
+        """
+        for strokes, cycle in cycles.items():
+            if fits(self.angles, cycle):
+                return strokes
+        lengths = " or ".join(f"{cycle:g} deg" for cycle in cycles.values())
+        raise self.angle_error(
+            -1,
+            f"given angles from {self.angles[0]:g} to {self.angles[-1]:g} deg in steps of "
+            f"{mean_step(self.angles):g} deg; allowed is one cycle of {lengths}, with or without the closing "
+            f"sample{also}, because what the table holds repeats with the cycle",
+        )
+
+    def check_closing(self, values: FloatArray, tolerance: float) -> None:
+        """Refuse a closing sample that differs from the first by more than a share of the largest.
+
+        Raises
+        ------
+        InputError
+        """
+        if abs(values[-1] - values[0]) > tolerance * np.max(np.abs(values)):
+            raise self.value_error(
+                -1,
+                f"given {self.values[-1]:g} for the closing sample; allowed is the {self.values[0]:g} of "
+                f"line {self.lines[0]}, because the closing sample repeats the first one cycle later",
+            )
+
+
+def possible_cycles(strokes: int | None) -> dict[int, float]:
+    """Return the length of the cycle [deg] for the strokes given, or for both there are."""
+    possible = (4, 2) if strokes is None else (checked_strokes(strokes),)
+    return {number: cycle_degrees(number) for number in possible}
 
 
 def read_sample_rows(path: Path, kind: TableKind) -> SampleRows:
@@ -78,12 +149,13 @@ def read_sample_rows(path: Path, kind: TableKind) -> SampleRows:
     Returns
     -------
     SampleRows
-        The columns as they stand; neither their order nor their range is checked.
+        The columns as they stand; the range of the values is not checked.
 
     Raises
     ------
     InputError
-        With file and line, if the file cannot be read, or the header or a number is wrong.
+        With file and line, if the file cannot be read, the header or a number is wrong, there are
+        fewer than three samples, or the angles do not increase.
     """
     check_file_size(path, LARGEST_TABLE_FILE, f"a {kind.name}")
     try:
@@ -102,52 +174,25 @@ def read_sample_rows(path: Path, kind: TableKind) -> SampleRows:
         elif stripped and not names[0]:
             names = _header(path, number, stripped, kind)
         elif stripped:
-            samples.append(_sample(path, number, stripped, names, kind))
+            samples.append(_sample(path, number, stripped, names))
             lines.append(number)
     if not names[0]:
         raise InputError(
-            f"{path}: no header; allowed is {kind.headers}, because {kind.header_shows}."
+            f"{path}: no header; allowed is {kind.headers}, because it says {kind.header_says}."
         )
-    table = np.array(samples, dtype=np.float64).reshape(-1, 2)
-    return SampleRows(*names, table[:, 0], table[:, 1], tuple(lines), tuple(comments))
-
-
-def check_increasing(path: Path, rows: SampleRows) -> None:
-    """Refuse angles that do not increase strictly.
-
-    Raises
-    ------
-    InputError
-        With file and line of the first angle that is not above the one before it.
-    """
-    index = first_not_increasing(rows.angles)
+    if len(samples) < FEWEST_SAMPLES:
+        raise InputError(
+            f"{path}: given {len(samples)} samples; allowed are {FEWEST_SAMPLES} or more, over a whole "
+            "cycle, because what the table holds repeats with it."
+        )
+    angles, values = np.array(samples, dtype=np.float64).T.copy()
+    rows = SampleRows(path, *names, angles, values, tuple(lines), tuple(comments))
+    index = first_not_increasing(angles)
     if index is not None:
-        raise wrong_angle(
-            path,
-            rows,
-            index,
-            "strictly increasing angles, because the samples follow the crank",
+        raise rows.step_error(
+            index, "strictly increasing angles, because the samples follow the crank"
         )
-
-
-def wrong_angle(path: Path, rows: SampleRows, index: int, wanted: str) -> InputError:
-    """Return the error for an angle that does not fit the one before it.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    rows : SampleRows
-        Its rows, angles in degrees.
-    index : int
-        Which row, from 1.
-    wanted : str
-        What is allowed and why.
-    """
-    return InputError(
-        f"{path}, line {rows.lines[index]}: {rows.angle_name}: given {rows.angles[index]:g} "
-        f"deg after {rows.angles[index - 1]:g} deg; allowed are {wanted}."
-    )
+    return rows
 
 
 def _header(path: Path, number: int, line: str, kind: TableKind) -> tuple[str, str]:
@@ -155,14 +200,12 @@ def _header(path: Path, number: int, line: str, kind: TableKind) -> tuple[str, s
     if len(names) != 2 or names[0] not in kind.angle_names or names[1] not in kind.value_names:
         raise InputError(
             f'{path}, line {number}: given the header "{shortened(line)}"; allowed is {kind.headers}, '
-            f"because {kind.header_reason}."
+            f"because it says {kind.header_says}."
         )
     return names[0], names[1]
 
 
-def _sample(
-    path: Path, number: int, line: str, names: tuple[str, str], kind: TableKind
-) -> tuple[float, float]:
+def _sample(path: Path, number: int, line: str, names: tuple[str, str]) -> tuple[float, float]:
     cells = [cell.strip() for cell in line.split(",")]
     if len(cells) != 2:
         raise InputError(
@@ -178,7 +221,7 @@ def _sample(
         if not math.isfinite(value):
             raise InputError(
                 f'{path}, line {number}: {name}: given "{shortened(cell)}"; allowed are finite numbers, '
-                f"because {kind.sample_reason}."
+                "because every sample counts."
             )
         values.append(value)
     return values[0], values[1]

@@ -9,26 +9,12 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray, read_only
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
-from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.cycle import (
-    checked_strokes,
-    covers_cycle,
-    cycle_degrees,
-    first_uneven,
-    has_closing_sample,
-    mean_step,
-)
+from dynamics.cycle import covers_cycle, cycle_degrees, first_uneven, has_closing_sample
 from dynamics.harmonics import Harmonics, harmonics
 from dynamics.plots.sampled_torque import draw_samples
-from dynamics.sample_table import (
-    SampleRows,
-    TableKind,
-    check_increasing,
-    read_sample_rows,
-    wrong_angle,
-)
+from dynamics.sample_table import TableKind, possible_cycles, read_sample_rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,9 +31,7 @@ TABLE = TableKind(
     angle_names=(CRANK_ANGLE, CYCLE_ANGLE),
     value_names=(TORQUE,),
     headers=f'"{CRANK_ANGLE},{TORQUE}" or "{CYCLE_ANGLE},{TORQUE}"',
-    header_shows="it says the angle",
-    header_reason="it says which angle is meant and in which units",
-    sample_reason="every sample enters the sums",
+    header_says="which angle is meant and in which units",
 )
 
 
@@ -142,64 +126,27 @@ def read_torque_table(path: str | Path, *, strokes: int | None = None) -> Torque
         With file and line, if the file cannot be read, the header or a number is wrong, the angles
         are not evenly spaced over one cycle, or the closing sample differs from the first.
     """
-    path = Path(path)
-    if strokes is not None:
-        checked_strokes(strokes)
-    rows = read_sample_rows(path, TABLE)
-    if rows.angles.size < 3:
-        raise InputError(
-            f"{path}: given {rows.angles.size} samples; allowed are 3 or more, because fewer do "
-            "not show a harmonic."
-        )
-    _check_even(path, rows)
-    cycle, strokes = _cycle_and_strokes(path, rows, strokes)
-    count = rows.angles.size
-    if has_closing_sample(rows.angles, cycle):
-        _check_closing(path, rows)
-        count -= 1
-    scale = cycle_degrees(strokes) / cycle
-    return TorqueTable(
-        crank_angle_deg=read_only(scale * rows.angles[:count]),
-        torque=read_only(rows.values[:count].copy()),
-        source="\n".join(rows.comments),
-        strokes=strokes,
-    )
-
-
-def _check_even(path: Path, rows: SampleRows) -> None:
-    check_increasing(path, rows)
+    cycles = possible_cycles(strokes)
+    rows = read_sample_rows(Path(path), TABLE)
     index = first_uneven(rows.angles)
     if index is not None:
         usual = np.median(np.diff(rows.angles))
-        wanted = f"even steps (here {usual:g} deg), because the sums weigh all samples alike"
-        raise wrong_angle(path, rows, index, wanted)
-
-
-def _cycle_and_strokes(path: Path, rows: SampleRows, strokes: int | None) -> tuple[float, int]:
-    """Return the cycle's length in the table's own angle [deg], and the strokes."""
-    if rows.angle_name == CYCLE_ANGLE:
-        possible = {4 if strokes is None else strokes: 360.0}
-    else:
-        possible = {number: cycle_degrees(number) for number in (4, 2)}
-        if strokes is not None:
-            possible = {strokes: possible[strokes]}
-    for number, cycle in possible.items():
-        if covers_cycle(rows.angles, cycle) or has_closing_sample(rows.angles, cycle):
-            return cycle, number
-    lengths = " or ".join(f"{cycle:g} deg" for cycle in possible.values())
-    raise InputError(
-        f"{path}, line {rows.lines[-1]}: {rows.angle_name}: given angles from {rows.angles[0]:g} "
-        f"to {rows.angles[-1]:g} deg in steps of {mean_step(rows.angles):g} deg; allowed is one "
-        f"cycle of {lengths}, with or without the closing sample, because harmonics are those of "
-        "a whole cycle."
-    )
-
-
-def _check_closing(path: Path, rows: SampleRows) -> None:
-    first, last = rows.values[0], rows.values[-1]
-    if abs(last - first) > CLOSING_TOLERANCE * np.max(np.abs(rows.values)):
-        raise InputError(
-            f"{path}, line {rows.lines[-1]}: {TORQUE}: given {last:g} N m for the closing sample; "
-            f"allowed is the {first:g} N m of line {rows.lines[0]}, because the closing sample "
-            "repeats the first one cycle later."
+        raise rows.step_error(
+            index, f"even steps (here {usual:g} deg), because the sums weigh all samples alike"
         )
+    if rows.angle_name == CYCLE_ANGLE:
+        cycles = {4 if strokes is None else strokes: 360.0}
+    found = rows.strokes(
+        cycles,
+        lambda angles, cycle: covers_cycle(angles, cycle) or has_closing_sample(angles, cycle),
+    )
+    used = rows.angles.size
+    if has_closing_sample(rows.angles, cycles[found]):
+        rows.check_closing(rows.values, CLOSING_TOLERANCE)
+        used -= 1
+    return TorqueTable(
+        crank_angle_deg=read_only(cycle_degrees(found) / cycles[found] * rows.angles[:used]),
+        torque=read_only(rows.values[:used].copy()),
+        source=rows.source,
+        strokes=found,
+    )

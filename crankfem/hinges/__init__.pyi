@@ -5,8 +5,8 @@ from crankfem.analyses.hinge.hinge_run import run_hinge as run_hinge
 from crankfem.files.hinge.hinge_file import HingeFile as HingeFile
 from crankfem.files.hinge.hinge_file import load_hinge as load_hinge
 from dynamics.hinge.crosshead import CrossheadEngine as CrossheadEngine
-from dynamics.hinge.gas_force import piston_gas_force as piston_gas_force
-from dynamics.hinge.gas_force import two_stroke_cycle as two_stroke_cycle
+from dynamics.hinge.crosshead import piston_gas_force as piston_gas_force
+from dynamics.hinge.crosshead import two_stroke_cycle as two_stroke_cycle
 from dynamics.hinge.moment import HingeMoment as HingeMoment
 from dynamics.hinge.moment import hinge_moment as hinge_moment
 from dynamics.hinge.profile import HingeProfile as HingeProfile

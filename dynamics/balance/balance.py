@@ -15,18 +15,17 @@ from crankbase.checks.arrays import (
     positive_number,
 )
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.balance.cylinder_forces import (
+from dynamics.balance.hodograph import Hodograph, hodograph_sum
+from dynamics.balance.moving_masses import (
+    MovingMasses,
     PlacedForce,
     cylinder_forces,
+    moving_masses,
     reciprocating_forces,
 )
-from dynamics.balance.hodograph import Hodograph, hodograph_sum
-from dynamics.balance.moving_masses import MovingMasses, moving_masses
 from dynamics.engine.layout import EngineLayout, check_distinct_positions
 from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.orders import checked_orders
@@ -179,16 +178,14 @@ class Balance:
         """
         check_choice("show", show, ("force", "moment"), "inertia leaves these over")
         curves = unbalanced(self, show)
-        axes = new_axes(axes, width=4.6, height=5.6)
         empty = "balanced: orders " + ", ".join(str(row.order) for row in self.rows)
         if show == "force":
             banks = [cylinder.bank_angle for cylinder in self.engine.cylinders]
-            draw_hodographs(axes, curves, FORCE_LABELS, banks=banks, empty=empty)
-            write_title(axes, "inertia force")
-        else:
-            draw_hodographs(axes, curves, MOMENT_LABELS, empty=empty)
-            write_title(axes, f"moment of inertia forces about z = {self.about:.4g} m")
-        return axes
+            return draw_hodographs(
+                axes, curves, FORCE_LABELS, title="inertia force", banks=banks, empty=empty
+            )
+        title = f"moment of inertia forces about z = {self.about:.4g} m"
+        return draw_hodographs(axes, curves, MOMENT_LABELS, title=title, empty=empty)
 
     def to_pandas(self) -> "DataFrame":
         """Return one row for each order: semi-axes, direction and amplitudes of force and moment.
@@ -293,11 +290,9 @@ def balance(
     turning = positive_number("speed", speed, "rad/s", "the shaft turns")
     check_distinct_positions(engine)
     wanted = checked_orders(orders)
-    if model not in get_args(BalanceModel):
-        raise InputError(
-            f"model: given {model!r}; allowed are {', '.join(get_args(BalanceModel))}, because these are "
-            "the ways to count the rods' mass."
-        )
+    check_choice(
+        "model", model, get_args(BalanceModel), "these are the ways to count the rods' mass"
+    )
     places = [cylinder.position for cylinder in engine.cylinders]
     middle = 0.5 * (min(places) + max(places))
     point = middle if about is None else float(finite_array("about", about))

@@ -6,14 +6,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from crankbase.checks.arrays import positive_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.balance.cylinder_forces import reciprocating_forces
 from dynamics.balance.hodograph import Hodograph, hodograph_sum
-from dynamics.balance.moving_masses import moving_masses
+from dynamics.balance.moving_masses import moving_masses, reciprocating_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.orders import checked_cylinder, checked_orders
 from dynamics.plots.hodographs import FORCE_LABELS, draw_hodographs
@@ -101,10 +98,7 @@ class HingedRodEffects:
         -------
         matplotlib.axes.Axes
         """
-        axes = new_axes(axes, width=4.6, height=5.6)
-        draw_hodographs(axes, self.curves, FORCE_LABELS)
-        write_title(axes, f"order {self.order}")
-        return axes
+        return draw_hodographs(axes, self.curves, FORCE_LABELS, title=f"order {self.order}")
 
     def to_pandas(self) -> "DataFrame":
         """Return one row for each of the four forces: semi-axes and amplitudes.

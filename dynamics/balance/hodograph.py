@@ -12,8 +12,6 @@ from numpy.typing import ArrayLike
 from crankbase.checks.arrays import ComplexArray, FloatArray, complex_array, finite_array
 from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
@@ -179,10 +177,8 @@ class Hodograph:
         """
         check_choice("quantity", quantity, ("force", "moment"), "the axes have the unit of one")
         labels = FORCE_LABELS if quantity == "force" else MOMENT_LABELS
-        axes = new_axes(axes, width=4.6, height=5.2)
-        draw_hodographs(axes, {f"order {self.order}": self}, labels)
-        write_title(axes, f"{quantity} of order {self.order}")
-        return axes
+        name = f"order {self.order}"
+        return draw_hodographs(axes, {name: self}, labels, title=f"{quantity} of {name}")
 
     def to_pandas(self, unit: str = "N", count: int = 181) -> "DataFrame":
         """Return the vector at so many even shaft angles over one turn, both ends included.

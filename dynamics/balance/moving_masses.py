@@ -1,13 +1,22 @@
-"""What moves to and fro and what turns: the masses of pistons and rods shared out to their ends."""
+"""What moves to and fro and what turns: masses at the ends of the rods, and their forces by order."""
 
 import cmath
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from crankbase.checks.arrays import nonnegative_number
+import numpy as np
+
+from crankbase.checks.arrays import ComplexArray, FloatArray, nonnegative_number
 from crankbase.summaries import summarized
+from dynamics.balance.hodograph import Hodograph
 from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout
+from dynamics.engine.motions import cylinder_motion
+from dynamics.engine.orders import turn_spectrum
+
+# A force and where along the shaft it acts [m].
+PlacedForce = tuple[float, Hodograph]
 
 
 @summarized("reciprocating [kg]", "rotating [kg]", "lateral [kg m]")
@@ -131,3 +140,69 @@ def balancing_masses(
 def _opposite(angle: float) -> float:
     """Return the opposite direction [rad], 0 to below 2 pi."""
     return cmath.phase(-cmath.exp(1j * angle)) % (2.0 * math.pi)
+
+
+def reciprocating_forces(
+    engine: EngineLayout, masses: Sequence[float], speed: float, orders: Sequence[int]
+) -> dict[int, list[PlacedForce]]:
+    """Return the forces of masses at the piston pins, along the cylinders' axes.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    masses : sequence of n float
+        One for each cylinder [kg].
+    speed : float
+        Of the shaft [rad/s].
+    orders : sequence of int
+        Cycles per turn of the shaft.
+
+    Returns
+    -------
+    dict
+        For each order the n forces, in the engine's frame [N].
+    """
+    numbers = range(1, len(engine.cylinders) + 1)
+
+    def forces(angles: FloatArray) -> ComplexArray:
+        motions = (cylinder_motion(engine, number, angles).piston for number in numbers)
+        return np.array(
+            [
+                -mass * motion.acceleration(speed).real
+                for mass, motion in zip(masses, motions, strict=True)
+            ]
+        )
+
+    return cylinder_forces(engine, forces, orders)
+
+
+def cylinder_forces(
+    engine: EngineLayout, forces: Callable[[FloatArray], ComplexArray], orders: Sequence[int]
+) -> dict[int, list[PlacedForce]]:
+    """Return the orders of forces given in the cylinders' frames, in the engine's frame.
+
+    Parameters
+    ----------
+    engine : EngineLayout
+    forces : callable
+        Takes shaft angles (m,) [rad] and returns forces s + i n (n, m) [N].
+    orders : sequence of int
+        Cycles per turn of the shaft.
+
+    Returns
+    -------
+    dict
+        For each order the n forces [N].
+    """
+    spectrum = turn_spectrum(forces, max(orders))
+    found: dict[int, list[PlacedForce]] = {}
+    for order in orders:
+        ahead, back = spectrum.of(order).tolist(), spectrum.of(-order).tolist()
+        found[order] = [
+            (
+                cylinder.position,
+                Hodograph(order, forward, backward).times(cmath.exp(1j * cylinder.bank_angle)),
+            )
+            for cylinder, forward, backward in zip(engine.cylinders, ahead, back, strict=True)
+        ]
+    return found

@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray, nonnegative_vector
+from crankbase.checks.arrays import FloatArray, one_for_each
+from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.crankshaft.rigid_motions import rigid_motions, rings_of
-from dynamics.crankshaft.shaft_throw import RZ, UX, UY, UZ, ShaftThrow
+from dynamics.crankshaft.shaft_throw import RX, RY, RZ, UX, UY, UZ, ShaftThrow
 from dynamics.crankshaft.stations import Stations, on_axis, shaft_stations
-from dynamics.crankshaft.surroundings import AxialSupport, ShaftSurroundings
+from dynamics.crankshaft.surroundings import ShaftSurroundings
 
 PIN_MOTIONS = ("tangential", "radial", "axial")
 SECTION_MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
@@ -124,7 +124,7 @@ def assemble_crankshaft(
         )
     around = ShaftSurroundings() if around is None else around
     count = len(throws) + 1
-    rings = [each for each in (around.ring, around.machine) if each is not None]
+    rings = around.rings(count)
     first_shape = 6 * count
     size = first_shape + sum(throw.shapes for throw in throws) + len(rings)
     mass, stiffness, damping, loss = np.zeros((4, size, size))
@@ -143,7 +143,10 @@ def assemble_crankshaft(
             pin_slices.append(turn[:6, :6] @ on_axis(center) @ motion)
             pin_frames.append(motion[:2])
     loss += around.loss_factor * stiffness
-    masses = _pin_masses(around.pin_masses, len(pin_rows))
+    pin_masses = around.pin_masses if len(around.pin_masses) else 0.0
+    masses = one_for_each(
+        "pin_masses", pin_masses, len(pin_rows), "pins", "kg", "rods add to the shaft's inertia"
+    )
     for value, rows in zip(masses.tolist(), pin_frames, strict=True):
         mass += value * rows.T @ rows
     last = 6 * (count - 1)
@@ -153,12 +156,13 @@ def assemble_crankshaft(
 
     unit = np.eye(size)
     springs = _Springs(stiffness, damping, loss)
-    held = [
-        *_hold_laterally(springs, around, count, unit),
-        *_hold_axially(springs, around.axial_supports, count, unit),
-    ]
-    for number, (ring, section) in enumerate(rings_of(around, count)):
-        row = size - len(rings) + number
+    held = []
+    for place, spring, dashpot in _supports(around, count):
+        if np.isinf(spring):
+            held.append(place)
+        else:
+            springs.add(unit[place], spring, dashpot)
+    for row, (_, ring, section) in enumerate(rings, start=size - len(rings)):
         mass[row, row] += ring.inertia
         springs.add(
             unit[row] - unit[6 * section + RZ], ring.stiffness, ring.damping, ring.loss_factor
@@ -168,7 +172,7 @@ def assemble_crankshaft(
     free = np.ix_(kept, kept)
     starts = np.concatenate(([0.0], np.cumsum([throw.length for throw in throws])))
     stations = shaft_stations(throws, around, masses, starts, unit[: 6 * count], pin_slices)
-    rigid, rigid_names = rigid_motions(around, starts, size)
+    rigid, rigid_names = _rigid_motions(around, starts, size)
     return AssembledShaft(
         mass=mass[free],
         stiffness=stiffness[free],
@@ -180,13 +184,25 @@ def assemble_crankshaft(
         pins=np.vstack(pin_rows)[:, kept],
         stations=stations.of(kept),
         added=unit[size - len(rings) :, kept],
-        added_inertia=np.array([ring.inertia for ring in rings]),
+        added_inertia=np.array([ring.inertia for _, ring, _ in rings]),
         dashpots=np.array(springs.dashpots).reshape(-1, size)[:, kept],
         positions=starts,
         pin_throws=tuple(
             number for number, throw in enumerate(throws) for _ in range(len(throw.pins))
         ),
-        names=_names(count, len(pin_rows), around),
+        names=(
+            *(
+                f"section {number} {motion}"
+                for number in range(count)
+                for motion in SECTION_MOTIONS
+            ),
+            *(
+                f"pin {number + 1} {motion}"
+                for number in range(len(masses))
+                for motion in PIN_MOTIONS
+            ),
+            *(name for name, _, _ in rings),
+        ),
     )
 
 
@@ -208,62 +224,75 @@ class _Springs:
             self.dashpots.append(row)
 
 
-def _hold_laterally(
-    springs: _Springs, around: ShaftSurroundings, count: int, unit: FloatArray
-) -> list[int]:
-    if around.bearings is None:
-        return []
-    held = []
-    for section, (stiffness, damping) in enumerate(
-        zip(*(values.tolist() for values in around.bearings.at(count)), strict=True)
-    ):
-        for place in (6 * section + UX, 6 * section + UY):
-            if np.isinf(stiffness):
-                held.append(place)
-            else:
-                springs.add(unit[place], stiffness, damping)
-    return held
-
-
-def _hold_axially(
-    springs: _Springs, supports: Sequence[AxialSupport], count: int, unit: FloatArray
-) -> list[int]:
-    held = []
-    for support in supports:
-        if support.section >= count:
-            raise InputError(
-                f"axial support section: given {support.section}; allowed is 0 to {count - 1}, because "
-                f"the shaft has {count} sections."
-            )
-        place = 6 * support.section + UZ
-        if np.isinf(support.stiffness):
-            held.append(place)
-        else:
-            springs.add(unit[place], support.stiffness, support.damping)
-    return held
-
-
-def _pin_masses(given: Sequence[float], pins: int) -> FloatArray:
-    if len(given) == 0:
-        return np.zeros(pins)
-    values = nonnegative_vector("pin_masses", given, "kg", "rods add to the shaft's inertia")
-    if values.size != pins:
-        raise InputError(
-            f"pin_masses: given {values.size} values; allowed is one for each of the {pins} pins, because "
-            "they are counted along the shaft."
+def _supports(around: ShaftSurroundings, count: int) -> list[tuple[int, float, float]]:
+    """Return the unknowns that bearings and axial supports act on, their stiffness and damping."""
+    found = []
+    if around.bearings is not None:
+        each = zip(*(values.tolist() for values in around.bearings.at(count)), strict=True)
+        for section, (stiffness, damping) in enumerate(each):
+            found += [(6 * section + motion, stiffness, damping) for motion in (UX, UY)]
+    for support in around.axial_supports:
+        section = whole_within(
+            "axial support section",
+            support.section,
+            0,
+            count - 1,
+            f"the shaft has {count} sections",
         )
-    return values
+        found.append((6 * section + UZ, support.stiffness, support.damping))
+    return found
+
+
+def _rigid_motions(
+    around: ShaftSurroundings, places: FloatArray, size: int
+) -> tuple[FloatArray, tuple[str, ...]]:
+    """Find the motions that no stiffness resists.
+
+    Parameters
+    ----------
+    around : ShaftSurroundings
+    places : ndarray of shape (n + 1,)
+        Of the sections along the shaft [m].
+    size : int
+        Number of unknowns: six for each section, shapes, and one for each ring.
+
+    Returns
+    -------
+    motions : ndarray of shape (size, r)
+        As columns; those of unit rotation or translation, exact.
+    names : tuple of r str
+    """
+    unit, count = np.eye(size), len(places)
+
+    def motion(values: dict[int, FloatArray | float]) -> FloatArray:
+        column = np.zeros(size)
+        for component, value in values.items():
+            column[component : 6 * count : 6] = value
+        return column
+
+    found = {"rotation about the shaft axis": motion({RZ: 1.0})}
+    rings = around.rings(count)
+    for row, (name, ring, _) in enumerate(rings, start=size - len(rings)):
+        if ring.stiffness > 0.0:
+            found["rotation about the shaft axis"][row] = 1.0
+        else:
+            found[f"rotation of the {name.removeprefix('damper ')} alone"] = unit[row]
+    if not any(support.stiffness > 0.0 for support in around.axial_supports):
+        found["axial translation"] = motion({UZ: 1.0})
+    bearings = np.array([])
+    if around.bearings is not None:
+        bearings = places[around.bearings.at(count)[0] > 0.0]
+    if bearings.size == 0:
+        found["translation along x"] = motion({UX: 1.0})
+        found["translation along y"] = motion({UY: 1.0})
+    if bearings.size <= 1:
+        arms = places - (bearings[0] if bearings.size else places.mean())
+        found["tilt about x"] = motion({RX: 1.0, UY: -arms})
+        found["tilt about y"] = motion({RY: 1.0, UX: arms})
+    return np.column_stack(list(found.values())), tuple(found)
 
 
 def _pin_directions(center: FloatArray, sense: int) -> FloatArray:
     """Rows (3, 3) of the throw frame: sense of rotation, towards the axis, along the shaft."""
     x, y = center[:2] / np.hypot(*center[:2])
     return np.array([[-sense * y, sense * x, 0.0], [-x, -y, 0.0], [0.0, 0.0, 1.0]])
-
-
-def _names(count: int, pins: int, around: ShaftSurroundings) -> tuple[str, ...]:
-    names = [f"section {number} {motion}" for number in range(count) for motion in SECTION_MOTIONS]
-    names += [f"pin {number + 1} {motion}" for number in range(pins) for motion in PIN_MOTIONS]
-    names += ["damper ring"] if around.ring is not None else []
-    names += ["driven machine"] if around.machine is not None else []
-    return tuple(names)

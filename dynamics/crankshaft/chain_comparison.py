@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table, table_of
@@ -143,10 +141,8 @@ class ResponseMatch:
         """
         drawn = in_unit("m" if self.kind == "axial" else "rad")
         curves = {"whole shaft": drawn.factor * self.shaft, "chain": drawn.factor * self.chain}
-        axes = new_axes(axes, height=3.8)
-        draw_named_curves(axes, self.speeds, curves, drawn.label, dashed=True)
-        write_title(axes, f"{self.kind} vibration of the free end, all orders together")
-        return axes
+        title = f"{self.kind} vibration of the free end, all orders together"
+        return draw_named_curves(axes, self.speeds, curves, drawn.label, title=title, dashed=True)
 
     def to_pandas(self) -> "DataFrame":
         """Return a row for each speed: amplitude by the chain and by the shaft.
@@ -258,22 +254,11 @@ def matching_modes(
         )
         score = np.where(near, share * likeness, 0.0)
         best = int(np.argmax(score))
-        if score[best] == 0.0:
-            none = (None, None, 0.0, 0.0)
-            found.append(ModeMatch(chain.kind, number, frequency, *none, *rigid))
-            continue
-        found.append(
-            ModeMatch(
-                chain.kind,
-                number,
-                frequency,
-                best,
-                float(modes.frequencies[best]),
-                float(share[best]),
-                float(likeness[best]),
-                *rigid,
-            )
-        )
+        match: tuple[int | None, float | None, float, float] = (None, None, 0.0, 0.0)
+        if score[best] > 0.0:
+            here = float(modes.frequencies[best])
+            match = (best, here, float(share[best]), float(likeness[best]))
+        found.append(ModeMatch(chain.kind, number, frequency, *match, *rigid))
     return tuple(found)
 
 

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
-from crankbase.checks.choices import check_choice
 from crankbase.drawing.curves import Curves, Series, draw_curves
 from crankbase.drawing.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title
@@ -81,24 +80,20 @@ class CoupledResponse:
         InputError
             If there is no such point.
         """
-        names = self.crankshaft.names
-        check_choice("point", point, names, "these points of the shaft have names")
-        row = names.index(point)
+        row = self.crankshaft.point(point)
         rigid = self.crankshaft.system.rigid.shape[1]
         # Amplitudes of modes are the unknowns of this system, rigid motions first.
         mode_motion = self.crankshaft.system.expand[row, rigid:]
-        apart = [
+        tangential, radial = (
             each.unknowns[:, :, rigid:] @ mode_motion for each in (self.tangential, self.radial)
-        ]
-        found = []
-        for motion in (apart[0], apart[1], apart[0] + apart[1]):
-            amplitude = np.where(self.unbounded, np.inf, np.abs(motion))
-            summed = synthesis(self.orders, self.speeds, motion, self.unbounded).amplitude
-            found.append((amplitude, summed))
-        (by_t, sum_t), (by_z, sum_z), (by_both, sum_both) = found
-        return SplitMotion(
-            point, by_t, by_z, by_both, sum_t, sum_z, sum_both, self.orders, self.speeds
         )
+        motions = {"tangential": tangential, "radial": radial, "both": tangential + radial}
+        unbounded, found = self.unbounded, {}
+        for name, motion in motions.items():
+            found[name] = np.where(unbounded, np.inf, np.abs(motion))
+            summed = synthesis(self.orders, self.speeds, motion, unbounded)
+            found[f"{name}_sum"] = summed.amplitude
+        return SplitMotion(point=point, orders=self.orders, speeds=self.speeds, **found)
 
     def plot(self, axes: "Axes | None" = None, point: str = "section 0 uz") -> "Axes":
         """Draw the amplitude of a point over the speed by tangential forces, by radial ones, by all.

@@ -76,14 +76,11 @@ def shaft_excitation(
     places = pins_of_cylinders(crankshaft.shaft.pin_throws, forces.throws, pins)
     first = 6 * crankshaft.shaft.section_count
     acting = np.zeros((*forces.tangential.shape[:2], len(crankshaft.names)), dtype=np.complex128)
-    for given, values, direction in (
-        (tangential, forces.tangential, "tangential"),
-        (radial, forces.radial, "radial"),
-    ):
-        if given:
-            rows = first + 3 * np.array(places) + PIN_MOTIONS.index(direction)
-            for cylinder, row in enumerate(rows.tolist()):
-                acting[:, :, row] += values[:, :, cylinder]
+    kinds = {"tangential": tangential, "radial": radial}
+    for direction in (name for name, acts in kinds.items() if acts):
+        rows = first + 3 * np.array(places) + PIN_MOTIONS.index(direction)
+        for cylinder, row in enumerate(rows.tolist()):
+            acting[:, :, row] += getattr(forces, direction)[:, :, cylinder]
     return OrderExcitation(forces.orders, forces.speeds, acting)
 
 

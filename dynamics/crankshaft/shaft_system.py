@@ -57,7 +57,7 @@ class CrankshaftSystem:
         InputError
             If there is none of that name.
         """
-        check_choice("name", name, self.names, "these points of the shaft have names")
+        check_choice("point", name, self.names, "these points of the shaft have names")
         return self.names.index(name)
 
 

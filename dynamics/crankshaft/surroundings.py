@@ -203,6 +203,11 @@ class ShaftSurroundings:
     def __post_init__(self) -> None:
         nonnegative_number("loss_factor", self.loss_factor, "", "it is that of a passive element")
 
+    def rings(self, sections: int) -> list[tuple[str, TorsionalRing, int]]:
+        """Return damper ring and driven machine, as far as given: name, ring, section it turns with."""
+        both = (("damper ring", self.ring, 0), ("driven machine", self.machine, sections - 1))
+        return [(name, ring, section) for name, ring, section in both if ring is not None]
+
 
 def _each(name: str, given: ArrayLike, count: int, *, held: bool) -> FloatArray:
     values = np.array(given, dtype=np.float64)

@@ -3,10 +3,11 @@
 import math
 from dataclasses import dataclass
 
-from crankbase.checks.arrays import finite_array, nonnegative_number, positive_number
+from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number, positive_number
 from crankbase.checks.scalars import is_whole
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
+from dynamics.mechanism.motion import PointMotion, carried_point, crankpin_motion, rod_turn
 from dynamics.mechanism.rods import ConnectingRod
 
 
@@ -105,6 +106,10 @@ class EngineCylinder:
         """Shaft angle at which its crank lies along its axis, away from the shaft [rad]."""
         return self.bank_angle - self.crank_angle
 
+    def crankpin(self, crank_radius: float, shaft_angles: FloatArray) -> PointMotion:
+        """Return the motion of its crankpin in its own frame, shaft angles [rad] of shape (m,)."""
+        return crankpin_motion(crank_radius, shaft_angles - self.top_shaft_angle)
+
 
 @dataclass(frozen=True)
 class RotatingMass:
@@ -128,3 +133,31 @@ class RotatingMass:
         nonnegative_number("static_moment", self.static_moment, "kg m", "it is mass times radius")
         finite_array("angle", self.angle)
         finite_array("position", self.position)
+
+
+def hinged_foot(
+    crank_radius: float, main: EngineCylinder, hinged: EngineCylinder, shaft_angles: FloatArray
+) -> PointMotion:
+    """Return the motion of a slave pin in the frame of the hinged rod's cylinder.
+
+    Parameters
+    ----------
+    crank_radius : float
+        R [m].
+    main, hinged : EngineCylinder
+        The cylinder whose rod is on the crankpin, and the one whose rod hangs on that rod.
+    shaft_angles : ndarray of shape (m,)
+        [rad]
+
+    Notes
+    -----
+    P = R exp(i alpha) + R_1 exp(i gamma) exp(-i beta) in the main cylinder's frame. Turned to the
+    other cylinder's frame, with gamma equal to the angle between the banks, it gives (2) and (4) of
+    Mikhina, Vyalkov 2024, Politekhnicheskiy molodezhnyy zhurnal no. 05 (94).
+    """
+    if hinged.slave_pin is None:
+        raise ValueError("the rod is not hinged")
+    crank = main.crankpin(crank_radius, shaft_angles)
+    turn = rod_turn(crank, main.rod.length, main.pin_offset)
+    pin = carried_point(crank, turn, hinged.slave_pin.place)
+    return pin.turned(main.bank_angle - hinged.bank_angle)

@@ -15,8 +15,6 @@ from crankbase.checks.arrays import (
     turning_speeds,
 )
 from crankbase.checks.scalars import whole_within
-from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE, new_axes
-from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
@@ -25,7 +23,9 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import CylinderMotion, cylinder_motion
 from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.mechanism.rods import RodModel
+from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.coordinates import angle_axis, number_axis
+from dynamics.plots.quantities import KILO
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -117,29 +117,22 @@ class MechanismForces:
             If there is no such cylinder.
         """
         place = whole_within("cylinder", cylinder, 1, len(self.gas), "the engine has that many") - 1
-        cycle = self.engine.cycle
-        degrees = np.degrees((self.shaft_angles - self.engine.firing[place]) % cycle)
-        order = np.argsort(degrees)
-        axes = new_axes(axes)
-        for values, color, label in (
-            (self.gas, BLUE, "gas, towards the shaft"),
-            (self.tangential, ORANGE, "tangential, T"),
-            (self.side, GREEN, "side, N"),
-        ):
-            axes.plot(
-                degrees[order],
-                1e-3 * values[place][order],
-                color=color,
-                linewidth=1.4,
-                label=label,
-            )
-        axes.set_xlim(0.0, np.degrees(cycle))
-        axes.set_xticks(np.arange(0.0, np.degrees(cycle) + 1.0, 90.0))
-        axes.set_xlabel("crank angle from the firing top [deg]")
-        axes.set_ylabel("force [kN]")
-        write_title(axes, f"Forces of cylinder {cylinder}")
-        legend_inside(axes)
-        return axes
+        since_firing = (self.shaft_angles - self.engine.firing[place]) % self.engine.cycle
+        order = np.argsort(since_firing)
+        curves = {
+            "gas, towards the shaft": self.gas,
+            "tangential, T": self.tangential,
+            "side, N": self.side,
+        }
+        return draw_over_angle(
+            axes,
+            since_firing[order],
+            {name: KILO * values[place][order] for name, values in curves.items()},
+            "force [kN]",
+            title=f"Forces of cylinder {cylinder}",
+            angle_label=FROM_FIRING,
+            cyclic=False,
+        )
 
     def to_xarray(self) -> "Dataset":
         """Return all forces over cylinder and shaft angle, with the speed.
@@ -230,7 +223,9 @@ def mechanism_forces(
     shape = (len(engine.cylinders), angles.size)
     turning = over_angles("speed", turning_speeds("speed", speed), angles)
     gaining = over_angles("crank_acceleration", crank_acceleration, angles)
-    pressing, rubbing = _forces("gas", gas, shape), _forces("friction", friction, shape)
+    reason = "there is a value for each cylinder and shaft angle"
+    pressing = spread_array("gas", gas, shape, reason)
+    rubbing = spread_array("friction", friction, shape, reason)
     side = np.zeros(shape)
     piston_pin, foot, crankpin = (np.zeros(shape, dtype=np.complex128) for _ in range(3))
     motions = [cylinder_motion(engine, number + 1, angles) for number in range(shape[0])]
@@ -260,40 +255,34 @@ def mechanism_forces(
     )
 
 
-def over_angles(field: str, values: ArrayLike, angles: FloatArray) -> FloatArray:
-    """Return a quantity of the shaft at each of its angles, from one number or one for each.
+def spread_array(field: str, values: ArrayLike, shape: tuple[int, ...], reason: str) -> FloatArray:
+    """Return finite values as an array of a shape to which they can be repeated.
 
     Parameters
     ----------
-    field : str
-        What to call it in messages.
-    values : number or array_like of shape (m,)
-    angles : ndarray of shape (m,)
-        Shaft angles [rad].
+    field, reason : str
+        What to call the values in messages, and why they must fit.
+    values : number or array_like
+    shape : tuple of int
 
     Raises
     ------
     InputError
-        If a value is not finite, or there is neither one nor one for each angle.
+        If a value is not finite, or the values do not fit.
     """
-    given = finite_array(field, values)
-    if given.shape not in ((), angles.shape):
-        raise InputError(
-            f"{field}: given an array of shape {given.shape}; allowed is a number or an array of shape "
-            f"{angles.shape}, because there is one value for each shaft angle."
-        )
-    return np.asarray(np.broadcast_to(given, angles.shape))
-
-
-def _forces(field: str, values: ArrayLike, shape: tuple[int, int]) -> FloatArray:
     given = finite_array(field, values)
     try:
         return np.array(np.broadcast_to(given, shape))
     except ValueError:
         raise InputError(
-            f"{field}: given an array of shape {given.shape}; allowed is one that fits {shape}, because "
-            "there is a value for each cylinder and shaft angle."
+            f"{field}: given an array of shape {given.shape}; allowed is a number or an array that fits "
+            f"{shape}, because {reason}."
         ) from None
+
+
+def over_angles(field: str, values: ArrayLike, angles: FloatArray) -> FloatArray:
+    """Return a quantity of the shaft at each of its angles (m,) [rad]; see `spread_array`."""
+    return spread_array(field, values, angles.shape, "there is one value for each shaft angle")
 
 
 def _inertia_forces(

@@ -8,14 +8,13 @@ from crankbase.checks.arrays import finite_array, nonnegative_number, positive_n
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import checked_strokes, cycle_degrees, even_angles
-from dynamics.engine.cylinder import EngineCylinder, RotatingMass
+from dynamics.engine.cylinder import EngineCylinder, RotatingMass, hinged_foot
 from dynamics.engine.firing import (
     IN_LINE,
     check_firing_order,
     check_order_of_angles,
     firing_angles_of_order,
 )
-from dynamics.engine.rod_foot import hinged_foot
 from dynamics.mechanism.motion import rod_turn
 from dynamics.mechanism.slider_crank import check_reach
 

@@ -164,17 +164,10 @@ class LoadDiagram:
         MissingLibraryError
             If pandas is not installed.
         """
-        turning = self.in_crank_frame
-        return table(
-            {
-                "shaft_angle": (self.angles, "rad"),
-                "force_x": (-self.force.imag, "N"),
-                "force_y": (self.force.real, "N"),
-                "tangential": (turning.imag, "N"),
-                "radial": (-turning.real, "N"),
-                "magnitude": (self.magnitude, "N"),
-            }
-        )
+        forces = {
+            name[:-2]: (own, "N") for name, own in self.columns().items() if name[-2:] == "_N"
+        }
+        return table({"shaft_angle": (self.angles, "rad"), **forces})
 
 
 def crankpin_loads(forces: MechanismForces) -> tuple[LoadDiagram, ...]:

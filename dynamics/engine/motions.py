@@ -8,15 +8,9 @@ import numpy as np
 from crankbase.checks.arrays import FloatArray, finite_array
 from crankbase.summaries import summarized
 from dynamics.cycle import even_angles
+from dynamics.engine.cylinder import hinged_foot
 from dynamics.engine.layout import EngineLayout
-from dynamics.engine.rod_foot import crank_angle_from_axis, hinged_foot
-from dynamics.mechanism.motion import (
-    PointMotion,
-    TurnMotion,
-    carried_point,
-    crankpin_motion,
-    rod_turn,
-)
+from dynamics.mechanism.motion import PointMotion, TurnMotion, carried_point, rod_turn
 from dynamics.mechanism.rods import RodModel
 
 # Angles among which a piston's ends of stroke are looked for, and steps of Newton's method after.
@@ -67,8 +61,7 @@ def cylinder_motion(engine: EngineLayout, number: int, shaft_angles: FloatArray)
     shaft_angles = finite_array("shaft_angles", shaft_angles)
     cylinder = engine.cylinders[number - 1]
     if cylinder.slave_pin is None:
-        angles = crank_angle_from_axis(cylinder, shaft_angles)
-        foot = crankpin_motion(engine.crank_radius, angles)
+        foot = cylinder.crankpin(engine.crank_radius, shaft_angles)
     else:
         main = engine.cylinders[engine.main_of(number) - 1]
         foot = hinged_foot(engine.crank_radius, main, cylinder, shaft_angles)

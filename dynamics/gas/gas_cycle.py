@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import even_angles
-from dynamics.gas.closed_cycle import motored_pressure
 from dynamics.gas.cycle_values import DEGREE, GasCycle, assumption_remarks
 from dynamics.gas.cylinder_volume import CylinderVolume, Position, cylinder_volume
 from dynamics.gas.heat_targets import (
@@ -29,7 +28,7 @@ from dynamics.gas.heat_targets import (
     no_work_error,
 )
 from dynamics.gas.pressure import GasPressure, gas_pressure
-from dynamics.gas.sampled_cycle import cycle_samples
+from dynamics.gas.sampled_cycle import cycle_samples, motored_pressure
 from dynamics.plots.quantities import MEGA
 
 if TYPE_CHECKING:
@@ -200,9 +199,9 @@ def gas_cycle(
 
     Notes
     -----
-    Closed part by the first law with one ratio of heat capacities, see `closed_cycle`. From exhaust
-    opening to the bottom the pressure passes to that of the exhaust, over the overlap to that of
-    the intake, each along 3 t^2 - 2 t^3, and there it stays until the intake closes. As the pressure
+    Closed part by the first law with one ratio of heat capacities, see `pressure_rise_per_heat`.
+    From exhaust opening to the bottom the pressure passes to that of the exhaust, over the overlap to
+    that of the intake, each along 3 t^2 - 2 t^3, and there it stays until the intake closes. As the pressure
     is linear in the heat, heat from peak or mean pressure needs no search.
 
     Examples
@@ -215,8 +214,17 @@ def gas_cycle(
     14.0
     """
     volume = cylinder_volume(position, area, cycle.compression_ratio)
-    angles = even_angles(cycle.cycle, _checked_count(cycle, samples))
-    _check_heat_alone(heat, peak_pressure, mean_effective_pressure)
+    turns = cycle.strokes // 2
+    count = SAMPLES_PER_TURN * turns
+    if samples is not None:
+        why = "steps above 1 deg miss the peak"
+        count = whole_number("samples", samples, FEWEST_PER_TURN * turns, why)
+    angles = even_angles(cycle.cycle, count)
+    if heat is not None and not (peak_pressure is None and mean_effective_pressure is None):
+        raise InputError(
+            "heat: given together with peak_pressure or mean_effective_pressure; allowed is one of "
+            "them, or both pressures, because either sets the heat."
+        )
     remarks: list[str] = []
     if peak_pressure is not None and mean_effective_pressure is not None:
         given = cycle
@@ -260,22 +268,6 @@ def gas_cycle(
     )
 
 
-def _checked_count(cycle: GasCycle, samples: int | None) -> int:
-    turns = cycle.strokes // 2
-    if samples is None:
-        return SAMPLES_PER_TURN * turns
-    least = FEWEST_PER_TURN * turns
-    return whole_number("samples", samples, least, "steps above 1 deg miss the peak")
-
-
-def _check_heat_alone(heat: float | None, peak: float | None, mean_pressure: float | None) -> None:
-    if heat is not None and not (peak is None and mean_pressure is None):
-        raise InputError(
-            "heat: given together with peak_pressure or mean_effective_pressure; allowed is one of "
-            "them, or both pressures, because either sets the heat."
-        )
-
-
 def _check_resolved(cycle: GasCycle, angles: FloatArray) -> None:
     shortest = LEAST_STEPS * float(angles[1])
     if cycle.combustion_duration < shortest * (1.0 - 1e-9):
@@ -295,11 +287,7 @@ def _solved_combustion(
     name: Solved,
 ) -> GasCycle:
     """Return the cycle whose start or duration of combustion gives both pressures."""
-    if name not in ("combustion_start", "combustion_duration"):
-        raise InputError(
-            f'solve_for: given {name!r}; allowed are "combustion_start" and "combustion_duration", '
-            "because these move the peak at a given work."
-        )
+    check_choice("solve_for", name, get_args(Solved), "these move the peak at a given work")
     motored = cycle_samples(cycle, volume, angles)
     peak = checked_peak(peak, motored.peak(0.0))
     lowest = motored.mean_pressure(0.0)
@@ -309,11 +297,11 @@ def _solved_combustion(
             f"{format_mpa(lowest)}, because that is left without heat."
         )
 
+    assumed = tuple(other for other in cycle.assumed if other != name)
+
     def changed(value: float) -> GasCycle:
-        assumed = tuple(other for other in cycle.assumed if other != name)
-        if name == "combustion_start":
-            return replace(cycle, combustion_start=value, assumed=assumed)
-        return replace(cycle, combustion_duration=value, assumed=assumed)
+        changes: dict[str, Any] = {name: value}
+        return replace(cycle, assumed=assumed, **changes)
 
     def peak_at(value: float) -> float:
         state = cycle_samples(changed(value), volume, angles)

@@ -15,8 +15,6 @@ from crankbase.checks.arrays import (
     positive_vector,
     read_only,
 )
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
@@ -167,12 +165,15 @@ class GasPressure:
         -------
         matplotlib.axes.Axes
         """
-        axes = new_axes(axes)
-        label = "absolute pressure [MPa]"
-        curves = {"pressure": MEGA * self.pressure}
-        draw_over_angle(axes, self.angles, curves, label, angle_label=FROM_FIRING)
+        axes = draw_over_angle(
+            axes,
+            self.angles,
+            {"pressure": MEGA * self.pressure},
+            "absolute pressure [MPa]",
+            title="Gas pressure",
+            angle_label=FROM_FIRING,
+        )
         axes.set_ylim(bottom=0.0)
-        write_title(axes, "Gas pressure")
         return axes
 
     def to_pandas(self) -> "DataFrame":
@@ -277,11 +278,6 @@ def _check_samples(angles: FloatArray, values: FloatArray, cycle: float) -> None
             f"angles: given {angles.size} angles for {values.size} pressures; allowed is one angle "
             "for each pressure, because together they are the samples."
         )
-    _check_cover(angles, cycle)
-
-
-def _check_cover(angles: FloatArray, cycle: float) -> None:
-    """Refuse angles [deg] that do not increase or do not cover the cycle without wide gaps."""
     if angles.size < 2:
         raise InputError(
             f"angles: given {angles.size} samples; allowed are samples over one cycle of "

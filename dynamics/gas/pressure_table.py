@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.errors import InputError
-from dynamics.cycle import PLACE_TOLERANCE, checked_strokes, cycle_degrees
+from dynamics.cycle import PLACE_TOLERANCE
 from dynamics.gas.pressure import (
     ATMOSPHERE,
     HIGHEST_PEAK,
@@ -16,13 +15,7 @@ from dynamics.gas.pressure import (
     gas_pressure,
     widest_gap,
 )
-from dynamics.sample_table import (
-    SampleRows,
-    TableKind,
-    check_increasing,
-    read_sample_rows,
-    wrong_angle,
-)
+from dynamics.sample_table import SampleRows, TableKind, possible_cycles, read_sample_rows
 
 CRANK_ANGLE = "crank_angle_deg"
 UNITS = {"bar": 1e5, "MPa": 1e6, "kPa": 1e3, "Pa": 1.0}
@@ -44,9 +37,7 @@ TABLE = TableKind(
         f'"{CRANK_ANGLE},absolute_pressure_bar" or the like with "gauge" for "absolute" and '
         '"MPa", "kPa" or "Pa" for "bar"'
     ),
-    header_shows="it says the kind and the unit of the pressure",
-    header_reason="it says which pressure is meant and in which units",
-    sample_reason="every sample enters the curve",
+    header_says="which pressure is meant and in which units",
 )
 
 
@@ -82,38 +73,36 @@ def read_pressure_table(path: str | Path, strokes: int | None = None) -> GasPres
         absolute pressure is not positive, the peak lies outside 0.2 to 50 MPa (a wrong unit) or
         outside -10 to 40 deg (angles that count from elsewhere).
     """
-    path = Path(path)
-    if strokes is not None:
-        checked_strokes(strokes)
-    rows = read_sample_rows(path, TABLE)
-    if rows.angles.size < 2:
-        raise InputError(
-            f"{path}: given {rows.angles.size} samples; allowed are samples over a whole cycle, "
-            "because the pressure repeats with it."
-        )
-    check_increasing(path, rows)
+    cycles = possible_cycles(strokes)
+    rows = read_sample_rows(Path(path), TABLE)
     remarks: list[str] = []
-    strokes = _found_strokes(path, rows, strokes)
+    found = rows.strokes(
+        cycles,
+        lambda angles, cycle: _closes_cycle(angles, cycle) or _opens_little(angles, cycle),
+        f" and open by {WIDEST_GAP:g} deg at most",
+    )
+    cycle = cycles[found]
     kind, _, unit = rows.value_name.split("_")
     pressure = UNITS[unit] * rows.values
     if kind == "gauge":
         pressure += ATMOSPHERE
         remarks.append(f"{ATMOSPHERE:g} Pa of atmosphere were added to the gauge pressure.")
-    cycle = cycle_degrees(strokes)
     if _closes_cycle(rows.angles, cycle):
-        _check_closing(path, rows, pressure)
+        rows.check_closing(pressure, CLOSING_TOLERANCE)
         remarks.append(f"The closing sample at {rows.angles[-1]:g} deg was dropped.")
         rows = replace(rows, angles=rows.angles[:-1], values=rows.values[:-1])
         pressure = pressure[:-1]
-    _check_gaps(path, rows, cycle)
-    _check_pressure(path, rows, pressure)
-    _check_peak_angle(path, rows, pressure, cycle)
+    index, gap = widest_gap(rows.angles, cycle)
+    # The gap to the next cycle is small already, or the strokes would not have been found.
+    if index > 0 and gap > WIDEST_GAP * (1.0 + 1e-9):
+        raise rows.step_error(
+            index,
+            f"gaps of {WIDEST_GAP:g} deg at most, because a wider one may hide the pressure's rise",
+        )
+    _check_pressure(rows, pressure)
+    _check_peak_angle(rows, pressure, cycle)
     return gas_pressure(
-        np.radians(rows.angles),
-        pressure,
-        strokes,
-        source="\n".join(rows.comments),
-        remarks=tuple(remarks),
+        np.radians(rows.angles), pressure, found, source=rows.source, remarks=tuple(remarks)
     )
 
 
@@ -123,71 +112,39 @@ def _closes_cycle(angles: FloatArray, cycle: float) -> bool:
     return abs(float(angles[-1] - angles[0]) - cycle) <= tolerance
 
 
-def _found_strokes(path: Path, rows: SampleRows, strokes: int | None) -> int:
-    """Return the strokes whose cycle the angles cover."""
-    possible = (4, 2) if strokes is None else (strokes,)
-    span = float(rows.angles[-1] - rows.angles[0])
-    for number in possible:
-        cycle = cycle_degrees(number)
-        if _closes_cycle(rows.angles, cycle) or cycle - WIDEST_GAP * (1.0 + 1e-9) <= span < cycle:
-            return number
-    lengths = " or ".join(f"{cycle_degrees(number):g} deg" for number in possible)
-    raise InputError(
-        f"{path}, line {rows.lines[-1]}: {rows.angle_name}: given angles from {rows.angles[0]:g} "
-        f"to {rows.angles[-1]:g} deg; allowed is one cycle of {lengths}, with or without the "
-        f"closing sample and open by {WIDEST_GAP:g} deg at most, because the pressure repeats with "
-        "the cycle."
-    )
+def _opens_little(angles: FloatArray, cycle: float) -> bool:
+    """Tell whether the angles leave no wide gap to the next cycle."""
+    return 0.0 < cycle - float(angles[-1] - angles[0]) <= WIDEST_GAP * (1.0 + 1e-9)
 
 
-def _check_closing(path: Path, rows: SampleRows, pressure: FloatArray) -> None:
-    first, last = rows.values[0], rows.values[-1]
-    if abs(pressure[-1] - pressure[0]) > CLOSING_TOLERANCE * np.max(np.abs(pressure)):
-        raise InputError(
-            f"{path}, line {rows.lines[-1]}: {rows.value_name}: given {last:g} for the closing "
-            f"sample; allowed is the {first:g} of line {rows.lines[0]}, because the closing sample "
-            "repeats the first one cycle later."
-        )
-
-
-def _check_gaps(path: Path, rows: SampleRows, cycle: float) -> None:
-    index, gap = widest_gap(rows.angles, cycle)
-    # The gap to the next cycle is small already, or the strokes would not have been found.
-    if index > 0 and gap > WIDEST_GAP * (1.0 + 1e-9):
-        wanted = (
-            f"gaps of {WIDEST_GAP:g} deg at most, because a wider one may hide the pressure's rise"
-        )
-        raise wrong_angle(path, rows, index, wanted)
-
-
-def _check_pressure(path: Path, rows: SampleRows, pressure: FloatArray) -> None:
+def _check_pressure(rows: SampleRows, pressure: FloatArray) -> None:
     index = int(np.argmin(pressure))
     if pressure[index] <= 0.0:
-        raise InputError(
-            f"{path}, line {rows.lines[index]}: {rows.value_name}: given {rows.values[index]:g}; "
-            "allowed is what gives an absolute pressure above zero, because no gas has less."
+        raise rows.value_error(
+            index,
+            f"given {rows.values[index]:g}; allowed is what gives an absolute pressure above zero, because "
+            "no gas has less",
         )
     index = int(np.argmax(pressure))
     if not LOWEST_PEAK <= pressure[index] <= HIGHEST_PEAK:
-        raise InputError(
-            f"{path}, line {rows.lines[index]}: {rows.value_name}: given a peak of "
-            f"{rows.values[index]:g}, which is {pressure[index] / 1e6:g} MPa absolute; allowed are "
-            f"{LOWEST_PEAK / 1e6:g} to {HIGHEST_PEAK / 1e6:g} MPa, because any other comes from a "
-            "wrong unit in the header."
+        raise rows.value_error(
+            index,
+            f"given a peak of {rows.values[index]:g}, which is {pressure[index] / 1e6:g} MPa absolute; "
+            f"allowed are {LOWEST_PEAK / 1e6:g} to {HIGHEST_PEAK / 1e6:g} MPa, because any other comes from "
+            "a wrong unit in the header",
         )
 
 
-def _check_peak_angle(path: Path, rows: SampleRows, pressure: FloatArray, cycle: float) -> None:
+def _check_peak_angle(rows: SampleRows, pressure: FloatArray, cycle: float) -> None:
     index = int(np.argmax(pressure))
-    given = float(rows.angles[index])
+    given, half = float(rows.angles[index]), cycle / 2.0
     if _near_top(given, cycle):
         return
-    half = cycle / 2.0
     hint = f"; the table looks shifted by {half:g} deg" if _near_top(given + half, cycle) else ""
-    raise InputError(
-        f"{path}, line {rows.lines[index]}: {rows.angle_name}: given the highest pressure at "
-        f"{given:g} deg; allowed is a peak from {EARLIEST_PEAK:g} to {LATEST_PEAK:g} deg, because "
-        f"angles count from the firing top dead center{hint}."
+    raise rows.angle_error(
+        index,
+        f"given the highest pressure at {given:g} deg; allowed is a peak from {EARLIEST_PEAK:g} to "
+        f"{LATEST_PEAK:g} deg, because angles count from the firing top dead center{hint}",
     )
 
 

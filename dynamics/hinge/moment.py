@@ -1,6 +1,5 @@
 """The moment that a hinge between frame and crank must have for a constant crank speed."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -15,14 +14,12 @@ from crankbase.checks.arrays import (
     read_only,
 )
 from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import format_quantity
 from dynamics.cycle import even_angles
-from dynamics.hinge.crosshead import CrossheadEngine
+from dynamics.hinge.crosshead import CrossheadEngine, GasForce
 from dynamics.hinge.periodic import TURN, antiderivative, periodic_spline, turn_integral
 from dynamics.hinge.reduced_crank import Kinematics, ReducedCrank, reduced_crank
 from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
@@ -32,8 +29,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from pandas import DataFrame
 
-# Force on the piston towards the shaft [N] at crank angles [rad] of shape (m,).
-GasForce = Callable[[FloatArray], FloatArray]
 SAMPLES = 1440
 # Fewer samples do not resolve a rise of pressure by combustion.
 FEWEST_SAMPLES = 72
@@ -110,15 +105,15 @@ class HingeMoment:
         -------
         matplotlib.axes.Axes
         """
-        axes = new_axes(axes)
         curves = {
             "hinge": KILO * self.moment,
             "gas": KILO * self.gas_moment,
             "driven machine": np.full(self.angles.shape, -KILO * self.load),
         }
-        draw_over_angle(axes, self.angles, curves, "moment [kN m]", angle_label=FROM_TOP)
-        write_title(axes, f"Moments at {format_quantity(self.speed, 'rad/s', 5)}")
-        return axes
+        title = f"Moments at {format_quantity(self.speed, 'rad/s', 5)}"
+        return draw_over_angle(
+            axes, self.angles, curves, "moment [kN m]", title=title, angle_label=FROM_TOP
+        )
 
     def to_pandas(self) -> "DataFrame":
         """Return a row for each crank angle: gas force, moments, energy, the engine reduced to its crank.

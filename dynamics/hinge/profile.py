@@ -290,29 +290,30 @@ class HingeProfile:
             If it is none of these.
         """
         check_choice("show", show, ("guide", "moment", "radius"), "these are known over the turn")
-        if show == "guide":
-            axes = new_axes(axes, width=6.0, height=6.0)
-            path = self.radius * np.exp(1j * self.angles)
-            for curve, color, name in (
-                (path, BLUE, "path of the rollers"),
-                (self.guide(), RED, "guide"),
-            ):
-                closed = MILLI * np.append(curve, curve[0])
-                axes.plot(closed.real, closed.imag, color=color, linewidth=1.4, label=name)
-            axes.plot([0.0], [0.0], "+", color=GRAY)
-            axes.set_aspect("equal")
-            axes.set_xlabel("$\\rho\\,\\cos\\,\\varphi$ [mm]")
-            axes.set_ylabel("$\\rho\\,\\sin\\,\\varphi$ [mm]")
-            legend_inside(axes)
-        else:
-            axes = new_axes(axes)
-            curve, label = (
+        title = f"Guides for {format_quantity(self.speed, 'rad/s', 5)}"
+        if show != "guide":
+            values, label = (
                 (KILO * self.moment, "moment on the crank [kN m]")
                 if show == "moment"
                 else (MILLI * self.radius, "radius [mm]")
             )
-            draw_over_angle(axes, self.angles, {show: curve}, label, angle_label=FROM_TOP)
-        write_title(axes, f"Guides for {format_quantity(self.speed, 'rad/s', 5)}")
+            return draw_over_angle(
+                axes, self.angles, {show: values}, label, title=title, angle_label=FROM_TOP
+            )
+        axes = new_axes(axes, width=6.0, height=6.0)
+        path = self.radius * np.exp(1j * self.angles)
+        for curve, color, name in (
+            (path, BLUE, "path of the rollers"),
+            (self.guide(), RED, "guide"),
+        ):
+            closed = MILLI * np.append(curve, curve[0])
+            axes.plot(closed.real, closed.imag, color=color, linewidth=1.4, label=name)
+        axes.plot([0.0], [0.0], "+", color=GRAY)
+        axes.set_aspect("equal")
+        axes.set_xlabel("$\\rho\\,\\cos\\,\\varphi$ [mm]")
+        axes.set_ylabel("$\\rho\\,\\sin\\,\\varphi$ [mm]")
+        legend_inside(axes)
+        write_title(axes, title)
         return axes
 
     def to_pandas(self) -> "DataFrame":

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, finite_vector
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.engine.forces import rod_models
@@ -69,11 +70,9 @@ def reduced_crank(
     along the cylinder. From s = R cos phi + l_1 cos gamma it is plus: with l_1 = L the center of
     mass is at the crosshead, whose velocity stands in the same paper with plus.
     """
-    if kinematics not in KINEMATICS:
-        raise InputError(
-            f"kinematics: given {kinematics!r}; allowed are {', '.join(KINEMATICS)}, because these are "
-            "the ways to describe the mechanism."
-        )
+    check_choice(
+        "kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
+    )
     places = finite_vector("angles", angles)
     if kinematics == "exact":
         return _exact(engine, places)

@@ -12,8 +12,6 @@ from crankbase.checks.arrays import (
     positive_number,
     read_only,
 )
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
@@ -78,11 +76,11 @@ class SteadyHingeTurn:
         -------
         matplotlib.axes.Axes
         """
-        axes = new_axes(axes)
         curves = {"speed": RPM * self.speed}
-        draw_over_angle(axes, self.angles, curves, "crank speed [1/min]", angle_label=FROM_TOP)
-        write_title(axes, f"Speed over a turn, fluctuation {self.fluctuation:.2g}")
-        return axes
+        title = f"Speed over a turn, fluctuation {self.fluctuation:.2g}"
+        return draw_over_angle(
+            axes, self.angles, curves, "crank speed [1/min]", title=title, angle_label=FROM_TOP
+        )
 
     def to_pandas(self) -> "DataFrame":
         """Return crank angles and speeds.
@@ -209,14 +207,14 @@ def simulate_hinge(
         start_speed = float(turn.speed[0])
     _, reduced, moments = moments_on_crank(point, hinge, pressure)
     inertia, moment = periodic_spline(reduced.inertia + flywheel), periodic_spline(moments)
-
-    def inertia_at(angle: float) -> float:
-        return float(inertia(angle))
-
-    def moment_at(_: float, angle: float) -> float:
-        return float(moment(angle))
-
-    return speed_over_angle(inertia_at, moment_at, 0.0, start_speed, turns, samples)
+    return speed_over_angle(
+        lambda angle: float(inertia(angle)),
+        lambda _, angle: float(moment(angle)),
+        0.0,
+        start_speed,
+        turns,
+        samples,
+    )
 
 
 def moments_on_crank(

@@ -1,11 +1,12 @@
 """Connecting rods and the four ways to stand in for their mass."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from crankbase.checks.arrays import finite_array, positive_number
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.mechanism.rod_model_names import ROD_MODELS, RodModelName
@@ -93,11 +94,9 @@ class ConnectingRod:
         InputError
             If there is no model of that name.
         """
-        if name not in ROD_MODELS:
-            raise InputError(
-                f"rod model: given {name!r}; allowed are {', '.join(ROD_MODELS)}, because these are "
-                "the ways to stand in for a rod's mass."
-            )
+        check_choice(
+            "rod model", name, ROD_MODELS, "these are the ways to stand in for a rod's mass"
+        )
         return _MAKERS[name](self)
 
 
@@ -152,13 +151,8 @@ def two_mass(rod: ConnectingRod) -> RodModel:
     are in general not the rod's.
     """
     at_piston = rod.mass * rod.center_distance / rod.length
-    return RodModel(
-        "two-mass",
-        rod.length,
-        (rod.mass - at_piston, at_piston),
-        (0j, complex(rod.length)),
-        0.0,
-    )
+    ends = (0j, complex(rod.length))
+    return RodModel("two-mass", rod.length, (rod.mass - at_piston, at_piston), ends, 0.0)
 
 
 def two_mass_with_inertia(rod: ConnectingRod) -> RodModel:
@@ -168,13 +162,7 @@ def two_mass_with_inertia(rod: ConnectingRod) -> RodModel:
     the center of mass. The lateral static moment is not the rod's.
     """
     plain = two_mass(rod)
-    return RodModel(
-        "two-mass with inertia",
-        rod.length,
-        plain.masses,
-        plain.places,
-        rod.inertia - plain.inertia,
-    )
+    return replace(plain, name="two-mass with inertia", added_inertia=rod.inertia - plain.inertia)
 
 
 def three_mass(rod: ConnectingRod) -> RodModel:
@@ -189,13 +177,9 @@ def three_mass(rod: ConnectingRod) -> RodModel:
     near, far = rod.center_distance, rod.length - rod.center_distance
     share = rod.inertia / (rod.length * (near * far + rod.center_offset**2))
     at_crank, at_piston = share * far, share * near
-    return RodModel(
-        "three-mass",
-        rod.length,
-        (at_crank, at_piston, rod.mass - at_crank - at_piston),
-        (0j, complex(rod.length), rod.center),
-        0.0,
-    )
+    masses = (at_crank, at_piston, rod.mass - at_crank - at_piston)
+    places = (0j, complex(rod.length), rod.center)
+    return RodModel("three-mass", rod.length, masses, places, 0.0)
 
 
 def rigid(rod: ConnectingRod) -> RodModel:

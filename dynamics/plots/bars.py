@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.drawing.diagram_style import COLORS
-from crankbase.drawing.legends import legend_inside
+from crankbase.drawing.diagram_style import COLORS, new_axes
+from crankbase.drawing.legends import legend_inside, write_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,23 +23,32 @@ def bar_width(orders: FloatArray) -> float:
 
 
 def draw_harmonics(
-    axes: "Axes",
+    axes: "Axes | None",
     orders: FloatArray,
     amplitudes: Mapping[str, FloatArray],
     label: str,
-) -> None:
+    *,
+    title: str = "",
+) -> "Axes":
     """Draw amplitudes by order, side by side if there are several of each order.
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
+    axes : matplotlib.axes.Axes or None
+        Those of a new figure if None.
     orders : ndarray of shape (K,)
         Ascending.
     amplitudes : mapping of str to ndarray of shape (K,)
         By name, in the unit of the axis.
     label : str
         Of the upright axis, with its unit.
+    title : str, optional
+
+    Returns
+    -------
+    matplotlib.axes.Axes
     """
+    axes = new_axes(axes)
     width = bar_width(orders)
     each = width / len(amplitudes)
     for place, (name, heights) in enumerate(amplitudes.items()):
@@ -47,5 +56,8 @@ def draw_harmonics(
         axes.bar(orders + shift, heights, width=each, color=COLORS[place % len(COLORS)], label=name)
     axes.set_xlabel(ORDER_LABEL)
     axes.set_ylabel(label)
+    if title:
+        write_title(axes, title)
     if len(amplitudes) > 1:
         legend_inside(axes)
+    return axes

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.drawing.diagram_style import COLORS, GRAY
-from crankbase.drawing.legends import legend_below
+from crankbase.drawing.diagram_style import COLORS, GRAY, new_axes
+from crankbase.drawing.legends import legend_below, write_title
 from dynamics.plots.quantities import KILO
 
 if TYPE_CHECKING:
@@ -36,30 +36,38 @@ class Curve(Protocol):
 
 
 def draw_hodographs(
-    axes: "Axes",
+    axes: "Axes | None",
     curves: Mapping[str, Curve],
     labels: tuple[str, str],
     *,
+    title: str = "",
     banks: Iterable[float] = (),
     empty: str = "balanced",
-) -> None:
+) -> "Axes":
     """Draw hodographs, y up and x to the left, as the free end shows them: the shaft turns clockwise.
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
+    axes : matplotlib.axes.Axes or None
+        Those of a new figure if None.
     curves : mapping of str to Curve
         By name [N or N m]; none leaves the axes empty, with `empty` in the middle.
     labels : tuple of two str
         Of the axes across and up.
+    title : str, optional
     banks : iterable of float, optional
         Angles of the cylinders' axes, drawn as thin lines [rad].
     empty : str, optional
+
+    Returns
+    -------
+    matplotlib.axes.Axes
 
     Notes
     -----
     A dot marks each vector at shaft angle zero, an arrowhead the way that it goes.
     """
+    axes = new_axes(axes, width=4.6, height=5.6)
     reach = MARGIN * KILO * max((curve.major for curve in curves.values()), default=0.0) or 1.0
     if curves:
         for angle in sorted(set(banks)):
@@ -77,6 +85,8 @@ def draw_hodographs(
     axes.set_aspect("equal")
     axes.set_xlabel(labels[0])
     axes.set_ylabel(labels[1])
+    if title:
+        write_title(axes, title)
     if curves:
         short = max(len(name) for name in curves) <= SHORT
         legend_below(axes, min(len(curves), 3 if short else 2))
@@ -84,6 +94,7 @@ def draw_hodographs(
         axes.text(0.5, 0.5, empty, transform=axes.transAxes, ha="center", va="center")
         axes.set_xticks([])
         axes.set_yticks([])
+    return axes
 
 
 def _draw_arrow(axes: "Axes", across: FloatArray, up: FloatArray, color: str) -> None:

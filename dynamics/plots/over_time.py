@@ -18,74 +18,6 @@ if TYPE_CHECKING:
 COLUMNS = 600
 
 
-def draw_band(axes: "Axes", time: FloatArray, values: FloatArray) -> None:
-    """Shade the band between a vibration's extremes over the time [s]."""
-    edges, low, high = _extremes(time, values)
-    axes.fill_between(edges, low, high, color=BLUE, alpha=0.3, linewidth=0.0, label="extremes")
-
-
-def draw_amplitude(axes: "Axes", time: FloatArray, amplitude: FloatArray, turns: int) -> None:
-    """Draw the amplitude in windows of so many turns over the time [s]."""
-    label = f"amplitude over {'each turn' if turns == 1 else f'{turns} turns'}"
-    axes.plot(time, amplitude, color=BLUE, linewidth=1.6, label=label)
-
-
-def draw_steady(
-    axes: "Axes",
-    time: FloatArray,
-    speed: FloatArray,
-    steady: tuple[FloatArray, FloatArray],
-    factor: float,
-) -> None:
-    """Draw steady amplitudes where a run passes their speeds.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-    time, speed : ndarray of shape (m,)
-        Of the run [s, rad/s].
-    steady : (speeds [rad/s], amplitudes)
-        At constant speeds, ascending; see `checked_steady`.
-    factor : float
-        What amplitudes are multiplied by.
-    """
-    axes.plot(
-        time,
-        # Not a number outside of what is known: a gap.
-        factor * np.interp(speed, *steady, left=np.nan, right=np.nan),
-        color=ORANGE,
-        linestyle="--",
-        linewidth=1.3,
-        label="steady amplitude at this speed",
-    )
-
-
-def checked_steady(
-    steady: tuple[ArrayLike, ArrayLike] | None,
-) -> tuple[FloatArray, FloatArray] | None:
-    """Return speeds [rad/s] and the steady amplitudes at them.
-
-    Raises
-    ------
-    InputError
-        If it is no pair, speeds do not ascend, or there is not an amplitude for each.
-    """
-    if steady is None:
-        return None
-    if not isinstance(steady, tuple | list) or len(steady) != 2:
-        raise InputError(
-            f"steady: given {steady!r}; allowed is a pair of speeds and amplitudes, because these are drawn "
-            "over the speeds of the run."
-        )
-    known, amplitude = (finite_array("steady", values) for values in steady)
-    if known.ndim != 1 or known.shape != amplitude.shape or np.any(np.diff(known) <= 0.0):
-        raise InputError(
-            f"steady: given arrays of shapes {known.shape} and {amplitude.shape}; allowed are ascending "
-            "speeds and an amplitude for each, because they are drawn over the speeds of the run."
-        )
-    return known, amplitude
-
-
 class RunCurve(NamedTuple):
     """What one element or node of a run does over the time.
 
@@ -135,14 +67,23 @@ def plot_run(
     Raises
     ------
     InputError
-        As `checked_steady`.
+        If steady is no pair, its speeds do not ascend, or there is not an amplitude for each.
     """
-    known = checked_steady(steady)
+    known = None if steady is None else _checked_steady(steady)
     axes = new_axes(axes)
-    draw_band(axes, time, curve.values)
-    draw_amplitude(axes, curve.envelope_time, curve.amplitude, curve.turns)
+    # The extremes in columns, few enough for a small file.
+    columns = min(COLUMNS, time.size)
+    starts = np.unique(np.linspace(0, time.size, columns, endpoint=False).astype(int))
+    low, high = np.minimum.reduceat(curve.values, starts), np.maximum.reduceat(curve.values, starts)
+    label = "extremes"
+    axes.fill_between(time[starts], low, high, color=BLUE, alpha=0.3, linewidth=0.0, label=label)
+    label = f"amplitude over {'each turn' if curve.turns == 1 else f'{curve.turns} turns'}"
+    axes.plot(curve.envelope_time, curve.amplitude, color=BLUE, linewidth=1.6, label=label)
     if known is not None:
-        draw_steady(axes, time, speed, known, curve.factor)
+        # Not a number outside of what is known: a gap.
+        steadily = curve.factor * np.interp(speed, *known, left=np.nan, right=np.nan)
+        label = "steady amplitude at this speed"
+        axes.plot(time, steadily, color=ORANGE, linestyle="--", linewidth=1.3, label=label)
     axes.set_xlim(time[0], time[-1])
     axes.set_xlabel("time [s]")
     axes.set_ylabel(curve.label)
@@ -160,8 +101,17 @@ def draw_speed(axes: "Axes", time: FloatArray, speed: FloatArray) -> None:
     axes.set_xlim(time[0], time[-1])
 
 
-def _extremes(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return times and the extremes of the values around them, few enough for a small file."""
-    columns = min(COLUMNS, time.size)
-    starts = np.unique(np.linspace(0, time.size, columns, endpoint=False).astype(int))
-    return time[starts], np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
+def _checked_steady(steady: tuple[ArrayLike, ArrayLike]) -> tuple[FloatArray, FloatArray]:
+    """Return ascending speeds [rad/s] and the steady amplitudes at them."""
+    if not isinstance(steady, tuple | list) or len(steady) != 2:
+        raise InputError(
+            f"steady: given {steady!r}; allowed is a pair of speeds and amplitudes, because these are drawn "
+            "over the speeds of the run."
+        )
+    known, amplitude = (finite_array("steady", values) for values in steady)
+    if known.ndim != 1 or known.shape != amplitude.shape or np.any(np.diff(known) <= 0.0):
+        raise InputError(
+            f"steady: given arrays of shapes {known.shape} and {amplitude.shape}; allowed are ascending "
+            "speeds and an amplitude for each, because they are drawn over the speeds of the run."
+        )
+    return known, amplitude

@@ -2,7 +2,7 @@
 
 from typing import Literal, NamedTuple, TypeAlias
 
-from crankbase.errors import InputError
+from crankbase.checks.choices import check_choice
 from crankbase.units.units import UNITS, VIBRATING, factor_of, unit_symbol
 
 # What values in SI are multiplied by to be shown in thousands, thousandths and so on.
@@ -19,11 +19,8 @@ def _labelled(quantity: str, words: str) -> tuple[str, float]:
 
 # Label of the axis, and what a value in SI is multiplied by.
 QUANTITIES: dict[str, tuple[str, float]] = {
-    "twist": _labelled("twist", "amplitude"),
-    "displacement": _labelled("displacement", "amplitude"),
-    "torque": _labelled("torque", "alternating torque"),
-    "force": _labelled("force", "alternating force"),
-    "stress": _labelled("stress", "alternating stress"),
+    **{name: _labelled(name, "amplitude") for name in ("twist", "displacement")},
+    **{name: _labelled(name, f"alternating {name}") for name in ("torque", "force", "stress")},
 }
 SI_UNITS: dict[str, str] = {quantity: UNITS[unit][0] for quantity, unit in VIBRATING.items()}
 
@@ -72,11 +69,7 @@ def quantity_display(
     """
     if quantity is None:
         return QuantityDisplay(f"{words} [{either}]", 1.0, either)
-    if not isinstance(quantity, str) or quantity not in QUANTITIES:
-        raise InputError(
-            f"quantity: given {quantity!r}; allowed are {', '.join(QUANTITIES)}, because the axis has "
-            "the unit of one of them."
-        )
+    check_choice("quantity", quantity, QUANTITIES, "the axis has the unit of one of them")
     return QuantityDisplay(*QUANTITIES[quantity], SI_UNITS[quantity])
 
 

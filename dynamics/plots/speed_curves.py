@@ -16,8 +16,8 @@ from crankbase.drawing.curves import (
     draw_curves,
     draw_lines,
 )
-from crankbase.drawing.diagram_style import COLORS, with_gaps
-from crankbase.drawing.legends import legend_below, legend_inside
+from crankbase.drawing.diagram_style import COLORS, new_axes, with_gaps
+from crankbase.drawing.legends import legend_below, legend_inside, write_title
 from crankbase.units.units import RPM
 from dynamics.plots.quantities import SPEED_LABEL, QuantityDisplay
 
@@ -169,27 +169,35 @@ def draw_over_speed(axes: "Axes", curves: Curves) -> None:
 
 
 def draw_named_curves(
-    axes: "Axes",
+    axes: "Axes | None",
     speeds: FloatArray,
     curves: Mapping[str, FloatArray],
     label: str,
     *,
+    title: str = "",
     dashed: bool = False,
-) -> None:
+) -> "Axes":
     """Draw curves over the speed; what is not finite leaves a gap.
 
     Parameters
     ----------
-    axes : matplotlib.axes.Axes
+    axes : matplotlib.axes.Axes or None
+        Those of a new figure if None.
     speeds : ndarray of shape (S,)
         [rad/s]
     curves : mapping of str to ndarray of shape (S,)
         In the unit of the axis, none below zero.
     label : str
         Of the upright axis, with its unit.
+    title : str, optional
     dashed : bool, optional
         Whether all but the first are.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
     """
+    axes = new_axes(axes, height=3.8)
     for place, (name, values) in enumerate(curves.items()):
         axes.plot(
             speeds * RPM,
@@ -202,7 +210,10 @@ def draw_named_curves(
     set_speed_axis(axes, speeds)
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel(label)
+    if title:
+        write_title(axes, title)
     legend_inside(axes)
+    return axes
 
 
 def set_speed_axis(axes: "Axes", speeds: FloatArray) -> None:

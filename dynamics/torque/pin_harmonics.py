@@ -8,8 +8,6 @@ from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number
 from crankbase.checks.choices import check_choice
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.engine.forces import MechanismForces, mechanism_forces
@@ -96,11 +94,9 @@ class PinForceHarmonics:
         }
         if highest_order is not None:
             found = {name: own.up_to(highest_order) for name, own in found.items()}
-        axes = new_axes(axes)
         bars = {name: KILO * own.amplitude for name, own in found.items()}
-        draw_harmonics(axes, found["both"].orders, bars, "amplitude [kN]")
-        write_title(axes, f"Harmonics of the {show} force, cylinder {self.number}")
-        return axes
+        title = f"Harmonics of the {show} force, cylinder {self.number}"
+        return draw_harmonics(axes, found["both"].orders, bars, "amplitude [kN]", title=title)
 
     def to_pandas(self) -> "DataFrame":
         """Return one row for each order: amplitude and phase of T and Z by cause.

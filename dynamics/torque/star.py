@@ -23,6 +23,7 @@ from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
 from dynamics.cycle import checked_strokes, order_step
+from dynamics.engine.forces import spread_array
 from dynamics.engine.layout import EngineLayout
 from dynamics.plots.stars import draw_star, finish_stars
 
@@ -178,9 +179,16 @@ def star_diagram(
     firing, known = _firing_and_strokes(engine, strokes)
     asked = _requested_orders(orders, known)
     shape = (asked.size, firing.size)
-    lengths = _fitted("amplitudes", 1.0 if amplitudes is None else amplitudes, shape)
-    lengths = lengths * _fitted("mode_shape", 1.0 if mode_shape is None else mode_shape, shape)
-    turns = _fitted("phases", 0.0 if phases is None else phases, shape)
+    reason = "each order's vector of each cylinder takes its own"
+    lengths, shares, turns = (
+        spread_array(field, otherwise if given is None else given, shape, reason)
+        for field, given, otherwise in (
+            ("amplitudes", amplitudes, 1.0),
+            ("mode_shape", mode_shape, 1.0),
+            ("phases", phases, 0.0),
+        )
+    )
+    lengths = lengths * shares
     directions = np.outer(asked, firing) - turns
     return tuple(
         Star(
@@ -284,15 +292,3 @@ def _turned(angle: float) -> float:
     turn = 2.0 * math.pi
     folded = angle % turn
     return 0.0 if min(folded, turn - folded) < 1e-12 * max(1.0, abs(angle)) else folded
-
-
-def _fitted(field: str, given: ArrayLike | float, shape: tuple[int, int]) -> FloatArray:
-    values = finite_array(field, given)
-    try:
-        return np.array(np.broadcast_to(values, shape))
-    except ValueError:
-        raise InputError(
-            f"{field}: given an array of shape {values.shape}; allowed is one for each of "
-            f"{shape[1]} cylinders, or for each of {shape[0]} orders and each cylinder, because each "
-            "vector takes its own."
-        ) from None

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number, read_only
 from crankbase.checks.scalars import whole_within
-from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE, new_axes
-from crankbase.drawing.legends import legend_above, write_title
+from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE
+from crankbase.drawing.legends import legend_above
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.engine.forces import mechanism_forces
@@ -22,6 +22,7 @@ from dynamics.gas.indicated import indicated_work
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics, harmonics
 from dynamics.mechanism.rod_model_names import RodModelName
+from dynamics.plots.angle_curves import draw_over_angle
 from dynamics.plots.coordinates import angle_axis, number_axis
 from dynamics.plots.quantities import KILO
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
@@ -159,27 +160,21 @@ class EngineTorque:
         InputError
             If there is no such throw.
         """
-        place = None if throw is None else self._checked_throw(throw)
-        axes = new_axes(axes)
-        angles = np.rad2deg(self.shaft_angles)
-        if place is None:
-            axes.plot(angles, KILO * self.total, color=BLUE, label="engine")
-            axes.axhline(
-                KILO * self.mean, color=ORANGE, linestyle="--", linewidth=1.2, label="mean"
-            )
-            write_title(axes, "Torque of the engine")
+        colors: tuple[str, ...] = (BLUE, ORANGE)
+        if throw is None:
+            title = "Torque of the engine"
+            mean = np.full(self.total.shape, self.mean)
+            curves = {"engine": self.total, "mean": mean}
         else:
-            own = [number - 1 for number in self.throws[place]]
-            parts = (("gas", self.gas), ("inertia", self.inertia), ("both", self.per_cylinder))
+            title = f"Torque of throw {throw}"
+            own = [number - 1 for number in self.throws[self._checked_throw(throw)]]
+            parts = {"gas": self.gas, "inertia": self.inertia, "both": self.per_cylinder}
+            curves = {name: values[own].sum(axis=0) for name, values in parts.items()}
             colors = (COLORS[1], COLORS[2], COLORS[0])
-            for (label, values), color in zip(parts, colors, strict=True):
-                drawn = KILO * values[own].sum(axis=0)
-                axes.plot(angles, drawn, color=color, label=label, linewidth=1.3)
-            write_title(axes, f"Torque of throw {throw}")
-        axes.set_ylabel("torque [kN m]")
-        axes.set_xlabel("shaft angle [deg]")
-        axes.set_xticks(np.arange(0, 180 * self.engine.strokes + 1, 90))
-        axes.set_xlim(0.0, 180.0 * self.engine.strokes)
+        shown = {name: KILO * values for name, values in curves.items()}
+        axes = draw_over_angle(
+            axes, self.shaft_angles, shown, "torque [kN m]", title=title, colors=colors
+        )
         # Above the curves, which fill the axes.
         legend_above(axes)
         return axes

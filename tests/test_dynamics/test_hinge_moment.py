@@ -15,8 +15,7 @@ from comparing import close
 from crankbase.errors import InputError
 from dynamics.cycle import even_angles
 from dynamics.engine.forces import mechanism_forces
-from dynamics.hinge.crosshead import CrossheadEngine
-from dynamics.hinge.gas_force import piston_gas_force, two_stroke_cycle
+from dynamics.hinge.crosshead import CrossheadEngine, piston_gas_force, two_stroke_cycle
 from dynamics.hinge.moment import hinge_moment
 from dynamics.hinge.reduced_crank import KINEMATICS, reduced_crank
 from dynamics.mechanism.rods import ConnectingRod

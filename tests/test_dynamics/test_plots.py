@@ -6,7 +6,7 @@ round-off, 1e-12 of the largest.
 
 import dataclasses
 import math
-from functools import cache
+from functools import cache, partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -31,6 +31,7 @@ from dynamics.chains.dampers import ViscousDamper
 from dynamics.crankshaft.chain_comparison import ChainVerdict, ModeMatch, ResponseMatch
 from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.crankshaft.shaft_modes import ShaftModes
+from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.critical import critical_speeds
 from dynamics.engine.cylinder import EngineCylinder
 from dynamics.engine.forces import mechanism_forces
@@ -179,7 +180,8 @@ def coupled():
     """Of a chain in place of a shaft: its nodes are the points."""
     one = response()
     names = ("section 0 uz", "damper ring")
-    shaft = SimpleNamespace(names=names, point=names.index, system=one.system)
+    shaft = SimpleNamespace(names=names, system=one.system)
+    shaft.point = partial(CrankshaftSystem.point, shaft)
     return CoupledResponse(shaft, one, one)
 
 
@@ -422,14 +424,14 @@ CASES = {
         {},
         2,
         0,
-        lambda o: {"engine": (np.degrees(o.shaft_angles), 1e-3 * o.total)},
+        lambda o: {"engine": over_cycle(o.shaft_angles, 1e-3 * o.total)},
     ),
     "EngineTorque, throw": (
         torque,
         {"throw": 2},
         3,
         0,
-        lambda o: {"both": (np.degrees(o.shaft_angles), 1e-3 * o.per_throw[1])},
+        lambda o: {"both": over_cycle(o.shaft_angles, 1e-3 * o.per_throw[1])},
     ),
     "Star": (lambda: Star(1.0, np.array([0.0, 2.0]), np.ones(2)), {}, 1, 0, None),
     "MechanismForces": (

@@ -77,7 +77,7 @@ def test_byte_order_mark_and_windows_lines_are_accepted(tmp_path):
         (CYCLE + "0,1\n240,2\n480,3\n", "line 4: .*allowed is one cycle of 360 deg,"),
         (
             CYCLE + "0,1\n120,2\n240,3\n360,1.1\n",
-            "line 5: torque_Nm: given 1.1 N m for the closing",
+            "line 5: torque_Nm: given 1.1 for the closing",
         ),
     ],
 )

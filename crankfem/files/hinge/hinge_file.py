@@ -21,8 +21,7 @@ from crankfem.files.hinge.hinge_sections import (
 )
 from crankfem.files.reading.data_files import hinge_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
-from dynamics.hinge.crosshead import CrossheadEngine
-from dynamics.hinge.gas_force import piston_gas_force, two_stroke_cycle
+from dynamics.hinge.crosshead import CrossheadEngine, piston_gas_force, two_stroke_cycle
 from dynamics.hinge.moment import HingeMoment, hinge_moment
 from dynamics.hinge.profile import HingeProfile, hinge_profile
 from dynamics.hinge.reduced_crank import Kinematics
