@@ -1,7 +1,6 @@
 """Harmonic analysis of a torque or force that repeats every working cycle."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,14 +13,11 @@ from crankbase.checks.arrays import (
     read_only,
 )
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import check_even_cycle, cycle_degrees, order_step
 from dynamics.plots.bars import draw_harmonics
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 # A harmonic below this share of the largest sample is round-off and has no phase.
 ROUND_OFF_SHARE = 1e-13
@@ -156,11 +152,11 @@ class Harmonics:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         unit: str = "unit of the samples",
         highest_order: float | None = None,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the amplitudes by order as bars.
 
         Parameters
@@ -185,7 +181,7 @@ class Harmonics:
         bars = {"amplitude": shown.amplitude}
         return draw_harmonics(axes, shown.orders, bars, f"amplitude [{unit}]", title="Harmonics")
 
-    def to_pandas(self, unit: str = "unit of the samples") -> "DataFrame":
+    def to_pandas(self, unit: str = "unit of the samples") -> DataFrame:
         """Return one row for each order: amplitude, phase, cosine and sine part.
 
         Parameters

@@ -2,23 +2,19 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, read_only
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import covers_cycle, cycle_degrees, first_uneven, has_closing_sample
 from dynamics.harmonics import Harmonics, harmonics
 from dynamics.plots.sampled_torque import draw_samples
 from dynamics.sample_table import TableKind, possible_cycles, read_sample_rows
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 CYCLE_ANGLE = "cycle_angle_deg"
 CRANK_ANGLE = "crank_angle_deg"
@@ -61,7 +57,7 @@ class TorqueTable:
         """Return the harmonics of the torque [N m]."""
         return harmonics(self.torque, self.strokes, angles_deg=self.crank_angle_deg)
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the samples, and the sum of their harmonics between them.
 
         Parameters
@@ -78,7 +74,7 @@ class TorqueTable:
         write_title(axes, "Torque of one throw")
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return crank angles and torques, a row for each sample.
 
         Returns

@@ -4,7 +4,7 @@ import cmath
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from crankbase.checks.arrays import (
 )
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.balance.hodograph import Hodograph, hodograph_sum
@@ -30,10 +31,6 @@ from dynamics.engine.layout import EngineLayout, check_distinct_positions
 from dynamics.engine.motions import cylinder_motion
 from dynamics.engine.orders import checked_orders
 from dynamics.plots.hodographs import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 BalanceModel = Literal["rigid", "two-mass"]
 # Forces below this share of the sum of all masses times R w^2 are round-off.
@@ -155,9 +152,7 @@ class Balance:
             "because these were asked for."
         )
 
-    def plot(
-        self, axes: "Axes | None" = None, *, show: Literal["force", "moment"] = "force"
-    ) -> "Axes":
+    def plot(self, axes: Axes | None = None, *, show: Literal["force", "moment"] = "force") -> Axes:
         """Draw the forces or moments that are left over, a curve for each order not balanced.
 
         Parameters
@@ -187,7 +182,7 @@ class Balance:
         title = f"moment of inertia forces about z = {self.about:.4g} m"
         return draw_hodographs(axes, curves, MOMENT_LABELS, title=title, empty=empty)
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return one row for each order: semi-axes, direction and amplitudes of force and moment.
 
         Returns

@@ -3,10 +3,10 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from crankbase.checks.arrays import positive_number
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.balance.hodograph import Hodograph, hodograph_sum
@@ -14,10 +14,6 @@ from dynamics.balance.moving_masses import moving_masses, reciprocating_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.orders import checked_cylinder, checked_orders
 from dynamics.plots.hodographs import FORCE_LABELS, draw_hodographs
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 
 @dataclass(frozen=True)
@@ -86,7 +82,7 @@ class HingedRodEffects:
             "hinged rods": self.hinged,
         }
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the four forces as the free end shows them: y up, x to the left.
 
         Parameters
@@ -100,7 +96,7 @@ class HingedRodEffects:
         """
         return draw_hodographs(axes, self.curves, FORCE_LABELS, title=f"order {self.order}")
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return one row for each of the four forces: semi-axes and amplitudes.
 
         Returns

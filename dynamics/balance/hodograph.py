@@ -4,7 +4,7 @@ import cmath
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,14 +13,11 @@ from crankbase.checks.arrays import ComplexArray, FloatArray, complex_array, fin
 from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.engine.orders import checked_orders
 from dynamics.plots.hodographs import FORCE_LABELS, MOMENT_LABELS, draw_hodographs
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 # An ellipse whose axes differ by less than this share is a circle; one so flat is a line.
 ROUND_OFF = 1e-12
@@ -154,8 +151,8 @@ class Hodograph:
         return Hodograph(self.order, self.forward * factor, self.backward * factor)
 
     def plot(
-        self, axes: "Axes | None" = None, *, quantity: Literal["force", "moment"] = "force"
-    ) -> "Axes":
+        self, axes: Axes | None = None, *, quantity: Literal["force", "moment"] = "force"
+    ) -> Axes:
         """Draw the curve of the vector as the free end shows it: y up, x to the left.
 
         Parameters
@@ -180,7 +177,7 @@ class Hodograph:
         name = f"order {self.order}"
         return draw_hodographs(axes, {name: self}, labels, title=f"{quantity} of {name}")
 
-    def to_pandas(self, unit: str = "N", count: int = 181) -> "DataFrame":
+    def to_pandas(self, unit: str = "N", count: int = 181) -> DataFrame:
         """Return the vector at so many even shaft angles over one turn, both ends included.
 
         Parameters

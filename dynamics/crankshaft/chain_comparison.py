@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table, table_of
 from dynamics.chains.engine_chains import EngineChain, Kind
@@ -19,10 +19,6 @@ from dynamics.plots.quantities import in_unit
 from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.synthesis import synthesis
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 # A chain suffices where its frequencies, the purity of the modes and the free end's amplitude are within
 # these. 3 % of frequency is what compliances from finite elements are worth; a share of 95 % leaves at
@@ -126,7 +122,7 @@ class ResponseMatch:
             return 0.0 if chain == shaft else np.inf
         return chain / shaft - 1.0 if shaft > 0.0 else (0.0 if chain == 0.0 else np.inf)
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude of the free end by the chain and by the whole shaft over the speed.
 
         Parameters
@@ -144,7 +140,7 @@ class ResponseMatch:
         title = f"{self.kind} vibration of the free end, all orders together"
         return draw_named_curves(axes, self.speeds, curves, drawn.label, title=title, dashed=True)
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return a row for each speed: amplitude by the chain and by the shaft.
 
         Returns
@@ -189,7 +185,7 @@ class ChainVerdict:
     modes: tuple[ModeMatch, ...]
     response: ResponseMatch | None
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return a row for each mode that was compared; amplitudes are in ``response``.
 
         Returns

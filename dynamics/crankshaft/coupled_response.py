@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +11,7 @@ from crankbase.drawing.curves import Curves, Series, draw_curves
 from crankbase.drawing.diagram_style import BLUE, ORANGE, RED, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
@@ -22,10 +22,6 @@ from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.linear_system import DEFAULT_MAGNIFIER
 from dynamics.response.synthesis import synthesis
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 
 @summarized("orders", "speeds [rad/s]")
@@ -95,7 +91,7 @@ class CoupledResponse:
             found[f"{name}_sum"] = summed.amplitude
         return SplitMotion(point=point, orders=self.orders, speeds=self.speeds, **found)
 
-    def plot(self, axes: "Axes | None" = None, point: str = "section 0 uz") -> "Axes":
+    def plot(self, axes: Axes | None = None, point: str = "section 0 uz") -> Axes:
         """Draw the amplitude of a point over the speed by tangential forces, by radial ones, by all.
 
         Parameters
@@ -116,7 +112,7 @@ class CoupledResponse:
         """
         return self.split(point).plot(axes)
 
-    def to_xarray(self) -> "Dataset":
+    def to_xarray(self) -> Dataset:
         """Return complex motions of all points by tangential and by radial forces.
 
         Returns
@@ -183,7 +179,7 @@ class SplitMotion:
     orders: FloatArray
     speeds: FloatArray
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude of all orders together over the speed, by tangential, radial, all forces.
 
         Parameters
@@ -206,7 +202,7 @@ class SplitMotion:
         legend_inside(axes)
         return axes
 
-    def to_xarray(self) -> "Dataset":
+    def to_xarray(self) -> Dataset:
         """Return the amplitudes by order and speed, and of all orders together.
 
         Returns

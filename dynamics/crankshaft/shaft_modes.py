@@ -1,7 +1,6 @@
 """Natural modes of a whole crankshaft, told apart by their axial, torsional and bending shares."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +9,7 @@ from crankbase.checks.scalars import whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
 from dynamics.crankshaft.assembly import AssembledShaft
@@ -17,11 +17,6 @@ from dynamics.crankshaft.stations import CLASSES
 from dynamics.plots.coordinates import name_axis
 from dynamics.plots.mode_shapes import draw_shaft_shape
 from dynamics.response.linear_system import natural_modes
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
-    from xarray import Dataset
 
 # A mode is called pure above this share of one class.
 PURE = 0.95
@@ -92,11 +87,11 @@ class ShaftModes:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         mode: int | None = None,
         radius: float | None = None,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the shape of one mode along the shaft.
 
         Parameters
@@ -134,7 +129,7 @@ class ShaftModes:
         legend_inside(axes)
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return one row for each mode: name, frequency, and shares of its energy.
 
         Returns
@@ -156,7 +151,7 @@ class ShaftModes:
             }
         )
 
-    def to_xarray(self) -> "Dataset":
+    def to_xarray(self) -> Dataset:
         """Return frequencies, energy shares and the motions of all stations.
 
         Returns

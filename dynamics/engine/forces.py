@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +15,7 @@ from crankbase.checks.arrays import (
 )
 from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.engine.cylinder import EngineCylinder
@@ -26,10 +26,6 @@ from dynamics.mechanism.rods import RodModel
 from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.coordinates import angle_axis, number_axis
 from dynamics.plots.quantities import KILO
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 
 @summarized("speed [rad/s]", "model", "gas [N]", "torque [N m]")
@@ -97,7 +93,7 @@ class MechanismForces:
         """R T, of each cylinder on the shaft, positive when it drives (n, m) [N m]."""
         return self.engine.crank_radius * self.tangential
 
-    def plot(self, axes: "Axes | None" = None, cylinder: int = 1) -> "Axes":
+    def plot(self, axes: Axes | None = None, cylinder: int = 1) -> Axes:
         """Draw gas force, tangential force and side force of a cylinder over its cycle.
 
         Parameters
@@ -134,7 +130,7 @@ class MechanismForces:
             cyclic=False,
         )
 
-    def to_xarray(self) -> "Dataset":
+    def to_xarray(self) -> Dataset:
         """Return all forces over cylinder and shaft angle, with the speed.
 
         Returns

@@ -1,7 +1,6 @@
 """Load diagrams of crankpins and main bearings over one working cycle."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +14,7 @@ from crankbase.checks.arrays import (
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import check_even_cycle, cycle_degrees, has_closing_sample
@@ -22,10 +22,6 @@ from dynamics.engine.forces import MechanismForces, pin_groups, summed
 from dynamics.engine.layout import check_distinct_positions
 from dynamics.plots.load_diagrams import Frame, check_polar, draw_developed_loads, draw_polar_loads
 from dynamics.plots.quantities import KILO
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 FEWEST_ANGLES = 3
 
@@ -110,11 +106,11 @@ class LoadDiagram:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         frame: Frame | None = None,
         mark_step_deg: float = 30.0,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the polar load diagram in a frame, or the size of the force over the shaft angle.
 
         Parameters
@@ -151,7 +147,7 @@ class LoadDiagram:
         write_title(axes, self.name)
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return the force in both frames, a row for each shaft angle.
 
         Returns

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from crankbase.checks.scalars import is_number, whole_number
 from crankbase.drawing.diagram_style import BLUE, new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import even_angles
@@ -30,10 +31,6 @@ from dynamics.gas.heat_targets import (
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.gas.sampled_cycle import cycle_samples, motored_pressure
 from dynamics.plots.quantities import MEGA
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 SAMPLES_PER_TURN = 1440
 FEWEST_PER_TURN = 360
@@ -86,10 +83,10 @@ class GasCycleResult:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         show: Literal["indicator diagram", "pressure"] = "indicator diagram",
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the indicator diagram, or the pressure over the crank angle.
 
         Parameters
@@ -127,7 +124,7 @@ class GasCycleResult:
         write_title(axes, f"Indicator diagram, mean {MEGA * self.mean_effective_pressure:.4g} MPa")
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return crank angle, volume and pressure, a row for each sample.
 
         Returns

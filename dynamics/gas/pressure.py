@@ -16,6 +16,7 @@ from crankbase.checks.arrays import (
     read_only,
 )
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import checked_strokes, cycle_degrees, first_not_increasing, is_even_cycle
@@ -23,8 +24,6 @@ from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.quantities import MEGA
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
     from scipy.interpolate import PchipInterpolator
 
 # [Pa] The standard atmosphere.
@@ -153,7 +152,7 @@ class GasPressure:
     def _curve(self) -> "PchipInterpolator":
         return _periodic_curve(self.angles, self.pressure, self.cycle)
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the pressure over the crank angle from the firing top dead center.
 
         Parameters
@@ -176,7 +175,7 @@ class GasPressure:
         axes.set_ylim(bottom=0.0)
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return crank angles from the firing top and pressures, a row for each sample.
 
         Returns

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +14,7 @@ from crankbase.checks.arrays import (
 )
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import format_quantity
@@ -24,10 +24,6 @@ from dynamics.hinge.periodic import TURN, antiderivative, periodic_spline, turn_
 from dynamics.hinge.reduced_crank import Kinematics, ReducedCrank, reduced_crank
 from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
 from dynamics.plots.quantities import KILO
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 SAMPLES = 1440
 # Fewer samples do not resolve a rise of pressure by combustion.
@@ -93,7 +89,7 @@ class HingeMoment:
         gas = self.gas_force(angles) * reduced.travel_rate
         return reduced, gas + reduced.weight_moment - self.load
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the moments of hinge, gas and driven machine over the crank angle.
 
         Parameters
@@ -115,7 +111,7 @@ class HingeMoment:
             axes, self.angles, curves, "moment [kN m]", title=title, angle_label=FROM_TOP
         )
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return a row for each crank angle: gas force, moments, energy, the engine reduced to its crank.
 
         Returns

@@ -17,6 +17,7 @@ from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table
 from crankbase.units.quantity import format_quantity
@@ -34,8 +35,6 @@ from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
 from dynamics.plots.quantities import KILO, MILLI
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
     from scipy.interpolate import CubicSpline
 
 # [rad] Steeper guides press a sliding follower hard to the side; 30 deg is the usual limit of cams.
@@ -270,8 +269,8 @@ class HingeProfile:
         return tuple(found)
 
     def plot(
-        self, axes: "Axes | None" = None, *, show: Literal["guide", "moment", "radius"] = "guide"
-    ) -> "Axes":
+        self, axes: Axes | None = None, *, show: Literal["guide", "moment", "radius"] = "guide"
+    ) -> Axes:
         """Draw the guide and the path of the rollers, or moment or radius over the crank angle.
 
         Parameters
@@ -316,7 +315,7 @@ class HingeProfile:
         write_title(axes, title)
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return a row for each crank angle: radius, spring, forces, moment.
 
         Returns

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from crankbase.checks.arrays import (
     read_only,
 )
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.quantity import format_quantity
@@ -25,10 +25,6 @@ from dynamics.hinge.reduced_crank import ReducedCrank
 from dynamics.plots.angle_curves import FROM_TOP, draw_over_angle
 from dynamics.turning.speed_over_angle import SpeedOverAngle, speed_over_angle
 from dynamics.turning.steady_energy import energy_for_mean_speed, mean_speed, slowest_mean_speed
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 # Angles over a turn of the energy equation, twice those of a hinge moment by default.
 STEPS = 2880
@@ -64,7 +60,7 @@ class SteadyHingeTurn:
         """Coefficient of speed fluctuation, (highest - lowest) / mean."""
         return float((self.speed.max() - self.speed.min()) / self.mean_speed)
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the speed over the crank angle.
 
         Parameters
@@ -82,7 +78,7 @@ class SteadyHingeTurn:
             axes, self.angles, curves, "crank speed [1/min]", title=title, angle_label=FROM_TOP
         )
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return crank angles and speeds.
 
         Returns

@@ -1,16 +1,14 @@
 """Curves over an angle or over the time."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import COLORS, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from crankbase.library_types import Axes
 
 # Ticks stand this far apart over a turn, over a cycle of two, and over longer spans [deg].
 TICKS = ((360.0, 60.0), (720.0, 90.0))
@@ -22,7 +20,7 @@ FROM_FIRING = "crank angle from the firing top [deg]"
 
 
 def draw_over_angle(
-    axes: "Axes | None",
+    axes: Axes | None,
     angles: FloatArray,
     curves: Mapping[str, FloatArray],
     label: str,
@@ -31,7 +29,7 @@ def draw_over_angle(
     angle_label: str = "shaft angle [deg]",
     cyclic: bool = True,
     colors: Sequence[Any] = COLORS,
-) -> "Axes":
+) -> Axes:
     """Draw curves over an angle; what is not finite leaves a gap.
 
     Parameters
@@ -71,13 +69,13 @@ def draw_over_angle(
 
 
 def draw_over_time(
-    axes: "Axes | None",
+    axes: Axes | None,
     time: FloatArray,
     curves: Mapping[str, FloatArray],
     label: str,
     *,
     title: str = "",
-) -> "Axes":
+) -> Axes:
     """Draw curves over the time [s]; what is not finite leaves a gap. See `draw_over_angle`."""
     axes = new_axes(axes)
     _draw_curves(axes, time, curves, label, title, COLORS)
@@ -88,7 +86,7 @@ def draw_over_time(
 
 
 def _draw_curves(
-    axes: "Axes",
+    axes: Axes,
     along: FloatArray,
     curves: Mapping[str, FloatArray],
     label: str,

@@ -1,16 +1,13 @@
 """Bars over the orders: amplitudes of harmonics."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import COLORS, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from crankbase.library_types import Axes
 
 ORDER_LABEL = "harmonic order [cycles per revolution]"
 # Share of the distance of two orders that their bars take.
@@ -23,13 +20,13 @@ def bar_width(orders: FloatArray) -> float:
 
 
 def draw_harmonics(
-    axes: "Axes | None",
+    axes: Axes | None,
     orders: FloatArray,
     amplitudes: Mapping[str, FloatArray],
     label: str,
     *,
     title: str = "",
-) -> "Axes":
+) -> Axes:
     """Draw amplitudes by order, side by side if there are several of each order.
 
     Parameters

@@ -1,18 +1,16 @@
 """The Campbell diagram: natural frequencies and order lines over the speed, and where they meet."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import COLORS, GRAY
+from crankbase.library_types import Axes
 from crankbase.units.units import RPM
 from dynamics.plots.quantities import SPEED_LABEL
 from dynamics.plots.stars import KIND_COLORS
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 RUNNING = "#eef3f8"
 # Least and further size of a resonance's dot [points], the latter at severity 1.
@@ -103,7 +101,7 @@ def mode_text(place: int, frequency: float) -> str:
 
 
 def draw_campbell(
-    axes: "Axes",
+    axes: Axes,
     natural: FloatArray,
     orders: FloatArray,
     speed_range: tuple[float, float],
@@ -166,7 +164,7 @@ def draw_campbell(
         )
 
 
-def _order_line(axes: "Axes", order: float, frame: CampbellFrame) -> None:
+def _order_line(axes: Axes, order: float, frame: CampbellFrame) -> None:
     """Draw one order's line, its number where it leaves the diagram; whole orders are told."""
     axes.plot(
         frame.ends,

@@ -2,17 +2,15 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import COLORS, GRAY, new_axes
 from crankbase.drawing.legends import legend_below, write_title
+from crankbase.library_types import Axes
 from dynamics.plots.quantities import KILO
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 DASHES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1.2)), (0, (6, 2, 1, 2, 1, 2)))
 AXIS_LINE: Any = (0, (8, 3, 1, 3))
@@ -36,14 +34,14 @@ class Curve(Protocol):
 
 
 def draw_hodographs(
-    axes: "Axes | None",
+    axes: Axes | None,
     curves: Mapping[str, Curve],
     labels: tuple[str, str],
     *,
     title: str = "",
     banks: Iterable[float] = (),
     empty: str = "balanced",
-) -> "Axes":
+) -> Axes:
     """Draw hodographs, y up and x to the left, as the free end shows them: the shaft turns clockwise.
 
     Parameters
@@ -97,7 +95,7 @@ def draw_hodographs(
     return axes
 
 
-def _draw_arrow(axes: "Axes", across: FloatArray, up: FloatArray, color: str) -> None:
+def _draw_arrow(axes: Axes, across: FloatArray, up: FloatArray, color: str) -> None:
     """Draw an arrowhead an eighth of the way along the curve, unless it is a point."""
     place = POINTS // 8
     tail, head = (across[place], up[place]), (across[place + 3], up[place + 3])

@@ -1,7 +1,7 @@
 """Load diagrams of a bearing: the locus of its force vector, and the size over the shaft angle."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +11,8 @@ from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import COLORS, GRAY
 from crankbase.drawing.legends import legend_inside
 from crankbase.errors import InputError
+from crankbase.library_types import Axes
 from dynamics.plots.quantities import KILO
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 # Labels of angles keep this share of the diagram's width from each other.
 LABEL_ROOM = 0.075
@@ -75,7 +73,7 @@ def check_polar(frame: str, mark_step_deg: float) -> None:
 
 
 def draw_polar_loads(
-    axes: "Axes", loads: Sequence[tuple[str, Load]], frame: Frame, mark_step_deg: float
+    axes: Axes, loads: Sequence[tuple[str, Load]], frame: Frame, mark_step_deg: float
 ) -> None:
     """Draw the locus of a bearing's force vector, one curve for each load.
 
@@ -108,7 +106,7 @@ def draw_polar_loads(
         legend_inside(axes)
 
 
-def draw_developed_loads(axes: "Axes", loads: Sequence[tuple[str, Load]]) -> None:
+def draw_developed_loads(axes: Axes, loads: Sequence[tuple[str, Load]]) -> None:
     """Draw the size of a bearing's force over the shaft angle, with mean and maximum.
 
     Parameters
@@ -156,7 +154,7 @@ def square_round(
     return (middle[0] - half, middle[1] - half), (middle[0] + half, middle[1] + half)
 
 
-def _outline(axes: "Axes", frame: Frame, radius: float) -> None:
+def _outline(axes: Axes, frame: Frame, radius: float) -> None:
     """Draw the journal round the origin, and the crank below it in its own frame."""
     from matplotlib.patches import Circle, Rectangle
 
@@ -171,7 +169,7 @@ def _outline(axes: "Axes", frame: Frame, radius: float) -> None:
 
 
 def _marks(
-    axes: "Axes", angles: FloatArray, curve: NDArray[np.complex128], step: float, room: float
+    axes: Axes, angles: FloatArray, curve: NDArray[np.complex128], step: float, room: float
 ) -> None:
     """Put dots at whole steps of shaft angle, between samples by interpolation."""
     degrees = np.degrees(angles)
@@ -197,7 +195,7 @@ def _marks(
             )
 
 
-def _name_axes(axes: "Axes", frame: Frame) -> None:
+def _name_axes(axes: Axes, frame: Frame) -> None:
     if frame == "crank":
         axes.set_xlabel("tangential force T [kN] (with the rotation: right)")
         axes.set_ylabel("outward force -Z [kN] (towards the shaft: down)")

@@ -1,24 +1,21 @@
 """Mode shapes of a chain over its nodes, and of a whole shaft along it."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import BLUE, COLORS, GRAY, GREEN, ORANGE
 from crankbase.drawing.legends import legend_above
+from crankbase.library_types import Axes
 from dynamics.plots.quantities import MILLI
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 # Letters that stand side by side under the axis.
 ROOM = 90
 
 
 def draw_chain_shapes(
-    axes: "Axes",
+    axes: Axes,
     shapes: FloatArray,
     labels: Sequence[str],
     still: Sequence[tuple[float, ...]],
@@ -91,9 +88,7 @@ def shape_labels(
     return labels
 
 
-def draw_shaft_shape(
-    axes: "Axes", positions: FloatArray, motion: FloatArray, radius: float
-) -> None:
+def draw_shaft_shape(axes: Axes, positions: FloatArray, motion: FloatArray, radius: float) -> None:
     """Draw axial, torsional and lateral motion along a whole shaft in one mode.
 
     Parameters

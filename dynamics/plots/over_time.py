@@ -1,6 +1,6 @@
 """Vibration over time: the band between its extremes, its amplitude, and the speed."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,10 +9,8 @@ from crankbase.checks.arrays import FloatArray, finite_array
 from crankbase.drawing.diagram_style import BLUE, GRAY, ORANGE, new_axes
 from crankbase.drawing.legends import legend_above, write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes
 from crankbase.units.units import RPM
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 # Columns of the band between extremes: more cannot be told apart in print.
 COLUMNS = 600
@@ -47,12 +45,12 @@ class RunCurve(NamedTuple):
 
 
 def plot_run(
-    axes: "Axes | None",
+    axes: Axes | None,
     time: FloatArray,
     speed: FloatArray,
     curve: RunCurve,
     steady: tuple[ArrayLike, ArrayLike] | None,
-) -> "Axes":
+) -> Axes:
     """Draw what one element or node of a run does over the time, on new axes if none are given.
 
     Parameters
@@ -92,7 +90,7 @@ def plot_run(
     return axes
 
 
-def draw_speed(axes: "Axes", time: FloatArray, speed: FloatArray) -> None:
+def draw_speed(axes: Axes, time: FloatArray, speed: FloatArray) -> None:
     """Draw the speed [rad/s] over the time [s]."""
     places = np.linspace(0, time.size - 1, COLUMNS).astype(int)
     axes.plot(time[places], speed[places] * RPM, color=GRAY, linewidth=1.6)

@@ -1,15 +1,13 @@
 """A torque over its cycle: the samples and the sum of their harmonics."""
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE
 from crankbase.drawing.legends import legend_inside
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from crankbase.library_types import Axes
 
 POINTS = 721
 ANGLE_LABEL, TORQUE_LABEL = "crank angle [deg]", "torque of one throw [N m]"
@@ -50,7 +48,7 @@ def over_cycle(samples: FloatArray, found: Sum) -> tuple[FloatArray, FloatArray,
     return np.rad2deg(angles), found.at(angles), np.rad2deg(sampled)
 
 
-def draw_samples(axes: "Axes", samples: FloatArray, found: Sum) -> None:
+def draw_samples(axes: Axes, samples: FloatArray, found: Sum) -> None:
     """Draw samples of the torque of one throw, the sum of all harmonics, and the mean.
 
     Parameters

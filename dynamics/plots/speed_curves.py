@@ -1,7 +1,6 @@
 """Curves over the speed: the orders of a vibration with their sum, and plain curves."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,11 +17,9 @@ from crankbase.drawing.curves import (
 )
 from crankbase.drawing.diagram_style import COLORS, new_axes, with_gaps
 from crankbase.drawing.legends import legend_below, legend_inside, write_title
+from crankbase.library_types import Axes
 from crankbase.units.units import RPM
 from dynamics.plots.quantities import SPEED_LABEL, QuantityDisplay
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 BARRED = "#f6dcd9"
 # Orders that get a line of their own in a diagram over speed.
@@ -71,7 +68,7 @@ def order_series(orders: FloatArray, amplitudes: FloatArray, count: int) -> list
 
 
 def draw_orders(
-    axes: "Axes",
+    axes: Axes,
     speeds: FloatArray,
     orders: FloatArray,
     amplitudes: FloatArray,
@@ -86,7 +83,7 @@ def barred_bands(barred: Sequence[tuple[float, float]]) -> tuple[Band, ...]:
     return tuple(Band(low * RPM, high * RPM, BARRED, "barred") for low, high in barred)
 
 
-def draw_barred(axes: "Axes", barred: Sequence[tuple[float, float]]) -> None:
+def draw_barred(axes: Axes, barred: Sequence[tuple[float, float]]) -> None:
     """Shade barred ranges of speed [rad/s]."""
     draw_bands(axes, barred_bands(barred))
 
@@ -162,21 +159,21 @@ def over_speed(
     )
 
 
-def draw_over_speed(axes: "Axes", curves: Curves) -> None:
+def draw_over_speed(axes: Axes, curves: Curves) -> None:
     """Draw what `over_speed` describes, with its legend."""
     draw_curves(axes, curves)
     legend_below(axes, LEGEND_COLUMNS)
 
 
 def draw_named_curves(
-    axes: "Axes | None",
+    axes: Axes | None,
     speeds: FloatArray,
     curves: Mapping[str, FloatArray],
     label: str,
     *,
     title: str = "",
     dashed: bool = False,
-) -> "Axes":
+) -> Axes:
     """Draw curves over the speed; what is not finite leaves a gap.
 
     Parameters
@@ -216,7 +213,7 @@ def draw_named_curves(
     return axes
 
 
-def set_speed_axis(axes: "Axes", speeds: FloatArray) -> None:
+def set_speed_axis(axes: Axes, speeds: FloatArray) -> None:
     """Name the axis of the speed and let it end with the speeds [rad/s], if they are several."""
     axes.set_xlabel(SPEED_LABEL)
     if len(speeds) > 1:

@@ -1,14 +1,12 @@
 """Star diagrams: the harmonics of one order of all cylinders as arrows from one center."""
 
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.drawing.diagram_style import GRAY, ORANGE, RED
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from crankbase.library_types import Axes
 
 # Of major and minor orders, in Campbell diagrams too.
 KIND_COLORS = {"major": RED, "minor": ORANGE, "balanced": GRAY}
@@ -49,7 +47,7 @@ class Vectors(Protocol):
 
 
 def draw_star(
-    axes: "Axes", star: Vectors, words: str, center: tuple[float, float] = (0.0, 0.0)
+    axes: Axes, star: Vectors, words: str, center: tuple[float, float] = (0.0, 0.0)
 ) -> None:
     """Draw one star; firing at shaft angle zero points up, angles turn clockwise.
 
@@ -94,7 +92,7 @@ def draw_star(
     )
 
 
-def finish_stars(axes: "Axes", rows: int = 1, columns: int = 1) -> None:
+def finish_stars(axes: Axes, rows: int = 1, columns: int = 1) -> None:
     """Leave room for so many stars in rows and columns, and hide the axes."""
     axes.set_aspect("equal")
     axes.set_axis_off()
@@ -117,7 +115,7 @@ def _by_direction(star: Vectors) -> list[list[int]]:
 
 
 def _arrow(
-    axes: "Axes", center: tuple[float, float], vector: complex, color: str, width: float
+    axes: Axes, center: tuple[float, float], vector: complex, color: str, width: float
 ) -> None:
     x, y = center
     axes.annotate(

@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number
 from crankbase.checks.choices import check_choice
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.engine.forces import MechanismForces, mechanism_forces
@@ -19,10 +20,6 @@ from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.plots.bars import draw_harmonics
 from dynamics.plots.quantities import KILO
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 
 @summarized(
@@ -62,11 +59,11 @@ class PinForceHarmonics:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         *,
         show: Literal["tangential", "radial"] = "tangential",
         highest_order: float | None = None,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the amplitudes of T or Z by order: of the gas, of moving masses, of both.
 
         Parameters
@@ -98,7 +95,7 @@ class PinForceHarmonics:
         title = f"Harmonics of the {show} force, cylinder {self.number}"
         return draw_harmonics(axes, found["both"].orders, bars, "amplitude [kN]", title=title)
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return one row for each order: amplitude and phase of T and Z by cause.
 
         Returns

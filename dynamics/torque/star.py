@@ -4,7 +4,7 @@ import cmath
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +19,7 @@ from crankbase.checks.arrays import (
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
@@ -26,10 +27,6 @@ from dynamics.cycle import checked_strokes, order_step
 from dynamics.engine.forces import spread_array
 from dynamics.engine.layout import EngineLayout
 from dynamics.plots.stars import draw_star, finish_stars
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 Kind = Literal["major", "minor", "balanced"]
 # Two directions are one within this angle [rad].
@@ -93,7 +90,7 @@ class Star:
             return "major"
         return "balanced" if self.share <= FULL_SUM_TOLERANCE else "minor"
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the star: firing at shaft angle zero points up, angles turn clockwise.
 
         Parameters
@@ -112,7 +109,7 @@ class Star:
         write_title(axes, f"Star of order {self.order:g}")
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return one row for each cylinder: direction and length of its vector.
 
         Returns

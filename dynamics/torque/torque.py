@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +10,7 @@ from crankbase.checks.arrays import FloatArray, nonnegative_number, read_only
 from crankbase.checks.scalars import whole_within
 from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE
 from crankbase.drawing.legends import legend_above
+from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.engine.forces import mechanism_forces
@@ -27,10 +27,6 @@ from dynamics.plots.coordinates import angle_axis, number_axis
 from dynamics.plots.quantities import KILO
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
 from dynamics.torque.throws import checked_throws, throws_along_shaft
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 # A mean torque below this share of the largest is round-off.
 NO_MEAN = 1e-12
@@ -141,7 +137,7 @@ class EngineTorque:
         place = checked_cylinder(self.engine, number) - 1
         return from_firing_top(self.engine, place, self.shaft_angles, self.per_cylinder[place])
 
-    def plot(self, axes: "Axes | None" = None, throw: int | None = None) -> "Axes":
+    def plot(self, axes: Axes | None = None, throw: int | None = None) -> Axes:
         """Draw the torque of the engine with its mean, or that of one throw by cause, over the cycle.
 
         Parameters
@@ -179,7 +175,7 @@ class EngineTorque:
         legend_above(axes)
         return axes
 
-    def to_xarray(self) -> "Dataset":
+    def to_xarray(self) -> Dataset:
         """Return the torques over cylinder, throw and shaft angle.
 
         Returns
