@@ -1,18 +1,16 @@
 """Indices of nodes, cylinders and the like, given by number or by name."""
 
-import operator
 from collections.abc import Mapping, Sequence
-from typing import SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, nonnegative_number, nonnegative_vector
-from crankbase.checks.scalars import is_whole_within
+from crankbase.checks.scalars import is_whole_within, whole_within
 from crankbase.errors import InputError, quoted
 
 
-def node_index(field: str, node: SupportsIndex, count: int) -> int:
+def node_index(field: str, node: object, count: int) -> int:
     """Return the number of a node of a chain of `count` nodes, 0 the first.
 
     Raises
@@ -20,14 +18,7 @@ def node_index(field: str, node: SupportsIndex, count: int) -> int:
     InputError
         If the node is not a whole number from 0 to count - 1.
     """
-    allowed = f"allowed are the whole numbers 0 to {count - 1}, because the chain has {count} nodes"
-    try:
-        index = operator.index(node)
-    except TypeError:
-        raise InputError(f"{field}: given {quoted(node)}; {allowed}.") from None
-    if not 0 <= index < count:
-        raise InputError(f"{field}: given {quoted(index)}; {allowed}.")
-    return index
+    return whole_within(field, node, 0, count - 1, f"the chain has {count} nodes")
 
 
 def values_at_nodes(

@@ -201,10 +201,8 @@ class Balance:
         }
         for name, unit in (("force", "N"), ("moment", "N m")):
             own: list[Hodograph] = [getattr(row, name) for row in self.rows]
-            columns[f"{name}_major"] = ([one.major for one in own], unit)
-            columns[f"{name}_minor"] = ([one.minor for one in own], unit)
-            columns[f"{name}_x"] = ([one.x for one in own], unit)
-            columns[f"{name}_y"] = ([one.y for one in own], unit)
+            for part in ("major", "minor", "x", "y"):
+                columns[f"{name}_{part}"] = ([getattr(one, part) for one in own], unit)
             angles = [math.nan if one.angle is None else one.angle for one in own]
             columns[f"{name}_angle"] = (list(angles), "rad")
             kept = [getattr(row, f"{name}_balanced") for row in self.rows]

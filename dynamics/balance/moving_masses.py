@@ -197,7 +197,7 @@ def cylinder_forces(
     spectrum = turn_spectrum(forces, max(orders))
     found: dict[int, list[PlacedForce]] = {}
     for order in orders:
-        ahead, back = spectrum.of(order).tolist(), spectrum.of(-order).tolist()
+        ahead, back = spectrum[..., order].tolist(), spectrum[..., -order].tolist()
         found[order] = [
             (
                 cylinder.position,

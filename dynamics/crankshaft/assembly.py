@@ -149,10 +149,9 @@ def assemble_crankshaft(
     )
     for value, rows in zip(masses.tolist(), pin_frames, strict=True):
         mass += value * rows.T @ rows
-    last = 6 * (count - 1)
-    for body, start, outward in ((around.free_end, 0, -1.0), (around.flywheel, last, 1.0)):
-        if body is not None:
-            mass[start : start + 6, start : start + 6] += body.mass_matrix(outward)
+    for body, section, outward in around.bodies(count):
+        own = np.r_[6 * section : 6 * section + 6]
+        mass[np.ix_(own, own)] += body.mass_matrix(outward)
 
     unit = np.eye(size)
     springs = _Springs(stiffness, damping, loss)

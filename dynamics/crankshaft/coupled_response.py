@@ -15,8 +15,9 @@ from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
-from dynamics.crankshaft.pin_excitation import PinForces, shaft_excitation
+from dynamics.crankshaft.pin_excitation import shaft_excitation
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
+from dynamics.excitation.cylinders import CylinderForces
 from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.response.forced import ForcedResponse, forced_response
@@ -234,7 +235,7 @@ def point_unit(point: str) -> str:
 
 def coupled_response(
     crankshaft: CrankshaftSystem,
-    forces: PinForces,
+    forces: CylinderForces,
     *,
     pins: Sequence[int] | None = None,
     magnifier: float | None = DEFAULT_MAGNIFIER,

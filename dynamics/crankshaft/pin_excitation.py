@@ -1,45 +1,20 @@
 """Forces of the cylinders on the crankpins as excitation of a whole crankshaft."""
 
 from collections.abc import Sequence
-from typing import Protocol
 
 import numpy as np
 
-from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
 from dynamics.crankshaft.assembly import PIN_MOTIONS
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
+from dynamics.excitation.cylinders import CylinderForces
 from dynamics.response.order_excitation import OrderExcitation
-
-
-class PinForces(Protocol):
-    """Tangential and radial forces by order, speed and cylinder, as `cylinder_forces` gives them."""
-
-    @property
-    def orders(self) -> FloatArray:
-        """Orders (K,), in cycles per revolution."""
-
-    @property
-    def speeds(self) -> FloatArray:
-        """Speeds (S,) of the shaft [rad/s]."""
-
-    @property
-    def tangential(self) -> ComplexArray:
-        """In the sense of rotation, (K, S, c) [N]."""
-
-    @property
-    def radial(self) -> ComplexArray:
-        """Towards the shaft axis, (K, S, c) [N]."""
-
-    @property
-    def throws(self) -> tuple[int, ...]:
-        """Throw of each cylinder, from 0."""
 
 
 def shaft_excitation(
     crankshaft: CrankshaftSystem,
-    forces: PinForces,
+    forces: CylinderForces,
     *,
     pins: Sequence[int] | None = None,
     tangential: bool = True,

@@ -65,13 +65,9 @@ class ShaftModes:
 
     def label(self, mode: int) -> str:
         """Say what a mode is: its classes with 5 % or more, the largest first."""
-        order = np.argsort(-self.shares[:, mode])
-        parts = [
-            f"{CLASSES[kind]} {100.0 * self.shares[kind, mode]:.0f} %"
-            for kind in order
-            if self.shares[kind, mode] >= 1.0 - PURE
-        ]
-        return ", ".join(parts)
+        shares = self.shares[:, mode]
+        shown = (kind for kind in np.argsort(-shares) if shares[kind] >= 1.0 - PURE)
+        return ", ".join(f"{CLASSES[kind]} {100.0 * shares[kind]:.0f} %" for kind in shown)
 
     def first(self, kind: str) -> int:
         """Return the lowest elastic mode in which a class has the largest share.
@@ -164,22 +160,13 @@ class ShaftModes:
         MissingLibraryError
             If xarray is not installed.
         """
+        over = ("station", "axis", "mode")
         return grid(
             {
                 "frequency": (("mode",), self.frequencies, "Hz", "natural frequency"),
                 "shares": (("kind", "mode"), self.shares, "1", "share of the energy"),
-                "displacement": (
-                    ("station", "axis", "mode"),
-                    self.motions[:, :3],
-                    "m",
-                    "displacement of the station",
-                ),
-                "rotation": (
-                    ("station", "axis", "mode"),
-                    self.motions[:, 3:],
-                    "rad",
-                    "rotation of the station",
-                ),
+                "displacement": (over, self.motions[:, :3], "m", "displacement of the station"),
+                "rotation": (over, self.motions[:, 3:], "rad", "rotation of the station"),
                 "position": (("station",), self.positions, "m", "place along the shaft"),
             },
             {

@@ -7,7 +7,7 @@ import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from dynamics.crankshaft.shaft_throw import RX, RY, RZ, UX, UY, UZ, ShaftThrow
-from dynamics.crankshaft.surroundings import EndBody, ShaftSurroundings
+from dynamics.crankshaft.surroundings import ShaftSurroundings
 
 CLASSES = ("axial", "torsional", "bending")
 # Of a throw's mass and inertia, the share of either end section; the pins have the rest. By Simpson's
@@ -128,11 +128,7 @@ def shaft_stations(
     rods = np.concatenate((np.zeros(count), pin_masses))
     turning_rods = np.concatenate((np.zeros(count), pin_masses * radii**2))
     motions = np.concatenate((section_motions.reshape(count, 6, -1), pin_slices))
-    bodies: list[tuple[EndBody, int, float]] = []
-    if around.free_end is not None:
-        bodies.append((around.free_end, 0, -1.0))
-    if around.flywheel is not None:
-        bodies.append((around.flywheel, count - 1, 1.0))
+    bodies = around.bodies(count)
     of_bodies = np.array([[each.mass, each.polar_inertia, each.diametral] for each, _, _ in bodies])
     mass, turning, tilting = of_bodies.reshape(-1, 3).T
     centers = [body.center_motion(outward) @ motions[section] for body, section, outward in bodies]

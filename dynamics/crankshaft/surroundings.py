@@ -203,6 +203,11 @@ class ShaftSurroundings:
     def __post_init__(self) -> None:
         nonnegative_number("loss_factor", self.loss_factor, "", "it is that of a passive element")
 
+    def bodies(self, sections: int) -> list[tuple[EndBody, int, float]]:
+        """Return the end bodies that are given: body, section, -1 at the free end or 1."""
+        both = ((self.free_end, 0, -1.0), (self.flywheel, sections - 1, 1.0))
+        return [(body, section, outward) for body, section, outward in both if body is not None]
+
     def rings(self, sections: int) -> list[tuple[str, TorsionalRing, int]]:
         """Return damper ring and driven machine, as far as given: name, ring, section it turns with."""
         both = (("damper ring", self.ring, 0), ("driven machine", self.machine, sections - 1))

@@ -1,7 +1,6 @@
 """Orders of what repeats every turn of the shaft, free of aliasing."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,32 +25,10 @@ TURN = 2.0 * np.pi
 FEWEST, MOST = 64, 32768
 
 
-@dataclass(frozen=True, eq=False)
-class TurnSpectrum:
-    """Fourier coefficients of functions of the shaft angle, f = sum of c_k exp(i k phi).
-
-    Parameters
-    ----------
-    coefficients : complex ndarray of shape (..., N)
-        c_k in the order of the fast Fourier transform: 0, 1 ... N/2 - 1, -N/2 ... -1.
-    """
-
-    coefficients: ComplexArray
-
-    @property
-    def samples(self) -> int:
-        """Number of samples over a turn, N."""
-        return int(self.coefficients.shape[-1])
-
-    def of(self, order: int) -> ComplexArray:
-        """Return c_k of one order, positive or negative, of shape (...)."""
-        return np.asarray(self.coefficients[..., order])
-
-
 def turn_spectrum(
     function: Callable[[FloatArray], NDArray[np.float64] | ComplexArray], highest: int
-) -> TurnSpectrum:
-    """Return the Fourier coefficients of functions that repeat every turn of the shaft.
+) -> ComplexArray:
+    """Return the Fourier coefficients of functions of the shaft angle, f = sum of c_k exp(i k phi).
 
     Parameters
     ----------
@@ -62,8 +39,9 @@ def turn_spectrum(
 
     Returns
     -------
-    TurnSpectrum
-        Of as many samples as make orders from 3/8 of their number on round-off. What is folded
+    complex ndarray of shape (..., N)
+        c_k in the order of the fast Fourier transform: 0, 1 ... N/2 - 1, -N/2 ... -1. Of as many
+        samples N over a turn as make orders from 3/8 of their number on round-off. What is folded
         back onto a wanted order lies beyond them, so that it is round-off, too.
 
     Raises
@@ -79,7 +57,7 @@ def turn_spectrum(
         coefficients = np.fft.fft(values) / count
         upper = coefficients[..., 3 * count // 8 : count - 3 * count // 8 + 1]
         if np.all(np.abs(upper) <= ROUND_OFF * np.max(np.abs(values), initial=0.0)):
-            return TurnSpectrum(coefficients)
+            return np.asarray(coefficients)
         count *= 2
     raise InputError(
         f"orders: given a mechanism whose orders do not fade out within {MOST} samples over a turn; "
@@ -195,5 +173,5 @@ def acceleration_orders(
     spectrum = turn_spectrum(
         lambda angles: piston_acceleration(engine, number, angles, speed), highest
     )
-    angles = even_angles(TURN, spectrum.samples)
+    angles = even_angles(TURN, spectrum.shape[-1])
     return harmonics(piston_acceleration(engine, number, angles, speed), strokes=2)

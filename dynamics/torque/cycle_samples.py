@@ -6,13 +6,15 @@ from typing import TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, finite_array
+from crankbase.checks.arrays import FloatArray, finite_array, nonnegative_number
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from dynamics.cycle import even_angles
+from dynamics.engine.forces import MechanismForces, mechanism_forces
 from dynamics.engine.gas_forces import Pressure, gas_forces
 from dynamics.engine.layout import EngineLayout
 from dynamics.harmonics import Harmonics, harmonics
+from dynamics.mechanism.rod_model_names import RodModelName
 
 # Steps of 0.5 deg over 720 deg resolve orders up to 360, those over 360 deg of twice that.
 DEFAULT_SAMPLES = 1440
@@ -47,12 +49,20 @@ def samples_and_gas(
     return angles, given
 
 
+def forces_by_cause(
+    engine: EngineLayout, speed: float, angles: FloatArray, gas: FloatArray, model: RodModelName
+) -> tuple[MechanismForces, MechanismForces]:
+    """Return the forces in the mechanism of the gas alone, and of moving masses alone."""
+    running = nonnegative_number("speed", speed, "rad/s", "the shaft turns forward")
+    of_gas = mechanism_forces(engine, angles, 0.0, gas, model=model)
+    return of_gas, mechanism_forces(engine, angles, running, model=model)
+
+
 def _are_pressures(
     given: "Pressure | Sequence[Pressure] | ArrayLike",
 ) -> TypeGuard["Pressure | Sequence[Pressure]"]:
-    if isinstance(given, Sequence):
-        return bool(given) and hasattr(given[0], "at")
-    return hasattr(given, "at")
+    first = given[0] if isinstance(given, Sequence) and given else given
+    return hasattr(first, "at")
 
 
 def from_firing_top(

@@ -6,12 +6,11 @@ from typing import Literal
 
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, nonnegative_number
+from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
-from dynamics.engine.forces import MechanismForces, mechanism_forces
 from dynamics.engine.gas_forces import Pressure
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
@@ -19,7 +18,12 @@ from dynamics.harmonics import Harmonics
 from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.plots.bars import draw_harmonics
 from dynamics.plots.quantities import KILO
-from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
+from dynamics.torque.cycle_samples import (
+    DEFAULT_SAMPLES,
+    forces_by_cause,
+    from_firing_top,
+    samples_and_gas,
+)
 
 
 @summarized(
@@ -154,23 +158,19 @@ def pin_force_harmonics(
     InputError
         As `engine_torque`, and if the samples do not resolve the highest order.
     """
-    running = nonnegative_number("speed", speed, "rad/s", "the shaft turns forward")
     angles, gas = samples_and_gas(engine, pressure, samples, crankcase_pressure)
-    from_gas = mechanism_forces(engine, angles, 0.0, gas, model=model)
-    from_masses = mechanism_forces(engine, angles, running, 0.0, model=model)
+    of_gas, of_masses = forces_by_cause(engine, speed, angles, gas, model)
+    parts: list[FloatArray] = []
+    for by_gas, by_masses in (
+        (of_gas.tangential, of_masses.tangential),
+        (of_gas.radial, of_masses.radial),
+    ):
+        parts += [by_gas, by_masses, by_gas + by_masses]
     found = []
     for place, firing in enumerate(engine.firing):
         split = [
-            from_firing_top(engine, place, angles, values).up_to(highest_order)
-            for values in _parts(from_gas, from_masses, place)
+            from_firing_top(engine, place, angles, part[place]).up_to(highest_order)
+            for part in parts
         ]
         found.append(PinForceHarmonics(place + 1, firing, *split))
     return tuple(found)
-
-
-def _parts(gas: MechanismForces, masses: MechanismForces, place: int) -> list[FloatArray]:
-    """Return T of gas, masses and both, then Z of the same (m,)."""
-    parts = []
-    for of_gas, of_masses in ((gas.tangential, masses.tangential), (gas.radial, masses.radial)):
-        parts += [of_gas[place], of_masses[place], of_gas[place] + of_masses[place]]
-    return parts

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import FloatArray, nonnegative_number, read_only
+from crankbase.checks.arrays import FloatArray, read_only
 from crankbase.checks.scalars import whole_within
 from crankbase.drawing.diagram_style import BLUE, COLORS, ORANGE
 from crankbase.drawing.legends import legend_above
 from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
-from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import Pressure
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
@@ -25,7 +24,12 @@ from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.plots.angle_curves import draw_over_angle
 from dynamics.plots.coordinates import angle_axis, number_axis
 from dynamics.plots.quantities import KILO
-from dynamics.torque.cycle_samples import DEFAULT_SAMPLES, from_firing_top, samples_and_gas
+from dynamics.torque.cycle_samples import (
+    DEFAULT_SAMPLES,
+    forces_by_cause,
+    from_firing_top,
+    samples_and_gas,
+)
 from dynamics.torque.throws import checked_throws, throws_along_shaft
 
 # A mean torque below this share of the largest is round-off.
@@ -258,14 +262,12 @@ def engine_torque(
     >>> motored.harmonics().orders[:4].tolist(), motored.nonuniformity
     ([0.5, 1.0, 1.5, 2.0], None)
     """
-    running = nonnegative_number("speed", speed, "rad/s", "the shaft turns forward")
     angles, gas = samples_and_gas(engine, pressure, samples, crankcase_pressure)
-    from_gas = mechanism_forces(engine, angles, 0.0, gas, model=model)
-    from_masses = mechanism_forces(engine, angles, running, 0.0, model=model)
+    from_gas, from_masses = forces_by_cause(engine, speed, angles, gas, model)
     groups = throws_along_shaft(engine) if throws is None else checked_throws(engine, throws)
     return EngineTorque(
         engine=engine,
-        speed=running,
+        speed=float(speed),
         shaft_angles=read_only(angles),
         gas=read_only(from_gas.torque),
         inertia=read_only(from_masses.torque),

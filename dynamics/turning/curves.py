@@ -59,7 +59,7 @@ def turn_curves(function: Callable[[FloatArray], FloatArray]) -> TurnCurves:
     )
     # Each curve by its own size: inertias and lengths are not to be compared.
     scale = np.where(largest > 0.0, largest, 1.0)
-    found = scale * turn_spectrum(lambda angles: function(angles) / scale, 1).coefficients
+    found = scale * turn_spectrum(lambda angles: function(angles) / scale, 1)
     half = found.shape[1] // 2
     terms = 2.0 * found[:, 1:half]
     above = np.flatnonzero(np.max(np.abs(terms) / scale, axis=0) > NEGLIGIBLE)

@@ -33,11 +33,11 @@ from dynamics.crankshaft.chain_comparison import (
     matching_response,
 )
 from dynamics.crankshaft.coupled_response import CoupledResponse, coupled_response
-from dynamics.crankshaft.pin_excitation import PinForces
 from dynamics.crankshaft.shaft_modes import ShaftModes, rotation_ratio
 from dynamics.crankshaft.shaft_system import CrankshaftSystem, crankshaft_system
 from dynamics.crankshaft.shaft_throw import ShaftThrow
 from dynamics.crankshaft.surroundings import MainBearings
+from dynamics.excitation.cylinders import CylinderForces
 from dynamics.response.forced import ForcedResponse
 from fem.craig_bampton import DynamicSuperelement
 from geometry.throw import CrankThrow
@@ -291,7 +291,7 @@ def shaft_throws(
 def shaft_response(
     engine_file: EngineFile,
     whole: WholeShaft,
-    forces: PinForces,
+    forces: CylinderForces,
     magnifier: float | None = None,
 ) -> CoupledResponse:
     """Find the coupled forced vibration of an engine's crankshaft.
