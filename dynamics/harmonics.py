@@ -17,7 +17,7 @@ from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import check_even_cycle, cycle_degrees, order_step
-from dynamics.plots.bars import draw_harmonics
+from dynamics.plots.harmonic_bars import draw_harmonics
 
 # A harmonic below this share of the largest sample is round-off and has no phase.
 ROUND_OFF_SHARE = 1e-13

@@ -6,14 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, read_only
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from dynamics.cycle import covers_cycle, cycle_degrees, first_uneven, has_closing_sample
 from dynamics.harmonics import Harmonics, harmonics
-from dynamics.plots.sampled_torque import draw_samples
+from dynamics.plots.harmonic_bars import draw_samples
 from dynamics.sample_table import TableKind, possible_cycles, read_sample_rows
 
 CYCLE_ANGLE = "cycle_angle_deg"
@@ -69,10 +67,7 @@ class TorqueTable:
         -------
         matplotlib.axes.Axes
         """
-        axes = new_axes(axes)
-        draw_samples(axes, self.torque, self.harmonics())
-        write_title(axes, "Torque of one throw")
-        return axes
+        return draw_samples(axes, self.torque, self.harmonics(), title="Torque of one throw")
 
     def to_pandas(self) -> DataFrame:
         """Return crank angles and torques, a row for each sample.

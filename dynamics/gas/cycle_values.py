@@ -92,25 +92,17 @@ class GasCycle:
         checked_strokes(self.strokes)
         for name in ("combustion_start", "overlap_begins", "overlap_ends"):
             _check_finite(name, getattr(self, name))
-        for name in ("intake_pressure", "exhaust_pressure"):
-            positive_number(name, getattr(self, name), "Pa", "it is absolute pressure")
-        why = "the rate of heat release is finite"
-        nonnegative_number("wiebe_shape", self.wiebe_shape, "", why)
+        _check_range("compression_ratio", self.compression_ratio, 1.0, 100.0, "it compresses")
+        positive_number("intake_pressure", self.intake_pressure, "Pa", "it is absolute pressure")
+        positive_number("exhaust_pressure", self.exhaust_pressure, "Pa", "it is absolute pressure")
+        reason = "gases have ratios between these, 5/3 with single atoms"
+        _check_range("heat_capacity_ratio", self.heat_capacity_ratio, 1.0, 1.7, reason)
+        nonnegative_number(
+            "wiebe_shape", self.wiebe_shape, "", "the rate of heat release is finite"
+        )
+        reason = "it is the share of heat released by the end"
+        _check_range("wiebe_completeness", self.wiebe_completeness, 0.5, 1.0, reason)
         positive_number("combustion_duration", self.combustion_duration, "rad", "it lasts")
-        earliest = -1.5 * BOTTOM if self.strokes == 4 else -BOTTOM
-        latest = BOTTOM - SHORTEST_BLOW_DOWN * DEGREE * (1.0 - 1e-9)
-        of_gases = "gases have ratios between these, 5/3 with single atoms"
-        of_heat = "it is the share of heat released by the end"
-        of_opening = "the blow-down ends at the bottom dead center and takes its time"
-        of_closing = "the charge is compressed before the top and taken in before that"
-        for name, above, below, reason in (
-            ("compression_ratio", 1.0, 100.0, "it compresses"),
-            ("heat_capacity_ratio", 1.0, 1.7, of_gases),
-            ("wiebe_completeness", 0.5, 1.0, of_heat),
-            ("exhaust_opens", 0.0, latest, of_opening),
-            ("intake_closes", earliest, 0.0, of_closing),
-        ):
-            _check_range(name, getattr(self, name), above, below, reason)
         self._check_order()
 
     @property
@@ -120,6 +112,12 @@ class GasCycle:
 
     def _check_order(self) -> None:
         """Refuse events that do not follow each other over the cycle."""
+        opening = BOTTOM - SHORTEST_BLOW_DOWN * DEGREE * (1.0 - 1e-9)
+        reason = "the blow-down ends at the bottom dead center and takes its time"
+        _check_range("exhaust_opens", self.exhaust_opens, 0.0, opening, reason)
+        earliest = -1.5 * BOTTOM if self.strokes == 4 else -BOTTOM
+        reason = "the charge is compressed before the top and taken in before that"
+        _check_range("intake_closes", self.intake_closes, earliest, 0.0, reason)
         events = (
             ("intake_closes", self.intake_closes),
             ("combustion_start", self.combustion_start),

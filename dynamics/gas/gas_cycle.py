@@ -18,18 +18,19 @@ from crankbase.tables.frames import table
 from dynamics.cycle import even_angles
 from dynamics.gas.cycle_values import DEGREE, GasCycle, assumption_remarks
 from dynamics.gas.cylinder_volume import CylinderVolume, Position, cylinder_volume
-from dynamics.gas.heat_targets import (
+from dynamics.gas.pressure import GasPressure, gas_pressure
+from dynamics.gas.sampled_cycle import (
     allowed_heat,
     checked_peak,
+    cycle_samples,
     format_mpa,
     heat_for_mean_pressure,
     heat_for_peak,
+    motored_pressure,
     mpa_rounded_down,
     mpa_rounded_up,
     no_work_error,
 )
-from dynamics.gas.pressure import GasPressure, gas_pressure
-from dynamics.gas.sampled_cycle import cycle_samples, motored_pressure
 from dynamics.plots.quantities import MEGA
 
 SAMPLES_PER_TURN = 1440

@@ -208,39 +208,22 @@ class HingeProfile:
         least, column = float(self.radius.min()), self.spring.height - float(self.compression.max())
         least_column = LEAST_COLUMN * self.spring.height
         hollow, lowest = smallest_hollow(self.curvature), float(self.pressure.min())
-        return (
-            ProfileCheck(
-                "smallest radius",
-                least > self.roller_radius,
-                least,
-                self.roller_radius,
-                "m",
-                "above the roller's radius, or the two rollers would meet",
-            ),
-            ProfileCheck(
-                "shortest gas column",
-                column > least_column,
-                column,
-                least_column,
-                "m",
-                f"above {100.0 * LEAST_COLUMN:g} % of the height, or nothing keeps the pistons apart",
-            ),
-            ProfileCheck(
-                "lowest spring pressure",
-                lowest > 0.0,
-                lowest,
-                0.0,
-                "Pa",
-                "above ambient, or the rollers would leave the guides",
-            ),
-            ProfileCheck(
-                "smallest hollow",
-                hollow > self.roller_radius,
-                hollow,
-                self.roller_radius,
-                "m",
-                "above the roller's radius, or its guide would have a cusp",
-            ),
+        roller, room = self.roller_radius, f"above {100.0 * LEAST_COLUMN:g} % of the height"
+        found = {
+            "smallest radius": (least, roller, "m"),
+            "shortest gas column": (column, least_column, "m"),
+            "lowest spring pressure": (lowest, 0.0, "Pa"),
+            "smallest hollow": (hollow, roller, "m"),
+        }
+        reasons = (
+            "above the roller's radius, or the two rollers would meet",
+            f"{room}, or nothing keeps the pistons apart",
+            "above ambient, or the rollers would leave the guides",
+            "above the roller's radius, or its guide would have a cusp",
+        )
+        return tuple(
+            ProfileCheck(name, value > limit, value, limit, unit, reason)
+            for (name, (value, limit, unit)), reason in zip(found.items(), reasons, strict=True)
         )
 
     @property

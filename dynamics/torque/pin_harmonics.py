@@ -16,7 +16,7 @@ from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.harmonics import Harmonics
 from dynamics.mechanism.rod_model_names import RodModelName
-from dynamics.plots.bars import draw_harmonics
+from dynamics.plots.harmonic_bars import draw_harmonics
 from dynamics.plots.quantities import KILO
 from dynamics.torque.cycle_samples import (
     DEFAULT_SAMPLES,

@@ -9,8 +9,13 @@ from crankfem.report.interactive.curves import UNSEEN
 from crankfem.report.interactive.rounding import rounded
 from crankfem.report.interactive.style import Figure, axis, dots, layout, line, number
 from dynamics.harmonics import Harmonics
-from dynamics.plots.bars import ORDER_LABEL, bar_width
-from dynamics.plots.sampled_torque import ANGLE_LABEL, TORQUE_LABEL, over_cycle
+from dynamics.plots.harmonic_bars import (
+    ANGLE_LABEL,
+    ORDER_LABEL,
+    TORQUE_LABEL,
+    bar_width,
+    over_cycle,
+)
 
 Array = NDArray[np.float64]
 

@@ -5,8 +5,7 @@ from pathlib import Path
 from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import figure
 from dynamics.harmonics import Harmonics
-from dynamics.plots.bars import draw_harmonics
-from dynamics.plots.sampled_torque import draw_samples
+from dynamics.plots.harmonic_bars import draw_harmonics, draw_samples
 
 
 def plot_torque(path: Path, samples: FloatArray, found: Harmonics) -> None:
