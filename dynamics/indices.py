@@ -1,6 +1,7 @@
-"""Indices of nodes, cylinders and the like, given by number or by name."""
+"""Indices of nodes, cylinders and the like, given by number or by name, and groups of what is alike."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,6 +9,8 @@ from numpy.typing import ArrayLike
 from crankbase.checks.arrays import FloatArray, nonnegative_number, nonnegative_vector
 from crankbase.checks.scalars import is_whole_within, whole_within
 from crankbase.errors import InputError, quoted
+
+T = TypeVar("T")
 
 
 def node_index(field: str, node: object, count: int) -> int:
@@ -86,3 +89,15 @@ def index_of_name(field: str, given: object, names: Sequence[str], what: str, re
         f"{field}: given {quoted(given)}; allowed are the whole numbers 0 to {len(names) - 1} and the "
         f"names of {what}, because {reason}."
     )
+
+
+def grouped(items: Iterable[T], belongs: Callable[[list[T], T], bool]) -> list[list[T]]:
+    """Return items in groups, each in the first group that it belongs to, or in one of its own."""
+    groups: list[list[T]] = []
+    for item in items:
+        home = next((group for group in groups if belongs(group, item)), None)
+        if home is None:
+            groups.append([item])
+        else:
+            home.append(item)
+    return groups

@@ -118,9 +118,9 @@ class ResponseMatch:
     def difference(self) -> float:
         """Largest amplitude by the chain over that of the shaft, less 1."""
         chain, shaft = float(np.max(self.chain)), float(np.max(self.shaft))
-        if not (np.isfinite(chain) and np.isfinite(shaft)):
-            return 0.0 if chain == shaft else np.inf
-        return chain / shaft - 1.0 if shaft > 0.0 else (0.0 if chain == 0.0 else np.inf)
+        if chain == shaft:
+            return 0.0
+        return chain / shaft - 1.0 if 0.0 < shaft < np.inf else np.inf
 
     def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude of the free end by the chain and by the whole shaft over the speed.

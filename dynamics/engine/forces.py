@@ -229,11 +229,12 @@ def mechanism_forces(
         rod, motion = cylinder.rod.model(model), motions[place]
         acceleration = motion.piston.acceleration(turning, gaining).real
         along = -(pressing[place] - rubbing[place]) - cylinder.piston_mass * acceleration
-        inertia = _inertia_forces(rod, motion, turning, gaining)
-        at_piston = _piston_pin_force(rod, motion, along, inertia)
+        inertia, moment = _inertia_forces(rod, motion, turning, gaining)
+        sine, cosine = np.sin(motion.rod.angle), np.cos(motion.rod.angle)
+        at_piston = along + 1j * (moment / rod.length + along * sine) / cosine
         side[place] += at_piston.imag
         piston_pin[place] -= at_piston
-        at_foot = at_piston - inertia[0]
+        at_foot = at_piston - inertia
         foot[place] += at_foot
         main = engine.main_of(place + 1) - 1
         if main == place:
@@ -292,18 +293,6 @@ def _inertia_forces(
     arm = rod.center * np.exp(1j * motion.rod.angle)
     turning = rod.inertia * motion.rod.acceleration(speed, crank_acceleration)
     return force, turning + (np.conj(arm) * force).imag
-
-
-def _piston_pin_force(
-    rod: RodModel,
-    motion: CylinderMotion,
-    along: FloatArray,
-    inertia: tuple[ComplexArray, FloatArray],
-) -> ComplexArray:
-    """Return F_B on the rod from its axial part and the moments about the foot."""
-    _, moment = inertia
-    sine, cosine = -np.sin(motion.rod.angle), np.cos(motion.rod.angle)
-    return np.asarray(along + 1j * (moment / rod.length - along * sine) / cosine)
 
 
 def _wall_force_for(

@@ -39,6 +39,15 @@ if TYPE_CHECKING:
 
 # [rad] Steeper guides press a sliding follower hard to the side; 30 deg is the usual limit of cams.
 STEEP = np.pi / 6.0
+# What must hold of a guide that can be made, and why.
+MUST_BE = {
+    "smallest radius": "above the roller's radius, or the two rollers would meet",
+    "shortest gas column": (
+        f"above {100.0 * LEAST_COLUMN:g} % of the height, or nothing keeps the pistons apart"
+    ),
+    "lowest spring pressure": "above ambient, or the rollers would leave the guides",
+    "smallest hollow": "above the roller's radius, or its guide would have a cusp",
+}
 
 
 @summarized("name", "met", "value", "limit", "unit")
@@ -208,22 +217,15 @@ class HingeProfile:
         least, column = float(self.radius.min()), self.spring.height - float(self.compression.max())
         least_column = LEAST_COLUMN * self.spring.height
         hollow, lowest = smallest_hollow(self.curvature), float(self.pressure.min())
-        roller, room = self.roller_radius, f"above {100.0 * LEAST_COLUMN:g} % of the height"
         found = {
-            "smallest radius": (least, roller, "m"),
+            "smallest radius": (least, self.roller_radius, "m"),
             "shortest gas column": (column, least_column, "m"),
             "lowest spring pressure": (lowest, 0.0, "Pa"),
-            "smallest hollow": (hollow, roller, "m"),
+            "smallest hollow": (hollow, self.roller_radius, "m"),
         }
-        reasons = (
-            "above the roller's radius, or the two rollers would meet",
-            f"{room}, or nothing keeps the pistons apart",
-            "above ambient, or the rollers would leave the guides",
-            "above the roller's radius, or its guide would have a cusp",
-        )
         return tuple(
-            ProfileCheck(name, value > limit, value, limit, unit, reason)
-            for (name, (value, limit, unit)), reason in zip(found.items(), reasons, strict=True)
+            ProfileCheck(name, value > limit, value, limit, unit, MUST_BE[name])
+            for name, (value, limit, unit) in found.items()
         )
 
     @property

@@ -74,21 +74,15 @@ def reduced_crank(
         "kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
     )
     places = finite_vector("angles", angles)
-    if kinematics == "exact":
-        return _exact(engine, places)
-    return _series(engine, places, 1.0 if kinematics == "series" else -1.0)
-
-
-def _exact(engine: CrossheadEngine, angles: FloatArray) -> ReducedCrank:
+    if kinematics != "exact":
+        return _series(engine, places, 1.0 if kinematics == "series" else -1.0)
     layout = engine.layout
-    inertia, rate = reduced_inertia(layout, rod_models(layout, "rigid"), angles)
-    motion = cylinder_motion(layout, 1, angles)
+    motion = cylinder_motion(layout, 1, places)
     rod_rise = motion.rod_point(engine.rod.center).first.imag
     return ReducedCrank(
-        inertia=inertia,
-        inertia_rate=rate,
+        *reduced_inertia(layout, rod_models(layout, "rigid"), places),
         travel_rate=-motion.piston.first.real,
-        weight_moment=_weight_moment(engine, angles, rod_rise),
+        weight_moment=_weight_moment(engine, places, rod_rise),
     )
 
 

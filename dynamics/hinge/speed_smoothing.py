@@ -1,7 +1,6 @@
 """What smooths a crank's speed: the flywheel that is enough, and the best pressure of a hinge."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,13 +10,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
-from dynamics.hinge.simulation import (
-    TurnEnergy,
-    integrated,
-    moments_on_crank,
-    steady_at,
-    turn_energy,
-)
+from dynamics.hinge.simulation import integrated, moments_on_crank, steady_at, turn_energy
 
 LARGEST_FLYWHEEL = 1e9
 # Of the logarithm of the pressure: values tried at first, and where the search ends.
@@ -148,10 +141,12 @@ def best_pressure(
             f"bounds: given {low:g} to {high:g}; allowed are two ascending multiples above zero, because "
             "the best pressure is looked for between them."
         )
-    energies = _scaled_energy(point, hinge)
+    angles, reduced, driving = moments_on_crank(point, None, None)
 
     def fluctuation(logarithm: float) -> float:
-        energy = energies(math.exp(logarithm))
+        pressure = math.exp(logarithm) * hinge.spring.pressure
+        moment = driving + hinge.moment_at(angles, pressure)
+        energy = integrated(angles, reduced.inertia, moment)
         try:
             return steady_at(energy, flywheel, point.speed).fluctuation
         except InputError:
@@ -185,14 +180,3 @@ def best_pressure(
         moment_residual=math.sqrt(float(np.mean(residual**2) / np.mean(wanted**2))),
         fitted_ratio=float(np.dot(wanted, given) / np.dot(given, given)),
     )
-
-
-def _scaled_energy(point: HingeMoment, hinge: HingeProfile) -> Callable[[float], TurnEnergy]:
-    """Return the energy over a turn as a function of the pressure by that of the design."""
-    angles, reduced, driving = moments_on_crank(point, None, None)
-
-    def energy(ratio: float) -> TurnEnergy:
-        moment = driving + hinge.moment_at(angles, ratio * hinge.spring.pressure)
-        return integrated(angles, reduced.inertia, moment)
-
-    return energy

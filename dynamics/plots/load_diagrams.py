@@ -21,6 +21,13 @@ OUTLINE = 0.045
 MARGIN = 0.08
 
 Frame = Literal["crank", "engine"]
+AXIS_LABELS: dict[Frame, tuple[str, str]] = {
+    "crank": (
+        "tangential force T [kN] (with the rotation: right)",
+        "outward force -Z [kN] (towards the shaft: down)",
+    ),
+    "engine": ("force across, -x [kN] (seen from the free end)", "force up, y [kN]"),
+}
 
 
 class Load(Protocol):
@@ -101,7 +108,9 @@ def draw_polar_loads(
     _marks(axes, loads[0][1].angles, curves[0], mark_step_deg, LABEL_ROOM * (high[0] - low[0]))
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
-    _name_axes(axes, frame)
+    across, up = AXIS_LABELS[frame]
+    axes.set_xlabel(across)
+    axes.set_ylabel(up)
     if len(loads) > 1:
         legend_inside(axes)
 
@@ -193,12 +202,3 @@ def _marks(
                 va="center",
                 bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.5},
             )
-
-
-def _name_axes(axes: Axes, frame: Frame) -> None:
-    if frame == "crank":
-        axes.set_xlabel("tangential force T [kN] (with the rotation: right)")
-        axes.set_ylabel("outward force -Z [kN] (towards the shaft: down)")
-    else:
-        axes.set_xlabel("force across, -x [kN] (seen from the free end)")
-        axes.set_ylabel("force up, y [kN]")

@@ -108,15 +108,15 @@ def draw_shaft_shape(axes: Axes, positions: FloatArray, motion: FloatArray, radi
         "lateral, x": motion[:, ux],
         "lateral, y": motion[:, uy],
     }
-    largest = max(float(np.abs(curve).max()) for curve in curves.values())
-    sign = _sign(list(curves.values()))
+    every = np.concatenate(list(curves.values()))
+    largest = float(every[np.argmax(np.abs(every))])
     axes.axhline(0.0, color=GRAY, linewidth=1.0)
     for (name, curve), color, line in zip(
         curves.items(), (BLUE, ORANGE, GREEN, GREEN), ("-", "-", "-", "--"), strict=True
     ):
         axes.plot(
             MILLI * positions,
-            sign * curve / largest,
+            curve / largest,
             line,
             color=color,
             marker="o",
@@ -136,9 +136,3 @@ def _between(positions: tuple[float, ...], pairs: Sequence[tuple[int, int]]) -> 
         left, right = pairs[number]
         found.append(left + (position - number) * (right - left))
     return found
-
-
-def _sign(curves: list[FloatArray]) -> float:
-    """Return the sign that makes the largest displacement positive."""
-    every = np.concatenate(curves)
-    return float(np.sign(every[np.argmax(np.abs(every))])) or 1.0

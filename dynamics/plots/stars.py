@@ -7,6 +7,7 @@ import numpy as np
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.drawing.diagram_style import GRAY, ORANGE, RED
 from crankbase.library_types import Axes
+from dynamics.indices import grouped
 
 # Of major and minor orders, in Campbell diagrams too.
 KIND_COLORS = {"major": RED, "minor": ORANGE, "balanced": GRAY}
@@ -103,15 +104,8 @@ def finish_stars(axes: Axes, rows: int = 1, columns: int = 1) -> None:
 
 def _by_direction(star: Vectors) -> list[list[int]]:
     """Return the cylinders, from 0, in groups of one direction."""
-    groups: list[list[int]] = []
     units = np.exp(1j * star.directions)
-    for place, unit in enumerate(units):
-        home = next((group for group in groups if abs(units[group[0]] - unit) < 1e-6), None)
-        if home is None:
-            groups.append([place])
-        else:
-            home.append(place)
-    return groups
+    return grouped(range(units.size), lambda group, tip: abs(units[group[0]] - units[tip]) < 1e-6)
 
 
 def _arrow(

@@ -26,6 +26,7 @@ from dynamics.critical import FULL_SUM_TOLERANCE, engine_orders
 from dynamics.cycle import checked_strokes, order_step
 from dynamics.engine.forces import spread_array
 from dynamics.engine.layout import EngineLayout
+from dynamics.indices import grouped
 from dynamics.plots.stars import draw_star, finish_stars
 
 Kind = Literal["major", "minor", "balanced"]
@@ -261,13 +262,7 @@ def same_stars(stars: Iterable[Star]) -> tuple[tuple[Star, ...], ...]:
     Two are alike if the lengths are equal and the directions, counted from the first cylinder's,
     are equal or opposite.
     """
-    groups: list[list[Star]] = []
-    for star in stars:
-        home = next((group for group in groups if _alike(group[0], star)), None)
-        if home is None:
-            groups.append([star])
-        else:
-            home.append(star)
+    groups = grouped(stars, lambda group, star: _alike(group[0], star))
     return tuple(tuple(group) for group in groups)
 
 

@@ -7,6 +7,7 @@ from crankbase.checks.scalars import is_whole
 from crankbase.errors import InputError
 from dynamics.engine.firing import IN_LINE
 from dynamics.engine.layout import EngineLayout
+from dynamics.indices import grouped
 
 # Rods on one throw stand closer than this share of the bore: cylinders of a bank cannot.
 CLOSE = 0.75
@@ -21,15 +22,8 @@ def throws_along_shaft(engine: EngineLayout) -> tuple[tuple[int, ...], ...]:
     """
     numbers = range(1, len(engine.cylinders) + 1)
     along = sorted(numbers, key=lambda number: (engine.cylinders[number - 1].position, number))
-    throws: list[list[int]] = []
-    for number in along:
-        if engine.main_of(number) != number:
-            continue
-        home = next((throw for throw in throws if _shares(engine, throw, number)), None)
-        if home is None:
-            throws.append([number])
-        else:
-            home.append(number)
+    mains = (number for number in along if engine.main_of(number) == number)
+    throws = grouped(mains, lambda throw, number: _shares(engine, throw, number))
     for number in along:
         main = engine.main_of(number)
         if main != number:
