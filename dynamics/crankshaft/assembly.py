@@ -154,23 +154,36 @@ def assemble_crankshaft(
         mass[np.ix_(own, own)] += body.mass_matrix(outward)
 
     unit = np.eye(size)
-    springs = _Springs(stiffness, damping, loss)
-    held = []
+    held, dashpots = [], []
+
+    def join(row: FloatArray, spring: float, dashpot: float, loss_factor: float = 0.0) -> None:
+        both = np.outer(row, row)
+        stiffness[:] += spring * both
+        damping[:] += dashpot * both
+        loss[:] += loss_factor * spring * both
+        if dashpot or loss_factor:
+            dashpots.append(row)
+
     for place, spring, dashpot in _supports(around, count):
         if np.isinf(spring):
             held.append(place)
         else:
-            springs.add(unit[place], spring, dashpot)
+            join(unit[place], spring, dashpot)
     for row, (_, ring, section) in enumerate(rings, start=size - len(rings)):
         mass[row, row] += ring.inertia
-        springs.add(
-            unit[row] - unit[6 * section + RZ], ring.stiffness, ring.damping, ring.loss_factor
-        )
+        turned = unit[row] - unit[6 * section + RZ]
+        join(turned, ring.stiffness, ring.damping, ring.loss_factor)
 
     kept = np.setdiff1d(np.arange(size), held)
     free = np.ix_(kept, kept)
     starts = np.concatenate(([0.0], np.cumsum([throw.length for throw in throws])))
     stations = shaft_stations(throws, around, masses, starts, unit[: 6 * count], pin_slices)
+    section_names = [
+        f"section {number} {way}" for number in range(count) for way in SECTION_MOTIONS
+    ]
+    pin_names = [
+        f"pin {number} {way}" for number in range(1, masses.size + 1) for way in PIN_MOTIONS
+    ]
     rigid, rigid_names = _rigid_motions(around, starts, size)
     return AssembledShaft(
         mass=mass[free],
@@ -184,43 +197,13 @@ def assemble_crankshaft(
         stations=stations.of(kept),
         added=unit[size - len(rings) :, kept],
         added_inertia=np.array([ring.inertia for _, ring, _ in rings]),
-        dashpots=np.array(springs.dashpots).reshape(-1, size)[:, kept],
+        dashpots=np.array(dashpots).reshape(-1, size)[:, kept],
         positions=starts,
         pin_throws=tuple(
             number for number, throw in enumerate(throws) for _ in range(len(throw.pins))
         ),
-        names=(
-            *(
-                f"section {number} {motion}"
-                for number in range(count)
-                for motion in SECTION_MOTIONS
-            ),
-            *(
-                f"pin {number + 1} {motion}"
-                for number in range(len(masses))
-                for motion in PIN_MOTIONS
-            ),
-            *(name for name, _, _ in rings),
-        ),
+        names=(*section_names, *pin_names, *(name for name, _, _ in rings)),
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Springs:
-    """Matrices to which springs and dashpots are added."""
-
-    stiffness: FloatArray
-    damping: FloatArray
-    loss: FloatArray
-    dashpots: list[FloatArray] = field(default_factory=list)
-
-    def add(self, row: FloatArray, stiffness: float, damping: float, loss: float = 0.0) -> None:
-        both = np.outer(row, row)
-        self.stiffness[:] += stiffness * both
-        self.damping[:] += damping * both
-        self.loss[:] += loss * stiffness * both
-        if damping or loss:
-            self.dashpots.append(row)
 
 
 def _supports(around: ShaftSurroundings, count: int) -> list[tuple[int, float, float]]:

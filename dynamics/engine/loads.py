@@ -236,23 +236,32 @@ def main_bearing_loads(
         do not ascend, a load does not lie between them, or cylinders stand in the same place.
     """
     used = _one_cycle(forces)
-    bearings = _bearing_positions(bearing_positions)
+    bearings = finite_vector("bearing_positions", bearing_positions)
+    if bearings.size < 2 or np.any(np.diff(bearings) <= 0.0):
+        raise InputError(
+            f"bearing_positions: given {bearings.tolist()} m; allowed are two or more ascending "
+            "positions, because every load lies between two bearings."
+        )
     engine, angles = forces.engine, forces.shaft_angles
     check_distinct_positions(engine)
-    places, loads = [], []
-    for group in pin_groups(engine):
-        place = engine.cylinders[group[0] - 1].position
-        _check_between(f"cylinder {group[0]}: position", place, bearings)
-        places.append(place)
-        loads.append(summed(forces, group))
+    groups = {f"cylinder {group[0]}": group for group in pin_groups(engine)}
+    places = {name: engine.cylinders[group[0] - 1].position for name, group in groups.items()}
+    loads = [summed(forces, group) for group in groups.values()]
     # A mass at r turns with it: its force on the shaft is -m r'' = m r (w^2 - i w').
     swing = forces.speed**2 - 1j * forces.crank_acceleration
     for number, mass in enumerate(engine.rotating, start=1):
-        _check_between(f"rotating mass {number}: position", mass.position, bearings)
-        places.append(mass.position)
+        places[f"rotating mass {number}"] = mass.position
         loads.append(mass.static_moment * swing * np.exp(1j * (mass.angle + angles)))
+    for name, place in places.items():
+        if not bearings[0] <= place <= bearings[-1]:
+            raise InputError(
+                f"{name}: position: given {place:g} m; allowed is {bearings[0]:g} to {bearings[-1]:g} m, "
+                "because a load beyond the end bearings needs the shaft's stiffness to be shared."
+            )
     # Bearing j takes the share of a load that a hat function has at its place.
-    shares = np.array([np.interp(places, bearings, hat) for hat in np.eye(bearings.size)])
+    shares = np.array(
+        [np.interp(list(places.values()), bearings, hat) for hat in np.eye(bearings.size)]
+    )
     carried = shares @ np.array(loads)[:, :used]
     crank_angle = engine.cylinders[0].crank_angle
     return tuple(
@@ -272,21 +281,3 @@ def _one_cycle(forces: MechanismForces) -> int:
     used = degrees.size - has_closing_sample(degrees, cycle)
     check_even_cycle("shaft_angles", degrees[:used], cycle)
     return used
-
-
-def _bearing_positions(values: ArrayLike) -> FloatArray:
-    bearings = finite_vector("bearing_positions", values)
-    if bearings.size < 2 or np.any(np.diff(bearings) <= 0.0):
-        raise InputError(
-            f"bearing_positions: given {bearings.tolist()} m; allowed are two or more ascending "
-            "positions, because every load lies between two bearings."
-        )
-    return bearings
-
-
-def _check_between(field: str, place: float, bearings: FloatArray) -> None:
-    if not bearings[0] <= place <= bearings[-1]:
-        raise InputError(
-            f"{field}: given {place:g} m; allowed is {bearings[0]:g} to {bearings[-1]:g} m, because a "
-            "load beyond the end bearings needs the shaft's stiffness to be shared."
-        )
