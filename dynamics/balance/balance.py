@@ -2,7 +2,7 @@
 
 import cmath
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -298,6 +298,13 @@ def balance(
     to_and_fro = reciprocating_forces(engine, moving_at_pistons, turning, wanted)
     beside = _lateral(engine, masses, turning, wanted) if model == "rigid" else {}
     with_the_crank = _rotating(engine, masses, turning)
+
+    def resultant(order: int, *forces: PlacedForce) -> Resultant:
+        moments = (force.times(1j * (place - point)) for place, force in forces)
+        return Resultant(
+            hodograph_sum(order, (force for _, force in forces)), hodograph_sum(order, moments)
+        )
+
     rows = []
     for order in wanted:
         to_fro, side = to_and_fro[order], beside.get(order, [])
@@ -305,23 +312,15 @@ def balance(
         rows.append(
             OrderBalance(
                 order,
-                total=_resultant(order, (*to_fro, *turns, *side), point),
-                reciprocating=_resultant(order, to_fro, point),
-                rotating=_resultant(order, turns, point),
-                lateral=_resultant(order, side, point),
+                total=resultant(order, *to_fro, *turns, *side),
+                reciprocating=resultant(order, *to_fro),
+                rotating=resultant(order, *turns),
+                lateral=resultant(order, *side),
                 force_scale=force_scale,
                 moment_scale=force_scale * reach,
             )
         )
     return Balance(engine, turning, point, model, tuple(rows))
-
-
-def _resultant(order: int, forces: Iterable[PlacedForce], about: float) -> Resultant:
-    given = list(forces)
-    return Resultant(
-        hodograph_sum(order, (force for _, force in given)),
-        hodograph_sum(order, (force.times(1j * (place - about)) for place, force in given)),
-    )
 
 
 def _lateral(

@@ -266,22 +266,18 @@ def coupled_response(
     InputError
         If pins or damping do not fit.
     """
-    if modal_damping is not None:
-        magnifier = None
     if not isinstance(crankshaft, CrankshaftSystem):
         raise InputError(
             f"crankshaft: given {crankshaft!r}; allowed is a CrankshaftSystem, as crankshaft_system makes."
         )
     system = crankshaft.system
-    if magnifier is not None:
-        system = system.with_magnifier(magnifier)
     if modal_damping is not None:
         system = system.with_modal_damping(modal_damping)
-    parts = [
-        shaft_excitation(crankshaft, forces, pins=pins, tangential=one, radial=not one)
-        for one in (True, False)
-    ]
-    answers = [forced_response(system, part) for part in parts]
+    elif magnifier is not None:
+        system = system.with_magnifier(magnifier)
+    tangential = shaft_excitation(crankshaft, forces, pins=pins, radial=False)
+    radial = shaft_excitation(crankshaft, forces, pins=pins, tangential=False)
+    answers = (forced_response(system, acting) for acting in (tangential, radial))
     return CoupledResponse(crankshaft, *answers)
 
 

@@ -223,11 +223,7 @@ def _each(name: str, given: ArrayLike, count: int, *, held: bool) -> FloatArray:
             f"{name}: given an array of shape {values.shape}; allowed is one number for all, or one "
             f"for each of the {count} sections, because throws side by side share one."
         )
-    if (
-        np.any(np.isnan(values))
-        or np.any(values < 0.0)
-        or not (held or np.all(np.isfinite(values)))
-    ):
+    if not np.all(values >= 0.0) or not (held or np.all(np.isfinite(values))):
         raise InputError(
             f"{name}: given {values.tolist()}; allowed are numbers of {allowed}, because a bearing does "
             "not drive the shaft."

@@ -97,8 +97,4 @@ def piston_position(engine: EngineLayout, number: int) -> Callable[[FloatArray],
     """
     own = checked_cylinder(engine, number)
     firing = engine.firing[own - 1]
-
-    def position(angle: FloatArray) -> FloatArray:
-        return cylinder_motion(engine, own, firing + angle).piston.place.real
-
-    return position
+    return lambda angle: cylinder_motion(engine, own, firing + angle).piston.place.real

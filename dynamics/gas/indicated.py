@@ -41,10 +41,8 @@ def indicated_work(pressure: ArrayLike, volume_slope: ArrayLike, strokes: int = 
     >>> round(work / math.pi, 9)
     600.0
     """
-    pressing, slope = (
-        finite_vector("pressure", pressure),
-        finite_vector("volume_slope", volume_slope),
-    )
+    pressing = finite_vector("pressure", pressure)
+    slope = finite_vector("volume_slope", volume_slope)
     if pressing.size != slope.size or pressing.size == 0:
         raise InputError(
             f"volume_slope: given {slope.size} values for {pressing.size} of pressure; allowed is one "

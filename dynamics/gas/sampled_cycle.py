@@ -96,10 +96,16 @@ def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles: FloatArray) -
     CycleSamples
         Pressure and volume slope there.
     """
-    share = _closed_share(cycle, angles)
+    # 1 where the cylinder is closed, 0 where it is open, between in the blow-down.
+    share = 1.0 - _smooth_step(angles, cycle.exhaust_opens, BOTTOM)
+    share[angles >= cycle.intake_closes + cycle.cycle] = 1.0
     closed = share > 0.0
     within = np.where(angles > BOTTOM, angles - cycle.cycle, angles)[closed]
-    open_pressure = _open_pressure(cycle, angles)
+    # The pressure of the exhaust, then of the intake, passing over in the overlap.
+    passed = _smooth_step(angles, cycle.overlap_begins, cycle.overlap_ends)
+    open_pressure = cycle.exhaust_pressure + passed * (
+        cycle.intake_pressure - cycle.exhaust_pressure
+    )
     motored = open_pressure.copy()
     motored[closed] += share[closed] * (
         motored_pressure(cycle, volume, within) - open_pressure[closed]
@@ -113,18 +119,6 @@ def cycle_samples(cycle: GasCycle, volume: CylinderVolume, angles: FloatArray) -
         swept=volume.swept,
         strokes=cycle.strokes,
     )
-
-
-def _closed_share(cycle: GasCycle, angles: FloatArray) -> FloatArray:
-    """Return 1 where the cylinder is closed, 0 where it is open, between in the blow-down."""
-    share = 1.0 - _smooth_step(angles, cycle.exhaust_opens, BOTTOM)
-    return np.where(angles >= cycle.intake_closes + cycle.cycle, 1.0, share)
-
-
-def _open_pressure(cycle: GasCycle, angles: FloatArray) -> FloatArray:
-    """Return the pressure of the exhaust, then of the intake, passing over in the overlap [Pa]."""
-    passed = _smooth_step(angles, cycle.overlap_begins, cycle.overlap_ends)
-    return cycle.exhaust_pressure + passed * (cycle.intake_pressure - cycle.exhaust_pressure)
 
 
 def _smooth_step(angles: FloatArray, begin: float, end: float) -> FloatArray:

@@ -134,12 +134,7 @@ def piston_gas_force(
         Force towards the shaft [N] at crank angles [rad] of shape (m,).
     """
     layout = engine.layout
-
-    def force(angles: FloatArray) -> FloatArray:
-        found: FloatArray = gas_forces(layout, angles, pressure, pressure_below)[0]
-        return found
-
-    return force
+    return lambda angles: gas_forces(layout, angles, pressure, pressure_below)[0]
 
 
 def two_stroke_cycle(

@@ -264,6 +264,11 @@ def engine_torque(
     """
     angles, gas = samples_and_gas(engine, pressure, samples, crankcase_pressure)
     from_gas, from_masses = forces_by_cause(engine, speed, angles, gas, model)
+    works = []
+    for number, force in enumerate(gas, start=1):
+        # A force towards the shaft on the piston's way there is a pressure on a growing volume.
+        inwards = -cylinder_motion(engine, number, angles).piston.first.real
+        works.append(indicated_work(force, inwards, engine.strokes))
     groups = throws_along_shaft(engine) if throws is None else checked_throws(engine, throws)
     return EngineTorque(
         engine=engine,
@@ -272,15 +277,5 @@ def engine_torque(
         gas=read_only(from_gas.torque),
         inertia=read_only(from_masses.torque),
         throws=groups,
-        indicated_work=read_only(_indicated_work(engine, angles, gas)),
+        indicated_work=read_only(np.array(works)),
     )
-
-
-def _indicated_work(engine: EngineLayout, angles: FloatArray, gas: FloatArray) -> FloatArray:
-    """Return the integral of F ds over the cycle of each cylinder, from the pistons' motion alone."""
-    works = []
-    for number, force in enumerate(gas, start=1):
-        # A force towards the shaft on the piston's way there is a pressure on a growing volume.
-        inwards = -cylinder_motion(engine, number, angles).piston.first.real
-        works.append(indicated_work(force, inwards, engine.strokes))
-    return np.array(works)
