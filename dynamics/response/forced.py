@@ -1,9 +1,8 @@
 """Forced vibration of a chain, or of any linear system, by orders over a range of speeds."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,12 +14,11 @@ from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
 from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, quantity_display
-from dynamics.plots.speed_curves import MAIN_ORDERS
 from dynamics.response.damping import DampedChain, check_one_of
 from dynamics.response.harmonic import Method, harmonic_response
 from dynamics.response.linear_system import LinearSystem, chain_system
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.series import OrderSeries, plot_series
+from dynamics.response.series import DrawnBeside, OrderSeries
 from dynamics.response.synthesis import Synthesis
 
 if TYPE_CHECKING:
@@ -109,9 +107,7 @@ class ForcedResponse:
         *,
         quantity: Quantity | None = None,
         elastic: bool = True,
-        limits: Mapping[str, ArrayLike] | None = None,
-        barred: Sequence[tuple[float, float]] = (),
-        main_orders: int = MAIN_ORDERS,
+        **drawn: Unpack[DrawnBeside],
     ) -> "Axes":
         """Draw one node's main orders, their synthesis and their plain sum over the speed.
 
@@ -125,12 +121,8 @@ class ForcedResponse:
             What the values are, for the unit of the axis; SI if it is not told.
         elastic : bool, optional
             Whether motion of the rigid body, which strains nothing, is left out.
-        limits : mapping of str to float or array_like of shape (S,), optional
-            Limits by name, in SI, constant or over the speeds; inf where none is stated.
-        barred : sequence of pairs of floats, optional
-            Ranges of speed [rad/s], shaded.
-        main_orders : int, optional
-            How many orders, those with the largest peaks, get a line of their own.
+        **drawn
+            As `DrawnBeside` says: limits, barred, main_orders.
 
         Returns
         -------
@@ -142,16 +134,8 @@ class ForcedResponse:
         InputError
             If the node or the quantity is unknown, or a limit, range or number is no such.
         """
-        return plot_series(
-            axes,
-            self.elastic if elastic else self.nodes,
-            node,
-            quantity_display(quantity, "rad or m"),
-            limits=limits,
-            barred=barred,
-            main_orders=main_orders,
-            field="node",
-        )
+        series = self.elastic if elastic else self.nodes
+        return series.draw(axes, node, quantity_display(quantity, "rad or m"), "node", **drawn)
 
     def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
         """Return complex ``motion``, ``elastic`` and ``unbounded`` over order, speed and node.

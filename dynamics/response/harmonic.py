@@ -2,17 +2,17 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray, positive_vector
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from dynamics.response.linear_system import LinearSystem
 
 Method = Literal["modal", "direct"]
-METHODS = ("modal", "direct")
 # A mode whose eigenvalue has a real part below this share of its size has no damping.
 UNDAMPED = 1e-12
 # An undamped mode answers without bounds within this share of its frequency.
@@ -88,8 +88,7 @@ def harmonic_response(
     frequencies = positive_vector(
         "angular_frequencies", angular_frequencies, "rad/s", "the motion repeats"
     )
-    if method not in METHODS:
-        raise InputError(f"method: given {method!r}; allowed are {' and '.join(METHODS)}.")
+    check_choice("method", method, get_args(Method), "these are the ways to solve the equations")
     if forces.shape != (frequencies.size, len(system.mass)):
         raise InputError(
             f"forces: given an array of shape {forces.shape}; allowed is "

@@ -1,8 +1,8 @@
 """Vibratory torque or force in each element, and the nominal stress from it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,9 +21,8 @@ from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name
 from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, quantity_display
-from dynamics.plots.speed_curves import MAIN_ORDERS
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.series import OrderSeries, plot_series
+from dynamics.response.series import DrawnBeside, OrderSeries
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -66,9 +65,7 @@ class ElementLoads:
         *,
         quantity: Quantity | None = None,
         part: Literal["elastic", "elements", "ground", "dashpots"] = "elastic",
-        limits: Mapping[str, ArrayLike] | None = None,
-        barred: Sequence[tuple[float, float]] = (),
-        main_orders: int = MAIN_ORDERS,
+        **drawn: Unpack[DrawnBeside],
     ) -> "Axes":
         """Draw one element's main orders, their synthesis and their plain sum over the speed.
 
@@ -82,12 +79,8 @@ class ElementLoads:
             What the values are, for the unit of the axis; SI if it is not told.
         part : {"elastic", "elements", "ground", "dashpots"}, optional
             Which of the four series.
-        limits : mapping of str to float or array_like of shape (S,), optional
-            Limits by name, in SI, constant or over the speeds; inf where none is stated.
-        barred : sequence of pairs of floats, optional
-            Ranges of speed [rad/s], shaded.
-        main_orders : int, optional
-            How many orders, those with the largest peaks, get a line of their own.
+        **drawn
+            As `DrawnBeside` says: limits, barred, main_orders.
 
         Returns
         -------
@@ -99,16 +92,9 @@ class ElementLoads:
             If element, quantity or part is unknown, or a limit, range or number is no such.
         """
         check_choice("part", part, PARTS, "one series is drawn")
-        return plot_series(
-            axes,
-            getattr(self, part),
-            element,
-            quantity_display(quantity, "N m or N", "alternating load"),
-            limits=limits,
-            barred=barred,
-            main_orders=main_orders,
-            field="element",
-        )
+        shown = quantity_display(quantity, "N m or N", "alternating load")
+        series: OrderSeries = getattr(self, part)
+        return series.draw(axes, element, shown, "element", **drawn)
 
     def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
         """Return the complex loads of elements, nodes to ground and dashpots, with ``unbounded``.
@@ -207,8 +193,7 @@ def section_modulus(
     InputError
         If a diameter is not above zero, a bore not from zero to below it, or the kind is unknown.
     """
-    if kind not in ("torsional", "axial"):
-        raise InputError(f"kind: given {kind!r}; allowed are torsional and axial.")
+    check_choice("kind", kind, ("torsional", "axial"), "a shaft is strained by torque or force")
     outer, inner = finite_array("diameter", diameter), finite_array("bore", bore)
     if np.any(outer <= 0.0):
         raise InputError(

@@ -3,12 +3,12 @@
 import contextlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, positive_number
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
@@ -28,7 +28,7 @@ from dynamics.transient.propagator import PLACES, Propagator, StateSpace
 from dynamics.transient.shaft_run import ShaftRun
 from dynamics.transient.speed_curve import SpeedCurve
 from dynamics.transient.steady import spring_torques, steady_from
-from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
+from dynamics.transient.viscous import ViscousDamping, ViscousSystem, viscous_system
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -146,12 +146,9 @@ def transient_motion(
     changes: Sequence[tuple[float, OrderExcitation]] = (),
     loads: Sequence[LoadStep] = (),
     start: Literal["steady", "rest"] = "steady",
-    loss_as: LossAs = "viscous",
-    loss_frequency: float | None = None,
-    magnifier: float | None = None,
-    modal_damping: ArrayLike | None = None,
     step: float | None = None,
     progress: Callable[[float], None] | None = None,
+    **damping: Unpack[ViscousDamping],
 ) -> TransientMotion:
     """Follow the vibration through time while the shaft turns at a given, changing speed.
 
@@ -169,13 +166,13 @@ def transient_motion(
         Torques or forces that come in addition. The speed is given: it does not answer to them.
     start : {"steady", "rest"}
         Whether the motion begins as that at the first speed, kept forever, or from no motion.
-    loss_as, loss_frequency, magnifier, modal_damping
-        As for `viscous_system`.
     step : float, optional
         Longest step, which is also that of the results [s]; by default each covers half a radian of
         the highest order at the highest speed.
     progress : callable, optional
         Told the share that is done, between 0 and 1, every 2000 steps.
+    **damping
+        loss_as, loss_frequency, magnifier, modal_damping, as for `viscous_system`.
 
     Returns
     -------
@@ -194,18 +191,9 @@ def transient_motion(
     Gauss points; changes, points of the speed curve and loads' beginnings and ends lie between
     steps. How stiff the chain is does not bound the step.
     """
-    system = viscous_system(
-        chain_or_system,
-        loss_as=loss_as,
-        loss_frequency=loss_frequency,
-        magnifier=magnifier,
-        modal_damping=modal_damping,
-    )
+    system = viscous_system(chain_or_system, **damping)
     space = StateSpace.of(system.system)
-    if start not in ("steady", "rest"):
-        raise InputError(
-            f"start: given {start!r}; allowed are 'steady' and 'rest', because these starts are known."
-        )
+    check_choice("start", start, ("steady", "rest"), "these starts are known")
     acting = AppliedForces.of(speed, excitation, changes, loads, space.inputs)
     orders = acting.orders
     fastest = float(speed.speeds.max())

@@ -1,19 +1,29 @@
 """A system with viscous damping in place of loss factors, which have no meaning over time."""
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, TypedDict, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import positive_number
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
+from dynamics.response.damping import check_one_of
 from dynamics.response.linear_system import LinearSystem, chain_system
 
 LossAs = Literal["viscous", "modal"]
-LOSS_AS = ("viscous", "modal")
+
+
+class ViscousDamping(TypedDict, total=False):
+    """What `viscous_system` is told of damping, which see."""
+
+    loss_as: LossAs
+    loss_frequency: float | None
+    magnifier: float | None
+    modal_damping: ArrayLike | None
 
 
 @summarized("system.natural", "note")
@@ -82,16 +92,9 @@ def viscous_system(
     system = (
         chain_system(chain_or_system) if isinstance(chain_or_system, Chain) else chain_or_system
     )
-    if loss_as not in LOSS_AS:
-        raise InputError(
-            f"loss_as: given {loss_as!r}; allowed are {' and '.join(LOSS_AS)}, because these are the ways "
-            "to put viscous damping in the place of loss factors."
-        )
-    if magnifier is not None and modal_damping is not None:
-        raise InputError(
-            f"magnifier: given {magnifier!r} together with modal_damping; allowed is one of both, "
-            "because they say the same thing in two ways."
-        )
+    why = "these are the ways to put viscous damping in the place of loss factors"
+    check_choice("loss_as", loss_as, get_args(LossAs), why)
+    check_one_of(magnifier, modal_damping)
     frequency = None
     if loss_frequency is not None:
         frequency = positive_number(
