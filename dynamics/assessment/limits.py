@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,19 +13,10 @@ from crankbase.checks.arrays import (
     positive_vector,
     read_only,
 )
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from crankbase.units.quantity import format_quantity
-from dynamics.plots.quantities import Quantity, quantity_display
-from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.running_limits import within
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 Values = Callable[[FloatArray], FloatArray]
 
@@ -233,53 +223,6 @@ class AmplitudeCurve:
     def peak(self) -> float:
         """Largest value."""
         return float(np.max(self.values))
-
-    def plot(self, axes: "Axes | None" = None, *, quantity: Quantity | None = None) -> "Axes":
-        """Draw the amplitude over the speed.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-            The curve has gaps where the vibration is unbounded.
-
-        Raises
-        ------
-        InputError
-            If the quantity is unknown.
-        """
-        drawn = quantity_display(quantity, "SI")
-        axes = new_axes(axes)
-        draw_named_curves(axes, self.speeds, {self.name: drawn.factor * self.values}, drawn.label)
-        write_title(axes, self.name)
-        return axes
-
-    def to_pandas(self, quantity: Quantity | None = None) -> "DataFrame":
-        """Return speeds and amplitudes.
-
-        Parameters
-        ----------
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
-        unit = quantity_display(quantity, "SI").unit
-        return table({"speed": (self.speeds, "rad/s"), "amplitude": (self.values, unit)})
 
 
 def usage(limit: VibrationLimit, curve: AmplitudeCurve) -> FloatArray:

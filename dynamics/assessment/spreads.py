@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, positive_vector
+from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
@@ -78,10 +79,7 @@ class Spread:
     name: str = ""
 
     def __post_init__(self) -> None:
-        if self.kind not in (*FIELDS, ALL_DAMPING):
-            raise InputError(
-                f"kind: given {self.kind!r}; allowed are {', '.join((*FIELDS, ALL_DAMPING))}."
-            )
+        check_choice("kind", self.kind, (*FIELDS, ALL_DAMPING), "chains have these")
         if self.kind == ALL_DAMPING and self.places is not None:
             raise InputError(
                 f"places: given {self.places} for all damping; allowed are none, because it is that "

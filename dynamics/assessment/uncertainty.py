@@ -14,14 +14,11 @@ from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
 from dynamics.assessment.spreads import FIELDS, Spread, scale_factors, scaled_chain, spread_indices
 from dynamics.chains.chain import Chain
-from dynamics.plots.coordinates import name_axis, number_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from xarray import Dataset
 
 STIFF = ("stiffness", "ground")
 HEAVY = ("inertia", "distributed_inertia")
@@ -123,39 +120,6 @@ class Samples:
         write_title(axes, f"{own.size} samples" + (f", {lost} unbounded" if lost else ""))
         legend_inside(axes)
         return axes
-
-    def to_xarray(self, unit: str = "SI") -> "Dataset":
-        """Return factors over sample and spread, and results over sample and place.
-
-        Parameters
-        ----------
-        unit : str, optional
-            Of the results.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
-        extra = self.values.shape[1:]
-        places = tuple(["place", *(f"place_{n}" for n in range(2, len(extra) + 1))][: len(extra)])
-        names = [spread.name or spread.kind for spread in self.spreads]
-        return grid(
-            {
-                "factors": (("sample", "spread"), self.factors, "1", "factor on the nominal value"),
-                "values": (("sample", *places), self.values, unit, "result"),
-                "nominal": (places, self.nominal, unit, "result with all factors 1"),
-            },
-            {
-                "sample": number_axis(len(self.values), "sample"),
-                "spread": name_axis(names, "what is uncertain"),
-            },
-        )
 
 
 def sampled_factors(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from crankbase.checks.arrays import nonnegative_number
+from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
@@ -90,7 +91,7 @@ class ShaftLine:
         InputError
             If the kind is unknown, or a coupling lacks its stiffness.
         """
-        _check_kind(kind)
+        check_choice("kind", kind, get_args(Motion), "a chain is one of them")
         return sum(_compliance(piece, kind) for piece in self.pieces)
 
     def chain(
@@ -126,12 +127,8 @@ class ShaftLine:
             If a choice is unknown, a coupling lacks its stiffness, or a joint between two couplings
             has no inertia.
         """
-        _check_kind(kind)
-        if inertia not in get_args(Spreading):
-            raise InputError(
-                f"inertia: given {inertia!r}; allowed are consistent and lumped, because these are the "
-                "ways to spread it."
-            )
+        check_choice("kind", kind, get_args(Motion), "a chain is one of them")
+        check_choice("inertia", inertia, get_args(Spreading), "these are the ways to spread it")
         count = whole_number("parts", parts, 1, "a piece is at least one element")
         loss = nonnegative_number("loss_factor", loss_factor, "", "damping takes energy away")
         row = _Row()
@@ -210,10 +207,3 @@ def _compliance(piece: Piece, kind: Motion) -> float:
     if isinstance(piece, ShaftCone):
         return piece.torsional_compliance if kind == "torsional" else piece.axial_compliance
     return 1.0 / piece.stiffness(kind) if isinstance(piece, Coupling) else 0.0
-
-
-def _check_kind(kind: str) -> None:
-    if kind not in get_args(Motion):
-        raise InputError(
-            f"kind: given {kind!r}; allowed are torsional and axial, because a chain is one of them."
-        )

@@ -12,18 +12,15 @@ from crankbase.drawing.diagram_style import COLORS, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.excitation.chain_excitation import axial_throw_forces
 from dynamics.excitation.cylinders import CylinderForces
-from dynamics.plots.coordinates import number_axis, orders_and_speeds
 from dynamics.plots.quantities import KILO
 from dynamics.plots.speed_curves import main_orders_of, set_speed_axis
 from dynamics.response.order_excitation import checked_speed_index
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from xarray import Dataset
 
 
 @summarized("orders", "speeds [rad/s]", "alone [N]", "in_shaft [N]")
@@ -137,40 +134,6 @@ class AxialForceComparison:
         write_title(axes, f"Axial force of throw {throw}")
         legend_inside(axes)
         return axes
-
-    def to_xarray(self) -> "Dataset":
-        """Return complex forces over order, speed and throw, and their work on the mode shapes.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
-        over, modal = ("order", "speed", "throw"), ("order", "speed", "mode")
-        return grid(
-            {
-                "alone": (over, self.alone, "N", "axial force of the throw alone"),
-                "in_shaft": (over, self.in_shaft, "N", "axial force in the shaft"),
-                "modal_alone": (modal, self.modal_alone, "N", "modal force, throws alone"),
-                "modal_in_shaft": (modal, self.modal_in_shaft, "N", "modal force in the shaft"),
-                "difference": (
-                    ("order", "speed"),
-                    self.difference,
-                    "1",
-                    "largest difference over the throws, as a share",
-                ),
-            },
-            {
-                **orders_and_speeds(self.orders, self.speeds),
-                "throw": number_axis(self.alone.shape[2], "throw, from the free end"),
-                "mode": number_axis(len(self.shapes), "mode"),
-            },
-        )
 
 
 def compare_axial_forces(

@@ -160,8 +160,8 @@ class CylinderForces:
         check_choice("show", show, ("tangential", "radial"), "these are the forces on a crankpin")
         most = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")
         phasors = self.tangential if show == "tangential" else self.radial
-        axes = new_axes(axes)
         sizes = KILO * np.abs(phasors[:, :, cylinder - 1])
+        axes = new_axes(axes)
         draw_orders(axes, self.speeds, self.orders, sizes, most)
         set_speed_axis(axes, self.speeds)
         axes.set_ylim(bottom=0.0)

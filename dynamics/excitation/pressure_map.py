@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,7 @@ from crankbase.checks.arrays import (
     read_only,
     turning_speeds,
 )
+from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_below, write_title
 from crankbase.errors import InputError
@@ -351,11 +352,7 @@ def pressure_map(
     ]
     if not given:
         raise InputError("points: given none; allowed are one or more, because a map has diagrams.")
-    if method not in ("cubic", "linear"):
-        raise InputError(
-            f'method: given {method!r}; allowed are "cubic" and "linear", because these are the '
-            "ways between the diagrams."
-        )
+    check_choice("method", method, get_args(Method), "these are the ways between the diagrams")
     strokes = {diagram.strokes for _, _, diagram in given}
     if len(strokes) > 1:
         raise InputError(

@@ -16,17 +16,14 @@ from crankbase.checks.arrays import (
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name
-from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, quantity_display
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.series import DrawnBeside, OrderSeries
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from xarray import Dataset
 
 
 @summarized("elastic.orders", "elastic.speeds [rad/s]", "elastic.names")
@@ -96,55 +93,8 @@ class ElementLoads:
         series: OrderSeries = getattr(self, part)
         return series.draw(axes, element, shown, "element", **drawn)
 
-    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
-        """Return the complex loads of elements, nodes to ground and dashpots, with ``unbounded``.
 
-        Parameters
-        ----------
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-            Loads are infinite where the vibration is unbounded.
-        """
-        unit = quantity_display(quantity, "N m or N").unit
-        found = {
-            part: (
-                ("order", "speed", over),
-                infinite_where_unbounded(getattr(self, part).values, self.elements.unbounded),
-                unit,
-                words,
-            )
-            for part, (over, words) in PARTS.items()
-        }
-        first = self.elements
-        unbounded = (("order", "speed"), first.unbounded, "1", "no steady vibration")
-        return grid(
-            {**found, "unbounded": unbounded},
-            {
-                **orders_and_speeds(first.orders, first.speeds),
-                "element": name_axis(first.names, "element"),
-                "node": name_axis(self.ground.names, "node"),
-                "dashpot": name_axis(self.dashpots.names, "dashpot"),
-            },
-        )
-
-
-# The place that each part has in a grid, and its name in words.
-PARTS = {
-    "elastic": ("element", "load that strains the element"),
-    "elements": ("element", "load that the element passes on"),
-    "ground": ("node", "load passed on to ground"),
-    "dashpots": ("dashpot", "load that the dashpot passes on"),
-}
+PARTS = ("elastic", "elements", "ground", "dashpots")
 
 
 def element_loads(response: ForcedResponse) -> ElementLoads:

@@ -15,21 +15,16 @@ from crankbase.checks.arrays import (
     positive_vector,
     read_only,
 )
-from crankbase.checks.scalars import whole_number, whole_within
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.harmonics import Harmonics
-from dynamics.indices import node_index
 from dynamics.plots.coordinates import orders_and_speeds
 from dynamics.plots.quantities import Quantity, quantity_display
-from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis
 from dynamics.response.over_speed import OverSpeed
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from xarray import Dataset
 
 # Room for the round-off of a speed at the end of a range.
@@ -163,49 +158,6 @@ class OrderExcitation:
                 "by one."
             )
         return OrderExcitation(self.orders, self.speeds, self.forces + other.forces)
-
-    def plot(
-        self,
-        axes: "Axes | None" = None,
-        node: int = 0,
-        *,
-        quantity: Quantity | None = None,
-        main_orders: int = MAIN_ORDERS,
-    ) -> "Axes":
-        """Draw the amplitudes of one node's main orders over the speed.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
-        node : int, optional
-            From 0.
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
-        main_orders : int, optional
-            How many orders, those with the largest peaks.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            If there is no such node or quantity, or the number of orders is not 1 or more.
-        """
-        place = node_index("node", node, self.forces.shape[2])
-        drawn = quantity_display(quantity, "N m or N", "alternating load")
-        count = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")
-        axes = new_axes(axes)
-        sizes = drawn.factor * np.abs(self.forces[:, :, place])
-        draw_orders(axes, self.speeds, self.orders, sizes, count)
-        set_speed_axis(axes, self.speeds)
-        axes.set_ylim(bottom=0.0)
-        axes.set_ylabel(drawn.label)
-        write_title(axes, f"Excitation of node {place}")
-        legend_inside(axes)
-        return axes
 
     def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
         """Return complex ``forces`` over order, speed and node.

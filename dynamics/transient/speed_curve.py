@@ -20,14 +20,12 @@ from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import SPEED_LABEL
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 
 @summarized("times [s]", "speeds [rad/s]", "duration [s]")
@@ -236,24 +234,3 @@ class SpeedCurve:
         draw_over_time(axes, self.times, {"speed": RPM * self.speeds}, SPEED_LABEL)
         write_title(axes, "Speed over time")
         return axes
-
-    def to_pandas(self) -> "DataFrame":
-        """Return times, speeds and shaft angles at the values given.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
-        return table(
-            {
-                "time": (self.times, "s"),
-                "speed": (self.speeds, "rad/s"),
-                "shaft_angle": (self._angles, "rad"),
-            }
-        )
