@@ -1,6 +1,8 @@
 """Limits of torsional stress that can be picked: those of classification rules, with their source."""
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Literal, get_args
 
 import numpy as np
@@ -282,3 +284,10 @@ def crankshaft_material_factors(
         )
     kept = 1.0 + 2.0 / 3.0 * (max(strength, BASE_STRENGTH) / BASE_STRENGTH - 1.0)
     return kept, max(limit, BASE_YIELD) / BASE_YIELD
+
+
+CRANKSHAFT_RULES: dict[str, Callable[..., VibrationLimit]] = {
+    "KR main engine": crankshaft_limit,
+    "KR generator set": partial(generator_set_limit, part="crankshaft"),
+}
+"""Rules for crankshafts by name; called with what `crankshaft_limit` is, by the same names."""
