@@ -12,7 +12,7 @@ from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
 from dynamics.chains.chain import Chain
-from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
+from dynamics.chains.dampers import AxialDamper, TorsionalDamper
 from dynamics.plots.quantities import in_unit
 from dynamics.plots.speed_curves import draw_named_curves
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from pandas import DataFrame
 
-Damper = ViscousDamper | RubberDamper | AxialDamper
+Damper = TorsionalDamper | AxialDamper
 
 
 @summarized("damper", "used", "used_without", "reached", "sizes")

@@ -59,11 +59,8 @@ class ShaftLimitInput(InputModel):
 
     @model_validator(mode="after")
     def _known(self) -> Self:
-        if self.feature not in SHAFT_FEATURES:
-            raise InputError(
-                f"limits.shafts.feature: given {self.feature!r}; allowed are "
-                f"{', '.join(SHAFT_FEATURES)}, because the rule gives a factor for these."
-            )
+        why = "the rule gives a factor for these"
+        check_choice("limits.shafts.feature", self.feature, SHAFT_FEATURES, why)
         return self
 
     def limit(self, rated_speed: float) -> VibrationLimit:
