@@ -116,27 +116,6 @@ class Spread:
         """
         return cls(kind, 1.0 - share, 1.0 + share, places, name)
 
-    @classmethod
-    def of_values(
-        cls,
-        kind: Kind,
-        nominal: float,
-        values: ArrayLike,
-        places: tuple[int | str, ...] | None = None,
-        name: str = "",
-    ) -> "Spread":
-        """Make a spread that covers other values beside the nominal one, as those of formulas.
-
-        Raises
-        ------
-        InputError
-            If a value is not above zero.
-        """
-        others = positive_vector("values", np.append(values, nominal), "", "they are sizes")
-        return cls(
-            kind, float(np.min(others)) / nominal, float(np.max(others)) / nominal, places, name
-        )
-
 
 def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) -> Chain:
     """Return a chain with its values multiplied by factors.

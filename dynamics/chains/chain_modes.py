@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray, read_only
+from crankbase.checks.arrays import FloatArray
 from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
@@ -234,59 +234,7 @@ def scaled(shapes: FloatArray) -> FloatArray:
     return np.asarray(shapes * (signs / largest))
 
 
-def assemble_modes(
-    angular_frequencies: FloatArray,
-    shapes: FloatArray,
-    names: tuple[str, ...],
-    mass: FloatArray,
-    stiffness: FloatArray,
-    rows: FloatArray,
-    pairs: tuple[tuple[int, int], ...],
-    is_row: bool,
-    expand: FloatArray,
-    node_names: tuple[str, ...],
-) -> Modes:
-    """Assemble modes with what follows from their shapes.
-
-    Parameters
-    ----------
-    angular_frequencies, shapes, names
-        (q,), (n, q) scaled, (q,).
-    mass, stiffness : ndarray of shape (n, n)
-        Of the nodes.
-    rows : ndarray of shape (e + n, n)
-        Root of stiffness times elongation of each element, then of each connection to ground.
-    pairs : tuple of e pairs of int
-    is_row : bool
-        Whether the elements join neighbors one after the other.
-    expand : ndarray of shape (n, q)
-        Motion of the nodes per motion of the unknowns that gears leave.
-    node_names : tuple of n str
-    """
-    inertia_forces = mass @ shapes
-    modal_inertia = np.sum(shapes * inertia_forces, axis=0)
-    energies = (rows @ shapes) ** 2
-    rigid = int(np.count_nonzero(angular_frequencies == 0.0))
-    energies[:, :rigid] = 0.0
-    strain = np.sum(energies, axis=0)
-    strain[:rigid] = 1.0
-    positions = _row_zero_crossings if is_row else _pair_zero_crossings
-    return Modes(
-        angular_frequencies=read_only(np.array(angular_frequencies)),
-        shapes=read_only(shapes),
-        rigid=rigid,
-        node_positions=tuple(positions(shape, pairs) for shape in shapes.T),
-        residual=_residual(angular_frequencies, shapes, mass, stiffness, expand),
-        names=names,
-        modal_inertia=read_only(modal_inertia),
-        kinetic_shares=read_only(shapes * inertia_forces / modal_inertia),
-        strain_shares=read_only(energies / strain),
-        node_names=node_names,
-        connections=pairs,
-    )
-
-
-def _residual(
+def eigen_residual(
     frequencies: FloatArray,
     shapes: FloatArray,
     mass: FloatArray,
@@ -303,7 +251,7 @@ def _residual(
     return float(np.max(np.linalg.norm(force / root, axis=0) / sizes) / highest)
 
 
-def _row_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) -> tuple[float, ...]:
+def row_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) -> tuple[float, ...]:
     """Return where a mode shape crosses zero in a row, in element indices, by interpolation.
 
     A displacement of zero at a node, between neighbors that move, counts once, at that node. One
@@ -323,9 +271,7 @@ def _row_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) -
     return tuple(positions)
 
 
-def _pair_zero_crossings(
-    shape: FloatArray, pairs: tuple[tuple[int, int], ...]
-) -> tuple[float, ...]:
+def pair_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) -> tuple[float, ...]:
     """Return where a mode shape crosses zero inside the elements of a branched chain."""
     return tuple(
         float(number + shape[left] / (shape[left] - shape[right]))

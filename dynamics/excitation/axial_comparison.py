@@ -65,15 +65,6 @@ class AxialForceComparison:
         """
         return _relative(self.alone - self.in_shaft, self.in_shaft)
 
-    @property
-    def modal_difference(self) -> FloatArray:
-        """Difference of the amplitudes of modal forces, as a share of that in the shaft (K, S, q).
-
-        Positive where the throws alone give more; zero where both are none.
-        """
-        own, shaft = np.abs(self.modal_alone), np.abs(self.modal_in_shaft)
-        return _divided(own - shaft, shaft)
-
     def columns(self, speed_index: int) -> dict[str, FloatArray]:
         """Return a table over the orders at one of the speeds, units in the names, each (K,).
 

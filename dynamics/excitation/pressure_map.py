@@ -131,12 +131,12 @@ class PressureMap:
         """
         asked = np.atleast_1d(turning_speeds("speeds", speeds))
         along = axis_weights("speed", self.speeds, asked, self.method)
+        if self.loads is None and load is not None:
+            raise InputError(
+                "load: given for a pressure map with one diagram at each speed; allowed is none, "
+                "because the speed says the load there."
+            )
         if self.loads is None or (self.loads.size == 1 and load is None):
-            if self.loads is None and load is not None:
-                raise InputError(
-                    "load: given for a pressure map with one diagram at each speed; allowed is none, "
-                    "because the speed says the load there."
-                )
             return self._positive(along, asked)
         if load is None:
             raise InputError(
@@ -256,15 +256,9 @@ class PressureMap:
 
         # From dark to light by speed, which a few colors in turn would not tell.
         shades = np.linspace(0.0, LIGHTEST, len(curves))
-        axes = new_axes(axes)
-        draw_over_angle(
-            axes,
-            self._angles(),
-            curves,
-            "absolute pressure [MPa]",
-            angle_label=FROM_FIRING,
-            colors=list(colormaps["viridis"](shades)),
-        )
+        colors = list(colormaps["viridis"](shades))
+        axes, label = new_axes(axes), "absolute pressure [MPa]"
+        draw_over_angle(axes, self._angles(), curves, label, angle_label=FROM_FIRING, colors=colors)
         axes.set_ylim(bottom=0.0)
         at_load = "" if self.loads is None else f" at load {self.loads[place]:g}"
         write_title(axes, f"Gas pressure{at_load}")

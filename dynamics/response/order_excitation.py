@@ -136,29 +136,6 @@ class OrderExcitation:
             )
         return OverSpeed.of(self.speeds, self.forces).at(order_index, np.clip(speeds, low, high))
 
-    def __add__(self, other: "OrderExcitation") -> "OrderExcitation":
-        """Return both excitations acting together.
-
-        Raises
-        ------
-        InputError
-            If orders, speeds or the number of nodes differ.
-        """
-        if not isinstance(other, OrderExcitation):
-            return NotImplemented
-        same = (
-            np.array_equal(self.orders, other.orders)
-            and np.array_equal(self.speeds, other.speeds)
-            and self.forces.shape == other.forces.shape
-        )
-        if not same:
-            raise InputError(
-                f"excitation: given two of shapes {self.forces.shape} and {other.forces.shape}; "
-                "allowed are two with the same orders, speeds and nodes, because they are added one "
-                "by one."
-            )
-        return OrderExcitation(self.orders, self.speeds, self.forces + other.forces)
-
     def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
         """Return complex ``forces`` over order, speed and node.
 
