@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,15 +9,11 @@ from crankbase.checks.arrays import FloatArray
 from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
+from crankbase.library_types import Axes, DataFrame, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
 from dynamics.plots.coordinates import name_axis
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
-    from xarray import Dataset
 
 # A displacement below this share of both next to it is zero.
 ZERO_DISPLACEMENT = 1e-11
@@ -98,7 +93,7 @@ class Modes:
         ]
         return (*joined, *(f"{name} - ground" for name in self.node_names))
 
-    def plot(self, axes: "Axes | None" = None, *, count: int = 3) -> "Axes":
+    def plot(self, axes: Axes | None = None, *, count: int = 3) -> Axes:
         """Draw the shapes of the first elastic modes over the nodes.
 
         Parameters
@@ -133,7 +128,7 @@ class Modes:
         write_title(axes, "Mode shapes")
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return one row for each mode: name, frequency, number of nodes, modal inertia.
 
         Returns
@@ -156,7 +151,7 @@ class Modes:
             }
         )
 
-    def to_xarray(self) -> "Dataset":
+    def to_xarray(self) -> Dataset:
         """Return shapes and energy shares over mode, node and spring, with the frequencies.
 
         Returns
@@ -169,18 +164,13 @@ class Modes:
         MissingLibraryError
             If xarray is not installed.
         """
-        over = ("node", "mode")
+        over, of_springs = ("node", "mode"), ("spring", "mode")
         return grid(
             {
                 "frequency": (("mode",), self.frequencies, "Hz", "natural frequency"),
                 "shapes": (over, self.shapes, "1", "relative displacement"),
                 "kinetic_shares": (over, self.kinetic_shares, "1", "share of kinetic energy"),
-                "strain_shares": (
-                    ("spring", "mode"),
-                    self.strain_shares,
-                    "1",
-                    "share of strain energy",
-                ),
+                "strain_shares": (of_springs, self.strain_shares, "1", "share of strain energy"),
                 "modal_inertia": (("mode",), self.modal_inertia, "kg m^2 or kg", "modal inertia"),
             },
             {

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+import numpy as np
+
 from crankbase.checks.arrays import nonnegative_number
 from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number
@@ -153,10 +155,8 @@ class _Row:
     def __init__(self) -> None:
         self.inertia, self.ground_damping = [0.0], [0.0]
         self.names: list[list[str]] = [[]]
-        self.stiffness: list[float] = []
-        self.damping: list[float] = []
-        self.loss_factor: list[float] = []
-        self.spread: list[float] = []
+        # Of each element: stiffness, damping, loss factor, inertia spread along it.
+        self.elements: list[tuple[float, float, float, float]] = []
 
     def add_shaft(self, part: ShaftCone, kind: Motion, loss: float, *, lumped: bool) -> None:
         own = part.polar_inertia if kind == "torsional" else part.mass
@@ -178,13 +178,14 @@ class _Row:
             self.ground_damping[-1] += piece.damping if kind == "torsional" else piece.axial_damping
 
     def chain(self, name: str) -> Chain:
+        stiffness, damping, loss_factor, spread = np.array(self.elements).reshape(-1, 4).T
         return Chain(
             self.inertia,
-            self.stiffness,
-            damping=self.damping,
-            loss_factor=self.loss_factor,
+            stiffness,
+            damping=damping,
+            loss_factor=loss_factor,
             ground_damping=self.ground_damping,
-            distributed_inertia=self.spread,
+            distributed_inertia=spread,
             names=[
                 ", ".join(own) if own else f"{name} {number}"
                 for number, own in enumerate(self.names)
@@ -194,10 +195,7 @@ class _Row:
     def _element(
         self, stiffness: float, damping: float, loss: float, spread: float, right: float
     ) -> None:
-        self.stiffness.append(stiffness)
-        self.damping.append(damping)
-        self.loss_factor.append(loss)
-        self.spread.append(spread)
+        self.elements.append((stiffness, damping, loss, spread))
         self.inertia.append(right)
         self.ground_damping.append(0.0)
         self.names.append([])

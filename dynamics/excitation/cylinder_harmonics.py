@@ -176,7 +176,9 @@ def cylinder_harmonics(
     sources: tuple[GasSource, ...] = ()
     if pressure is not None:
         sources = gas_sources(engine, pressure, misfire, motored)
-        _check_resolved(asked, engine.strokes, sources)
+        known = [source.samples for source in sources if source.samples is not None]
+        if known:
+            order_indices(asked, engine.strokes, min(known), "the pressure diagrams")
         per_force = _pin_forces(mechanism_forces(engine, angles, 0.0, 1.0, model=model))
         gas = tuple(
             _gas_phasors(engine, place, source, angles, per_force[place], under)[:, kept]
@@ -259,9 +261,3 @@ def _inertia_phasors(engine: EngineLayout, orders: FloatArray, model: RodModelNa
     found[0] = forces[..., 0]
     found[1 + whole] = np.moveaxis(forces[..., orders[whole].astype(np.int64)], -1, 0)
     return found
-
-
-def _check_resolved(orders: FloatArray, strokes: int, sources: Sequence[GasSource]) -> None:
-    known = [source.samples for source in sources if source.samples is not None]
-    if known:
-        order_indices(orders, strokes, min(known), "the pressure diagrams")

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, get_args
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,7 @@ from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_below, write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
@@ -38,10 +39,6 @@ from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
 from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import MEGA
 from dynamics.response.order_excitation import checked_speeds
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 # Lightest color that a curve has, of a scale from dark (0) to nearly white (1); columns of the legend.
 LIGHTEST, LEGEND_COLUMNS = 0.85, 4
@@ -217,8 +214,8 @@ class PressureMap:
         return np.array([diagram.at(angles) for diagram in self.diagrams])
 
     def plot(
-        self, axes: "Axes | None" = None, *, speed: float | None = None, load: float | None = None
-    ) -> "Axes":
+        self, axes: Axes | None = None, *, speed: float | None = None, load: float | None = None
+    ) -> Axes:
         """Draw the map's diagrams over the crank angle at one load, or the one at a speed and load.
 
         Parameters
@@ -280,7 +277,7 @@ class PressureMap:
             )
         return int(near[0])
 
-    def to_xarray(self) -> "Dataset":
+    def to_xarray(self) -> Dataset:
         """Return ``pressure`` over speed, load (if the map has several for each) and crank angle.
 
         Returns

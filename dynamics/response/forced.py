@@ -2,28 +2,25 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Unpack
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
 from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, quantity_display
-from dynamics.response.damping import DampedChain, check_one_of
+from dynamics.response.damping import DampedChain
 from dynamics.response.harmonic import Method, harmonic_response
 from dynamics.response.linear_system import LinearSystem, chain_system
 from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.series import DrawnBeside, OrderSeries
 from dynamics.response.synthesis import Synthesis
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 
 @summarized("orders", "speeds [rad/s]", "amplitude", "names", "method")
@@ -102,13 +99,13 @@ class ForcedResponse:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         node: int | str = 0,
         *,
         quantity: Quantity | None = None,
         elastic: bool = True,
         **drawn: Unpack[DrawnBeside],
-    ) -> "Axes":
+    ) -> Axes:
         """Draw one node's main orders, their synthesis and their plain sum over the speed.
 
         Parameters
@@ -137,7 +134,7 @@ class ForcedResponse:
         series = self.elastic if elastic else self.nodes
         return series.draw(axes, node, quantity_display(quantity, "rad or m"), "node", **drawn)
 
-    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
+    def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``motion``, ``elastic`` and ``unbounded`` over order, speed and node.
 
         Parameters
@@ -208,11 +205,7 @@ def forced_response(
         or one of them is out of range.
     """
     chain, system = _chain_and_system(chain_or_system)
-    check_one_of(magnifier, modal_damping)
-    if magnifier is not None:
-        system = system.with_magnifier(magnifier)
-    if modal_damping is not None:
-        system = system.with_modal_damping(modal_damping)
+    system = system.with_added_damping(magnifier, modal_damping)
     nodes = len(system.expand)
     if excitation.forces.shape[2] != nodes:
         raise InputError(

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Unpack
+from typing import Literal, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,15 +15,13 @@ from crankbase.checks.arrays import (
 )
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
+from crankbase.library_types import Axes
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name
 from dynamics.plots.quantities import Quantity, quantity_display
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.series import DrawnBeside, OrderSeries
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 @summarized("elastic.orders", "elastic.speeds [rad/s]", "elastic.names")
@@ -57,13 +55,13 @@ class ElementLoads:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         element: int | str = 0,
         *,
         quantity: Quantity | None = None,
         part: Literal["elastic", "elements", "ground", "dashpots"] = "elastic",
         **drawn: Unpack[DrawnBeside],
-    ) -> "Axes":
+    ) -> Axes:
         """Draw one element's main orders, their synthesis and their plain sum over the speed.
 
         Parameters

@@ -1,7 +1,6 @@
 """Exciting forces by orders over a range of speeds."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,15 +16,13 @@ from crankbase.checks.arrays import (
 )
 from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
+from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.harmonics import Harmonics
 from dynamics.plots.coordinates import orders_and_speeds
 from dynamics.plots.quantities import Quantity, quantity_display
 from dynamics.response.over_speed import OverSpeed
-
-if TYPE_CHECKING:
-    from xarray import Dataset
 
 # Room for the round-off of a speed at the end of a range.
 ROOM = 1e-12
@@ -136,7 +133,7 @@ class OrderExcitation:
             )
         return OverSpeed.of(self.speeds, self.forces).at(order_index, np.clip(speeds, low, high))
 
-    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
+    def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``forces`` over order, speed and node.
 
         Parameters

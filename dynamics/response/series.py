@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,7 @@ from crankbase.drawing.curves import Curves
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.indices import index_of_name
@@ -23,10 +24,6 @@ from dynamics.plots.speed_curves import MAIN_ORDERS, draw_over_speed, over_speed
 from dynamics.response.drawn_limits import checked_barred, checked_limits
 from dynamics.response.order_excitation import at_angles, checked_speed_index
 from dynamics.response.synthesis import Synthesis, synthesis
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 
 class DrawnBeside(TypedDict, total=False):
@@ -119,12 +116,12 @@ class OrderSeries:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         place: int | str = 0,
         *,
         quantity: Quantity | None = None,
         **drawn: Unpack[DrawnBeside],
-    ) -> "Axes":
+    ) -> Axes:
         """Draw one place's main orders, their synthesis and their plain sum over the speed.
 
         Parameters
@@ -152,12 +149,12 @@ class OrderSeries:
 
     def draw(
         self,
-        axes: "Axes | None",
+        axes: Axes | None,
         place: int | str,
         quantity: QuantityDisplay,
         field: str = "place",
         **drawn: Unpack[DrawnBeside],
-    ) -> "Axes":
+    ) -> Axes:
         """Draw one place as `plot` does, with its quantity's unit; `field` names the place."""
         number = index_of_name(
             field, place, self.names, "the series", "one curve is that of one place"
@@ -186,7 +183,7 @@ class OrderSeries:
             **more,
         )
 
-    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
+    def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``values`` and ``unbounded`` over order, speed and place.
 
         Parameters

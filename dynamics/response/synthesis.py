@@ -183,15 +183,13 @@ def _peaks(multiples: NDArray[np.int64], phasors: ComplexArray, samples: FloatAr
     angle = start.copy()
     waves = phasors[:, row]
     found = samples[row, column].copy()
-    for _ in range(NEWTON_STEPS):
+    for _ in range(NEWTON_STEPS + 1):
         terms = waves * np.exp(1j * np.outer(multiples, angle))
         found = np.maximum(found, terms.real.sum(axis=0))
         slope = -(multiples @ terms.imag)
         bend = -(multiples.astype(np.float64) ** 2 @ terms.real)
         move = np.divide(slope, -bend, out=np.zeros_like(slope), where=bend < 0.0)
         angle = np.clip(angle + move, start - step, start + step)
-    terms = waves * np.exp(1j * np.outer(multiples, angle))
-    found = np.maximum(found, terms.real.sum(axis=0))
     highest: FloatArray = top.copy()
     np.maximum.at(highest, row, found)
     return highest

@@ -1,18 +1,16 @@
 """Which node or element of a run a diagram shows, and in which unit."""
 
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
+from crankbase.library_types import Dataset
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name
 from dynamics.plots.coordinates import Coordinate, name_axis
 from dynamics.plots.quantities import MOVING, SI_UNITS
-
-if TYPE_CHECKING:
-    from xarray import Dataset
 
 Moving: TypeAlias = Literal["torque", "force", "twist", "displacement"]
 OF_ELEMENTS = ("torque", "force")
@@ -123,7 +121,7 @@ def motion_grid(
     quantity: Moving | None,
     words: str = "motion",
     **more: Any,
-) -> "Dataset":
+) -> Dataset:
     """Return motions (m, n) and torques (m, e) as arrays over node or element and one axis more.
 
     Parameters

@@ -1,6 +1,6 @@
 """What all motions that repeat with the cycle of a shaft show alike."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,16 +9,13 @@ from crankbase.checks.arrays import ComplexArray, FloatArray, finite_array
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, Dataset
 from crankbase.units.quantity import format_quantity
 from dynamics.chains.chain import Chain
 from dynamics.plots.angle_curves import draw_over_angle
 from dynamics.plots.coordinates import angle_axis
 from dynamics.transient.curve_selection import Moving, motion_grid, select_curve
 from dynamics.transient.envelope import half_peak_to_peak
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 # Samples between samples among which extremes over a cycle are looked for.
 FINER = 4
@@ -57,8 +54,8 @@ class CycleMotion:
         return self._phasors(orders, self.torque)
 
     def plot(
-        self, axes: "Axes | None" = None, place: int | str = 0, *, quantity: Moving = "torque"
-    ) -> "Axes":
+        self, axes: Axes | None = None, place: int | str = 0, *, quantity: Moving = "torque"
+    ) -> Axes:
         """Draw one element or node over the shaft angle of the cycle.
 
         Parameters
@@ -96,7 +93,7 @@ class CycleMotion:
         """Return what vibrates, and the mean speed of the shaft [rad/s]."""
         raise NotImplementedError
 
-    def _grid(self, quantity: Moving | None, **more: Any) -> "Dataset":
+    def _grid(self, quantity: Moving | None, **more: Any) -> Dataset:
         """Return what all cycles have and `more`, over shaft angle, node and element."""
         chain, _ = self._chain_and_speed()
         axis = {"shaft_angle": angle_axis(self.shaft_angle)}

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes
 from crankbase.summaries import summarized
 from crankbase.units.units import RPM
 from dynamics.indices import node_index
@@ -19,9 +20,6 @@ from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import MOVING
 from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.transient.curve_selection import OF_ELEMENTS, Moving
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 @summarized("turns", "time [s]", "speed [rad/s]", "motion", "torque")
@@ -51,12 +49,12 @@ class Envelope:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         place: int = 0,
         *,
         quantity: Moving = "torque",
         over: Literal["speed", "time"] = "speed",
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the amplitude of one element or node over the speed or the time.
 
         Parameters

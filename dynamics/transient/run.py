@@ -3,13 +3,14 @@
 import contextlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, Unpack
+from typing import Literal, Unpack
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
+from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.response.linear_system import LinearSystem
@@ -29,9 +30,6 @@ from dynamics.transient.shaft_run import ShaftRun
 from dynamics.transient.speed_curve import SpeedCurve
 from dynamics.transient.steady import spring_torques, steady_from
 from dynamics.transient.viscous import ViscousDamping, ViscousSystem, viscous_system
-
-if TYPE_CHECKING:
-    from xarray import Dataset
 
 # Steps between two reports of progress.
 STRETCH = 2000
@@ -112,7 +110,7 @@ class TransientMotion(ShaftRun):
         """
         return self._envelope(self.motion + self.rigid_motion if rigid else self.motion, turns)
 
-    def to_xarray(self, quantity: Moving | None = None) -> "Dataset":
+    def to_xarray(self, quantity: Moving | None = None) -> Dataset:
         """Return speed, angle, motions and torques over time, node and element.
 
         Parameters

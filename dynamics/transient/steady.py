@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Unpack
+from typing import Unpack
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.checks.scalars import whole_number
+from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
@@ -23,9 +24,6 @@ from dynamics.transient.order_forces import (
 )
 from dynamics.transient.propagator import PLACES, Propagator, StateSpace
 from dynamics.transient.viscous import ViscousDamping, ViscousSystem, viscous_system
-
-if TYPE_CHECKING:
-    from xarray import Dataset
 
 # An undamped mode that comes round within this share of a whole number of its periods, while forces
 # go on driving it there, answers without bounds; as in `harmonic_answer`.
@@ -77,7 +75,7 @@ class SteadyMotion(CycleMotion):
         """Time from shaft angle zero [s], shape (m,)."""
         return self.shaft_angle / self.speed
 
-    def to_xarray(self, quantity: Moving | None = None) -> "Dataset":
+    def to_xarray(self, quantity: Moving | None = None) -> Dataset:
         """Return motions and torques over shaft angle, node and element.
 
         Parameters

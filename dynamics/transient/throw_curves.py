@@ -1,7 +1,7 @@
 """Inertia of rods and pistons, and torque of gas, of each throw as functions of its own angle."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -72,13 +72,7 @@ class ThrowCurves:
 
     def with_constant_inertia(self) -> "ThrowCurves":
         """Return the same with the inertia at its mean."""
-        return ThrowCurves(
-            self.orders,
-            self.inertia_mean,
-            np.zeros_like(self.inertia),
-            self.torque_mean,
-            self.torque,
-        )
+        return replace(self, inertia=np.zeros_like(self.inertia))
 
     def with_torque(
         self, mean: FloatArray, orders: FloatArray, phasors: ComplexArray

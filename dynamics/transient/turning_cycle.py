@@ -2,13 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
+from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
@@ -17,9 +17,6 @@ from dynamics.transient.order_forces import cycle_turns
 from dynamics.transient.steady import spring_torques
 from dynamics.transient.turning_chain import TurningChain
 from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
-
-if TYPE_CHECKING:
-    from xarray import Dataset
 
 # The cycle closes to this share of the sizes of motion, after so many trials at most.
 CLOSED = 1e-7
@@ -84,7 +81,7 @@ class TurningCycle(CycleMotion):
     def _chain_and_speed(self) -> tuple[Chain | None, float]:
         return self.chain.system.chain, self.mean_speed
 
-    def to_xarray(self) -> "Dataset":
+    def to_xarray(self) -> Dataset:
         """Return motions and torques over shaft angle, node and element.
 
         Returns

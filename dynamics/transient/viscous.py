@@ -11,7 +11,6 @@ from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
-from dynamics.response.damping import check_one_of
 from dynamics.response.linear_system import LinearSystem, chain_system
 
 LossAs = Literal["viscous", "modal"]
@@ -88,13 +87,12 @@ def viscous_system(
     elsewhere. The mode of natural frequency w_r and shape x_r has the loss factor
     x_r' H x_r / (w_r^2 x_r' M x_r).
     """
-    chain = chain_or_system if isinstance(chain_or_system, Chain) else None
-    system = (
-        chain_system(chain_or_system) if isinstance(chain_or_system, Chain) else chain_or_system
-    )
+    if isinstance(chain_or_system, Chain):
+        chain, system = chain_or_system, chain_system(chain_or_system)
+    else:
+        chain, system = None, chain_or_system
     why = "these are the ways to put viscous damping in the place of loss factors"
     check_choice("loss_as", loss_as, get_args(LossAs), why)
-    check_one_of(magnifier, modal_damping)
     frequency = None
     if loss_frequency is not None:
         frequency = positive_number(
@@ -106,11 +104,7 @@ def viscous_system(
                 "because there each mode takes its own frequency."
             )
     replaced, note = _without_loss(system, loss_as, frequency)
-    if magnifier is not None:
-        replaced = replaced.with_magnifier(magnifier)
-    if modal_damping is not None:
-        replaced = replaced.with_modal_damping(modal_damping)
-    return ViscousSystem(replaced, chain, note)
+    return ViscousSystem(replaced.with_added_damping(magnifier, modal_damping), chain, note)
 
 
 def _without_loss(

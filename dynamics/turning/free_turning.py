@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +19,7 @@ from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
@@ -30,10 +31,6 @@ from dynamics.plots.quantities import KILO
 from dynamics.running_limits import MOST_TURNS, run_time, too_many_turns
 from dynamics.turning.piston_gas import Gas
 from dynamics.turning.shaft_moments import Resistance, ShaftMoments, shaft_moments
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 # Of the integration, relative; absolute ones are this share of a radian, start speed and energy.
 TOLERANCE = 1e-11
@@ -110,8 +107,8 @@ class FreeTurning:
         return worst / largest if largest > 0.0 else 0.0
 
     def plot(
-        self, axes: "Axes | None" = None, *, show: Literal["speed", "moment", "work"] = "speed"
-    ) -> "Axes":
+        self, axes: Axes | None = None, *, show: Literal["speed", "moment", "work"] = "speed"
+    ) -> Axes:
         """Draw the speed over the time, or the moments or works of all causes.
 
         Parameters
@@ -141,7 +138,7 @@ class FreeTurning:
         write_title(axes, "What drives and brakes the shaft")
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return a row for each time: angle, speed, energy, moments and works.
 
         Returns
