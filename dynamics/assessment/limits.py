@@ -308,15 +308,35 @@ def checked_running_range(running_range: tuple[float, float]) -> tuple[float, fl
     InputError
         If they are not two speeds above zero, the lowest first.
     """
-    ends = positive_vector(
-        "running_range", running_range, "rad/s", "it is that of a turning engine"
+    allowed = (
+        "the lowest and then the highest running speed, because limits and margins refer to both"
     )
-    if ends.size != 2 or not ends[0] <= ends[1]:
-        raise InputError(
-            f"running_range: given ({', '.join(f'{end:g}' for end in ends)}) rad/s; allowed are the "
-            "lowest and then the highest running speed, because limits and margins refer to both."
-        )
-    return float(ends[0]), float(ends[1])
+    of = "it is that of a turning engine"
+    return positive_range("running_range", running_range, "rad/s", of, allowed)
+
+
+def positive_range(
+    field: str, ends: ArrayLike, unit: str, of: str, allowed: str
+) -> tuple[float, float]:
+    """Return the ends of a range of what is above zero; they may be one.
+
+    Parameters
+    ----------
+    field : str
+    ends : array_like of shape (2,)
+    unit, of, allowed : str
+        Their unit, why they are above zero, what the two are and why.
+
+    Raises
+    ------
+    InputError
+        If they are not two such numbers, or the first is the larger.
+    """
+    found = positive_vector(field, ends, unit, of)
+    if found.size != 2 or not found[0] <= found[1]:
+        shown = ", ".join(f"{end:g}" for end in found)
+        raise InputError(f"{field}: given ({shown}) {unit}; allowed are {allowed}.")
+    return float(found[0]), float(found[1])
 
 
 def shown_range(low: float, high: float) -> str:

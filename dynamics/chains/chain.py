@@ -193,6 +193,11 @@ class Chain:
         """Return of shape (e, n) what each element is twisted (lengthened) per motion of each node."""
         return _differences(self.connections, self.inertia.size)
 
+    def dashpot_elongations(self) -> FloatArray:
+        """Return the matrix (d, n) from displacements of the nodes to elongations of the dashpots."""
+        pairs = [(dashpot.left, dashpot.right) for dashpot in self.dashpots]
+        return _differences(pairs, self.inertia.size)
+
     def mass_matrix(self) -> FloatArray:
         """Return the inertia matrix M of the nodes, shape (n, n) [kg m^2 or kg]."""
         matrix = np.diag(self.inertia)
@@ -215,8 +220,7 @@ class Chain:
 
     def damping_matrix(self) -> FloatArray:
         """Return the viscous damping matrix of the nodes, shape (n, n) [N m s/rad or N s/m]."""
-        pairs = [(dashpot.left, dashpot.right) for dashpot in self.dashpots]
-        rows = _differences(pairs, self.inertia.size)
+        rows = self.dashpot_elongations()
         sizes = np.array([dashpot.damping for dashpot in self.dashpots])
         between = rows.T @ (sizes[:, np.newaxis] * rows)
         return between + self._of_elements_and_ground(self.damping, self.ground_damping)

@@ -204,7 +204,7 @@ def forced_response(
         If the excitation has another number of nodes, both magnifier and modal damping are given,
         or one of them is out of range.
     """
-    chain, system = _chain_and_system(chain_or_system)
+    chain, system = chain_and_system(chain_or_system)
     system = system.with_added_damping(magnifier, modal_damping)
     nodes = len(system.expand)
     if excitation.forces.shape[2] != nodes:
@@ -234,9 +234,10 @@ def forced_response(
     )
 
 
-def _chain_and_system(
+def chain_and_system(
     given: Chain | LinearSystem | DampedChain,
 ) -> tuple[Chain | None, LinearSystem]:
+    """Return the chain, if there is one, and the system to be calculated with."""
     if isinstance(given, LinearSystem):
         return None, given
     if isinstance(given, DampedChain):

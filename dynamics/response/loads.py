@@ -106,7 +106,7 @@ def element_loads(response: ForcedResponse) -> ElementLoads:
     chain = chain_of(response)
     w = response.angular_frequencies[:, :, np.newaxis]
     twist = response.motion @ chain.elongations().T
-    relative = response.motion @ dashpot_rows(chain).T
+    relative = response.motion @ chain.dashpot_elongations().T
     sizes = np.array([dashpot.damping for dashpot in chain.dashpots])
 
     def series(values: ComplexArray, names: tuple[str, ...]) -> OrderSeries:
@@ -224,14 +224,6 @@ def chain_of(response: ForcedResponse) -> Chain:
             "matrices do not tell of elements."
         )
     return response.chain
-
-
-def dashpot_rows(chain: Chain) -> FloatArray:
-    """Return of shape (d, n) the relative motion of each dashpot per motion of each node."""
-    rows = np.zeros((len(chain.dashpots), chain.inertia.size))
-    for row, dashpot in zip(rows, chain.dashpots, strict=True):
-        row[dashpot.left], row[dashpot.right] = -1.0, 1.0
-    return rows
 
 
 def dashpot_names(chain: Chain) -> tuple[str, ...]:

@@ -209,7 +209,7 @@ def checked_orders(orders: ArrayLike) -> FloatArray:
         If they are not.
     """
     values = positive_vector("orders", orders, "", "they count cycles per crankshaft revolution")
-    _ascending("orders", values, "", "each order counts once")
+    check_ascending("orders", values, "", "each order counts once")
     return values
 
 
@@ -222,7 +222,7 @@ def checked_speeds(speeds: ArrayLike) -> FloatArray:
         If they are not.
     """
     values = positive_vector("speeds", speeds, "rad/s", "an order of a shaft at rest is no motion")
-    _ascending("speeds", values, " rad/s", "a speed range runs from the lowest to the highest")
+    check_ascending("speeds", values, " rad/s", "a speed range runs from the lowest to the highest")
     return values
 
 
@@ -238,7 +238,13 @@ def checked_speed_index(speed_index: int, speeds: FloatArray) -> int:
     return whole_within("speed_index", speed_index, 0, speeds.size - 1, reason)
 
 
-def _ascending(field: str, values: FloatArray, unit: str, why: str) -> None:
+def check_ascending(field: str, values: FloatArray, unit: str, why: str) -> None:
+    """Refuse values that do not ascend, or are none.
+
+    Raises
+    ------
+    InputError
+    """
     if values.size == 0:
         raise InputError(f"{field}: given no values; allowed are one or more, because {why}.")
     falling = np.flatnonzero(np.diff(values) <= 0.0)

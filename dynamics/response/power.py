@@ -15,7 +15,7 @@ from dynamics.plots.coordinates import name_axis, orders_and_speeds
 from dynamics.plots.quantities import KILO
 from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.loads import dashpot_names, dashpot_rows
+from dynamics.response.loads import dashpot_names
 from dynamics.response.series import with_unbounded
 
 # Heat below this share of the apparent power is lost in the round-off of that.
@@ -169,7 +169,7 @@ def power_balance(response: ForcedResponse) -> PowerBalance:
         hysteretic = 0.5 * w[:, :, np.newaxis] * chain.stiffness * chain.loss_factor
         elements = (square * chain.damping + hysteretic) * twist
         sizes = np.array([dashpot.damping for dashpot in chain.dashpots])
-        dashpots = square * sizes * np.abs(motion @ dashpot_rows(chain).T) ** 2
+        dashpots = square * sizes * np.abs(motion @ chain.dashpot_elongations().T) ** 2
         ground = square * chain.ground_damping * np.abs(motion) ** 2
         names = (chain.elements, dashpot_names(chain))
         expand = chain.expansion()

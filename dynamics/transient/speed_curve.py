@@ -23,6 +23,7 @@ from crankbase.summaries import summarized
 from crankbase.units.units import RPM
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import SPEED_LABEL
+from dynamics.response.order_excitation import check_ascending
 
 
 @summarized("times [s]", "speeds [rad/s]", "duration [s]")
@@ -63,13 +64,7 @@ class SpeedCurve:
                 f"times: given {times.size} for {speeds.size} speeds; allowed are two or more, one for "
                 "each speed, because the curve runs from point to point."
             )
-        back = np.flatnonzero(np.diff(times) <= 0.0)
-        if back.size:
-            place = int(back[0]) + 1
-            raise InputError(
-                f"times[{place}]: given {times[place]:g} s after {times[place - 1]:g} s; allowed are "
-                "ascending times, because time does not run back."
-            )
+        check_ascending("times", times, " s", "time does not run back")
         object.__setattr__(self, "times", read_only(times))
         object.__setattr__(self, "speeds", read_only(speeds))
         object.__setattr__(

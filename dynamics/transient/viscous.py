@@ -11,7 +11,8 @@ from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
-from dynamics.response.linear_system import LinearSystem, chain_system
+from dynamics.response.forced import chain_and_system
+from dynamics.response.linear_system import LinearSystem
 
 LossAs = Literal["viscous", "modal"]
 
@@ -87,10 +88,7 @@ def viscous_system(
     elsewhere. The mode of natural frequency w_r and shape x_r has the loss factor
     x_r' H x_r / (w_r^2 x_r' M x_r).
     """
-    if isinstance(chain_or_system, Chain):
-        chain, system = chain_or_system, chain_system(chain_or_system)
-    else:
-        chain, system = None, chain_or_system
+    chain, system = chain_and_system(chain_or_system)
     why = "these are the ways to put viscous damping in the place of loss factors"
     check_choice("loss_as", loss_as, get_args(LossAs), why)
     frequency = None
