@@ -20,9 +20,8 @@ from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_below, write_title
 from crankbase.errors import InputError
-from crankbase.library_types import Axes, Dataset
+from crankbase.library_types import Axes
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.cycle import even_angles
 from dynamics.excitation.engine_load import Load, load_at, per_minute
@@ -36,7 +35,6 @@ from dynamics.excitation.grid_weights import (
 from dynamics.excitation.sampled_phasors import order_indices, phasors_of_samples
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
-from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import MEGA
 from dynamics.response.order_excitation import checked_speeds
 
@@ -276,38 +274,6 @@ class PressureMap:
                 "diagrams at all speeds are drawn."
             )
         return int(near[0])
-
-    def to_xarray(self) -> Dataset:
-        """Return ``pressure`` over speed, load (if the map has several for each) and crank angle.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
-        angles = self._angles()
-        coordinates = {
-            "speed": speed_axis(self.speeds),
-            "crank_angle": (angles, "rad", "crank angle from the firing top dead center"),
-        }
-        over: tuple[str, ...] = ("speed", "crank_angle")
-        shape = [len(self.speeds), len(angles)]
-        if self.loads is not None:
-            over = ("speed", "load", "crank_angle")
-            shape.insert(1, len(self.loads))
-            coordinates["load"] = (self.loads, "1", "load, in the measure of the map")
-        words = "absolute pressure"
-        found: dict[str, tuple[tuple[str, ...], FloatArray, str, str]] = {
-            "pressure": (over, self._sampled.reshape(shape), "Pa", words)
-        }
-        if self.load_of_speed is not None:
-            found["load_of_speed"] = (("speed",), self.load_of_speed, "1", "load at the speed")
-        return grid(found, coordinates)
 
 
 def pressure_map(

@@ -201,7 +201,12 @@ def transient_motion(
         given = positive_number("step", step, "s", "time runs forward")
         longest = checked_step(given, orders, fastest)
     pieces = time_segments(acting, longest)
-    _check_size(sum(piece.steps for piece in pieces), len(space.matrix) + 3 * len(space.inputs))
+    count, each = sum(piece.steps for piece in pieces), len(space.matrix) + 3 * len(space.inputs)
+    if count * each > MOST_NUMBERS:
+        raise InputError(
+            f"speed: given a curve that takes {count} steps; allowed are {int(MOST_NUMBERS / each)}, "
+            "because the results of all steps are kept in memory."
+        )
     state = np.zeros(len(space.matrix))
     if start == "steady":
         state = _steady_start(system, excitation, speed)
@@ -269,14 +274,6 @@ def _step_blocks(pieces: Sequence[TimeSegment]) -> Iterator[tuple[float, FloatAr
         for first in range(0, piece.steps, STRETCH):
             numbers = np.arange(first, min(first + STRETCH, piece.steps))
             yield piece.step, np.asarray(piece.start + piece.step * numbers)
-
-
-def _check_size(count: int, each: int) -> None:
-    if count * each > MOST_NUMBERS:
-        raise InputError(
-            f"speed: given a curve that takes {count} steps; allowed are {int(MOST_NUMBERS / each)}, "
-            "because the results of all steps are kept in memory."
-        )
 
 
 def _steady_start(

@@ -930,16 +930,6 @@ GRIDS = {
             "mean_radial": (("speed", "cylinder"), o.mean_radial, "N"),
         },
     ),
-    "PressureMap": (
-        pressures,
-        lambda o: {
-            "pressure": (
-                ("speed", "load", "crank_angle"),
-                [[one.pressure for one in o.diagrams]],
-                "Pa",
-            )
-        },
-    ),
     "EngineTorque": (
         torque,
         lambda o: {
@@ -1009,7 +999,6 @@ def test_grids_hold_the_numbers_over_named_coordinates(name):
         array = grid[variable]
         assert array.dims == dimensions
         assert array.dtype == np.asarray(values).dtype
-        # Equal, but for a pressure map, whose diagrams are read between their samples.
         np.testing.assert_allclose(array, values, rtol=1e-15)
         assert array.attrs["units"] == unit
     for name_there in ("order", "speed"):
