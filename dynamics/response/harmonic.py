@@ -7,9 +7,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import ComplexArray, FloatArray, positive_vector
+from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.checks.choices import check_choice
-from crankbase.errors import InputError
 from dynamics.response.linear_system import LinearSystem
 
 Method = Literal["modal", "direct"]
@@ -69,12 +68,12 @@ def harmonic_response(
 
     Returns
     -------
-    HarmonicAnswer
+    HarmonicResponse
 
     Raises
     ------
     InputError
-        If a frequency is not above zero, or the method is unknown.
+        If the method is unknown.
 
     Notes
     -----
@@ -85,17 +84,8 @@ def harmonic_response(
     does not come up. Eigenvalues of A with H hold for the positive frequencies at which they are
     used. Modes that damping does not reach are answered one by one.
     """
-    frequencies = positive_vector(
-        "angular_frequencies", angular_frequencies, "rad/s", "the motion repeats"
-    )
     check_choice("method", method, get_args(Method), "these are the ways to solve the equations")
-    if forces.shape != (frequencies.size, len(system.mass)):
-        raise InputError(
-            f"forces: given an array of shape {forces.shape}; allowed is "
-            f"{(frequencies.size, len(system.mass))}, because every unknown has a force at each "
-            "frequency."
-        )
-    modal = _DampedModes.of(system)
+    frequencies, modal = angular_frequencies, _DampedModes.of(system)
     singular, unbounded = modal.undamped_resonance(frequencies, forces)
     if np.any(unbounded):
         forces = np.where(unbounded[:, np.newaxis], 0.0, forces)

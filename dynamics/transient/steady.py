@@ -26,7 +26,7 @@ from dynamics.transient.propagator import PLACES, Propagator, StateSpace
 from dynamics.transient.viscous import ViscousDamping, ViscousSystem, viscous_system
 
 # An undamped mode that comes round within this share of a whole number of its periods, while forces
-# go on driving it there, answers without bounds; as in `harmonic_answer`.
+# go on driving it there, answers without bounds; as in `harmonic_response`.
 UNBOUNDED_WITHIN = 1e-9
 # What drives such a mode is nothing below this share of the largest change over a cycle.
 NO_DRIVE = 1e-9
