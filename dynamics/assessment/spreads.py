@@ -133,7 +133,6 @@ def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) ->
         If a place does not exist, or a factor is not above zero.
     """
     given = positive_vector("factors", factors, "", "it is a factor on a positive value")
-    _check_count(spreads, given[np.newaxis])
     scales = scale_factors(chain, spreads, given[np.newaxis])
     changed = {
         name: getattr(chain, name) * scale[0]
@@ -151,7 +150,10 @@ def scale_factors(
     chain: Chain, spreads: Sequence[Spread], factors: FloatArray
 ) -> dict[str, FloatArray]:
     """Return for each field of the chain the scale factors of its values, (N, size) each."""
-    _check_count(spreads, factors)
+    if factors.shape[1] != len(spreads):
+        raise InputError(
+            f"factors: given {factors.shape[1]} for {len(spreads)} spreads; allowed is one for each."
+        )
     fields = (*dict.fromkeys(field for field, _ in FIELDS.values()),)
     scales = {field: np.ones((len(factors), len(getattr(chain, field)))) for field in fields}
     for spread, column in zip(spreads, factors.T, strict=True):
@@ -162,13 +164,6 @@ def scale_factors(
         field, power = FIELDS[spread.kind]
         scales[field][:, spread_indices(chain, spread)] *= column[:, np.newaxis] ** power
     return scales
-
-
-def _check_count(spreads: Sequence[Spread], factors: FloatArray) -> None:
-    if factors.shape[1] != len(spreads):
-        raise InputError(
-            f"factors: given {factors.shape[1]} for {len(spreads)} spreads; allowed is one for each."
-        )
 
 
 def spread_indices(chain: Chain, spread: Spread) -> list[int]:
