@@ -344,10 +344,7 @@ def _responses(case: _Case, speeds: FloatArray) -> tuple[ForcedVibration, Forced
 def _worst_speeds(case: _Case, speeds: FloatArray) -> FloatArray:
     """Speeds at which most of the limits is used, and where free ends move most, closer than the grid."""
     return refined_maxima(
-        lambda some: _limit_usage(case, _responses(case, some)),
-        speeds,
-        _limit_usage(case, _responses(case, speeds)),
-        least=1.0,
+        lambda some: _limit_usage(case, _responses(case, some)), speeds, least=1.0
     )
 
 
