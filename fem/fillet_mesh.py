@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from geometry.mesh import ThrowMesh
-from geometry.size_map import SizeMap, element_sizes
+from geometry.sizes import SizeMap, element_sizes
 
 Array = NDArray[np.float64]
 

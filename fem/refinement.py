@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from fem.recovery import EnergyErrors
 from geometry.mesh import ThrowMesh
-from geometry.size_map import SizeMap, element_sizes
+from geometry.sizes import SizeMap, element_sizes
 
 Array = NDArray[np.float64]
 

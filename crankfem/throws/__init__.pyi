@@ -10,6 +10,6 @@ from geometry.mesh import ThrowMesh as ThrowMesh
 from geometry.mesh_files import write_mesh as write_mesh
 from geometry.shaft_ends import ShaftEnds as ShaftEnds
 from geometry.solid_files import write_step as write_step
-from geometry.throw_sections import Counterweight as Counterweight
-from geometry.throw_sections import FurtherPin as FurtherPin
-from geometry.throw_sections import Web as Web
+from geometry.throw_dimensions import Counterweight as Counterweight
+from geometry.throw_dimensions import FurtherPin as FurtherPin
+from geometry.throw_dimensions import Web as Web

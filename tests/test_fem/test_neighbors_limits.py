@@ -25,7 +25,7 @@ from fem.supports import Neighbors, support_throw
 from geometry.mesh import mesh_throw
 from geometry.solid import CRANK_PLANE, LEFT_END, RIGHT_END
 from geometry.throw import CrankThrow
-from geometry.throw_sections import Web
+from geometry.throw_dimensions import Web
 
 # Finite elements throughout: not for the inner loop.
 pytestmark = pytest.mark.slow

@@ -9,7 +9,7 @@ from geometry.gmsh_session import gmsh_session
 from geometry.mesh_checks import solid_properties
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
-from geometry.throw_sections import Counterweight, FurtherPin, Web
+from geometry.throw_dimensions import Counterweight, FurtherPin, Web
 
 DENSITY = 7850.0
 ENDS = ShaftEnds(
