@@ -18,9 +18,8 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from crankbase.errors import InputError
 from crankbase.stopwatch import Stopwatch
-from fem.assembly import assemble_stiffness, symmetric_product
+from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
 from fem.condensation import blocked_unknowns
-from fem.mass_matrix import assemble_mass
 from fem.material import Material
 from fem.solver import Factorization, SolveError, factorize
 from fem.symmetry import SymmetryClass

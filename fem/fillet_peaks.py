@@ -158,21 +158,20 @@ class FilletStresses:
         peaks = self.peaks
         stress = "Pa/N or Pa/(N m), as the load's unit says"
         places = np.array([peak.principal_place for peak in peaks])
+        units = dict.fromkeys(("factor", "von_mises_factor"), "1")
+        units |= dict.fromkeys(("principal", "von_mises", "nominal"), stress)
+        units["error_estimate"] = "1"
         return table(
             {
                 "load": ([peak.load.name for peak in peaks], ""),
                 "load_unit": ([peak.load.unit for peak in peaks], ""),
                 "fillet": ([peak.fillet.name for peak in peaks], ""),
-                "factor": ([peak.factor for peak in peaks], "1"),
-                "von_mises_factor": ([peak.von_mises_factor for peak in peaks], "1"),
-                "principal": ([peak.principal for peak in peaks], stress),
-                "von_mises": ([peak.von_mises for peak in peaks], stress),
-                "nominal": ([peak.nominal for peak in peaks], stress),
-                "error_estimate": ([peak.error_estimate for peak in peaks], "1"),
-                "x": (places[:, 0], "m"),
-                "y": (places[:, 1], "m"),
-                "z": (places[:, 2], "m"),
             }
+            | {
+                name: ([getattr(peak, name) for peak in peaks], unit)
+                for name, unit in units.items()
+            }
+            | {axis: (column, "m") for axis, column in zip("xyz", places.T, strict=True)}
         )
 
     def to_xarray(self) -> Any:

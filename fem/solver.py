@@ -170,37 +170,6 @@ def factorize(
         shared.close()
 
 
-def solve_symmetric(
-    upper: sparse.csr_array,
-    right_sides: Array,
-    solver: str = "auto",
-    watch: Stopwatch | None = None,
-) -> tuple[Array, str]:
-    """Solve A x = b for a symmetric positive definite matrix and check the residual.
-
-    Parameters
-    ----------
-    upper, solver, watch
-        As for `factorize`, which also says what is raised.
-    right_sides : (n, k) array
-        The right sides b.
-
-    Returns
-    -------
-    solution : (n, k) array
-    solver : str
-        The solver that was used.
-
-    Raises
-    ------
-    SolveError
-        If the residual is not near round-off.
-    """
-    watch = Stopwatch() if watch is None else watch
-    with factorize(upper, solver, watch) as factors, watch.lap("solves"):
-        return factors.solve(right_sides), factors.solver
-
-
 def _choose(solver: str, watch: Stopwatch) -> str:
     if solver not in ("auto", *SOLVERS):
         raise InputError(f"solver: given {solver!r}; allowed are auto, {', '.join(SOLVERS)}.")

@@ -14,12 +14,11 @@ from comparing import close
 from crankbase.errors import InputError
 from crankbase.stopwatch import Stopwatch
 from dynamic_shaft import assemble_dynamic_shaft, natural_modes
-from fem.assembly import assemble_stiffness, symmetric_product
+from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
 from fem.class_modes import frequencies_of
 from fem.condensation import condense, nodes_on
 from fem.craig_bampton import dynamic_superelement
 from fem.loads import unit_pin_loads
-from fem.mass_matrix import assemble_mass
 from fem.material import STEEL
 from fem.modes import free_modes
 from fem.shaft import assemble_shaft
