@@ -1,18 +1,20 @@
 """The largest stresses at a throw's fillets, as `fillet_stresses` returns them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.choices import check_choice
+from crankbase.drawing.bars import draw_groups
 from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
 from fem.fillet_surface import FilletSurface
 from fem.fillets import Fillet
-from fem.plots.fillet_bars import LABELS, Criterion, draw_factors
 from fem.unit_loads import LoadedThrow, UnitLoad
 from geometry.throw import CrankThrow
 
@@ -20,6 +22,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
+Criterion = Literal["principal", "von Mises"]
+LABELS: Mapping[Criterion, str] = {
+    "principal": "largest principal / nominal stress [1]",
+    "von Mises": "von Mises / nominal stress [1]",
+}
 
 
 @summarized(
@@ -139,7 +146,8 @@ class FilletStresses:
         loads, fillets = self._names
         factors = self._array("factor" if criterion == "principal" else "von_mises_factor")
         axes = new_axes(axes, width=8.6)
-        draw_factors(axes, fillets, dict(zip(loads, factors, strict=True)), criterion)
+        draw_groups(axes, fillets, dict(zip(loads, factors, strict=True)), LABELS[criterion])
+        write_title(axes, "Stress concentration at the fillets")
         return axes
 
     def to_pandas(self) -> Any:

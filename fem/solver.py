@@ -142,16 +142,14 @@ class SharedSolver:
 
 
 @contextmanager
-def factorize(
-    upper: sparse.csr_array, solver: str = "auto", watch: Stopwatch | None = None
-) -> Iterator[Factorization]:
+def factorize(upper: sparse.csr_array, solver: str = "auto") -> Iterator[Factorization]:
     """Factorize a symmetric positive definite matrix; its memory is freed at the end of the block.
 
     Parameters
     ----------
     upper : (n, n) sparse array
         Upper triangle of the matrix.
-    solver, watch
+    solver
         As for `SharedSolver`, which also says what is raised.
 
     Yields
@@ -163,7 +161,7 @@ def factorize(
     SolveError
         If the matrix is singular.
     """
-    shared = SharedSolver(solver, watch)
+    shared = SharedSolver(solver)
     try:
         yield shared.factorize(upper)
     finally:

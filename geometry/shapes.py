@@ -41,6 +41,16 @@ def shapes_for_quadrature(order: int) -> tuple[Array, Array, Array]:
     return *shapes_at(where), np.asarray(weights)
 
 
+def triangle_shapes_at(where: Array) -> tuple[Array, Array]:
+    """Values (q, 6) and reference gradients (6, 2, q) of a six-node triangle's at points (2, q)."""
+    from skfem import ElementTriP2
+
+    element = ElementTriP2()
+    shapes = [element.lbasis(where, node) for node in range(6)]
+    values = np.array([value + np.zeros(where.shape[1]) for value, _ in shapes])
+    return values.T, np.array([slope + np.zeros_like(where) for _, slope in shapes])
+
+
 def jacobians(gradients: Array, corners: Array) -> Array:
     """Jacobians (m, q, 3, 3) of elements with node coordinates (m, 10, 3): d x_j / d xi_i [m]."""
     return np.asarray(gradients.transpose(0, 2, 1)[None] @ corners[:, None])

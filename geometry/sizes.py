@@ -301,6 +301,14 @@ def element_sizes(points: Array, tetrahedra: NDArray[np.int64]) -> Array:
     return np.asarray(np.cbrt(volumes / regular_volume(np.ones(1))))
 
 
+def sizes_at_corners(points: Array, tetrahedra: NDArray[np.int64], sizes: Array) -> SizeMap:
+    """Size map of sizes (m,) of elements (m, 4): at each corner the geometric mean of those round it."""
+    vertices, number = np.unique(tetrahedra, return_inverse=True)
+    number = number.reshape(tetrahedra.shape)
+    total = np.bincount(number.ravel(), np.repeat(np.log(sizes), 4))
+    return SizeMap(points[vertices], number, np.exp(total / np.bincount(number.ravel())))
+
+
 def regular_volume(size: Array) -> Array:
     """Volume of a regular tetrahedron with edges of that size [m^3]."""
     return np.asarray(size**3 / (6.0 * np.sqrt(2.0)))

@@ -150,9 +150,9 @@ def _check_outlines(throw: ThrowDimensions) -> None:
     for table, outline in outlines.items():
         width = web_dimension(throw, table, "width")[1]
         smallest = SMALLEST_CORNER * width
-        for kind in OUTLINE_DIMENSIONS:
+        for kind, what in OUTLINE_DIMENSIONS.items():
             name, value = web_dimension(throw, table, kind)
-            if value and value < smallest:
+            if what == "corners" and value and value < smallest:
                 raise dimension_error(
                     name,
                     value,

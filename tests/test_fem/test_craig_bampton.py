@@ -12,7 +12,6 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.stopwatch import Stopwatch
 from dynamic_shaft import assemble_dynamic_shaft, natural_modes
 from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
 from fem.class_modes import frequencies_of
@@ -248,10 +247,9 @@ def test_rigid_end_sections_make_the_free_throw_stiffer(coarse, truth):
     assert ratio.max() < 1.1
 
 
-def test_no_highest_frequency_is_guyans(coarse, coarse_classes, dynamic):
-    watch = Stopwatch()
-    guyan = dynamic_superelement(coarse, STEEL, coarse_classes, 0.0, watch=watch)
-    assert "factorization" not in watch.seconds
+def test_no_highest_frequency_is_guyans(coarse, coarse_classes, dynamic, monkeypatch):
+    monkeypatch.setattr("fem.class_modes.factorize", None)  # there is nothing to factorize
+    guyan = dynamic_superelement(coarse, STEEL, coarse_classes, 0.0)
     assert guyan.stiffness.shape == guyan.mass.shape == (12, 12)
     assert guyan.frequencies.shape == (0,)
     assert guyan.shapes.shape == (len(coarse.points), 3, 0)
