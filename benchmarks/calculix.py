@@ -27,11 +27,11 @@ from pathlib import Path
 from statistics import median
 
 import crankfem as cf
+from calculix_run import read_calculix, run_calculix
 from fem.analysis import analyze_axial
 from fem.assembly import assemble_stiffness
 from fem.calculix import write_calculix
 from fem.calculix_cases import axial_case
-from fem.calculix_run import read_calculix, run_calculix
 from fem.class_compliances import class_axial_compliances
 from fem.condensation import condense
 from fem.loads import unit_pin_loads

@@ -27,8 +27,8 @@ from dynamics.crankshaft.surroundings import (
     MainBearings,
     ShaftSurroundings,
 )
-from fem.shaft_solid import mesh_shaft, solid_modes
 from geometry.crankshaft import Crankshaft
+from shaft_solid import mesh_shaft, solid_modes
 
 THROW = cf.CrankThrow(
     crank_radius=0.170,

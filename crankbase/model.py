@@ -50,6 +50,11 @@ def quantity_field(
     )
 
 
+def length_field(meaning: str, limits: tuple[float, float], **declared: Any) -> Any:
+    """Declare a field of a length [m] with its smallest and largest value; the rest as `quantity_field`."""
+    return quantity_field(meaning, "m", minimum=limits[0], maximum=limits[1], **declared)
+
+
 def part_field(meaning: str, kind: type["InputModel"], *, many: bool = False) -> Any:
     """Declare an optional part of a record that is a record itself, or a list of such (`many`)."""
     return Field(

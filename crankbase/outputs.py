@@ -271,6 +271,15 @@ def copy_file(source: Path, path: Path, kind: Kind) -> Path:
     return path
 
 
+@contextmanager
+def write_errors(path: Path) -> Iterator[None]:
+    """Turn what the system says against writing a file into an InputError that names `path`."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
+
+
 def write_user_file(path: Path, content: bytes, kind: Kind) -> None:
     """Write a user's file: it is not listed, and so never replaced again."""
     with _atomic_replacement(path, lambda _: check_output(path, kind)) as part:

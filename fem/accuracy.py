@@ -26,7 +26,7 @@ from fem.symmetry import SymmetryClass, axial_class
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
 from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw, expected_unknowns, mesh_isolated
-from geometry.size_map import SizeMap
+from geometry.sizes import SizeMap
 
 # Size factor of the first mesh.
 FIRST_FILLETED = 2.0

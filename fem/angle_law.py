@@ -31,6 +31,7 @@ from fem.plots.over_angle import ANGLES_DEG, LABELS, SHOWN, Compliance, angle_ax
 from fem.superelement import Superelement
 from fem.supports import Neighbors, Support, support_throw
 from fem.symmetry import MIRROR_X, MIRROR_Z
+from fem.throw_frames import WORDS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -124,9 +125,9 @@ class AngleLaw:
         InputError
             If the quantity is neither.
         """
-        laws = {"axial_compliance": self.axial, "influence_coefficient": self.influence}
+        laws = self._over(ANGLES_DEG)
         check_choice("quantity", quantity, laws, "the law holds for these")
-        values = laws[quantity](ANGLES_DEG) * SHOWN
+        values = laws[quantity] * SHOWN
         axes = new_axes(axes)
         axes.plot(ANGLES_DEG, values, color=BLUE, label=rf"law with $\rho$ = {self.ratio:.2f}")
         axes.plot([0.0, 180.0], values[[0, -1]], "o", color=BLUE, clip_on=False)
@@ -159,11 +160,8 @@ class AngleLaw:
         """
         angles = _row_of_angles(gamma_deg)
         return table(
-            {
-                "gamma_deg": (angles, "deg"),
-                "axial_compliance": (self.axial(angles), "m/N"),
-                "influence_coefficient": (self.influence(angles), "m/N"),
-            }
+            {"gamma_deg": (angles, "deg")}
+            | {name: (values, WORDS[name][0]) for name, values in self._over(angles).items()}
         )
 
     def to_xarray(self, gamma_deg: ArrayLike = ANGLES_DEG) -> Any:
@@ -171,21 +169,17 @@ class AngleLaw:
         angles = _row_of_angles(gamma_deg)
         return grid(
             {
-                "axial_compliance": (
-                    ("gamma_deg",),
-                    self.axial(angles),
-                    "m/N",
-                    "axial compliance between equal neighbors",
-                ),
-                "influence_coefficient": (
-                    ("gamma_deg",),
-                    self.influence(angles),
-                    "m/N",
-                    "lengthening per unit radial force between equal neighbors",
-                ),
+                name: (("gamma_deg",), values, *WORDS[name])
+                for name, values in self._over(angles).items()
             },
             {"gamma_deg": (angles, "deg", "angle between neighboring cranks")},
         )
+
+    def _over(self, angles: NDArray[Any]) -> dict[str, NDArray[np.float64]]:
+        return {
+            "axial_compliance": self.axial(angles),
+            "influence_coefficient": self.influence(angles),
+        }
 
 
 def angle_law(throw: Superelement) -> AngleLaw:

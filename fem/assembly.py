@@ -1,10 +1,14 @@
-"""The global stiffness matrix, upper triangle only."""
+"""The global stiffness matrix and the consistent mass matrix, upper triangles only.
+
+Inertia acts on each displacement component alone, so the mass matrix is one of nodes times the identity
+of three axes.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fem.elements import element_stiffnesses
+from fem.elements import element_masses, element_stiffnesses
 from fem.material import Material
 
 
@@ -50,6 +54,37 @@ def assemble_stiffness(
         shape=(3 * count, 3 * count),
     ).tocsr()
     return _upper(whole)
+
+
+def assemble_mass(
+    points: NDArray[np.float64], elements: NDArray[np.int64], density: float
+) -> sparse.csr_array:
+    """Assemble the upper triangle of the consistent mass matrix.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        Node coordinates [m].
+    elements : (m, 10) array
+        Node numbers of 10-node tetrahedra.
+    density : float
+        [kg/m^3]
+
+    Returns
+    -------
+    (3 n, 3 n) sparse array
+        Unknown 3 a + i is the displacement of node a along axis i, as in
+        `assemble_stiffness` [kg].
+    """
+    first, second = np.triu_indices(10)
+    values = np.empty((len(elements), len(first)))
+    for batch, masses in element_masses(points, elements, density):
+        values[batch] = masses[:, first, second]
+    rows = np.minimum(elements[:, first], elements[:, second]).ravel().astype(np.int32)
+    columns = np.maximum(elements[:, first], elements[:, second]).ravel().astype(np.int32)
+    size = len(points)
+    nodal = sparse.coo_array((values.ravel(), (rows, columns)), shape=(size, size)).tocsr()
+    return sparse.csr_array(sparse.kron(nodal, sparse.eye_array(3), format="csr"))
 
 
 def _upper(matrix: sparse.csr_array) -> sparse.csr_array:

@@ -6,12 +6,44 @@ from typing import Any
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from fem.class_compliances import class_axial_compliances
 from fem.condensation import CondensedClass
 from fem.material import Material
+from fem.throw_frames import compliance_table
 from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolvedThrow:
+    """A throw solved on a mesh that was refined until the axial compliance is accurate enough.
+
+    Attributes
+    ----------
+    throw : CrankThrow or ImportedThrow
+    material : Material
+    mesh : ThrowMesh
+        Mesh of the part of the throw that was solved.
+    error_estimate : float
+        Estimated relative discretization error of the axial compliance (pinned), from the energy of
+        the error; the compliance is about that much too small.
+    accuracy : float
+        The accuracy that was asked for.
+    seconds : mapping
+        Where the time went, by name.
+    """
+
+    throw: Throw
+    material: Material
+    mesh: ThrowMesh
+    error_estimate: float
+    accuracy: float
+    seconds: Mapping[str, float] = field(default_factory=dict, repr=False)
+
+    @property
+    def accuracy_met(self) -> bool:
+        """Whether the error estimate is within the accuracy asked for."""
+        return self.error_estimate <= self.accuracy
 
 
 @summarized(
@@ -21,33 +53,17 @@ from geometry.mesher import Throw
     "accuracy",
     "mesh.unknowns",
 )
-@dataclass(frozen=True)
-class AxialAnalysis:
+@dataclass(frozen=True, kw_only=True)
+class AxialAnalysis(SolvedThrow):
     """A throw's axial compliance alone, several times cheaper than the whole analysis.
 
     Attributes
     ----------
-    throw : CrankThrow or ImportedThrow
-    material : Material
-    mesh : ThrowMesh
     part : CondensedClass
         The symmetry class that an axial force excites.
-    error_estimate, accuracy, seconds
-        As of `ThrowAnalysis`.
     """
 
-    throw: Throw
-    material: Material
-    mesh: ThrowMesh
     part: CondensedClass = field(repr=False)
-    error_estimate: float
-    accuracy: float
-    seconds: Mapping[str, float] = field(default_factory=dict, repr=False)
-
-    @property
-    def accuracy_met(self) -> bool:
-        """Whether the error estimate is within the accuracy asked for."""
-        return self.error_estimate <= self.accuracy
 
     def axial_compliance(self, support: str = "pinned") -> float:
         """Axial compliance e_n [m/N]; `support` is "pinned" or "guided".
@@ -76,17 +92,11 @@ class AxialAnalysis:
         MissingLibraryError
             If pandas is not installed.
         """
-        supports = ("pinned", "guided")
-        return table(
-            {
-                "support": (list(supports), ""),
-                "axial_compliance": ([self.axial_compliance(one) for one in supports], "m/N"),
-                "influence_coefficient": (
-                    [self.influence_coefficient(one) for one in supports],
-                    "m/N",
-                ),
-            }
-        ).set_index("support")
+        return compliance_table(
+            ("pinned", "guided"),
+            axial_compliance=self.axial_compliance,
+            influence_coefficient=self.influence_coefficient,
+        )
 
 
 def _class_support(support: str) -> str:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
-from crankbase.outputs import write_text
+from crankbase.outputs import write_errors, write_text
 from fem.calculix_cases import LoadCase, standard_cases
 from fem.condensation import nodes_on
 from fem.loads import uniform_pin_loads
@@ -83,11 +83,8 @@ def write_calculix(
             "for no other."
         )
     text = calculix_deck(mesh, material, standard_cases(mesh) if cases is None else cases)
-    try:
-        write_text(path, text, "deck")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
-    return path
+    with write_errors(path):
+        return write_text(path, text, "deck")
 
 
 def calculix_deck(mesh: ThrowMesh, material: Material, cases: Sequence[LoadCase]) -> str:

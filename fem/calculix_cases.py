@@ -8,6 +8,7 @@ import numpy as np
 
 from crankbase.errors import InputError
 from fem.superelement import RX, RY, RZ, UX, UY, UZ
+from fem.throw_frames import MOTIONS
 from geometry.mesh import ThrowMesh
 
 Support = Literal["pinned", "guided"]
@@ -15,7 +16,6 @@ Support = Literal["pinned", "guided"]
 # shaft as well.
 HELD_BOTH: dict[str, tuple[int, ...]] = {"pinned": (UX, UY), "guided": (UX, UY, RX, RY)}
 HELD_LEFT = (UZ, RZ)
-MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 
 
 @dataclass(frozen=True)

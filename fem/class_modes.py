@@ -17,10 +17,8 @@ from scipy import sparse
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from crankbase.errors import InputError
-from crankbase.stopwatch import Stopwatch
-from fem.assembly import assemble_stiffness, symmetric_product
+from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
 from fem.condensation import blocked_unknowns
-from fem.mass_matrix import assemble_mass
 from fem.material import Material
 from fem.solver import Factorization, SolveError, factorize
 from fem.symmetry import SymmetryClass
@@ -51,16 +49,12 @@ class PartMatrices:
     mass: sparse.csr_array
 
     @classmethod
-    def of_mesh(
-        cls, mesh: ThrowMesh, material: Material, watch: Stopwatch | None = None
-    ) -> "PartMatrices":
+    def of_mesh(cls, mesh: ThrowMesh, material: Material) -> "PartMatrices":
         """Assemble both."""
-        watch = Stopwatch() if watch is None else watch
-        with watch.lap("assembly"):
-            return cls(
-                assemble_stiffness(mesh.points, mesh.elements, material),
-                assemble_mass(mesh.points, mesh.elements, material.density),
-            )
+        return cls(
+            assemble_stiffness(mesh.points, mesh.elements, material),
+            assemble_mass(mesh.points, mesh.elements, material.density),
+        )
 
 
 @dataclass(frozen=True)
@@ -258,7 +252,6 @@ def class_problem(
     shift: float = 0.0,
     held_ends: bool = False,
     solver: str = "auto",
-    watch: Stopwatch | None = None,
 ) -> Iterator[ClassProblem]:
     """Set up and factorize the eigenvalue problem of one symmetry class.
 
@@ -271,8 +264,8 @@ def class_problem(
         s of K + s M [rad^2/s^2]; positive unless the ends are held.
     held_ends : bool
         Whether the end sections are held.
-    solver, watch
-        As for `fem.modes.free_modes`. The time that the block takes is that of "modes".
+    solver
+        As for `fem.modes.free_modes`.
 
     Yields
     ------
@@ -283,12 +276,11 @@ def class_problem(
     SolveError
         If the matrix cannot be factorized.
     """
-    watch = Stopwatch() if watch is None else watch
     free = np.flatnonzero(~blocked_unknowns(mesh, symmetry, ends=held_ends).ravel())
     stiffness = matrices.stiffness[free][:, free].tocsr()
     mass = matrices.mass[free][:, free].tocsr()
     shifted = (stiffness + shift * mass).tocsr() if shift else stiffness
-    with factorize(shifted, solver, watch) as factors, watch.lap("modes"):
+    with factorize(shifted, solver) as factors:
         yield ClassProblem(symmetry, len(mesh.points), free, stiffness, mass, shift, factors)
 
 

@@ -192,16 +192,11 @@ def _with_rigid_ends(
     watch: Stopwatch,
 ) -> tuple[Array, Array]:
     """Fields (3 n, k) of unit motions of rigid end sections, and (3 n, a) of loads on the pins."""
-    ends = symmetry.ends
-    count = ends.shape[1]
+    count = symmetry.ends.shape[1]
     prescribed = np.zeros((len(mesh.points), 3, count))
-    for place, section in enumerate(end_sections(symmetry)):
-        nodes = nodes_on(mesh, section)
-        arms = mesh.points[nodes] * (1.0, 1.0, 0.0)
-        prescribed[nodes] = rigid_motions(arms) @ ends[6 * place : 6 * place + 6]
     held = np.zeros((len(mesh.points), 3), dtype=bool)
-    for section in end_sections(symmetry):
-        held[nodes_on(mesh, section)] = True
+    for nodes, motions in unit_end_motions(mesh, symmetry):
+        prescribed[nodes], held[nodes] = motions, True
     free = np.flatnonzero(~held.ravel())
     blocked = blocked_unknowns(mesh, symmetry).ravel()[free]
     fields = prescribed.reshape(-1, count)
@@ -215,6 +210,19 @@ def _with_rigid_ends(
     pin_fields = np.zeros_like(pin_loads)
     pin_fields[free] = solution[:, count:]
     return fields, pin_fields
+
+
+def unit_end_motions(
+    mesh: ThrowMesh, symmetry: SymmetryClass
+) -> list[tuple[NDArray[np.int64], Array]]:
+    """Nodes (s,) of each meshed end section, and their displacements (s, 3, k) as it moves rigidly."""
+    found = []
+    for place, section in enumerate(end_sections(symmetry)):
+        nodes = nodes_on(mesh, section)
+        arms = mesh.points[nodes] * (1.0, 1.0, 0.0)
+        motions = rigid_motions(arms) @ symmetry.ends[6 * place : 6 * place + 6]
+        found.append((nodes, motions))
+    return found
 
 
 def _uncoupled(upper: sparse.csr_array, blocked: NDArray[np.bool_]) -> sparse.csr_array:

@@ -25,16 +25,10 @@ from scipy.linalg import block_diag
 from crankbase.checks.scalars import is_number, whole_within
 from crankbase.drawing.diagram_style import GRAY, new_axes
 from crankbase.errors import InputError, quoted
-from crankbase.stopwatch import Stopwatch
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from fem.assembly import symmetric_product
-from fem.class_modes import (
-    PartMatrices,
-    check_resolved,
-    class_problem,
-    frequencies_of,
-)
+from fem.class_modes import PartMatrices, check_resolved, class_problem, frequencies_of
 from fem.condensation import CondensedClass
 from fem.fixed_interface_shapes import shapes_of_class, shapes_of_throw
 from fem.material import Material
@@ -190,7 +184,6 @@ def dynamic_superelement(
     cutoff_factor: float = CUTOFF_FACTOR,
     corrections: bool = True,
     solver: str = "auto",
-    watch: Stopwatch | None = None,
 ) -> DynamicSuperelement:
     """Build a throw's dynamic superelement from its static condensation.
 
@@ -211,8 +204,6 @@ def dynamic_superelement(
         Whether the static answer of the modes left out is added, one shape for each end motion.
     solver : {"auto", "pardiso", "superlu"}
         Equation solver.
-    watch : Stopwatch, optional
-        Takes the time.
 
     Returns
     -------
@@ -238,7 +229,7 @@ def dynamic_superelement(
         )
     _check_classes(mesh, classes)
     check_resolved(mesh, material, highest_frequency)
-    matrices = PartMatrices.of_mesh(mesh, material, watch)
+    matrices = PartMatrices.of_mesh(mesh, material)
     cutoff = cutoff_factor * highest_frequency
     stiffness, mass = np.zeros((12, 12)), np.zeros((12, 12))
     found = []
@@ -250,7 +241,7 @@ def dynamic_superelement(
         mass += copies * shares.T @ (fields.T @ inertia) @ shares
         if cutoff > 0.0:
             with class_problem(
-                mesh, matrices, part.symmetry, held_ends=True, solver=solver, watch=watch
+                mesh, matrices, part.symmetry, held_ends=True, solver=solver
             ) as problem:
                 found.append(
                     shapes_of_class(problem, part, matrices.stiffness, inertia, cutoff, corrections)

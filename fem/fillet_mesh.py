@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from geometry.mesh import ThrowMesh
-from geometry.size_map import SizeMap, element_sizes
+from geometry.sizes import SizeMap, element_sizes, sizes_at_corners
 
 Array = NDArray[np.float64]
 
@@ -24,11 +24,7 @@ def fillet_element(radius: float, fineness: float) -> float:
 def measured_sizes(mesh: ThrowMesh) -> SizeMap:
     """Sizes of a mesh's elements: at each corner node the mean of those round it."""
     corners = mesh.elements[:, :4]
-    logarithms = np.log(element_sizes(mesh.points, corners))
-    vertices, number = np.unique(corners, return_inverse=True)
-    number = number.reshape(corners.shape)
-    total = np.bincount(number.ravel(), np.repeat(logarithms, 4))
-    return SizeMap(mesh.points[vertices], number, np.exp(total / np.bincount(number.ravel())))
+    return sizes_at_corners(mesh.points, corners, element_sizes(mesh.points, corners))
 
 
 def refine_at(sizes: SizeMap, places: Sequence[tuple[Array, float]]) -> SizeMap:

@@ -1,18 +1,20 @@
 """The largest stresses at a throw's fillets, as `fillet_stresses` returns them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.choices import check_choice
+from crankbase.drawing.bars import draw_groups
 from crankbase.drawing.diagram_style import new_axes
+from crankbase.drawing.legends import write_title
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
 from fem.fillet_surface import FilletSurface
 from fem.fillets import Fillet
-from fem.plots.fillet_bars import LABELS, Criterion, draw_factors
 from fem.unit_loads import LoadedThrow, UnitLoad
 from geometry.throw import CrankThrow
 
@@ -20,6 +22,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Array = NDArray[np.float64]
+Criterion = Literal["principal", "von Mises"]
+LABELS: Mapping[Criterion, str] = {
+    "principal": "largest principal / nominal stress [1]",
+    "von Mises": "von Mises / nominal stress [1]",
+}
 
 
 @summarized(
@@ -139,7 +146,8 @@ class FilletStresses:
         loads, fillets = self._names
         factors = self._array("factor" if criterion == "principal" else "von_mises_factor")
         axes = new_axes(axes, width=8.6)
-        draw_factors(axes, fillets, dict(zip(loads, factors, strict=True)), criterion)
+        draw_groups(axes, fillets, dict(zip(loads, factors, strict=True)), LABELS[criterion])
+        write_title(axes, "Stress concentration at the fillets")
         return axes
 
     def to_pandas(self) -> Any:
@@ -158,21 +166,20 @@ class FilletStresses:
         peaks = self.peaks
         stress = "Pa/N or Pa/(N m), as the load's unit says"
         places = np.array([peak.principal_place for peak in peaks])
+        units = dict.fromkeys(("factor", "von_mises_factor"), "1")
+        units |= dict.fromkeys(("principal", "von_mises", "nominal"), stress)
+        units["error_estimate"] = "1"
         return table(
             {
                 "load": ([peak.load.name for peak in peaks], ""),
                 "load_unit": ([peak.load.unit for peak in peaks], ""),
                 "fillet": ([peak.fillet.name for peak in peaks], ""),
-                "factor": ([peak.factor for peak in peaks], "1"),
-                "von_mises_factor": ([peak.von_mises_factor for peak in peaks], "1"),
-                "principal": ([peak.principal for peak in peaks], stress),
-                "von_mises": ([peak.von_mises for peak in peaks], stress),
-                "nominal": ([peak.nominal for peak in peaks], stress),
-                "error_estimate": ([peak.error_estimate for peak in peaks], "1"),
-                "x": (places[:, 0], "m"),
-                "y": (places[:, 1], "m"),
-                "z": (places[:, 2], "m"),
             }
+            | {
+                name: ([getattr(peak, name) for peak in peaks], unit)
+                for name, unit in units.items()
+            }
+            | {axis: (column, "m") for axis, column in zip("xyz", places.T, strict=True)}
         )
 
     def to_xarray(self) -> Any:

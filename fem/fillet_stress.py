@@ -26,7 +26,7 @@ from fem.principal import largest_principal, principal_stresses, von_mises
 from fem.unit_loads import LoadedThrow, UnitLoad, solve_unit_loads, unit_loads
 from fem.wished_accuracy import STRESS_ACCURACY
 from geometry.mesher import mesh_isolated
-from geometry.size_map import SizeMap
+from geometry.sizes import SizeMap
 from geometry.throw import CrankThrow
 
 Array = NDArray[np.float64]

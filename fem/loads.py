@@ -5,13 +5,13 @@ the mean motion along it, translations and rotations alike. That defines what "t
 is, and what an end section of given mean motion may still do.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from skfem import ElementTriP2, MeshTri1
+from skfem import MeshTri1
 from skfem.quadrature import get_quadrature
 
 from crankbase.errors import InputError
@@ -19,6 +19,7 @@ from fem.symmetry import MirrorImage, SymmetryClass, mirror_images
 from geometry.facets import six_node_triangles
 from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw
+from geometry.shapes import triangle_shapes_at
 from geometry.solid import LEFT_END, RIGHT_END
 
 Array = NDArray[np.float64]
@@ -263,9 +264,7 @@ def _surface(
 ) -> LoadedSurface:
     triangles = six_node_triangles(mesh, corners)
     where, weights = get_quadrature(MeshTri1.elem.refdom, QUADRATURE_ORDER)
-    element = ElementTriP2()
-    values = np.array([element.lbasis(where, i)[0] + np.zeros(where.shape[1]) for i in range(6)])
-    slopes = np.array([element.lbasis(where, i)[1] + np.zeros_like(where) for i in range(6)])
+    values, slopes = triangle_shapes_at(where)
     tangents = np.einsum("aiq,taj->tqij", slopes, mesh.points[triangles])
     areas = np.cross(tangents[:, :, 0], tangents[:, :, 1]) * weights[:, None]
     nodes, number = np.unique(triangles, return_inverse=True)
@@ -275,12 +274,12 @@ def _surface(
     rows = np.repeat(np.arange(size), 6)
     columns = np.repeat(number, count, axis=0).ravel()
     shares = sparse.csr_array(
-        (np.tile(values.T, (len(triangles), 1)).ravel(), (rows, columns)), (size, len(nodes))
+        (np.tile(values, (len(triangles), 1)).ravel(), (rows, columns)), (size, len(nodes))
     )
     surface = LoadedSurface(
         nodes=nodes,
         center=np.zeros(3),
-        places=shares @ mesh.points[nodes],
+        places=np.asarray(shares @ mesh.points[nodes]),
         areas=areas.reshape(-1, 3),
         shares=shares,
         images=images,
@@ -298,12 +297,4 @@ def _with_center(surface: LoadedSurface, center: Array) -> LoadedSurface:
     for image in surface.images:
         motions = rigid_motions(image.points(surface.places) - center)
         resultants += np.einsum("q,qai,qaj->ij", sizes, motions, motions)
-    return LoadedSurface(
-        surface.nodes,
-        center,
-        surface.places,
-        surface.areas,
-        surface.shares,
-        surface.images,
-        resultants,
-    )
+    return replace(surface, center=center, resultants=resultants)

@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.condensation import nodes_on
-from fem.loads import end_sections, rigid_motions
+from fem.condensation import unit_end_motions
 from fem.superelement import RX, RY, RZ, UX, UY, UZ
 from fem.symmetry import MIRROR_X, MIRROR_Z, SymmetryClass
 from geometry.mesh import ThrowMesh
@@ -19,16 +18,10 @@ PURE = 0.999
 
 def end_motions_of(mesh: ThrowMesh, symmetry: SymmetryClass, shape: Array) -> Array:
     """Motions (12,) of both end sections that fit a displacement (n, 3) of the meshed part best."""
-    ends = symmetry.ends
-    unit_motions, displacements = [], []
-    for place, section in enumerate(end_sections(symmetry)):
-        nodes = nodes_on(mesh, section)
-        arms = mesh.points[nodes] * (1.0, 1.0, 0.0)
-        unit_motions.append(rigid_motions(arms) @ ends[6 * place : 6 * place + 6])
-        displacements.append(shape[nodes])
-    columns = np.concatenate(unit_motions).reshape(-1, ends.shape[1])
-    fit = np.linalg.lstsq(columns, np.concatenate(displacements).ravel(), rcond=None)
-    return np.asarray(ends @ fit[0])
+    nodes, motions = zip(*unit_end_motions(mesh, symmetry), strict=True)
+    columns = np.concatenate(motions).reshape(-1, symmetry.ends.shape[1])
+    fit = np.linalg.lstsq(columns, shape[np.concatenate(nodes)].ravel(), rcond=None)
+    return np.asarray(symmetry.ends @ fit[0])
 
 
 def name_of_motion(motions: Array, length: float) -> str:

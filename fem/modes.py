@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from crankbase.checks.scalars import is_number, whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.errors import InputError, quoted
-from crankbase.stopwatch import Stopwatch
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from fem.class_modes import (
@@ -119,7 +118,6 @@ def free_modes(
     count: int | None = None,
     highest_frequency: float | None = None,
     solver: str = "auto",
-    watch: Stopwatch | None = None,
 ) -> ThrowModes:
     """Elastic modes of the whole throw, free in space, its end sections free to warp.
 
@@ -134,8 +132,6 @@ def free_modes(
         up to which frequency [Hz]; one of the two.
     solver : {"auto", "pardiso", "superlu"}
         Equation solver.
-    watch : Stopwatch, optional
-        Takes the time.
 
     Returns
     -------
@@ -152,13 +148,11 @@ def free_modes(
     _check_mode_count(count, highest_frequency)
     if highest_frequency is not None:
         check_resolved(mesh, material, highest_frequency)
-    matrices = PartMatrices.of_mesh(mesh, material, watch)
+    matrices = PartMatrices.of_mesh(mesh, material)
     shift = (SHIFT_SHARE / mesh.length) ** 2 * material.youngs_modulus / material.density
 
     def solve(symmetry: SymmetryClass, elastic: int | None) -> ClassModes:
-        with class_problem(
-            mesh, matrices, symmetry, shift=shift, solver=solver, watch=watch
-        ) as problem:
+        with class_problem(mesh, matrices, symmetry, shift=shift, solver=solver) as problem:
             if highest_frequency is not None:
                 return problem.up_to(highest_frequency)
             return problem.lowest(rigid_count(symmetry) + (elastic or 0))

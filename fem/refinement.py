@@ -1,11 +1,13 @@
 """Where a mesh must be finer, and by how much, for an error that is wished for."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.recovery import EnergyErrors
 from geometry.mesh import ThrowMesh
-from geometry.size_map import SizeMap, element_sizes
+from geometry.sizes import SizeMap, element_sizes, sizes_at_corners
 
 Array = NDArray[np.float64]
 
@@ -48,15 +50,12 @@ def refined_sizes(mesh: ThrowMesh, errors: EnergyErrors, target: float) -> SizeM
     ratios *= (target / np.sum(shares * ratios**ORDER)) ** (1.0 / ORDER)
     wished = MADE_SMALLER * sizes * np.clip(ratios, MOST_REFINED, MOST_COARSENED)
 
-    vertices, number = np.unique(corners, return_inverse=True)
-    number = number.reshape(corners.shape)
-    # The mean of the logarithms; the smallest would refine two layers for one element.
-    total = np.bincount(number.ravel(), np.repeat(np.log(wished), 4))
-    nodal = np.exp(total / np.bincount(number.ravel()))
-    graded = _limit_size_growth(mesh.points[vertices], number, nodal)
+    # The mean at the corners; the smallest would refine two layers for one element.
+    nodal = sizes_at_corners(mesh.points, corners, wished)
+    graded = _limit_size_growth(nodal.points, nodal.tetrahedra, nodal.sizes)
     # Sizes of few digits: rounding in the solution must not become another mesh.
     steps = np.round(np.log(graded / mesh.length) / SIZE_STEP)
-    return SizeMap(mesh.points[vertices], number, mesh.length * np.exp(SIZE_STEP * steps))
+    return replace(nodal, sizes=mesh.length * np.exp(SIZE_STEP * steps))
 
 
 def _limit_size_growth(points: Array, tetrahedra: NDArray[np.int64], sizes: Array) -> Array:

@@ -142,16 +142,14 @@ class SharedSolver:
 
 
 @contextmanager
-def factorize(
-    upper: sparse.csr_array, solver: str = "auto", watch: Stopwatch | None = None
-) -> Iterator[Factorization]:
+def factorize(upper: sparse.csr_array, solver: str = "auto") -> Iterator[Factorization]:
     """Factorize a symmetric positive definite matrix; its memory is freed at the end of the block.
 
     Parameters
     ----------
     upper : (n, n) sparse array
         Upper triangle of the matrix.
-    solver, watch
+    solver
         As for `SharedSolver`, which also says what is raised.
 
     Yields
@@ -163,42 +161,11 @@ def factorize(
     SolveError
         If the matrix is singular.
     """
-    shared = SharedSolver(solver, watch)
+    shared = SharedSolver(solver)
     try:
         yield shared.factorize(upper)
     finally:
         shared.close()
-
-
-def solve_symmetric(
-    upper: sparse.csr_array,
-    right_sides: Array,
-    solver: str = "auto",
-    watch: Stopwatch | None = None,
-) -> tuple[Array, str]:
-    """Solve A x = b for a symmetric positive definite matrix and check the residual.
-
-    Parameters
-    ----------
-    upper, solver, watch
-        As for `factorize`, which also says what is raised.
-    right_sides : (n, k) array
-        The right sides b.
-
-    Returns
-    -------
-    solution : (n, k) array
-    solver : str
-        The solver that was used.
-
-    Raises
-    ------
-    SolveError
-        If the residual is not near round-off.
-    """
-    watch = Stopwatch() if watch is None else watch
-    with factorize(upper, solver, watch) as factors, watch.lap("solves"):
-        return factors.solve(right_sides), factors.solver
 
 
 def _choose(solver: str, watch: Stopwatch) -> str:

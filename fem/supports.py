@@ -125,11 +125,6 @@ class SupportedThrow:
     influences: Array
 
     @property
-    def stretch_per_force(self) -> Array:
-        """Lengthening (3,) per unit force on the first pin along x, y, z [m/N]."""
-        return np.asarray(self.stretches[0])
-
-    @property
     def influence(self) -> float:
         """Influence coefficient c: lengthening per unit radial force on the first pin [m/N]."""
         return float(self.influences[0])

@@ -15,11 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from skfem import ElementTriP2, MeshTri1
+from skfem import MeshTri1
 from skfem.quadrature import get_quadrature
 
 from fem.material import Material
 from fem.principal import as_components
+from geometry.shapes import triangle_shapes_at
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -124,7 +125,7 @@ def _fitted(
 ) -> _Patches:
     """Fit polynomials to the strains of the facets round each corner."""
     where, _ = get_quadrature(MeshTri1.elem.refdom, QUADRATURE_ORDER)
-    values, slopes = _shapes(where)
+    values, slopes = triangle_shapes_at(where)
     tangents = np.einsum("aiq,taj->tqij", slopes, points[facets])
     normals = np.cross(tangents[:, :, 0], tangents[:, :, 1])
     normals /= np.linalg.norm(normals, axis=2)[:, :, None]
@@ -175,19 +176,11 @@ def _fitted(
     return _Patches(points[corners], frames, sizes, coefficients)
 
 
-def _shapes(where: Array) -> tuple[Array, Array]:
-    """Values (q, 6) and reference gradients (6, 2, q) of the shape functions at points (2, q)."""
-    element = ElementTriP2()
-    shapes = [element.lbasis(where, node) for node in range(6)]
-    values = np.array([value + np.zeros(where.shape[1]) for value, _ in shapes])
-    return values.T, np.array([slope + np.zeros_like(where) for _, slope in shapes])
-
-
 def _mean_normals(
     points: Array, facets: Integers, number: Integers, last: int, count: int
 ) -> Array:
     """Unit normals (count, 3) at the corners (`last` 3) or the middles (6), mean of their facets."""
-    _, slopes = _shapes(CORNERS if last == 3 else MIDDLES)
+    _, slopes = triangle_shapes_at(CORNERS if last == 3 else MIDDLES)
     tangents = np.einsum("aiq,taj->tqij", slopes, points[facets])
     areas = np.cross(tangents[:, :, 0], tangents[:, :, 1])
     total = np.zeros((count, 3))

@@ -1,6 +1,5 @@
 """A throw's elastic and mass properties from one superelement: what `analyze_throw` returns."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -12,20 +11,22 @@ from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.summaries import summarized
 from fem.angle_law import AngleLaw, angle_law, compliance, compliance_over_angle
+from fem.axial_analysis import SolvedThrow
 from fem.condensation import CondensedClass
 from fem.craig_bampton import DynamicSuperelement, dynamic_superelement
 from fem.loads import Distribution
-from fem.material import Material
 from fem.modes import ThrowModes, free_modes
 from fem.pin_response import (
     PinResponse,
+    checked_pin,
+    end_load,
     equivalent_load,
     local_motion,
     pin_compliance,
     pin_response,
+    spread_load,
 )
 from fem.plots.over_angle import ANGLES_DEG, LABELS, Compliance, check_compliance, draw_compliance
-from fem.prescribed_pin_load import checked_pin, end_load, spread_load
 from fem.superelement import Superelement
 from fem.supports import (
     STRETCH,
@@ -39,8 +40,6 @@ from fem.supports import (
 )
 from fem.throw_frames import compliance_table, stiffness_table, throw_grid
 from geometry.mass import MassProperties
-from geometry.mesh import ThrowMesh
-from geometry.mesher import Throw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -57,48 +56,28 @@ NO_FORCE = (0.0, 0.0, 0.0)
     "accuracy",
     "mesh.unknowns",
 )
-@dataclass(frozen=True)
-class ThrowAnalysis:
+@dataclass(frozen=True, kw_only=True)
+class ThrowAnalysis(SolvedThrow):
     """A throw's elastic and mass properties, from one mesh and one superelement.
 
     Attributes
     ----------
-    throw : CrankThrow or ImportedThrow
-    material : Material
+    throw, material, mesh, error_estimate, accuracy, seconds
+        What was solved and how accurately, as of an `AxialAnalysis`.
     superelement : Superelement
-    mesh : ThrowMesh
-        Mesh of the part of the throw that was solved.
     classes : tuple of CondensedClass
         The solved symmetry classes with their displacement fields.
     masses : MassProperties
-    error_estimate : float
-        Estimated relative discretization error of the axial compliance (pinned), from the energy of
-        the error; the compliance is about that much too small.
-    accuracy : float
-        The accuracy that was asked for.
-    seconds : mapping
-        Where the time went, by name.
     """
 
-    throw: Throw
-    material: Material
     superelement: Superelement
-    mesh: ThrowMesh
     classes: tuple[CondensedClass, ...] = field(repr=False)
     masses: MassProperties
-    error_estimate: float
-    accuracy: float
-    seconds: Mapping[str, float] = field(default_factory=dict, repr=False)
 
     @property
     def stiffness(self) -> NDArray[np.float64]:
         """Stiffness (12, 12): ux uy uz rx ry rz of the left, then the right end section [SI]."""
         return self.superelement.stiffness
-
-    @property
-    def accuracy_met(self) -> bool:
-        """Whether the error estimate is within the accuracy asked for."""
-        return self.error_estimate <= self.accuracy
 
     @property
     def solver(self) -> str:
@@ -388,7 +367,10 @@ class ThrowAnalysis:
             return stiffness_table(self.stiffness)
         answers = {name: self.supported(support) for name, support in TABLE_SUPPORTS.items()}
         return compliance_table(
-            {name: (one.axial, one.torsional, one.influence) for name, one in answers.items()}
+            answers,
+            axial_compliance=lambda name: answers[name].axial,
+            torsional_compliance=lambda name: answers[name].torsional,
+            influence_coefficient=lambda name: answers[name].influence,
         )
 
     def to_xarray(self) -> Any:

@@ -1,6 +1,6 @@
 """A throw's stiffness and compliances as tables and grids with names and units."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -26,12 +26,15 @@ WORDS: Mapping[str, tuple[str, str]] = {
 }
 
 
-def compliance_table(answers: Mapping[str, tuple[float, float, float]]) -> Any:
-    """Return a pandas table of a throw's axial, torsional compliance and influence by support."""
-    columns = zip(WORDS, np.array(list(answers.values())).T, strict=True)
+def compliance_table(supports: Iterable[str], **compliances: Callable[[str], float]) -> Any:
+    """Return a pandas table by support of compliances, each found by the name of a support."""
+    names = list(supports)
     return table(
-        {"support": (list(answers), "")}
-        | {name: (column, WORDS[name][0]) for name, column in columns}
+        {"support": (names, "")}
+        | {
+            one: ([found(name) for name in names], WORDS[one][0])
+            for one, found in compliances.items()
+        }
     ).set_index("support")
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.assembly import assemble_stiffness
+from fem.class_compliances import unit_response
 from fem.condensation import CondensedClass, EndSections, condense, nodes_on
 from fem.loads import unit_pin_loads
 from fem.material import Material
@@ -14,7 +15,7 @@ from fem.principal import as_components, as_matrices
 from fem.recovery import recovered_stress
 from fem.solver import SharedSolver
 from fem.superelement import RX, RY
-from fem.supports import STRETCH, TWIST, free_motions
+from fem.supports import STRETCH, TWIST
 from fem.symmetry import CUTS, MirrorImage, SymmetryClass, mirror_images, symmetry_classes
 from geometry.mesh import ThrowMesh
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
@@ -181,9 +182,7 @@ def _field(part: CondensedClass, load: UnitLoad) -> Array:
     work = load.ends @ part.symmetry.ends
     if load.pin is not None:
         work = work + part.pin_loads[load.pin, :, :3] @ load.direction
-    free = free_motions(part.symmetry.ends, "pinned")
-    stiffness = part.symmetry.copies * part.stiffness[np.ix_(free, free)]
-    field = part.fields[:, :, free] @ np.linalg.solve(stiffness, work[free])
+    field = part.fields @ unit_response(part, "pinned", work)
     if load.pin is not None:
         pins, components = part.pin_components.T
         on_it = (pins == load.pin) & (components < 3)

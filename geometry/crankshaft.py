@@ -14,15 +14,16 @@ from crankbase.checks.arrays import finite_vector
 from crankbase.errors import InputError, MeshError
 from crankbase.summaries import summarized
 from crankbase.units.quantity import format_quantity
-from geometry.balance import Unbalance, unbalance
 from geometry.gmsh_session import gmsh_errors, gmsh_session
 from geometry.isolated import shared_process
 from geometry.mass import (
     MassProperties,
+    Unbalance,
     check_density,
     combined_mass,
     cylinder_mass_properties,
     solid_mass_properties,
+    unbalance,
 )
 from geometry.mesh_checks import (
     SOLID_VOLUME_TOLERANCE,

@@ -14,15 +14,8 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from geometry.isolated import IsolatedProcess, shared_process
 from geometry.parts import Cylinder
-from geometry.sizes import (
-    SizePlan,
-)
-from geometry.solid import (
-    LEFT_END,
-    PIN,
-    RIGHT_END,
-    Zone,
-)
+from geometry.sizes import SizePlan
+from geometry.solid import LEFT_END, PIN, RIGHT_END, Zone
 from geometry.step_file import CYLINDER, PLANE, StepFace, read_step
 
 Array = NDArray[np.float64]

@@ -3,7 +3,6 @@
 import hashlib
 import math
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,25 +14,20 @@ from crankbase.errors import InputError, MeshError
 from geometry.cad_faces import opened_part
 from geometry.gmsh_session import gmsh_errors
 from geometry.imported import ImportedThrow, file_content
-from geometry.mesh import MeshingStrategy, ThrowMesh, read_mesh, try_strategies
-from geometry.mesh_checks import check_budget, check_quality, check_volume, solid_properties
-from geometry.mesh_repair import straighten_elements
+from geometry.mesh import MeshingStrategy, OnRemark, ThrowMesh, checked_mesh, try_strategies
+from geometry.mesh_checks import check_budget, solid_properties
 from geometry.parts import ThrowParts
 from geometry.recognition import PLACE_TOLERANCE
-from geometry.size_field import set_sizes
-from geometry.size_map import SizeMap, set_size_map
 from geometry.sizes import (
     GROWTH,
     ROOT_PER_FILLET,
     SIZE_PER_BORE,
+    SizeMap,
     SizePlan,
+    set_size_map,
+    set_sizes,
 )
-from geometry.solid import (
-    BORE,
-    LEFT_END,
-    RIGHT_END,
-    NamedSolid,
-)
+from geometry.solid import BORE, LEFT_END, RIGHT_END, NamedSolid
 
 Array = NDArray[np.float64]
 # Nodes per volume of a cubed element size and per area of a squared one.
@@ -83,17 +77,19 @@ def _scaled(plan: SizePlan, factor: float) -> SizePlan:
 
 
 def mesh_imported_throw(
-    throw: ImportedThrow, size_factor: float = 1.0, sizes: SizeMap | None = None
+    throw: ImportedThrow,
+    size_factor: float = 1.0,
+    sizes: SizeMap | None = None,
+    attempts: tuple[str, ...] = (),
+    on_remark: OnRemark | None = None,
 ) -> ThrowMesh:
     """Mesh an imported throw in this process.
 
     Parameters
     ----------
     throw : ImportedThrow
-    size_factor : float
-        Scales all element sizes; 1 gives about 1 % accuracy of the axial compliance.
-    sizes : SizeMap, optional
-        Element sizes that `size_factor` scales, instead of those planned from the part.
+    size_factor, sizes, attempts, on_remark
+        As for `mesh_throw`.
 
     Returns
     -------
@@ -108,31 +104,17 @@ def mesh_imported_throw(
     MeshError
         If all ways fail; the message names the last reason.
     """
-    return mesh_imported_from(throw, size_factor, sizes)
-
-
-def mesh_imported_from(
-    throw: ImportedThrow,
-    size_factor: float,
-    sizes: SizeMap | None = None,
-    attempts: tuple[str, ...] = (),
-    on_remark: Callable[[tuple[str, ...]], None] | None = None,
-) -> ThrowMesh:
-    """Mesh as `mesh_imported_throw` does, passing over as many ways as `attempts` failed elsewhere.
-
-    `on_remark` is told of all failed attempts before each way is tried.
-    """
     if hashlib.sha256(file_content(Path(throw.path))).hexdigest() != throw.digest:
         raise InputError(
             f"{throw.path}: given a file that has changed since it was imported; allowed is the same, "
             "or import it again."
         )
-    expected = (
+    check_budget(
         predict_imported_unknowns(throw, size_factor)
         if sizes is None
-        else sizes.expected_unknowns(size_factor)
+        else sizes.expected_unknowns(size_factor),
+        size_factor,
     )
-    check_budget(expected, size_factor)
 
     def mesh_by(rung: MeshingStrategy, failed: tuple[str, ...]) -> ThrowMesh:
         return _mesh_once(throw, size_factor, sizes, rung, failed)
@@ -164,26 +146,19 @@ def _mesh_once(
                 _set_sizes(gmsh, throw, factor)
             else:
                 set_size_map(gmsh, sizes, factor)
-            gmsh.model.mesh.generate(3)
-            gmsh.model.mesh.setOrder(2)
-        points, elements, facets = read_mesh(gmsh, surfaces)
-    _check_ends(throw, points, facets)
-    points, mended = straighten_elements(points, elements)
-    check_volume(points, elements, solid)
-    check_quality(points, elements)
-    return ThrowMesh(
-        part="full",
-        length=throw.length,
-        pins=tuple(pin.name for pin in throw.pins),
-        points=points,
-        elements=elements,
-        surfaces=facets,
-        size_factor=factor,
-        mended_elements=mended,
-        solid=solid,
-        attempts=attempts,
-        geometry_seconds=seconds,
-    )
+        mesh = checked_mesh(
+            gmsh,
+            surfaces,
+            solid,
+            part="full",
+            length=throw.length,
+            pins=tuple(pin.name for pin in throw.pins),
+            size_factor=factor,
+            attempts=attempts,
+            geometry_seconds=seconds,
+        )
+    _check_ends(mesh)
+    return mesh
 
 
 def _set_sizes(gmsh: Any, throw: ImportedThrow, factor: float) -> None:
@@ -204,9 +179,9 @@ def _set_sizes(gmsh: Any, throw: ImportedThrow, factor: float) -> None:
     set_sizes(gmsh, ThrowParts(throw.holes, ()), named, plan)
 
 
-def _check_ends(throw: ImportedThrow, points: Array, facets: dict[str, NDArray[np.int64]]) -> None:
+def _check_ends(mesh: ThrowMesh) -> None:
     """The surfaces' numbers must mean what they did when the part was read."""
-    for name, place in ((LEFT_END, 0.0), (RIGHT_END, throw.length)):
-        off = np.abs(points[facets[name], 2] - place)
-        if off.size == 0 or off.max() > 10.0 * PLACE_TOLERANCE * throw.length:
+    for name, place in ((LEFT_END, 0.0), (RIGHT_END, mesh.length)):
+        off = np.abs(mesh.points[mesh.surfaces[name], 2] - place)
+        if off.size == 0 or off.max() > 10.0 * PLACE_TOLERANCE * mesh.length:
             raise MeshError(f"the surface {name!r} of the file is not where it was.")

@@ -1,19 +1,11 @@
 """Element sizes of a CAD part's throw, by the rules for throws given by dimensions."""
 
-import math
 from itertools import pairwise
 
 from geometry.cad_faces import Round
 from geometry.parts import Cylinder
-from geometry.sizes import (
-    FILLET_ROOT_PER_WEB,
-    ROOT_PER_FILLET,
-    ROOT_PER_WEB,
-    SIZE_PER_BORE,
-    SizePlan,
-    SizeZone,
-)
-from geometry.solid import BORE, Zone
+from geometry.sizes import SIZE_PER_BORE, SizePlan, bore_zone, root_size, root_zone
+from geometry.solid import Zone
 
 
 def planned_sizes(
@@ -37,19 +29,9 @@ def planned_sizes(
     for zone in [*fillets, *corners]:
         number, end = zone
         gap = gaps[number - 1 if end == "start" else number]
-        beside = gap if gap in webs else thinnest
-        radius = row[number].radius
-        sharp = zone not in fillets
-        if sharp:
-            size, area = ROOT_PER_WEB * beside, 0.0
-        else:
-            fillet = radii[zone]
-            size = min(ROOT_PER_FILLET * fillet, FILLET_ROOT_PER_WEB * beside)
-            area = math.pi * math.pi * fillet * (radius + 0.36 * fillet)
-        zones.append(SizeZone(zone, sharp, min(bulk, size), 2.0 * math.pi * radius, area))
+        fillet = radii[zone] if zone in fillets else 0.0
+        size = root_size(fillet, gap if gap in webs else thinnest)
+        zones.append(root_zone(zone, row[number].radius, fillet, min(bulk, size)))
     for number, hole in enumerate(holes):
-        length = 2.0 * math.pi * hole.bore_radius
-        area = length * (hole.bore_end - hole.bore_start)
-        size = min(bulk, SIZE_PER_BORE * hole.bore_radius)
-        zones.append(SizeZone((number, BORE), False, size, length, area))
+        zones.append(bore_zone(number, hole, min(bulk, SIZE_PER_BORE * hole.bore_radius)))
     return SizePlan(bulk, tuple(zones))

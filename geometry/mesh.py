@@ -22,9 +22,8 @@ from geometry.mesh_checks import (
 )
 from geometry.mesh_repair import straighten_elements
 from geometry.parts import ThrowParts
-from geometry.size_field import set_sizes
-from geometry.size_map import SizeMap, set_size_map
-from geometry.sizes import SHARES, predict_unknowns, size_plan
+from geometry.shapes import facet_keys, outer_facets
+from geometry.sizes import SHARES, SizeMap, predict_unknowns, set_size_map, set_sizes, size_plan
 from geometry.solid import CRANK_PLANE, MIDDLE_PLANE, build_solid
 from geometry.throw import CrankThrow
 
@@ -34,6 +33,7 @@ if TYPE_CHECKING:
 # gmsh numbers the edges of a 10-node tetrahedron in another order than scikit-fem.
 GMSH_TO_SKFEM = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]
 PARTS = tuple(SHARES)
+OnRemark = Callable[[tuple[str, ...]], None]
 
 
 @dataclass(frozen=True)
@@ -159,6 +159,8 @@ def mesh_throw(
     size_factor: float = 1.0,
     part: str = "auto",
     sizes: SizeMap | None = None,
+    attempts: tuple[str, ...] = (),
+    on_remark: OnRemark | None = None,
 ) -> ThrowMesh:
     """Mesh a throw in this process.
 
@@ -175,6 +177,10 @@ def mesh_throw(
         What to mesh; "auto" is the smallest that the throw's symmetry allows.
     sizes : SizeMap, optional
         Element sizes that `size_factor` scales, instead of those planned from the dimensions.
+    attempts : tuple of str, optional
+        Ways that failed elsewhere, and are passed over here.
+    on_remark : callable, optional
+        Told of all failed attempts before each way is tried.
 
     Returns
     -------
@@ -188,29 +194,14 @@ def mesh_throw(
     MeshError
         If all ways fail; the message names the last reason.
     """
-    return mesh_throw_from(throw, size_factor, part, sizes)
-
-
-def mesh_throw_from(
-    throw: CrankThrow,
-    size_factor: float,
-    part: str,
-    sizes: SizeMap | None = None,
-    attempts: tuple[str, ...] = (),
-    on_remark: Callable[[tuple[str, ...]], None] | None = None,
-) -> ThrowMesh:
-    """Mesh as `mesh_throw` does, passing over as many ways as `attempts` failed elsewhere.
-
-    `on_remark` is told of all failed attempts before each way is tried.
-    """
     part = checked_part(throw, part)
     parts = throw.parts
-    expected = (
+    check_budget(
         predict_unknowns(parts, size_factor, part)
         if sizes is None
-        else sizes.expected_unknowns(size_factor)
+        else sizes.expected_unknowns(size_factor),
+        size_factor,
     )
-    check_budget(expected, size_factor)
 
     def mesh_by(rung: MeshingStrategy, failed: tuple[str, ...]) -> ThrowMesh:
         return _mesh_once(parts, size_factor, part, sizes, rung, failed)
@@ -221,7 +212,7 @@ def mesh_throw_from(
 def try_strategies(
     mesh_by: Callable[[MeshingStrategy, tuple[str, ...]], ThrowMesh],
     attempts: tuple[str, ...],
-    on_remark: Callable[[tuple[str, ...]], None] | None,
+    on_remark: OnRemark | None,
 ) -> ThrowMesh:
     """Try `MESHING_STRATEGIES` one after the other, passing over as many as `attempts` failed before.
 
@@ -237,7 +228,12 @@ def try_strategies(
             return mesh_by(rung, attempts)
         except MeshError as error:
             attempts = (*attempts, f"{rung.what}: {error}")
-    raise MeshError(
+    raise all_failed(attempts)
+
+
+def all_failed(attempts: tuple[str, ...]) -> MeshError:
+    """Make the error of a throw that no strategy could mesh."""
+    return MeshError(
         f"{len(attempts)} ways of meshing the throw failed, the last one ({attempts[-1]})."
     )
 
@@ -283,27 +279,54 @@ def _mesh_once(
                 set_sizes(gmsh, parts, named, size_plan(parts, factor))
             else:
                 set_size_map(gmsh, sizes, factor)
-            gmsh.model.mesh.generate(3)
-            gmsh.model.mesh.setOrder(2)
-        points, elements, facets = read_mesh(gmsh, named.surfaces)
+        return checked_mesh(
+            gmsh,
+            named.surfaces,
+            solid,
+            part=part,
+            length=parts.length,
+            pins=tuple(pin.name for pin in parts.pins),
+            size_factor=factor,
+            attempts=attempts,
+            geometry_seconds=watch.seconds["geometry"],
+        )
+
+
+def checked_mesh(
+    gmsh: Any, surfaces: dict[str, list[int]], solid: SolidProperties, **described: Any
+) -> ThrowMesh:
+    """Mesh the model, whose element sizes are set, and check what comes out.
+
+    Parameters
+    ----------
+    gmsh : module
+    surfaces : dict
+        Surface tags by surface name.
+    solid : SolidProperties
+    **described
+        Further attributes of the mesh.
+
+    Raises
+    ------
+    MeshError
+        If gmsh fails, or the mesh is not that of the solid.
+    """
+    with gmsh_errors("mesh the throw"):
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(2)
+    points, elements, facets = read_mesh(gmsh, surfaces)
     if 3 * len(points) > 1.5 * MOST_UNKNOWNS:
         raise MeshError(f"the mesh has {3 * len(points):,} unknowns, far more than predicted.")
     points, mended = straighten_elements(points, elements)
     check_volume(points, elements, solid)
     check_quality(points, elements)
-    pins = tuple(pin.name for pin in parts.pins)
     return ThrowMesh(
-        part=part,
-        length=parts.length,
-        pins=pins,
         points=points,
         elements=elements,
         surfaces=facets,
-        size_factor=factor,
         mended_elements=mended,
         solid=solid,
-        attempts=attempts,
-        geometry_seconds=watch.seconds["geometry"],
+        **described,
     )
 
 
@@ -332,25 +355,12 @@ def read_mesh(
     order = np.full(len(points), -1, dtype=np.int64)
     order[used] = np.arange(len(used))
     elements = renumbered.reshape(elements.shape)
-    outward = _outward_facets(elements)
+    outward = outer_facets(elements)
     return (
         points[used],
         elements,
         {name: _oriented(order[corners], outward) for name, corners in facets.items()},
     )
-
-
-def _outward_facets(elements: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Facets that belong to one element, corners counterclockwise from outside, with sorted keys."""
-    facets = elements[:, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]].reshape(-1, 3)
-    keys, first, count = np.unique(_facet_keys(facets), return_index=True, return_counts=True)
-    return keys[count == 1], facets[first[count == 1]]
-
-
-def _facet_keys(facets: NDArray[np.int64]) -> NDArray[np.int64]:
-    low, middle, high = np.sort(facets, axis=1).T
-    size = 2_000_000  # more nodes than any mesh within the budget; its cube fits into 64 bits
-    return np.asarray((low * size + middle) * size + high)
 
 
 def _oriented(
@@ -360,7 +370,7 @@ def _oriented(
     if len(facets) == 0:
         return facets
     keys, oriented = outward
-    wanted = _facet_keys(facets)
+    wanted = facet_keys(facets)
     place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
     if not np.array_equal(keys[place], wanted):
         raise MeshError("a named surface has facets that bound no element of the solid.")

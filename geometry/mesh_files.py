@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError, MissingLibraryError
-from crankbase.outputs import atomic_file
+from crankbase.outputs import atomic_file, write_errors
 from geometry.facets import flat_triangles, six_node_triangles
 from geometry.gmsh_session import gmsh_session
 from geometry.mesh import GMSH_TO_SKFEM, ThrowMesh
@@ -59,7 +59,7 @@ def write_mesh(
     path = Path(path)
     ending = check_ending(path)
     try:
-        with atomic_file(path, "mesh") as part:
+        with write_errors(path), atomic_file(path, "mesh") as part:
             if ending == ".msh":
                 _write_msh(mesh, part)
             elif ending in SURFACE_ENDINGS:
@@ -74,8 +74,6 @@ def write_mesh(
             f"{path.name}: this format needs the Python package {package}, which is not installed; "
             "install it with: pip install 'crankfem[formats]'"
         ) from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
     return path
 
 

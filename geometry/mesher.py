@@ -1,15 +1,12 @@
 """Mesh throws in a process of its own, so that no throw can take this one down."""
 
-from typing import Any
-
 from crankbase.calls import ProcessLostError
-from crankbase.errors import InputError, MeshError
+from crankbase.errors import InputError
 from geometry.imported import ImportedThrow
 from geometry.imported_mesh import mesh_imported_throw, predict_imported_unknowns
 from geometry.isolated import IsolatedProcess, shared_process
-from geometry.mesh import MESHING_STRATEGIES, ThrowMesh, mesh_throw
-from geometry.size_map import SizeMap
-from geometry.sizes import predict_unknowns
+from geometry.mesh import MESHING_STRATEGIES, OnRemark, ThrowMesh, all_failed, mesh_throw
+from geometry.sizes import SizeMap, predict_unknowns
 from geometry.throw import CrankThrow
 
 # Given by dimensions, or by a CAD part.
@@ -61,7 +58,11 @@ def mesh_isolated(
     while len(attempts) < len(MESHING_STRATEGIES):
         try:
             mesh: ThrowMesh = process.call(
-                *_function(throw, size_factor, part, sizes),
+                "geometry.mesher:mesh_here",
+                throw,
+                size_factor,
+                part,
+                sizes,
                 attempts,
                 time_limit=limit,
                 on_remark=note,
@@ -70,27 +71,21 @@ def mesh_isolated(
             attempts = (*attempts, f"{MESHING_STRATEGIES[len(attempts)].what}: {error}")
         else:
             return mesh
-    raise MeshError(
-        f"{len(attempts)} ways of meshing the throw failed, the last one ({attempts[-1]})."
-    )
+    raise all_failed(attempts)
 
 
 def mesh_here(
-    throw: Throw, size_factor: float = 1.0, part: str = "auto", sizes: SizeMap | None = None
+    throw: Throw,
+    size_factor: float = 1.0,
+    part: str = "auto",
+    sizes: SizeMap | None = None,
+    attempts: tuple[str, ...] = (),
+    on_remark: OnRemark | None = None,
 ) -> ThrowMesh:
     """Mesh any throw in this process; parameters, results and errors as for `mesh_throw`."""
     if isinstance(throw, ImportedThrow):
-        return mesh_imported_throw(throw, size_factor, sizes)
-    return mesh_throw(throw, size_factor, part, sizes)
-
-
-def _function(
-    throw: Throw, size_factor: float, part: str, sizes: SizeMap | None
-) -> tuple[Any, ...]:
-    """What to call in the process, and its first arguments."""
-    if isinstance(throw, ImportedThrow):
-        return "geometry.imported_mesh:mesh_imported_from", throw, size_factor, sizes
-    return "geometry.mesh:mesh_throw_from", throw, size_factor, part, sizes
+        return mesh_imported_throw(throw, size_factor, sizes, attempts, on_remark)
+    return mesh_throw(throw, size_factor, part, sizes, attempts, on_remark)
 
 
 def expected_unknowns(throw: Throw, size_factor: float, sizes: SizeMap | None = None) -> int:

@@ -5,8 +5,10 @@ Only the half u >= 0 is described, from the lowest point on the line to the high
 """
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,7 @@ from crankbase.units.quantity import format_quantity
 
 Array = NDArray[np.float64]
 Point = tuple[float, float]
+OutlineName = Literal["obround", "rectangle"]
 # Pieces shorter than this share of the width are left out: they would only breed tiny elements.
 NEGLIGIBLE = 1e-9
 
@@ -236,9 +239,14 @@ def _crossings(piece: Line | Arc, half: float) -> list[float]:
 
 
 def rectangle(
-    width: float, foot_end: float, tip_end: float, distance: float, radius: float, chamfer: float
+    width: float,
+    foot_end: float,
+    tip_end: float,
+    distance: float,
+    corner_radius: float = 0.0,
+    corner_chamfer: float = 0.0,
 ) -> Outline:
-    """Rectangle with corners rounded by `radius`, or cut by `chamfer` at 45 deg, or sharp.
+    """Rectangle with corners rounded by a radius, or cut by a chamfer at 45 deg, or sharp.
 
     Parameters
     ----------
@@ -248,8 +256,8 @@ def rectangle(
         Distance of each end from its axis [m].
     distance : float
         Distance of the axes [m].
-    radius, chamfer : float
-        Of the corners; one of them 0 [m].
+    corner_radius, corner_chamfer : float
+        One of them 0 [m].
 
     Raises
     ------
@@ -257,9 +265,9 @@ def rectangle(
         If the corners are larger than the rectangle, or both rounded and cut.
     """
     half, low, high = 0.5 * width, -foot_end, distance + tip_end
-    cut = max(radius, chamfer)
+    cut = max(corner_radius, corner_chamfer)
     largest = min(half, 0.5 * (high - low))
-    if radius > 0.0 and chamfer > 0.0:
+    if corner_radius > 0.0 and corner_chamfer > 0.0:
         raise InputError(
             "the corners have a radius and a chamfer; allowed is one of them, for a corner is either "
             "rounded or cut."
@@ -275,7 +283,7 @@ def rectangle(
         return Outline(tuple(Line(a, b) for a, b in pairwise(corners)))
     stops = [(half - cut, low), (half, low + cut), (half, high - cut), (half - cut, high)]
     corner: list[Line | Arc]
-    if radius > 0.0:
+    if corner_radius > 0.0:
         corner = [
             Arc((half - cut, low + cut), stops[0], stops[1]),
             Arc((half - cut, high - cut), stops[2], stops[3]),
@@ -288,3 +296,31 @@ def rectangle(
 
 def _without_tiny(pieces: list[Line | Arc], width: float) -> tuple[Line | Arc, ...]:
     return tuple(p for p in pieces if math.dist(p.start, p.end) > NEGLIGIBLE * width)
+
+
+@dataclass(frozen=True)
+class OutlineKind:
+    """How the outline of a name is made.
+
+    Attributes
+    ----------
+    make : callable
+        Makes it of width, reach beyond the foot and the tip axis and their distance [m], and of its own
+        `dimensions` by name.
+    dimensions : tuple of str
+        Which of `OUTLINE_DIMENSIONS` it has.
+    round_ends : bool
+        Whether the reach beyond an axis is the radius of the end about it.
+    """
+
+    make: Callable[..., Outline]
+    dimensions: tuple[str, ...] = ()
+    round_ends: bool = False
+
+
+OUTLINES: Mapping[OutlineName, OutlineKind] = {
+    "obround": OutlineKind(obround, round_ends=True),
+    "rectangle": OutlineKind(rectangle, ("corner_radius", "corner_chamfer")),
+}
+# Fields of a web that some outlines have and others not, and what of an outline they measure.
+OUTLINE_DIMENSIONS = {"corner_radius": "corners", "corner_chamfer": "corners"}

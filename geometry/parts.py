@@ -132,6 +132,16 @@ class WebPlate:
         """Distance of the axes that it joins [m]."""
         return math.dist(self.foot, self.tip)
 
+    def faces(self, v: Array) -> tuple[Array, Array]:
+        """Where along z it starts and ends at heights v from its foot [m]."""
+        start, end = np.full_like(v, self.start), np.full_like(v, self.end)
+        for slope in self.slopes:
+            if slope.inward > 0.0:
+                start += slope.depth(v)
+            else:
+                end -= slope.depth(v)
+        return start, end
+
 
 @dataclass(frozen=True)
 class ThrowParts:

@@ -5,7 +5,7 @@ from typing import ClassVar, Self
 from pydantic import model_validator
 
 from crankbase.errors import InputError
-from crankbase.model import InputModel, quantity_field
+from crankbase.model import InputModel, length_field
 
 
 class ShaftEnds(InputModel):
@@ -26,25 +26,17 @@ class ShaftEnds(InputModel):
 
     section: ClassVar[str] = "shaft_ends"
 
-    free_end_diameter: float | None = quantity_field(
-        "diameter of the shaft's free end", "m", minimum=0.005, maximum=2.0, default=None
+    free_end_diameter: float | None = length_field(
+        "diameter of the shaft's free end", (0.005, 2.0), default=None
     )
-    free_end_length: float | None = quantity_field(
-        "length of the free end beyond the first main journal",
-        "m",
-        minimum=0.002,
-        maximum=5.0,
-        default=None,
+    free_end_length: float | None = length_field(
+        "length of the free end beyond the first main journal", (0.002, 5.0), default=None
     )
-    flange_diameter: float | None = quantity_field(
-        "diameter of the flange", "m", minimum=0.005, maximum=4.0, default=None
+    flange_diameter: float | None = length_field(
+        "diameter of the flange", (0.005, 4.0), default=None
     )
-    flange_thickness: float | None = quantity_field(
-        "thickness of the flange behind the last main journal",
-        "m",
-        minimum=0.002,
-        maximum=1.0,
-        default=None,
+    flange_thickness: float | None = length_field(
+        "thickness of the flange behind the last main journal", (0.002, 1.0), default=None
     )
 
     @model_validator(mode="after")

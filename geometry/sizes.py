@@ -1,13 +1,19 @@
-"""Element sizes of a throw's mesh, and how many unknowns they will make."""
+"""Element sizes of a throw's mesh, and how many unknowns they will make.
+
+They are planned from the throw's dimensions (small at fillets, sharp corners and bores, growing into the
+bulk), or given at the nodes of an earlier mesh, for refining where that one was too coarse.
+"""
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.parts import Cylinder, ThrowParts, WebPlate
-from geometry.solid import Zone
+from geometry.shapes import outer_facets
+from geometry.solid import BORE, NamedSolid, Zone
 from geometry.volume import throw_volume
 
 Array = NDArray[np.float64]
@@ -25,6 +31,10 @@ SIZE_PER_WALL = 1.5
 # Nodes per item of `node_counts`, fitted to meshes of mixed throws (tests/campaigns/random_throws.py).
 NODES_PER_COUNT = np.array([7.6, 8.5, 1.9, 2.5, 7.1])
 LAYERS = 100
+# Nodes of a mesh made from a map, for each regular element that the map asks for, and for each facet of
+# the surface, cuts included; fitted to meshes of quarters, halves and whole throws.
+NODES_PER_ELEMENT = 0.47
+NODES_PER_FACET = 4.2
 SHARES = {"quarter": 0.25, "half": 0.5, "full": 1.0}
 
 
@@ -79,19 +89,35 @@ def size_plan(parts: ThrowParts, factor: float) -> SizePlan:
     bulk = factor * min(thinnest, *(pin.radius for pin in parts.pins))
     zones: list[SizeZone] = []
     for number, cylinder in enumerate(parts.cylinders):
-        length = 2.0 * math.pi * cylinder.radius
         for end, fillet, web in _ends(parts, number):
-            beside = _thickness(parts, web)
-            if fillet > 0.0:
-                size = factor * min(ROOT_PER_FILLET * fillet, FILLET_ROOT_PER_WEB * beside)
-                area = math.pi * math.pi * fillet * (cylinder.radius + 0.36 * fillet)
-                zones.append(SizeZone((number, end), False, min(bulk, size), length, area))
-            else:
-                size = factor * ROOT_PER_WEB * beside
-                zones.append(SizeZone((number, end), True, min(bulk, size), length, 0.0))
+            size = factor * root_size(fillet, _thickness(parts, web))
+            zones.append(root_zone((number, end), cylinder.radius, fillet, min(bulk, size)))
         if cylinder.bore_radius > 0.0:
-            zones.append(_bore_zone(number, cylinder, factor, bulk))
+            apart = math.dist(cylinder.axis, cylinder.bore_axis)
+            wall = cylinder.radius - cylinder.bore_radius - apart
+            size = factor * min(SIZE_PER_BORE * cylinder.bore_radius, SIZE_PER_WALL * wall)
+            zones.append(bore_zone(number, cylinder, min(bulk, size)))
     return SizePlan(bulk, tuple(zones))
+
+
+def root_size(fillet: float, thickness: float) -> float:
+    """Size of elements at a fillet of a radius, or at a sharp corner (0), on a web of a thickness [m]."""
+    if fillet == 0.0:
+        return ROOT_PER_WEB * thickness
+    return min(ROOT_PER_FILLET * fillet, FILLET_ROOT_PER_WEB * thickness)
+
+
+def root_zone(zone: Zone, radius: float, fillet: float, size: float) -> SizeZone:
+    """Zone of a fillet, or of a sharp corner (0), round a cylinder of a radius [m]."""
+    area = math.pi * math.pi * fillet * (radius + 0.36 * fillet)
+    return SizeZone(zone, fillet == 0.0, size, 2.0 * math.pi * radius, area)
+
+
+def bore_zone(number: int, cylinder: Cylinder, size: float) -> SizeZone:
+    """Zone of a cylinder's bore."""
+    length = 2.0 * math.pi * cylinder.bore_radius
+    area = length * (cylinder.bore_end - cylinder.bore_start)
+    return SizeZone((number, BORE), False, size, length, area)
 
 
 def _ends(parts: ThrowParts, number: int) -> list[tuple[str, float, WebPlate]]:
@@ -110,14 +136,6 @@ def _thickness(parts: ThrowParts, web: WebPlate) -> float:
     if web.end > web.start:
         return web.end - web.start
     return min(other.end - other.start for other in parts.webs if other.end > other.start)
-
-
-def _bore_zone(number: int, cylinder: Cylinder, factor: float, bulk: float) -> SizeZone:
-    wall = cylinder.radius - cylinder.bore_radius - math.dist(cylinder.axis, cylinder.bore_axis)
-    size = factor * min(SIZE_PER_BORE * cylinder.bore_radius, SIZE_PER_WALL * wall)
-    length = 2.0 * math.pi * cylinder.bore_radius
-    area = length * (cylinder.bore_end - cylinder.bore_start)
-    return SizeZone((number, "bore"), False, min(bulk, size), length, area)
 
 
 def predict_unknowns(parts: ThrowParts, factor: float, part: str) -> int:
@@ -155,7 +173,7 @@ def node_counts(parts: ThrowParts, factor: float) -> Array:
     for zone in plan.zones:
         reach = plan.reach(zone)
         distance = reach * share
-        edges = 0.0 if zone.zone[1] == "bore" else 1.5 * math.pi * zone.length * distance
+        edges = 0.0 if zone.zone[1] == BORE else 1.5 * math.pi * zone.length * distance
         layers = (zone.area + edges) * reach / LAYERS
         cells = float(np.sum(layers / (zone.size + GROWTH * distance) ** 3))
         counts[0 if zone.sharp else 1] += cells
@@ -178,3 +196,140 @@ def _outside(parts: ThrowParts) -> float:
         if web.sector is not None:
             area += 2.0 * web.sector.half_angle * web.sector.outer_radius**2
     return area
+
+
+def set_sizes(gmsh: Any, parts: ThrowParts, named: NamedSolid, plan: SizePlan) -> None:
+    """Set the size field of the current model.
+
+    Parameters
+    ----------
+    gmsh : module
+        With the solid built.
+    parts : ThrowParts
+    named : NamedSolid
+        Where fillets and corners are.
+    plan : SizePlan
+    """
+    field = gmsh.model.mesh.field
+    sizes = []
+    for (key, size), tags in _groups(named, plan).items():
+        distance = field.add("Distance")
+        field.setNumbers(distance, key, tags)
+        field.setNumber(distance, "Sampling", 40)
+        sizes.append(_threshold(field, distance, size, plan))
+    for zone in plan.zones:
+        if zone.zone[1] == BORE:
+            # A formula: sampling the bore's surface takes gmsh a second.
+            distance = field.add("MathEval")
+            field.setString(distance, "F", _distance_from_bore(parts.cylinders[zone.zone[0]]))
+            sizes.append(_threshold(field, distance, zone.size, plan))
+    if len(sizes) > 1:
+        least = field.add("Min")
+        field.setNumbers(least, "FieldsList", sizes)
+        sizes = [least]
+    field.setAsBackgroundMesh(sizes[0])
+
+
+def _groups(named: NamedSolid, plan: SizePlan) -> dict[tuple[str, float], list[int]]:
+    """Surfaces of fillets and curves of corners, those of one size together."""
+    groups: dict[tuple[str, float], list[int]] = {}
+    for zone in plan.zones:
+        if zone.zone[1] == BORE:
+            continue
+        key, tags = ("CurvesList", named.corners) if zone.sharp else ("SurfacesList", named.fillets)
+        if zone.zone in tags:  # a cut may have left it out
+            groups.setdefault((key, zone.size), []).extend(tags[zone.zone])
+    return groups
+
+
+def _threshold(field: Any, distance: int, size: float, plan: SizePlan) -> int:
+    """Let elements grow from `size` at distance 0 to the bulk's size."""
+    made = int(field.add("Threshold"))
+    field.setNumber(made, "InField", distance)
+    field.setNumber(made, "SizeMin", size)
+    field.setNumber(made, "SizeMax", plan.bulk)
+    field.setNumber(made, "DistMin", 0.0)
+    field.setNumber(made, "DistMax", (plan.bulk - size) / GROWTH + 1e-6 * plan.bulk)
+    return made
+
+
+def _distance_from_bore(cylinder: Cylinder) -> str:
+    """Formula of the distance from a bore's surface in x, y, z."""
+    x, y = cylinder.bore_axis
+    middle = 0.5 * (cylinder.bore_start + cylinder.bore_end)
+    half = 0.5 * (cylinder.bore_end - cylinder.bore_start)
+    beyond = f"0.5*(Abs(z-({middle!r}))-{half!r}+Abs(Abs(z-({middle!r}))-{half!r}))"
+    return f"Sqrt((Sqrt((x-({x!r}))^2+(y-({y!r}))^2)-{cylinder.bore_radius!r})^2+({beyond})^2)"
+
+
+@dataclass(frozen=True)
+class SizeMap:
+    """Wished element sizes in and around a meshed part.
+
+    Attributes
+    ----------
+    points : (n, 3) array
+        Corner nodes [m].
+    tetrahedra : (m, 4) array
+        Numbers of corner nodes.
+    sizes : (n,) array
+        Wished size of the elements at each node [m]; between nodes it is interpolated.
+    """
+
+    points: Array
+    tetrahedra: NDArray[np.int64]
+    sizes: Array
+
+    def expected_unknowns(self, factor: float = 1.0) -> int:
+        """Predict the displacement unknowns of a mesh made with `factor` times these sizes."""
+        corners = self.points[self.tetrahedra]
+        volumes = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6.0
+        sizes = factor * self.sizes[self.tetrahedra].mean(axis=1)
+        elements = float(np.sum(volumes / regular_volume(sizes)))
+        _, outside = outer_facets(self.tetrahedra)
+        first, second, third = self.points[outside].transpose(1, 0, 2)
+        areas = 0.5 * np.linalg.norm(np.cross(second - first, third - first), axis=1)
+        sides = factor * self.sizes[outside].mean(axis=1)
+        facets = float(np.sum(areas / (0.25 * np.sqrt(3.0) * sides**2)))
+        return round(3.0 * (NODES_PER_ELEMENT * elements + NODES_PER_FACET * facets))
+
+
+def element_sizes(points: Array, tetrahedra: NDArray[np.int64]) -> Array:
+    """Edges (m,) of regular tetrahedra with the volumes of these straight ones (m, 4) [m]."""
+    corners = points[tetrahedra]
+    volumes = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6.0
+    return np.asarray(np.cbrt(volumes / regular_volume(np.ones(1))))
+
+
+def sizes_at_corners(points: Array, tetrahedra: NDArray[np.int64], sizes: Array) -> SizeMap:
+    """Size map of sizes (m,) of elements (m, 4): at each corner the geometric mean of those round it."""
+    vertices, number = np.unique(tetrahedra, return_inverse=True)
+    number = number.reshape(tetrahedra.shape)
+    total = np.bincount(number.ravel(), np.repeat(np.log(sizes), 4))
+    return SizeMap(points[vertices], number, np.exp(total / np.bincount(number.ravel())))
+
+
+def regular_volume(size: Array) -> Array:
+    """Volume of a regular tetrahedron with edges of that size [m^3]."""
+    return np.asarray(size**3 / (6.0 * np.sqrt(2.0)))
+
+
+def set_size_map(gmsh: Any, sizes: SizeMap, factor: float) -> None:
+    """Let a size map rule the current model.
+
+    Parameters
+    ----------
+    gmsh : module
+    sizes : SizeMap
+    factor : float
+        Scales all sizes.
+    """
+    corners = sizes.points[sizes.tetrahedra].transpose(0, 2, 1).reshape(-1, 12)
+    values = factor * sizes.sizes[sizes.tetrahedra]
+    view = gmsh.view.add("sizes")
+    gmsh.view.addListData(view, "SS", len(corners), np.hstack([corners, values]).ravel())
+    field = gmsh.model.mesh.field.add("PostView")
+    gmsh.model.mesh.field.setNumber(field, "ViewTag", view)
+    # Points beside the straight elements of a curved surface take the size of the closest node.
+    gmsh.model.mesh.field.setNumber(field, "UseClosest", 1)
+    gmsh.model.mesh.field.setAsBackgroundMesh(field)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from crankbase.calls import ProcessLostError
 from crankbase.errors import InputError, MeshError
-from crankbase.outputs import write_text
+from crankbase.outputs import write_errors, write_text
 from crankbase.processes import scratch_folder
 from geometry.crankshaft import Crankshaft, make_shaft
 from geometry.gmsh_session import gmsh_errors, gmsh_session
@@ -64,11 +64,8 @@ def write_step(solid: CrankThrow | Crankshaft, path: str | Path, part: str = "fu
         )
     except ProcessLostError as error:
         raise MeshError(f"the solid could not be built: {error}.") from None
-    try:
-        write_text(path, text, "solid")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
-    return path
+    with write_errors(path):
+        return write_text(path, text, "solid")
 
 
 def step_text(solid: CrankThrow | Crankshaft, part: str) -> str:

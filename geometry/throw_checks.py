@@ -5,8 +5,9 @@ import math
 from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
 from geometry.counterweight_checks import check_counterweight
+from geometry.outline import OUTLINE_DIMENSIONS, OUTLINES
 from geometry.parts import Cylinder, ThrowParts, WebPlate
-from geometry.throw_dimensions import ThrowDimensions
+from geometry.throw_dimensions import ThrowDimensions, web_dimension
 from geometry.throw_fields import (
     cylinder_field,
     dimension_error,
@@ -15,7 +16,6 @@ from geometry.throw_fields import (
     web_field,
     web_label,
 )
-from geometry.throw_sections import Web
 
 # A fillet may take this share of a journal's length for each of its two fillets, so that a tenth of
 # it stays a cylinder for the bearing and for the pin load.
@@ -59,7 +59,6 @@ def check_throw(throw: ThrowDimensions, parts: ThrowParts) -> None:
         With one sentence.
     """
     _check_proportions(throw, parts)
-    _check_corners(throw)
     _check_outlines(throw)
     for place, web in enumerate(parts.webs):
         before, after = parts.cylinders[place : place + 2]
@@ -133,53 +132,38 @@ def _check_proportions(throw: ThrowDimensions, parts: ThrowParts) -> None:
             )
 
 
-def _check_corners(throw: ThrowDimensions) -> None:
-    """Corners belong to rectangles."""
-    webs = {"left_web.": throw.left_web, "right_web.": throw.right_web}
-    given: list[tuple[str, float | None, str]] = [
-        (f"{table}{kind}", getattr(web, kind), web.outline or throw.web_outline)
-        for table, web in webs.items()
-        if web is not None
-        for kind in ("corner_radius", "corner_chamfer")
-    ]
-    outlines = [(web and web.outline) or throw.web_outline for web in webs.values()]
-    common = "rectangle" if "rectangle" in outlines else "obround"
-    given.append(("web_corner_radius", throw.web_corner_radius, common))
-    given.append(("web_corner_chamfer", throw.web_corner_chamfer, common))
-    for name, value, outline in given:
-        if value and outline != "rectangle":
-            raise dimension_error(name, value, "only 0", "because an obround web has no corners")
-
-
 def _check_outlines(throw: ThrowDimensions) -> None:
-    """Steps and corners of an outline must be absent or large enough to mesh."""
-    for table, web in (("left_web", throw.left_web), ("right_web", throw.right_web)):
-
-        def dimension(
-            kind: str, web: Web | None = web, table: str = table
-        ) -> tuple[str, float | None]:
-            own = None if web is None else getattr(web, kind)
-            if own is not None:
-                return f"{table}.{kind}", own
-            return f"web_{kind}", getattr(throw, f"web_{kind}")
-
-        width = dimension("width")[1]
-        assert width is not None
+    """Dimensions that an outline has not must be absent, its steps and corners large enough to mesh."""
+    outlines = {
+        table: web_dimension(throw, table, "outline")[1] for table in ("left_web", "right_web")
+    }
+    for kind in OUTLINE_DIMENSIONS:
+        without = {
+            table: outline
+            for table, outline in outlines.items()
+            if kind not in OUTLINES[outline].dimensions
+        }
+        for table, outline in without.items():
+            _check_absent(f"{table}.{kind}", getattr(getattr(throw, table), kind, None), outline)
+        if len(without) == len(outlines):
+            _check_absent(f"web_{kind}", getattr(throw, f"web_{kind}"), outlines["left_web"])
+    for table, outline in outlines.items():
+        width = web_dimension(throw, table, "width")[1]
         smallest = SMALLEST_CORNER * width
-        for kind in ("corner_radius", "corner_chamfer"):
-            name, value = dimension(kind)
-            if value and value < smallest:
+        for kind, what in OUTLINE_DIMENSIONS.items():
+            name, value = web_dimension(throw, table, kind)
+            if what == "corners" and value and value < smallest:
                 raise dimension_error(
                     name,
                     value,
                     f"0, or {in_mm(smallest)} or more",
                     "because a smaller one acts as a sharp corner",
                 )
-        if ((web and web.outline) or throw.web_outline) == "rectangle":
+        if not OUTLINES[outline].round_ends:
             continue
         step = SMALLEST_END_STEP * width
         for kind in ("journal_end", "pin_end"):
-            name, value = dimension(kind)
+            name, value = web_dimension(throw, table, kind)
             if value is not None and 1e-9 * width < abs(value - 0.5 * width) < step:
                 raise dimension_error(
                     name,
@@ -187,6 +171,14 @@ def _check_outlines(throw: ThrowDimensions) -> None:
                     f"{in_mm(0.5 * width)}, or a value {in_mm(step)} or more off it",
                     "because a smaller step from half the web's width cannot be meshed",
                 )
+
+
+def _check_absent(field: str, value: float | None, outline: str) -> None:
+    if value:
+        what = OUTLINE_DIMENSIONS[field.partition(".")[2] or field.removeprefix("web_")]
+        article = "an" if outline[0] in "aeiou" else "a"
+        reason = f"because {article} {outline} web has no {what}"
+        raise dimension_error(field, value, "only 0", reason)
 
 
 def _adjacent_cylinders(

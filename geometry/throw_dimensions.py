@@ -1,11 +1,179 @@
-"""The dimensions of one crank throw: fields, units and ranges, before anything is made of them."""
+"""The dimensions of one crank throw: fields, units and ranges, before anything is made of them.
 
-from typing import ClassVar
+The optional parts of a throw have tables of their own in a file, and so classes of their own here.
+"""
+
+from typing import Any, ClassVar
 
 from pydantic import Field
 
-from crankbase.model import InputModel, part_field, quantity_field
-from geometry.throw_sections import Counterweight, FurtherPin, Outline, Web
+from crankbase.model import InputModel, length_field, part_field, quantity_field
+from geometry.outline import OUTLINES, OutlineName
+
+# Smallest and largest lengths [m], of the throw and of what its webs and further pins have of their own.
+CRANK_RADIUS = (0.005, 2.5)
+DIAMETER, LENGTH = (0.005, 2.0), (0.002, 2.0)
+WIDTH, THICKNESS, THINNED = (0.005, 4.0), (0.002, 1.5), (0.001, 1.5)
+FILLET_RADIUS = (0.0, 0.3)
+BORE, BORE_OFFSET = (0.0, 2.0), (-1.0, 1.0)
+WEB_END, CORNER = (0.0025, 4.0), (0.0, 2.0)
+OUTLINE_NAMES = " or ".join(OUTLINES)
+
+
+class Counterweight(InputModel):
+    """A sector on a web, centered on the shaft axis and opposite to the crankpin.
+
+    Parameters
+    ----------
+    outer_radius, inner_radius : float
+        [m]; the sector must reach into the web, so that the two are one piece.
+    angle : float
+        Whole angle of the sector [rad].
+    thickness : float, optional
+        Along the shaft [m]; the web's own by default.
+    offset : float, optional
+        Of its middle from the middle of the web, positive towards the crankpin [m].
+
+    Raises
+    ------
+    InputError
+        If a dimension is missing or out of range.
+    """
+
+    section: ClassVar[str] = "counterweight"
+
+    outer_radius: float = length_field(
+        "counterweight's outer radius from the shaft axis", (0.005, 5.0), symbol="r_cw"
+    )
+    inner_radius: float = length_field(
+        "counterweight's inner radius from the shaft axis; 0 for a full sector",
+        (0.0, 5.0),
+        default=0.0,
+        feature=True,
+    )
+    angle: float = quantity_field(
+        "counterweight's whole angle",
+        "rad",
+        minimum=0.17453292519943295,
+        maximum=3.141592653589793,
+    )
+    thickness: float | None = length_field(
+        "counterweight's thickness along the shaft; the web's if not given",
+        (0.002, 3.0),
+        default=None,
+    )
+    offset: float = length_field(
+        "distance of the counterweight's middle from the web's middle, positive towards the crankpin",
+        (-1.5, 1.5),
+        default=0.0,
+        feature=True,
+    )
+
+
+class Web(InputModel):
+    """What one web has of its own; whatever is not given is as the throw says for both.
+
+    Parameters
+    ----------
+    thickness, width, outline, journal_end, pin_end : optional
+    corner_radius, corner_chamfer, tip_thickness, foot_thickness : optional
+        As the throw's ``web_thickness``, ``web_width`` and so on [m].
+    counterweight : Counterweight, optional
+
+    Raises
+    ------
+    InputError
+        If a dimension is out of range.
+    """
+
+    section: ClassVar[str] = "web"
+
+    thickness: float | None = length_field(
+        "this web's thickness along the shaft", THICKNESS, symbol="h", default=None
+    )
+    width: float | None = length_field(
+        "this web's width across the crank", WIDTH, symbol="B", default=None
+    )
+    outline: OutlineName | None = Field(None, description=f"this web's outline: {OUTLINE_NAMES}")
+    journal_end: float | None = length_field(
+        "distance from the shaft axis to this web's end", WEB_END, default=None
+    )
+    pin_end: float | None = length_field(
+        "distance from the pin axis to this web's end", WEB_END, default=None
+    )
+    corner_radius: float | None = length_field(
+        "radius of this rectangle's corners", CORNER, default=None
+    )
+    corner_chamfer: float | None = length_field(
+        "chamfer of this rectangle's corners, 45 deg", CORNER, default=None
+    )
+    tip_thickness: float | None = length_field(
+        "this web's thickness at its pin end", THINNED, default=None
+    )
+    foot_thickness: float | None = length_field(
+        "this web's thickness at its journal end", THINNED, default=None
+    )
+    counterweight: Counterweight | None = part_field("this web's counterweight", Counterweight)
+
+
+class FurtherPin(InputModel):
+    """A further crankpin with the web before it, where a main bearing is missing.
+
+    What is not given is as for the first pin. The web before it is obround, between the two pins.
+
+    Parameters
+    ----------
+    angle : float
+        Angle of this pin from the first one about the shaft, +z [rad].
+    crank_radius, diameter, length, fillet_radius, bore, bore_offset : float, optional
+        As the throw's, for this pin [m].
+    web_thickness, web_width : float, optional
+        Of the web between the pin before and this one [m]; a thickness of 0 is a split pin whose
+        halves touch, without fillets there.
+
+    Raises
+    ------
+    InputError
+        If a dimension is missing or out of range.
+    """
+
+    section: ClassVar[str] = "further_pin"
+
+    angle: float = quantity_field(
+        "angle of this pin from the first one about the shaft",
+        "rad",
+        minimum=-6.283185307179586,
+        maximum=6.283185307179586,
+    )
+    crank_radius: float | None = length_field(
+        "crank radius of this pin", CRANK_RADIUS, symbol="R", default=None
+    )
+    diameter: float | None = length_field(
+        "diameter of this pin", DIAMETER, symbol="D_shm", default=None
+    )
+    length: float | None = length_field(
+        "length of this pin between its webs", LENGTH, symbol="L_shm", default=None
+    )
+    fillet_radius: float | None = length_field(
+        "fillet radius at this pin", FILLET_RADIUS, symbol="r_shm", default=None
+    )
+    bore: float | None = length_field(
+        "bore diameter of this pin", BORE, symbol="d_shm", default=None
+    )
+    bore_offset: float | None = length_field(
+        "distance of this pin's bore from the pin axis, positive away from the shaft",
+        BORE_OFFSET,
+        default=None,
+    )
+    web_thickness: float | None = length_field(
+        "thickness of the web before this pin; 0 for a split pin",
+        (0.0, 1.5),
+        symbol="h",
+        default=None,
+    )
+    web_width: float | None = length_field(
+        "width of the web before this pin", WIDTH, symbol="B", default=None
+    )
 
 
 class ThrowDimensions(InputModel):
@@ -19,131 +187,79 @@ class ThrowDimensions(InputModel):
 
     section: ClassVar[str] = "throw"
 
-    crank_radius: float = quantity_field(
-        "crank radius, half the stroke", "m", symbol="R", minimum=0.005, maximum=2.5
+    crank_radius: float = length_field("crank radius, half the stroke", CRANK_RADIUS, symbol="R")
+    main_journal_diameter: float = length_field("main journal diameter", DIAMETER, symbol="D_km")
+    pin_diameter: float = length_field("crankpin diameter", DIAMETER, symbol="D_shm")
+    main_journal_length: float = length_field(
+        "main journal length between the webs", LENGTH, symbol="L_km"
     )
-    main_journal_diameter: float = quantity_field(
-        "main journal diameter", "m", symbol="D_km", minimum=0.005, maximum=2.0
-    )
-    pin_diameter: float = quantity_field(
-        "crankpin diameter", "m", symbol="D_shm", minimum=0.005, maximum=2.0
-    )
-    main_journal_length: float = quantity_field(
-        "main journal length between the webs", "m", symbol="L_km", minimum=0.002, maximum=2.0
-    )
-    pin_length: float = quantity_field(
-        "crankpin length between the webs", "m", symbol="L_shm", minimum=0.002, maximum=2.0
-    )
-    web_width: float = quantity_field(
-        "web width across the crank", "m", symbol="B", minimum=0.005, maximum=4.0
-    )
-    web_thickness: float = quantity_field(
-        "web thickness along the shaft", "m", symbol="h", minimum=0.002, maximum=1.5
-    )
-    fillet_radius: float = quantity_field(
-        "fillet radius at main journals and pin",
-        "m",
-        symbol="r",
-        minimum=0.0,
-        maximum=0.3,
-        default=0.0,
+    pin_length: float = length_field("crankpin length between the webs", LENGTH, symbol="L_shm")
+    web_width: float = length_field("web width across the crank", WIDTH, symbol="B")
+    web_thickness: float = length_field("web thickness along the shaft", THICKNESS, symbol="h")
+    fillet_radius: float = length_field(
+        "fillet radius at main journals and pin", FILLET_RADIUS, symbol="r", default=0.0
     )
 
-    main_journal_fillet_radius: float | None = quantity_field(
+    main_journal_fillet_radius: float | None = length_field(
         "fillet radius at the main journals, if it differs",
-        "m",
+        FILLET_RADIUS,
         symbol="r_km",
-        minimum=0.0,
-        maximum=0.3,
         default=None,
     )
-    pin_fillet_radius: float | None = quantity_field(
-        "fillet radius at the pin, if it differs",
-        "m",
-        symbol="r_shm",
-        minimum=0.0,
-        maximum=0.3,
-        default=None,
+    pin_fillet_radius: float | None = length_field(
+        "fillet radius at the pin, if it differs", FILLET_RADIUS, symbol="r_shm", default=None
     )
-    main_journal_bore: float = quantity_field(
+    main_journal_bore: float = length_field(
         "bore diameter of main journals and the webs beside them",
-        "m",
+        BORE,
         symbol="d_km",
-        minimum=0.0,
-        maximum=2.0,
         default=0.0,
         feature=True,
     )
-    pin_bore: float = quantity_field(
+    pin_bore: float = length_field(
         "bore diameter of the crankpin and the webs beside it",
-        "m",
+        BORE,
         symbol="d_shm",
-        minimum=0.0,
-        maximum=2.0,
         default=0.0,
         feature=True,
     )
-    main_journal_bore_offset: float = quantity_field(
+    main_journal_bore_offset: float = length_field(
         "distance of the main journals' bore from the shaft axis, positive towards the pin",
-        "m",
-        minimum=-1.0,
-        maximum=1.0,
+        BORE_OFFSET,
         default=0.0,
         feature=True,
     )
-    pin_bore_offset: float = quantity_field(
+    pin_bore_offset: float = length_field(
         "distance of the pin's bore from the pin axis, positive away from the shaft",
-        "m",
-        minimum=-1.0,
-        maximum=1.0,
+        BORE_OFFSET,
         default=0.0,
         feature=True,
     )
-    web_outline: Outline = Field(
-        "obround", description="outline of the webs: obround or rectangle", json_schema_extra={}
-    )
-    web_journal_end: float | None = quantity_field(
+    web_outline: OutlineName = Field("obround", description=f"outline of the webs: {OUTLINE_NAMES}")
+    web_journal_end: float | None = length_field(
         "distance from the shaft axis to the web's end; radius of that end if obround; B / 2 if not given",
-        "m",
-        minimum=0.0025,
-        maximum=4.0,
+        WEB_END,
         default=None,
     )
-    web_pin_end: float | None = quantity_field(
+    web_pin_end: float | None = length_field(
         "distance from the pin axis to the web's end; radius of that end if obround; B / 2 if not given",
-        "m",
-        minimum=0.0025,
-        maximum=4.0,
+        WEB_END,
         default=None,
     )
-    web_corner_radius: float = quantity_field(
-        "radius of a rectangular web's corners",
-        "m",
-        minimum=0.0,
-        maximum=2.0,
-        default=0.0,
-        feature=True,
+    web_corner_radius: float = length_field(
+        "radius of a rectangular web's corners", CORNER, default=0.0, feature=True
     )
-    web_corner_chamfer: float = quantity_field(
-        "chamfer of a rectangular web's corners, 45 deg",
-        "m",
-        minimum=0.0,
-        maximum=2.0,
-        default=0.0,
-        feature=True,
+    web_corner_chamfer: float = length_field(
+        "chamfer of a rectangular web's corners, 45 deg", CORNER, default=0.0, feature=True
     )
-    web_tip_thickness: float | None = quantity_field(
+    web_tip_thickness: float | None = length_field(
         "web thickness at its pin end, sloped on the outer face; h if not given",
-        "m",
-        minimum=0.001,
-        maximum=1.5,
+        THINNED,
         default=None,
     )
-    web_foot_thickness: float | None = quantity_field(
+    web_foot_thickness: float | None = length_field(
         "web thickness at its journal end, sloped on the inner face; h if not given",
-        "m",
-        minimum=0.001,
-        maximum=1.5,
+        THINNED,
         default=None,
     )
     counterweight: Counterweight | None = part_field("counterweight on both webs", Counterweight)
@@ -152,3 +268,11 @@ class ThrowDimensions(InputModel):
     further_pins: tuple[FurtherPin, ...] = part_field(
         "further pins without a main bearing before them", FurtherPin, many=True
     )
+
+
+def web_dimension(throw: ThrowDimensions, table: str, kind: str) -> tuple[str, Any]:
+    """Field and value of a dimension of the "left_web" or "right_web": its own, or that of both webs."""
+    own = getattr(getattr(throw, table), kind, None)
+    if own is not None:
+        return f"{table}.{kind}", own
+    return f"web_{kind}", getattr(throw, f"web_{kind}")

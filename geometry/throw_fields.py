@@ -3,7 +3,7 @@
 from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
 from geometry.parts import Cylinder, ThrowParts, WebPlate
-from geometry.throw_dimensions import ThrowDimensions
+from geometry.throw_dimensions import ThrowDimensions, web_dimension
 
 
 def in_mm(value: float) -> str:
@@ -38,14 +38,10 @@ def cylinder_field(throw: ThrowDimensions, parts: ThrowParts, cylinder: Cylinder
 def web_field(throw: ThrowDimensions, web: WebPlate, kind: str) -> str:
     """Name of the field that gave a web's dimension."""
     if web.name in ("left web", "right web"):
-        table = web.name.replace(" ", "_")
-        own = getattr(throw, table)
-        if own is not None and getattr(own, kind) is not None:
-            return f"{table}.{kind}"
-    else:
-        place = int(web.name.split()[1]) - 2
-        if getattr(throw.further_pins[place], f"web_{kind}", None) is not None:
-            return f"further_pins[{place}].web_{kind}"
+        return web_dimension(throw, web.name.replace(" ", "_"), kind)[0]
+    place = int(web.name.split()[1]) - 2
+    if getattr(throw.further_pins[place], f"web_{kind}", None) is not None:
+        return f"further_pins[{place}].web_{kind}"
     return f"web_{kind}"
 
 

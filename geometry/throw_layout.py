@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from crankbase.errors import InputError
-from geometry.outline import obround, rectangle
+from geometry.outline import OUTLINES, obround
 from geometry.parts import (
     LEFT_JOURNAL,
     RIGHT_JOURNAL,
@@ -15,8 +15,7 @@ from geometry.parts import (
     ThrowParts,
     WebPlate,
 )
-from geometry.throw_dimensions import ThrowDimensions
-from geometry.throw_sections import FurtherPin, Web
+from geometry.throw_dimensions import FurtherPin, ThrowDimensions, web_dimension
 
 # The slope of a thinned web starts this share of the journal's diameter beyond its fillet.
 COLLAR_MARGIN = 0.02
@@ -36,11 +35,10 @@ def throw_parts(throw: ThrowDimensions) -> ThrowParts:
     """
     pins = pin_tables(throw)
     axes = [_crank_axis(_given(pin.crank_radius), pin.angle) for pin in pins]
-    left, right = throw.left_web or Web(), throw.right_web or Web()
     thicknesses = [
-        _own_or_common(left.thickness, throw.web_thickness),
+        web_dimension(throw, "left_web", "thickness")[1],
         *(_given(pin.web_thickness) for pin in pins[1:]),
-        _own_or_common(right.thickness, throw.web_thickness),
+        web_dimension(throw, "right_web", "thickness")[1],
     ]
     edges = _web_edges(throw, pins, thicknesses)
     cylinders = (
@@ -53,14 +51,14 @@ def throw_parts(throw: ThrowDimensions) -> ThrowParts:
                  *edges[-1][::-1]),
     )  # fmt: skip
     webs = (
-        _end_web(throw, left, "left web", *edges[0], axes[0], cylinders[:2], -1.0),
+        _end_web(throw, "left_web", *edges[0], axes[0], cylinders[:2], -1.0),
         *(
             _web_between(
                 _given(pin.web_width), number, edges[number - 1], *axes[number - 2 : number]
             )
             for number, pin in enumerate(pins[1:], start=2)
         ),
-        _end_web(throw, right, "right web", *edges[-1], axes[-1], cylinders[-2:], 1.0),
+        _end_web(throw, "right_web", *edges[-1], axes[-1], cylinders[-2:], 1.0),
     )
     return ThrowParts(cylinders, webs)
 
@@ -178,8 +176,7 @@ def _direction(axis: Point) -> Point:
 
 def _end_web(
     throw: ThrowDimensions,
-    own: Web,
-    name: str,
+    table: str,
     start: float,
     end: float,
     tip: Point,
@@ -187,31 +184,24 @@ def _end_web(
     outer: float,
 ) -> WebPlate:
     """Lay out a web between a main journal and a pin; `outer` is the z direction of the journal."""
-    width = _own_or_common(own.width, throw.web_width)
-    foot_end = _own_or_common(own.journal_end, _own_or_common(throw.web_journal_end, width / 2.0))
-    tip_end = _own_or_common(own.pin_end, _own_or_common(throw.web_pin_end, width / 2.0))
-    distance = math.hypot(*tip)
-    radius = _own_or_common(own.corner_radius, throw.web_corner_radius)
-    chamfer = _own_or_common(own.corner_chamfer, throw.web_corner_chamfer)
-    obround_wanted = (own.outline or throw.web_outline) == "obround"
+    name, own = table.replace("_", " "), getattr(throw, table)
+
+    def dimension(kind: str, otherwise: float = 0.0) -> float:
+        return _own_or_common(web_dimension(throw, table, kind)[1], otherwise)
+
+    width, distance = dimension("width"), math.hypot(*tip)
+    foot_end, tip_end = (dimension(kind, width / 2.0) for kind in ("journal_end", "pin_end"))
+    outline_kind = OUTLINES[web_dimension(throw, table, "outline")[1]]
+    besides = {kind: dimension(kind) for kind in outline_kind.dimensions}
     try:
-        outline = (
-            obround(width, foot_end, tip_end, distance)
-            if obround_wanted
-            else rectangle(width, foot_end, tip_end, distance, radius, chamfer)
-        )
+        outline = outline_kind.make(width, foot_end, tip_end, distance, **besides)
     except InputError as error:
-        corner = "corner_radius" if radius > 0.0 else "corner_chamfer"
-        field = "journal_end" if obround_wanted else corner
+        field = next((kind for kind, value in besides.items() if value > 0.0), "journal_end")
         raise InputError(f"throw.web_{field}: in the {name} {error}") from None
     journal, pin = joined if outer < 0.0 else joined[::-1]
     thickness = end - start
-    tip_thickness = _own_or_common(
-        own.tip_thickness, _own_or_common(throw.web_tip_thickness, thickness)
-    )
-    foot_thickness = _own_or_common(
-        own.foot_thickness, _own_or_common(throw.web_foot_thickness, thickness)
-    )
+    tip_thickness = dimension("tip_thickness", thickness)
+    foot_thickness = dimension("foot_thickness", thickness)
     journal_face, pin_face = (start, end) if outer < 0.0 else (end, start)
     slopes = []
     if tip_thickness != thickness:
@@ -223,7 +213,7 @@ def _end_web(
         drop = thickness - foot_thickness
         slopes.append(Slope(begin, outline.foot, drop, pin_face, outer, -1.0))
 
-    weight = own.counterweight or throw.counterweight
+    weight = (own and own.counterweight) or throw.counterweight
     sector = None
     if weight is not None:
         middle = 0.5 * (start + end) - outer * weight.offset

@@ -46,10 +46,8 @@ def fillet_volume(journal_radius: float, fillet_radius: float) -> float:
 
 def web_thickness(web: WebPlate, v: Array) -> Array:
     """Thickness of a web at heights v from its foot [m]."""
-    thickness = np.full_like(v, web.end - web.start)
-    for slope in web.slopes:
-        thickness -= slope.depth(v)
-    return thickness
+    start, end = web.faces(v)
+    return end - start
 
 
 def _web_volume(web: WebPlate) -> float:
@@ -88,12 +86,7 @@ def _sector_volume(web: WebPlate, sector: Sector, journal: Cylinder) -> float:
         low, high, width = reach(v)
         outside = np.maximum(high - np.maximum(width, low), 0.0)
         inside = np.maximum(np.minimum(high, width) - low, 0.0)
-        start, end = np.full_like(v, web.start), np.full_like(v, web.end)
-        for slope in web.slopes:
-            if slope.inward > 0.0:
-                start += slope.depth(v)
-            else:
-                end -= slope.depth(v)
+        start, end = web.faces(v)
         shared = np.maximum(np.minimum(end, sector.end) - np.maximum(start, sector.start), 0.0)
         thickness = sector.end - sector.start
         # Where the web is thinned, the counterweight fills it up, but not the bore.

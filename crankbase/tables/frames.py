@@ -22,28 +22,6 @@ class Record(Protocol):
         """Return its values by column, each with its unit."""
 
 
-def pandas() -> Any:
-    """Return the module pandas.
-
-    Raises
-    ------
-    MissingLibraryError
-        If it is not installed; the message names the command that installs it.
-    """
-    return _load("pandas", "to_pandas")
-
-
-def xarray() -> Any:
-    """Return the module xarray.
-
-    Raises
-    ------
-    MissingLibraryError
-        If it is not installed; the message names the command that installs it.
-    """
-    return _load("xarray", "to_xarray")
-
-
 def table(columns: Mapping[str, tuple[Any, str]]) -> Any:
     """Return a pandas table of columns with their units.
 
@@ -69,7 +47,9 @@ def table(columns: Mapping[str, tuple[Any, str]]) -> Any:
     >>> frame.attrs["units"]
     {'frequency': 'Hz'}
     """
-    frame = pandas().DataFrame({name: values for name, (values, _) in columns.items()})
+    frame = _load("pandas", "to_pandas").DataFrame(
+        {name: values for name, (values, _) in columns.items()}
+    )
     frame.attrs["units"] = {name: unit for name, (_, unit) in columns.items()}
     return frame
 
@@ -143,8 +123,7 @@ def grid(
     >>> float(found.twist.sel(speed=20.0)), found.twist.attrs["units"]
     (0.2, 'rad')
     """
-    library = xarray()
-    return library.Dataset(
+    return _load("xarray", "to_xarray").Dataset(
         {
             name: (dimensions, np.array(values), _attributes(unit, words))
             for name, (dimensions, values, unit, words) in variables.items()

@@ -61,7 +61,7 @@ def corner_texts(web: WebPlate) -> dict[str, Point]:
     if not arcs:
         for piece in pieces:
             (u_0, v_0), (u_1, v_1) = piece.start, piece.end
-            if u_0 != u_1 and v_0 != v_1:
+            if math.isclose(abs(u_1 - u_0), abs(v_1 - v_0)):  # others follow from widths and ends
                 text = f"{millimeters(abs(u_1 - u_0))} × 45°"
                 found.setdefault(text, (0.5 * (u_0 + u_1), 0.5 * (v_0 + v_1)))
     return found

@@ -27,7 +27,6 @@ from geometry.plots.throw_shapes import (
     Array,
     Point,
     at_smaller_x,
-    faces,
     faces_at,
     outline,
     outline_uv,
@@ -88,7 +87,7 @@ def _draw_web(view: View, web: WebPlate) -> None:
     half = web.outline.half_width(knees)
     uv = np.vstack([outline_uv(web), np.column_stack([[*half, *-half], [*knees, *knees]])])
     y = place(web, *uv.T)[:, 1]
-    corners = np.vstack([np.column_stack([z, y]) for z in faces(web, uv[:, 1])])
+    corners = np.vstack([np.column_stack([z, y]) for z in web.faces(uv[:, 1])])
     view.surface(corners[ConvexHull(corners).vertices], WEB_COLOR)
     for before, after in pairwise(web.outline.pieces):
         if isinstance(before, Line) and isinstance(after, Line) and _is_visible_edge(before, after):

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
-from geometry.parts import Cylinder, Point, Sector, ThrowParts, WebPlate
+from geometry.parts import Cylinder, Point, Sector, Slope, ThrowParts, WebPlate
 from geometry.plots.dimension_lines import CENTER, JOURNAL_COLOR, View
 from geometry.plots.end_view import draw_end
 from geometry.plots.side_view import draw_side
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 ThrowView = Literal["side", "left end"]
 Drawing = Callable[[View], None]
+Part = TypeVar("Part", Cylinder, WebPlate, Slope, Sector)
 
 # Paper left round the drawing, and on each side for ticks and labels [points].
 EDGE, LABELS = 6.0, 46.0
@@ -126,29 +127,22 @@ def positioned_parts(parts: ThrowParts, angle: float, along: float) -> ThrowPart
     def turned(point: Point) -> Point:
         return (cosine * point[0] - sine * point[1], sine * point[0] + cosine * point[1])
 
-    def cylinder(one: Cylinder) -> Cylinder:
-        return replace(
-            one,
-            axis=turned(one.axis),
-            bore_axis=turned(one.bore_axis),
-            start=one.start + along,
-            end=one.end + along,
-            bore_start=one.bore_start + along,
-            bore_end=one.bore_end + along,
-        )
+    def moved(part: Part, *places: str, **changes: Any) -> Part:
+        return replace(part, **{name: getattr(part, name) + along for name in places}, **changes)
 
-    def moved(one: Sector | None) -> Sector | None:
-        return None if one is None else replace(one, start=one.start + along, end=one.end + along)
+    def cylinder(one: Cylinder) -> Cylinder:
+        axes = {name: turned(getattr(one, name)) for name in ("axis", "bore_axis")}
+        return moved(one, "start", "end", "bore_start", "bore_end", **axes)
 
     def web(one: WebPlate) -> WebPlate:
-        return replace(
+        return moved(
             one,
+            "start",
+            "end",
             foot=turned(one.foot),
             tip=turned(one.tip),
-            start=one.start + along,
-            end=one.end + along,
-            slopes=tuple(replace(slope, face=slope.face + along) for slope in one.slopes),
-            sector=moved(one.sector),
+            slopes=tuple(moved(slope, "face") for slope in one.slopes),
+            sector=one.sector and moved(one.sector, "start", "end"),
         )
 
     return ThrowParts(tuple(map(cylinder, parts.cylinders)), tuple(map(web, parts.webs)))

@@ -63,20 +63,9 @@ def silhouette(web: WebPlate) -> Array:
     return np.vstack([outline(web), weight_outline(web, web.sector)])
 
 
-def faces(web: WebPlate, v: Array) -> tuple[Array, Array]:
-    """Where along z a web starts and ends at heights v from its foot."""
-    start, end = np.full_like(v, web.start), np.full_like(v, web.end)
-    for slope in web.slopes:
-        if slope.inward > 0.0:
-            start += slope.depth(v)
-        else:
-            end -= slope.depth(v)
-    return start, end
-
-
 def faces_at(web: WebPlate, v: float) -> Point:
     """Where along z a web starts and ends at one height v."""
-    start, end = faces(web, np.array([v]))
+    start, end = web.faces(np.array([v]))
     return float(start[0]), float(end[0])
 
 

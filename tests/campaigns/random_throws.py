@@ -18,7 +18,7 @@ from geometry.mesh_repair import corner_quality, smallest_jacobians
 from geometry.mesher import mesh_isolated
 from geometry.sizes import predict_unknowns
 from geometry.throw import CrankThrow
-from geometry.throw_sections import Counterweight, FurtherPin, Web
+from geometry.throw_dimensions import Counterweight, FurtherPin, Web
 
 Random = np.random.Generator
 

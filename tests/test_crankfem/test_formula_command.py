@@ -17,7 +17,7 @@ from crankfem.files.reading import data_files
 from fem.analysis import analyze_throw
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow
-from geometry.throw_sections import Web
+from geometry.throw_dimensions import Web
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
 from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES

@@ -7,7 +7,6 @@ from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from dynamics.indices import values_at_nodes
 from dynamics.turning.function_checks import checked_inertia
-from fem.dynamic_shaft import natural_modes
 from fem.material import STEEL
 from fem.modes import free_modes
 from fem.supports import Neighbors
@@ -31,7 +30,6 @@ THROW = CrankThrow(
     "call",
     [
         lambda number: Neighbors(number, 0.0),
-        lambda number: natural_modes([[number]], [[1.0]]),
         lambda number: free_modes(None, STEEL, highest_frequency=number),
         lambda number: axial_formula("Anderson", THROW, youngs_modulus=number),
         lambda number: axial_formula("Anderson", THROW, gamma_deg=number),
@@ -45,7 +43,6 @@ THROW = CrankThrow(
     ],
     ids=[
         "support",
-        "matrix",
         "modes",
         "formula",
         "angle",

@@ -22,9 +22,8 @@ from crankfem.files.sections.engine_sections import Engine
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import gas_forces
 from dynamics.gas.pressure import ATMOSPHERE
-from geometry.balance import unbalance
 from geometry.crankshaft import throw_masses
-from geometry.mass import MassProperties
+from geometry.mass import MassProperties, unbalance
 
 
 def degrees(values):

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
-from crankbase.tables.frames import pandas, table_of
+from crankbase.tables.frames import table_of
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limits import AmplitudeCurve, given_limit
 from dynamics.assessment.separation import CriticalRange
@@ -1053,7 +1053,7 @@ def test_lists_of_records_become_tables():
 def test_a_missing_library_is_named_with_its_command(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "pandas", None)
     with pytest.raises(MissingLibraryError, match=r"pip install 'crankfem\[frames\]'"):
-        pandas()
+        table_of([])
 
 
 @pytest.mark.parametrize("name", [*CASES, *TABLES, *GRIDS])

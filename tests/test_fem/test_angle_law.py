@@ -13,7 +13,7 @@ from fem.angle_law import AngleLaw, angle_law, is_symmetric
 from fem.shaft import shaft_compliances
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow
-from geometry.throw_sections import Web
+from geometry.throw_dimensions import Web
 
 THROW = CrankThrow(
     crank_radius=0.170,

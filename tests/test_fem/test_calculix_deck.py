@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from calculix_run import CalculixError, read_calculix, run_calculix
 from crankbase.errors import InputError, MissingLibraryError
 from fem.calculix import calculix_deck, number_field, write_calculix
 from fem.calculix_cases import (
@@ -16,7 +17,6 @@ from fem.calculix_cases import (
     standard_cases,
     torque_case,
 )
-from fem.calculix_run import CalculixError, read_calculix, run_calculix
 from fem.condensation import nodes_on
 from fem.material import STEEL
 from geometry.solid import LEFT_END, RIGHT_END

@@ -12,14 +12,12 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.stopwatch import Stopwatch
-from fem.assembly import assemble_stiffness, symmetric_product
+from dynamic_shaft import assemble_dynamic_shaft, natural_modes
+from fem.assembly import assemble_mass, assemble_stiffness, symmetric_product
 from fem.class_modes import frequencies_of
 from fem.condensation import condense, nodes_on
 from fem.craig_bampton import dynamic_superelement
-from fem.dynamic_shaft import assemble_dynamic_shaft, natural_modes
 from fem.loads import unit_pin_loads
-from fem.mass_matrix import assemble_mass
 from fem.material import STEEL
 from fem.modes import free_modes
 from fem.shaft import assemble_shaft
@@ -249,10 +247,9 @@ def test_rigid_end_sections_make_the_free_throw_stiffer(coarse, truth):
     assert ratio.max() < 1.1
 
 
-def test_no_highest_frequency_is_guyans(coarse, coarse_classes, dynamic):
-    watch = Stopwatch()
-    guyan = dynamic_superelement(coarse, STEEL, coarse_classes, 0.0, watch=watch)
-    assert "factorization" not in watch.seconds
+def test_no_highest_frequency_is_guyans(coarse, coarse_classes, dynamic, monkeypatch):
+    monkeypatch.setattr("fem.class_modes.factorize", None)  # there is nothing to factorize
+    guyan = dynamic_superelement(coarse, STEEL, coarse_classes, 0.0)
     assert guyan.stiffness.shape == guyan.mass.shape == (12, 12)
     assert guyan.frequencies.shape == (0,)
     assert guyan.shapes.shape == (len(coarse.points), 3, 0)
@@ -332,10 +329,6 @@ def test_what_cannot_be_built_is_refused(coarse, coarse_classes, dynamic, mesh, 
             InputError, match=f"^count: given {count}; allowed are the whole numbers 0 to "
         ):
             dynamic.with_modes(count)
-    with pytest.raises(
-        InputError, match=r"^throws: given none, or what is no .*; allowed is at least one"
-    ):
-        assemble_dynamic_shaft([])
 
 
 def test_averaged_end_sections_are_refused(coarse, coarse_classes):
@@ -350,31 +343,6 @@ def test_averaged_end_sections_are_refused(coarse, coarse_classes):
     mixed = [*coarse_classes[:3], replace(coarse_classes[3], end_sections="averaged")]
     with pytest.raises(InputError, match="averaged"):
         dynamic_superelement(coarse, STEEL, mixed, 100.0)
-
-
-@pytest.mark.parametrize("held", [[-1], [99], [0.5], "x"])
-def test_held_unknowns_that_do_not_exist_are_refused(held):
-    stiffness = np.array([[2.0, -1.0], [-1.0, 2.0]])
-    assert len(natural_modes(stiffness, np.eye(2), held=[1])[0]) == 1
-    with pytest.raises(
-        InputError, match=r"^held: given .*; allowed are numbers of unknowns, 0 to 1"
-    ):
-        natural_modes(stiffness, np.eye(2), held=held)
-
-
-@pytest.mark.parametrize(
-    ("stiffness", "mass", "message"),
-    [
-        (None, np.eye(2), "^stiffness: given NoneType"),
-        (np.full((2, 2), np.nan), np.eye(2), "^stiffness: given ndarray of shape"),
-        (np.eye(2), np.ones((2, 3)), "^mass: given ndarray of shape"),
-        (np.eye(2), np.eye(3), "^mass: given shape"),
-        (np.eye(2), np.zeros((2, 2)), "^mass: given a matrix that is not positive definite"),
-    ],
-)
-def test_matrices_that_have_no_modes_are_refused(stiffness, mass, message):
-    with pytest.raises(InputError, match=message):
-        natural_modes(stiffness, mass)
 
 
 @pytest.mark.parametrize("frequency", [None, "x", [1.0], 1j, True, -1.0, np.nan, 1e9])

@@ -34,7 +34,7 @@ from fem.surface_stress import smallest_rotations, surface_stress, tangent_frame
 from fem.unit_loads import solve_unit_loads, unit_loads, whole_facets, whole_nodes
 from geometry.facets import six_node_triangles
 from geometry.mesh import mesh_throw
-from geometry.size_map import SizeMap
+from geometry.sizes import SizeMap
 from geometry.solid import FILLET, LEFT_END, RIGHT_END
 from geometry.throw import CrankThrow
 from stand_ins import COARSE_STRESSES

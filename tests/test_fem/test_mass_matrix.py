@@ -10,8 +10,8 @@ from skfem import Basis, BilinearForm, ElementTetP2, MeshTet1, MeshTet2
 from skfem.quadrature import get_quadrature
 
 from comparing import close
-from fem.assembly import symmetric_product
-from fem.mass_matrix import QUADRATURE_ORDER, assemble_mass, element_masses
+from fem.assembly import assemble_mass, symmetric_product
+from fem.elements import MASS_QUADRATURE_ORDER, element_masses
 from geometry.mass import mass_properties, mesh_mass_properties
 from geometry.mesh_repair import EDGES
 from geometry.shapes import element_quadrature, shapes_for_quadrature
@@ -36,7 +36,7 @@ def oracle(points, elements):
         middle.update(zip(map(tuple, pairs.tolist()), elements[:, node].tolist(), strict=True))
     edge_nodes = np.array([middle[tuple(sorted(edge))] for edge in linear.edges.T.tolist()])
     curved = MeshTet2(points[np.concatenate([corners, edge_nodes])].T, linear.t)
-    basis = Basis(curved, ElementTetP2(), intorder=QUADRATURE_ORDER)
+    basis = Basis(curved, ElementTetP2(), intorder=MASS_QUADRATURE_ORDER)
     matrix = BilinearForm(lambda u, v, _: DENSITY * u * v).assemble(basis).tocoo()
     ours = np.full(basis.N, -1)
     ours[basis.nodal_dofs[0]] = corners
@@ -53,7 +53,7 @@ def test_mass_is_scikit_fems(mesh, upper):
 
 
 def test_batches_give_the_same(mesh, upper, monkeypatch):
-    monkeypatch.setattr("fem.mass_matrix.CHUNK", 37)
+    monkeypatch.setattr("fem.elements.CHUNK", 37)
     assert (
         abs(upper - assemble_mass(mesh.points, mesh.elements, DENSITY)).max()
         <= 1e-13 * abs(upper).max()
@@ -84,7 +84,7 @@ def test_a_straight_element_has_its_closed_form():
 
 def test_the_rule_is_exact_to_seventh_order():
     """Integrals of x^a y^b z^c over the reference element: a! b! c! / (a + b + c + 3)!."""
-    where, weights = get_quadrature(MeshTet1.elem.refdom, QUADRATURE_ORDER)
+    where, weights = get_quadrature(MeshTet1.elem.refdom, MASS_QUADRATURE_ORDER)
     for powers in product(range(8), repeat=3):
         if sum(powers) <= 7:
             exact = math.prod(map(math.factorial, powers)) / math.factorial(sum(powers) + 3)

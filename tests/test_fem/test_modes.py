@@ -9,7 +9,6 @@ from scipy.linalg import eigh
 
 from comparing import close
 from crankbase.errors import InputError
-from crankbase.stopwatch import Stopwatch
 from fem.assembly import symmetric_product
 from fem.class_modes import ClassModes, PartMatrices, class_problem, frequencies_of
 from fem.condensation import blocked_unknowns
@@ -115,12 +114,10 @@ def test_six_rigid_motions(modes):
 
 
 def test_highest_frequency_gives_the_same(coarse, modes):
-    watch = Stopwatch()
     ceiling = 0.5 * (modes.frequencies[6] + modes.frequencies[7])
-    found = free_modes(coarse, STEEL, highest_frequency=float(ceiling), watch=watch)
+    found = free_modes(coarse, STEEL, highest_frequency=float(ceiling))
     assert found.frequencies == close(modes.frequencies[:7], rel=1e-9)
     assert found.symmetries == modes.symmetries[:7]
-    assert {"assembly", "factorization", "modes"} <= set(watch.seconds)
     below_all = free_modes(coarse, STEEL, highest_frequency=1.0)
     assert below_all.shapes.shape == (len(coarse.points), 3, 0)
     assert below_all.names == ()

@@ -19,13 +19,13 @@ from fem.assembly import assemble_stiffness
 from fem.condensation import nodes_on
 from fem.loads import uniform_pin_loads
 from fem.material import STEEL
-from fem.solver import solve_symmetric
 from fem.superelement import RX, RY, RZ, UZ
 from fem.supports import Neighbors, support_throw
 from geometry.mesh import mesh_throw
 from geometry.solid import CRANK_PLANE, LEFT_END, RIGHT_END
 from geometry.throw import CrankThrow
-from geometry.throw_sections import Web
+from geometry.throw_dimensions import Web
+from solving import solve_symmetric
 
 # Finite elements throughout: not for the inner loop.
 pytestmark = pytest.mark.slow

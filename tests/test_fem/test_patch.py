@@ -20,11 +20,11 @@ import pytest
 from fem.assembly import assemble_stiffness, symmetric_product
 from fem.elements import physical_gradients
 from fem.material import STEEL
-from fem.solver import solve_symmetric
 from geometry.mesh import mesh_throw
 from geometry.mesh_repair import EDGES
 from geometry.shapes import shapes_for_quadrature
 from geometry.throw import CrankThrow
+from solving import solve_symmetric
 
 # Nodes of an element's four faces, corners and edge middles.
 FACES = np.array([[0, 1, 2, 4, 5, 6], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 2, 3, 6, 9, 7]])

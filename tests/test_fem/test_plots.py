@@ -37,7 +37,16 @@ def _figures_closed():
 def analysis(throw, mesh, classes, superelement):
     """An analysis on the coarse mesh that all tests share."""
     masses = mass_properties(mesh, STEEL.density)
-    return ThrowAnalysis(throw, STEEL, superelement, mesh, classes, masses, 0.05, 0.1)
+    return ThrowAnalysis(
+        throw=throw,
+        material=STEEL,
+        superelement=superelement,
+        mesh=mesh,
+        classes=classes,
+        masses=masses,
+        error_estimate=0.05,
+        accuracy=0.1,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +137,14 @@ def test_the_grid_of_a_throw(analysis):
 
 def test_the_axial_answers_alone(analysis, mesh, classes):
     part = next(one for one in classes if one.symmetry == axial_class(mesh.part))
-    alone = AxialAnalysis(analysis.throw, STEEL, mesh, part, 0.05, 0.1)
+    alone = AxialAnalysis(
+        throw=analysis.throw,
+        material=STEEL,
+        mesh=mesh,
+        part=part,
+        error_estimate=0.05,
+        accuracy=0.1,
+    )
     frame = alone.to_pandas()
     assert frame.loc["guided", "axial_compliance"] == alone.axial_compliance("guided")
 

@@ -10,8 +10,8 @@ import pytest
 from crankfem.analyses.checks import asymmetry
 from crankfem.analyses.throw.throw_record import reciprocity_record
 from fem.analysis import analyze_throw
-from fem.reciprocity import superelement_of_end_forces
 from fem.solver import Factorization
+from fem.superelement import superelement_of_end_forces
 from geometry.throw import CrankThrow
 
 ROUND_OFF, SHOWN = 1e-11, 1e-8

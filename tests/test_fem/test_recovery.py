@@ -25,11 +25,11 @@ from fem.elements import physical_gradients
 from fem.loads import unit_pin_loads
 from fem.material import STEEL, Material
 from fem.recovery import energy_errors, recovered_stress, strain_energy, stresses_at
-from fem.solver import solve_symmetric
 from fem.supports import support_throw
 from fem.symmetry import axial_class
 from geometry.mesh_repair import EDGES
 from geometry.shapes import shapes_for_quadrature
+from solving import solve_symmetric
 
 # xx, yy, zz, xy, yz, zx of a 3 x 3 matrix.
 ROWS, COLUMNS = [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]

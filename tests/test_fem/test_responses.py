@@ -12,7 +12,7 @@ from fem.material import STEEL
 from fem.responses import RESPONSES, evaluate_throw
 from fem.supports import Neighbors
 from geometry.throw import CrankThrow
-from geometry.throw_sections import Web
+from geometry.throw_dimensions import Web
 
 # Finite elements throughout: not for the inner loop.
 pytestmark = pytest.mark.slow

@@ -6,8 +6,9 @@ import fem.solver
 from comparing import close
 from crankbase.errors import InputError
 from fem.condensation import condense
-from fem.solver import SharedSolver, SolveError, solve_symmetric
+from fem.solver import SharedSolver, SolveError
 from fem.symmetry import axial_class, symmetry_classes
+from solving import solve_symmetric
 
 SOLVERS = ["superlu"] if fem.solver._pardiso() is None else ["pardiso", "superlu"]
 needs_both = pytest.mark.skipif(len(SOLVERS) < 2, reason="Pardiso is not installed")

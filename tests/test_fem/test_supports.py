@@ -87,7 +87,7 @@ def test_neighbors_opposite_are_pinned(superelement):
         support_throw(superelement, "pinned"),
     )
     assert found.axial == close(pinned.axial, rel=1e-9)
-    assert found.stretch_per_force == close(pinned.stretch_per_force, rel=1e-9, abs=1e-20)
+    assert found.stretches[0] == close(pinned.stretches[0], rel=1e-9, abs=1e-20)
     # Under torque opposite cranks keep each other's ends from tilting across the crank plane.
     guided = support_throw(superelement, "guided")
     assert found.torsional == close(guided.torsional, rel=1e-9)
@@ -99,7 +99,7 @@ def test_neighbors_in_line_are_guided(superelement):
         support_throw(superelement, "guided"),
     )
     assert found.axial == close(guided.axial, rel=1e-9)
-    assert found.stretch_per_force == close(guided.stretch_per_force, rel=1e-9, abs=1e-20)
+    assert found.stretches[0] == close(guided.stretches[0], rel=1e-9, abs=1e-20)
     # Under torque all cranks tilt alike and hold each other nowhere.
     pinned = support_throw(superelement, "pinned")
     assert found.torsional == close(pinned.torsional, rel=1e-9)
@@ -153,7 +153,7 @@ def test_neighbors_against_a_long_shaft(superelement, support):
     stretch = middle[6 + UZ] - middle[UZ]
     assert found.axial == close(stretch[0], rel=1e-6)
     assert found.torsional == close((middle[6 + RZ] - middle[RZ])[1], rel=1e-6)
-    assert found.stretch_per_force == close(stretch[2:], rel=1e-5, abs=1e-14)
+    assert found.stretches[0] == close(stretch[2:], rel=1e-5, abs=1e-14)
 
 
 def test_turning_the_throw_changes_nothing(superelement):

@@ -11,7 +11,7 @@ from crankbase.errors import InputError
 from geometry.mass import mass_properties, mesh_mass_properties
 from geometry.mesh import mesh_throw
 from geometry.throw import CrankThrow
-from geometry.throw_sections import Counterweight, FurtherPin, Web
+from geometry.throw_dimensions import Counterweight, FurtherPin, Web
 
 HALF_TURN = math.pi
 

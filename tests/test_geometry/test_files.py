@@ -14,7 +14,7 @@ from geometry.shaft_ends import ShaftEnds
 from geometry.shapes import element_volumes
 from geometry.solid_files import write_step
 from geometry.throw import CrankThrow
-from geometry.throw_sections import FurtherPin, Web
+from geometry.throw_dimensions import FurtherPin, Web
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,6 @@ from fem.symmetry import axial_class
 from geometry.gmsh_session import gmsh_session
 from geometry.imported import import_throw
 from geometry.imported_mesh import (
-    mesh_imported_from,
     mesh_imported_throw,
     predict_imported_unknowns,
 )
@@ -623,7 +622,7 @@ def test_surfaces_of_the_mesh_are_where_their_names_say(throw, mesh):
 def test_the_mesh_is_the_same_in_another_process(imported, mesh):
     remarks = []
     away = shared_process().call(
-        "geometry.imported_mesh:mesh_imported_from",
+        "geometry.imported_mesh:mesh_imported_throw",
         imported,
         1.5,
         None,
@@ -638,11 +637,11 @@ def test_the_mesh_is_the_same_in_another_process(imported, mesh):
 
 @pytest.mark.slow
 def test_failed_ways_are_passed_over_and_recorded(imported):
-    mesh = mesh_imported_from(imported, 2.5, None, ("as planned: it took too long",))
+    mesh = mesh_imported_throw(imported, 2.5, None, ("as planned: it took too long",))
     assert mesh.attempts == ("as planned: it took too long",)
     assert mesh.size_factor == close(2.5 * MESHING_STRATEGIES[1].share)
     with pytest.raises(MeshError, match="6 ways of meshing the throw failed"):
-        mesh_imported_from(imported, 2.5, None, ("no",) * len(MESHING_STRATEGIES))
+        mesh_imported_throw(imported, 2.5, None, ("no",) * len(MESHING_STRATEGIES))
 
 
 def test_too_fine_a_mesh_is_refused(imported):
@@ -667,7 +666,7 @@ def test_surfaces_that_are_elsewhere_are_noticed(imported):
     names |= {LEFT_END: names[RIGHT_END], RIGHT_END: names[LEFT_END]}
     wrong = replace(imported, surfaces=tuple(names.items()))
     with pytest.raises(MeshError, match="'left end' of the file is not where it was"):
-        mesh_imported_from(wrong, 3.0, None, ("no",) * (len(MESHING_STRATEGIES) - 1))
+        mesh_imported_throw(wrong, 3.0, None, ("no",) * (len(MESHING_STRATEGIES) - 1))
 
 
 @pytest.mark.slow

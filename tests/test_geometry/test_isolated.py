@@ -79,7 +79,7 @@ def test_a_disturbed_call_leaves_no_answer_behind(dimensions, process, disturban
     large = CrankThrow(**{**dimensions, "crank_radius": 0.2})
     with pytest.raises(disturbance):
         process.call(
-            "geometry.mesh:mesh_throw_from",
+            "geometry.mesh:mesh_throw",
             large, 2.0, "auto", None, (),
             time_limit=60.0,
             on_remark=disturb,

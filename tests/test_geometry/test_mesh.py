@@ -12,7 +12,7 @@ import geometry.mesh
 import geometry.mesh_checks
 from comparing import close
 from crankbase.errors import InputError, MeshError
-from geometry.mesh import MESHING_STRATEGIES, mesh_throw, mesh_throw_from
+from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesh_checks import check_quality, check_volume
 from geometry.mesh_repair import EDGES, corner_quality, smallest_jacobians, straighten_elements
 from geometry.shapes import element_quadrature, element_volumes
@@ -263,7 +263,7 @@ def test_a_mesh_that_misses_the_volume_is_made_again_finer(dimensions, monkeypat
 def test_every_way_of_meshing_gives_the_same_part(dimensions, rung):
     throw = CrankThrow(**dimensions, pin_bore=0.06)
     failed = tuple(f"{way.what}: tried elsewhere" for way in MESHING_STRATEGIES[:rung])
-    mesh = mesh_throw_from(throw, 1.2, "auto", None, failed)
+    mesh = mesh_throw(throw, 1.2, "auto", None, failed)
     assert mesh.attempts[:rung] == failed
     assert 4.0 * mesh.solid.volume == close(throw.volume, rel=1e-9)
 

@@ -14,7 +14,7 @@ from geometry.isolated import IsolatedProcess
 from geometry.mesh import MESHING_STRATEGIES, mesh_throw
 from geometry.mesher import mesh_here, mesh_isolated
 from geometry.shapes import element_volumes
-from geometry.size_map import SizeMap, regular_volume, set_size_map
+from geometry.sizes import SizeMap, regular_volume, set_size_map
 from geometry.throw import CrankThrow
 
 # Corners and edges of a regular tetrahedron with edges of 1 m.

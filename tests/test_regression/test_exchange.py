@@ -12,7 +12,7 @@ from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
-from geometry.throw_sections import Counterweight
+from geometry.throw_dimensions import Counterweight
 from puppets import puppet
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs

@@ -4,7 +4,7 @@ import pytest
 
 from comparing import close
 from geometry.throw import CrankThrow
-from geometry.throw_sections import FurtherPin, Web
+from geometry.throw_dimensions import FurtherPin, Web
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.case import round_area, round_inertia
 from regression.formulas.torsional_formulas import torsional_formulas

@@ -21,18 +21,18 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from calculix_run import read_calculix, run_calculix
 from comparing import close
 from fem.analysis import analyze_throw
 from fem.calculix import write_calculix
 from fem.calculix_cases import axial_case, bending_case, pin_case, torque_case
-from fem.calculix_run import read_calculix, run_calculix
 from fem.loads import uniform_pin_loads
 from fem.material import STEEL, Material
 from geometry.mesh import ThrowMesh
 from geometry.mesh_checks import SolidProperties
 from geometry.mesher import mesh_isolated
 from geometry.throw import CrankThrow
-from geometry.throw_sections import Counterweight, FurtherPin, Web
+from geometry.throw_dimensions import Counterweight, FurtherPin, Web
 
 pytestmark = [
     pytest.mark.further,

@@ -29,10 +29,10 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from comparing import close
+from dynamic_shaft import assemble_dynamic_shaft, natural_modes
 from fem.assembly import assemble_stiffness
 from fem.condensation import condense
 from fem.craig_bampton import dynamic_superelement
-from fem.dynamic_shaft import assemble_dynamic_shaft, natural_modes
 from fem.loads import NodalLoads, unit_pin_loads
 from fem.material import STEEL
 from fem.modes import free_modes

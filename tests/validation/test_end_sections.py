@@ -39,12 +39,12 @@ from fem.class_compliances import class_axial_compliances
 from fem.condensation import condense, nodes_on
 from fem.loads import unit_pin_loads
 from fem.material import STEEL
-from fem.solver import solve_symmetric
 from fem.symmetry import axial_class
 from geometry.facets import six_node_triangles
 from geometry.mesh import ThrowMesh, mesh_throw
 from geometry.solid import LEFT_END
 from geometry.throw import CrankThrow
+from solving import solve_symmetric
 
 ROUND_OFF = 1e-9
 BRACKET = 1e-4

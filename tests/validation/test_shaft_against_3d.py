@@ -46,9 +46,9 @@ from dynamics.crankshaft.shaft_modes import crankshaft_modes
 from dynamics.crankshaft.surroundings import AxialSupport, MainBearings, ShaftSurroundings
 from fem.analysis import analyze_throw
 from fem.material import STEEL
-from fem.shaft_solid import frequency_deck, mesh_shaft, solid_modes
 from geometry.crankshaft import Crankshaft
 from geometry.throw import CrankThrow
+from shaft_solid import frequency_deck, mesh_shaft, solid_modes
 
 FLAT, CROSS = (0.0, 180.0, 180.0, 0.0), (0.0, 90.0, 270.0, 180.0)
 FINEST = {

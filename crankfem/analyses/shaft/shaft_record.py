@@ -9,8 +9,8 @@ from crankfem.analyses.record import Record
 from crankfem.files.engine.engine_file import EngineFile
 from fem.shaft import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
-from geometry.balance import unbalance
 from geometry.crankshaft import Crankshaft
+from geometry.mass import unbalance
 
 
 def shaft_record(shaft: ShaftCompliances, analyses: Sequence[ThrowAnalysis]) -> Record:

@@ -3,10 +3,10 @@
 from crankfem.analyses.checks import asymmetry
 from crankfem.analyses.record import Record
 from fem.modes import ThrowModes
-from fem.reciprocity import superelement_of_end_forces
+from fem.superelement import superelement_of_end_forces
 from fem.supports import Support, reactions
 from fem.throw_analysis import ThrowAnalysis
-from geometry.balance import unbalance
+from geometry.mass import unbalance
 from geometry.mesher import Throw
 from geometry.throw import CrankThrow
 

@@ -38,9 +38,8 @@ from dynamics.engine.cylinder import RotatingMass
 from dynamics.engine.layout import EngineLayout
 from dynamics.gas.pressure import GasPressure
 from fem.material import STEEL, Material
-from geometry.balance import unbalance
 from geometry.crankshaft import throw_masses, throw_starts
-from geometry.mass import MassProperties
+from geometry.mass import MassProperties, unbalance
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 

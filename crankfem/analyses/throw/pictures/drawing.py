@@ -12,7 +12,7 @@ import numpy as np
 
 from crankbase.drawing.diagram_style import REPRODUCIBLE
 from crankbase.errors import InputError
-from crankbase.outputs import atomic_file
+from crankbase.outputs import atomic_file, write_errors
 from crankfem.analyses.throw.pictures.title_block import (
     BLOCK_HEIGHT,
     POINT_ON_PAPER,
@@ -112,11 +112,8 @@ def write_drawing(throw: CrankThrow, path: str | Path, title: str = "") -> Path:
 
     path = Path(path)
     metadata = ENDINGS[check_drawing_ending(path)]
-    try:
-        with mpl.rc_context(REPRODUCIBLE), atomic_file(path, "picture") as part:
-            draw_throw(throw, title).savefig(part, dpi=PIXELS_PER_INCH, metadata=metadata)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror or error}).") from None
+    with write_errors(path), mpl.rc_context(REPRODUCIBLE), atomic_file(path, "picture") as part:
+        draw_throw(throw, title).savefig(part, dpi=PIXELS_PER_INCH, metadata=metadata)
     return path
 
 

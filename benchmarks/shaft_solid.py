@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from fem.assembly import assemble_stiffness
+from fem.assembly import assemble_mass, assemble_stiffness
 from fem.calculix import number_field
 from fem.class_modes import LANCZOS_TOLERANCE, frequencies_of
 from fem.loads import rigid_motions
-from fem.mass_matrix import assemble_mass
 from fem.material import Material
 from fem.solver import factorize
 from geometry.crankshaft import Crankshaft, make_shaft
