@@ -43,12 +43,7 @@ def _pair() -> Any:
 
 def _loss_factor() -> Any:
     return quantity_field(
-        "loss factor, hysteretic damping",
-        "",
-        minimum=0.0,
-        maximum=2.0,
-        default=0.0,
-        feature=True,
+        "loss factor, hysteretic damping", "", 0.0, 2.0, default=0.0, feature=True
     )
 
 
@@ -81,7 +76,7 @@ class _Shape(InputModel):
         json_schema_extra={"feature": True},
     )
     parts: int = quantity_field(
-        "elements that it is cut into", "", minimum=1, maximum=1000, default=1, feature=True
+        "elements that it is cut into", "", 1, 1000, default=1, feature=True
     )
 
 

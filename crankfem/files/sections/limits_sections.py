@@ -51,9 +51,9 @@ class ShaftLimitInput(InputModel):
     element: str = Field(
         description='element of the torsional chain, such as "flywheel - propeller"'
     )
-    diameter: float = quantity_field("diameter of the shaft", "m", minimum=0.01, maximum=2.0)
+    diameter: float = quantity_field("diameter of the shaft", "m", 0.01, 2.0)
     tensile_strength: float = quantity_field(
-        "specified minimum tensile strength", "Pa", symbol="sigma_B", minimum=4e8, maximum=1.2e9
+        "specified minimum tensile strength", "Pa", 4e8, 1.2e9, symbol="sigma_B"
     )
     feature: str = Field(
         "integral flange",
@@ -102,11 +102,7 @@ class LimitsInput(InputModel):
         default=None,
     )
     crankshaft_stress_passing: float | None = quantity_field(
-        "the same while a barred speed range is passed",
-        "Pa",
-        minimum=1e5,
-        maximum=1e9,
-        default=None,
+        "the same while a barred speed range is passed", "Pa", 1e5, 1e9, default=None
     )
     coupling_torque: float | None = quantity_field(
         "permissible vibratory torque of the coupling behind the flywheel",
@@ -116,11 +112,7 @@ class LimitsInput(InputModel):
         default=None,
     )
     coupling_torque_passing: float | None = quantity_field(
-        "the same while a barred speed range is passed",
-        "N m",
-        minimum=1e-2,
-        maximum=1e9,
-        default=None,
+        "the same while a barred speed range is passed", "N m", 1e-2, 1e9, default=None
     )
     torsional_amplitude: float | None = quantity_field(
         "permissible torsional vibration amplitude of the free end",
@@ -130,18 +122,10 @@ class LimitsInput(InputModel):
         default=None,
     )
     axial_amplitude: float | None = quantity_field(
-        "permissible axial vibration amplitude of the free end",
-        "m",
-        minimum=1e-7,
-        maximum=1e-1,
-        default=None,
+        "permissible axial vibration amplitude of the free end", "m", 1e-7, 1e-1, default=None
     )
     axial_force: float | None = quantity_field(
-        "permissible vibratory axial force through the throws",
-        "N",
-        minimum=1.0,
-        maximum=1e9,
-        default=None,
+        "permissible vibratory axial force through the throws", "N", 1.0, 1e9, default=None
     )
     crankshaft_rule: str = Field(
         "",
@@ -303,11 +287,9 @@ class RangesInput(InputModel):
     inertia: tuple[float, float] | None = _factors("the inertias of the torsional chain")
     thrust_stiffness: tuple[float, float] | None = _factors("the thrust bearing's stiffness")
     damping: tuple[float, float] | None = _factors("all damping")
-    samples: int = quantity_field(
-        "number of samples of amplitudes", "", minimum=2, maximum=100_000, default=200
-    )
+    samples: int = quantity_field("number of samples of amplitudes", "", 2, 100_000, default=200)
     seed: int = quantity_field(
-        "seed of the samples; the same seed draws the same", "", minimum=0, maximum=2**31, default=0
+        "seed of the samples; the same seed draws the same", "", 0, 2**31, default=0
     )
     separation_margin: float = quantity_field(
         "share by which critical speeds should stay away from running speeds",
