@@ -12,8 +12,8 @@ from crankfem.files.engine.engine_template import (
     optional_examples,
     with_example,
 )
-from crankfem.files.reading.data_files import engine_path, hinge_path
-from crankfem.files.reading.file_kinds import REQUIRED
+from crankfem.files.reading.data_files import input_path
+from crankfem.files.sections.catalogue import SECTIONS
 
 TEMPLATE = engine_template()
 EXAMPLES = {one.splitlines()[0].removeprefix("#: "): one for one in optional_examples(TEMPLATE)}
@@ -40,7 +40,7 @@ def test_a_template_is_written_and_valid(call, tmp_path):
 def test_the_template_explains_every_section():
     # Hinged rods and chains behind the flywheel start from a shipped file, which it names; throws by name
     # cannot stand beside the one throw, not even in an example.
-    for section in set(REQUIRED) - {"hinged_rods", "shaft_line", "throws"}:
+    for section in set(SECTIONS) - {"hinged_rods", "shaft_line", "throws"}:
         assert f"\n[{section}]" in TEMPLATE or f"\n#: [{section}]" in TEMPLATE, section
     assert "[shaft_line]" in TEMPLATE
     assert "[throws.a]" in TEMPLATE
@@ -77,7 +77,9 @@ def test_hinges_and_chains_are_copied(call, tmp_path):
     answer = call("new", "hinge.toml", "--from", "crosshead-30-100")
     assert answer.code == 0
     assert "crankfem hinge hinge.toml" in answer.out
-    assert (tmp_path / "hinge.toml").read_bytes() == hinge_path("crosshead-30-100").read_bytes()
+    assert (tmp_path / "hinge.toml").read_bytes() == input_path(
+        "crosshead-30-100", "hinge"
+    ).read_bytes()
     record = call("new", "chain.toml", "--from", "mwm-six", "--json").json()
     assert record["next"] == "crankfem vibration chain.toml"
     assert call("new", "v.toml", "--from", "buick-3800", "--json").json()["kind"] == "mechanism"
@@ -116,4 +118,4 @@ def test_new_refuses(call, tmp_path, arguments, fragment):
 
 def test_a_copy_is_the_shipped_file(call, tmp_path):
     assert call("new", "mine.toml", "--from", "6chn25-34").code == 0
-    assert (tmp_path / "mine.toml").read_bytes() == engine_path("6chn25-34").read_bytes()
+    assert (tmp_path / "mine.toml").read_bytes() == input_path("6chn25-34").read_bytes()

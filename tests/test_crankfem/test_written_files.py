@@ -10,11 +10,11 @@ import crankfem as cf
 from crankbase.drawing.diagram_style import figure
 from crankbase.outputs import LISTED
 from crankfem.analyses.throw.pictures import stress_picture
-from crankfem.files.reading.data_files import data_folder, engine_path, hinge_path
+from crankfem.files.reading.data_files import data_folder, input_path
 from regression.models.compliance_model import ComplianceModel
 
 TORQUE = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"
-SIX = engine_path("6chn25-34")
+SIX = input_path("6chn25-34")
 
 
 @dataclass(frozen=True)
@@ -54,10 +54,12 @@ COMMANDS = {
         SIX, ("mechanism", "{mine}", "--pictures", "plots"), "plots/crankpin_polar.svg"
     ),
     "hinge": Command(
-        hinge_path("crosshead-30-100"), ("hinge", "{mine}", "--csv", "out.csv"), "out.csv"
+        input_path("crosshead-30-100", "hinge"), ("hinge", "{mine}", "--csv", "out.csv"), "out.csv"
     ),
     "hinge pictures": Command(
-        hinge_path("crosshead-30-100"), ("hinge", "{mine}", "--pictures", "p"), "p/hinge_speed.svg"
+        input_path("crosshead-30-100", "hinge"),
+        ("hinge", "{mine}", "--pictures", "p"),
+        "p/hinge_speed.svg",
     ),
     "vibration": Command(SIX, ("vibration", "{mine}", "--csv", "tables"), "tables/torsional.csv"),
     "vibration pictures": Command(

@@ -8,52 +8,19 @@ from pathlib import Path
 
 import typer
 
-from crankfem.files.reading.data_files import (
-    data_folder,
-    shipped_chains,
-    shipped_engines,
-    shipped_hinges,
-)
+from crankfem.files.reading.data_files import InputKind, shipped_names, shipped_torques
 
 # Typer tells these functions apart by the names of their arguments.
 Completion = Callable[[str], list[str]]
 
 
-def engines(incomplete: str) -> list[str]:
-    """Shipped engines, and TOML files."""
-    return _fitting(incomplete, shipped_engines(), ".toml")
+def inputs(*endings: str, kinds: tuple[InputKind, ...] = ()) -> Completion:
+    """Return the completion of shipped files of some kinds, or of all, and of files with these endings."""
 
+    def found(incomplete: str) -> list[str]:
+        return _fitting(incomplete, shipped_names(*kinds), *endings)
 
-def engines_and_parts(incomplete: str) -> list[str]:
-    """Shipped engines, TOML files and STEP files."""
-    return _fitting(incomplete, shipped_engines(), ".toml", ".step", ".stp")
-
-
-def engines_and_chains(incomplete: str) -> list[str]:
-    """Shipped engines and chains, and files of both."""
-    return _fitting(incomplete, (*shipped_engines(), *shipped_chains()), ".toml", ".txt")
-
-
-def engines_and_tables(incomplete: str) -> list[str]:
-    """Shipped engines and torque tables, and files of both."""
-    tables = [path.name for path in (data_folder() / "tables").glob("*torque*.csv")]
-    return _fitting(incomplete, (*shipped_engines(), *tables), ".toml", ".csv")
-
-
-def hinges(incomplete: str) -> list[str]:
-    """Shipped hinges, and TOML files."""
-    return _fitting(incomplete, shipped_hinges(), ".toml")
-
-
-def shipped(incomplete: str) -> list[str]:
-    """Everything shipped that can be copied."""
-    return _fitting(incomplete, (*shipped_engines(), *shipped_hinges(), *shipped_chains()))
-
-
-def any_input(incomplete: str) -> list[str]:
-    """Everything shipped, and files like it."""
-    names = (*shipped_engines(), *shipped_hinges(), *shipped_chains())
-    return _fitting(incomplete, names, ".toml", ".txt")
+    return found
 
 
 def files(*endings: str) -> Completion:
@@ -65,11 +32,25 @@ def files(*endings: str) -> Completion:
     return found
 
 
+engines = inputs(".toml", kinds=("engine",))
+engines_and_parts = inputs(".toml", ".step", ".stp", kinds=("engine",))
+engines_and_chains = inputs(".toml", ".txt", kinds=("engine", "chain"))
+hinges = inputs(".toml", kinds=("hinge",))
+any_input = inputs(".toml", ".txt")
+shipped = inputs()
+
+
+def engines_and_tables(incomplete: str) -> list[str]:
+    """Shipped engines and torque tables, and files of both."""
+    names = (*shipped_names("engine"), *shipped_torques())
+    return _fitting(incomplete, names, ".toml", ".csv")
+
+
 def sections(incomplete: str) -> list[str]:
     """Sections of engine files."""
-    from crankfem.files.reading.file_kinds import REQUIRED
+    from crankfem.files.sections.catalogue import SECTIONS
 
-    return [name for name in REQUIRED if name != "study" and name.startswith(incomplete)]
+    return [name for name, one in SECTIONS.items() if one.model and name.startswith(incomplete)]
 
 
 def dimensions(ctx: typer.Context, incomplete: str) -> list[str]:

@@ -64,7 +64,7 @@ def doe(
 ) -> None:
     """Run a design of experiments, or continue it where it stopped."""
     from crankfem.files.engine.throw_file import load_study
-    from crankfem.files.reading.data_files import engine_path
+    from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_distinct_files, check_writable
     from regression.runs.export_table import check_export, export_table
 
@@ -81,7 +81,7 @@ def doe(
     if plan:
         _show_plan(read, json)
         return
-    files = [store, engine_path(study), *(import_ or ())]
+    files = [store, input_path(study), *(import_ or ())]
     if export is not None:
         check_export(export)
         check_distinct_files({"--store": store, "--export": export})

@@ -24,7 +24,7 @@ def fields(
     from dataclasses import asdict
 
     from crankbase.tables.table import Column, Table
-    from crankfem.files.sections.field_tables import section_tables
+    from crankfem.files.engine.field_tables import section_tables
 
     found = section_tables(section)
     if json:

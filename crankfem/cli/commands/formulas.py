@@ -149,7 +149,7 @@ def _all_engines(asked: _Request) -> None:
     )
     from crankfem.cli.tables import formula_tables
     from crankfem.files.engine.throw_file import load_throw
-    from crankfem.files.reading.data_files import shipped_engines
+    from crankfem.files.reading.data_files import shipped_names
 
     if not asked.fe:
         raise InputError(
@@ -157,7 +157,7 @@ def _all_engines(asked: _Request) -> None:
             "with finite elements."
         )
     spreads = spread_of_engines(
-        [(name, *load_throw(name)) for name in shipped_engines()],
+        [(name, *load_throw(name)) for name in shipped_names("engine")],
         functools.partial(
             engine_spread,
             gamma_deg=asked.gamma,

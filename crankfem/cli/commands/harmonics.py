@@ -99,12 +99,12 @@ def harmonics(
 
 def _names_engine(source: str) -> bool:
     """Tell an engine from a torque table: by the file's ending, or as the name of a shipped engine."""
-    from crankfem.files.reading.data_files import shipped_engines
+    from crankfem.files.reading.data_files import shipped_names
 
     path = Path(source)
     if path.suffix.lower() in (".toml", ".csv"):
         return path.suffix.lower() == ".toml"
-    return not path.is_file() or (path.name in shipped_engines() and path.parent == Path())
+    return not path.is_file() or (path.name in shipped_names("engine") and path.parent == Path())
 
 
 def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:

@@ -105,7 +105,7 @@ def _write_template(file: Path, cylinders: int | None, strokes: int | None) -> N
 def _copy(source: str, file: Path) -> str:
     """Copy a shipped file; return its kind."""
     from crankbase.outputs import write_user_file
-    from crankfem.files.reading.shipped import shipped_files
+    from crankfem.files.engine.shipped import shipped_files
     from crankfem.jobs.outputs import check_writable
 
     known = {one.name: one for one in shipped_files()}
@@ -121,7 +121,7 @@ def _copy(source: str, file: Path) -> str:
 
 def _list(json: bool) -> None:
     from crankbase.tables.table import Column, Table
-    from crankfem.files.reading.shipped import shipped_files
+    from crankfem.files.engine.shipped import shipped_files
 
     if json:
         print_json(

@@ -46,8 +46,8 @@ def export(
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
     from crankfem.cli.throw_choice import select_throw
+    from crankfem.files.engine.file_kinds import engine_sections
     from crankfem.files.engine.throw_file import load_crankshaft
-    from crankfem.files.reading.file_kinds import engine_sections
     from crankfem.jobs.outputs import check_writable
     from fem.calculix import write_calculix
     from geometry.mesh_files import ENDINGS as MESH_ENDINGS
@@ -134,12 +134,12 @@ def draw(
         picture_throw,
     )
     from crankfem.cli.throw_choice import select_throw
+    from crankfem.files.engine.file_kinds import engine_sections
     from crankfem.files.engine.throw_file import load_crankshaft
-    from crankfem.files.reading.data_files import engine_path
-    from crankfem.files.reading.file_kinds import engine_sections
+    from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_distinct_files, check_writable
 
-    source = engine_path(engine)
+    source = input_path(engine)
     of = "throw" if name is None else f"throw-{name}"
     drawing = output or Path(f"{source.stem}-{of}.svg")
     check_drawing_ending(drawing)

@@ -119,7 +119,7 @@ def stress(
     from crankfem.analyses.throw.stress import stress_record
     from crankfem.cli.tables.stress_tables import print_stresses
     from crankfem.cli.throw_choice import select_throw
-    from crankfem.files.reading.data_files import engine_path
+    from crankfem.files.reading.data_files import input_path
     from fem.fillet_stress import fillet_stresses
     from fem.loads import radial_directions
     from fem.unit_loads import unit_loads
@@ -136,7 +136,7 @@ def stress(
                 f"--pictures: given {pictures}, which is a file; allowed is a folder, for there is a "
                 "picture of each load."
             )
-        protect(engine_path(engine))
+        protect(input_path(engine))
         for load in unit_loads(radial_directions(part)):
             check_output(pictures / picture_name(load), "picture")
     stresses = fillet_stresses(part, material, accuracy, end_sections=cast(Any, end_sections))

@@ -61,11 +61,11 @@ def vibration(
 ) -> None:
     """Natural frequencies, forced vibration over the speeds, and a verdict against limits."""
     from crankbase.tables.output_units import parse_output_units
-    from crankfem.files.reading.file_kinds import any_sections, describes_a_chain
+    from crankfem.files.engine.file_kinds import any_sections, file_kind
 
     shown = parse_output_units(units)
     content = any_sections(engine)
-    if content is None or describes_a_chain(content):
+    if content is None or file_kind(content) == "chain":
         others = coupled or strict or any(given is not None for given in (run_up, csv, pictures))
         _print_chain_modes(engine, content, json, shown, only_engines=others)
         return

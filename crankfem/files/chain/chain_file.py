@@ -11,7 +11,7 @@ from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
 from crankfem.files.chain.chain_build import Section, chain_of
 from crankfem.files.chain.chain_sections import AxialChainSection, TorsionalChainSection
 from crankfem.files.chain.chain_text import read_chain_text
-from crankfem.files.reading.data_files import chain_path
+from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_elements import Motion
@@ -66,7 +66,7 @@ def load_chain(path: str | Path | TomlFile) -> ChainFile:
     InputError
         With one sentence that names what was given and what is allowed.
     """
-    found = path.path if isinstance(path, TomlFile) else chain_path(path)
+    found = path.path if isinstance(path, TomlFile) else input_path(path, "chain")
     if found.suffix.lower() != ".toml":
         check_file_size(found, LARGEST_TEXT_FILE, "the text of a chain")
         try:

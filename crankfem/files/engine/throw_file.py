@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from crankbase.errors import InputError
-from crankfem.files.reading.file_kinds import check_sections, engine_sections
+from crankfem.files.engine.file_kinds import check_sections, engine_sections
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,

@@ -3,10 +3,8 @@
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeVar
 
 from crankbase.errors import InputError
-from crankbase.model import InputModel
 from crankbase.summaries import summarized
 from crankbase.units.quantity import format_quantity
 from crankfem.files.hinge.hinge_sections import (
@@ -19,7 +17,7 @@ from crankfem.files.hinge.hinge_sections import (
     RunningPoint,
     Sliding,
 )
-from crankfem.files.reading.data_files import hinge_path
+from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
 from dynamics.hinge.crosshead import CrossheadEngine
 from dynamics.hinge.gas_force import piston_gas_force, two_stroke_cycle
@@ -164,7 +162,7 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
     InputError
         With one sentence that names the field, what was given and what is allowed.
     """
-    content = path if isinstance(path, TomlFile) else read_toml(hinge_path(path))
+    content = path if isinstance(path, TomlFile) else read_toml(input_path(path, "hinge"))
     content.check_sections(SECTIONS)
     crank, rod = (
         content.required(Crank.section, Crank),
@@ -213,6 +211,3 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
     )
     found.point_at("hinge.design_speed", hinge.design_speed)
     return found
-
-
-Section = TypeVar("Section", bound=InputModel)
