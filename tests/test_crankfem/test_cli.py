@@ -732,7 +732,9 @@ def test_pictures_of_stresses_need_a_folder(call, tmp_path):
     file.write_text("", encoding="utf-8")
     answer = call("stress", "6chn25-34", "--pictures", file)
     assert answer.code == 2
-    assert "which is a file; allowed is a folder" in " ".join(answer.err.split())
+    assert "cannot be made a folder, because a file stands in its way" in " ".join(
+        answer.err.split()
+    )
 
 
 def test_the_page_tells_all_commands_and_exit_codes():

@@ -430,6 +430,13 @@ def test_a_file_that_is_none(call, given, fragment):
     assert "6chn25-34, " in answer.err
 
 
+def test_a_name_that_no_file_can_have():
+    with pytest.raises(InputError) as told:
+        load_engine("x" * 100_000)
+    assert "cannot be looked for, because the system says: File name too long" in str(told.value)
+    assert len(str(told.value)) < 1000
+
+
 @pytest.mark.parametrize("command", ["run", "throw", "formulas", "doe", "vibration", "check"])
 def test_every_command_refuses_a_bare_number(command, tmp_path, six_cylinders, edit, call):
     path = tmp_path / "wrong.toml"

@@ -140,6 +140,28 @@ def test_a_file_gives_way_only_if_the_command_made_it(line, call):
     refused(unknown or "it was changed since crankfem wrote it")
 
 
+@pytest.mark.parametrize(
+    ("name", "last"),
+    [
+        ("harmonics of an engine", "plots/stars.svg"),
+        ("mechanism pictures", "plots/piston_forces.svg"),
+        ("hinge pictures", "p/hinge_guides.svg"),
+        ("fit --plots", "plots/axial_compliance_sensitivities.svg"),
+    ],
+)
+def test_nothing_is_written_where_the_last_file_is_refused(name, last, call, tmp_path, request):
+    command = COMMANDS[name]
+    mine = request.getfixturevalue("store") if command.source is None else command.source
+    (tmp_path / last).parent.mkdir()
+    (tmp_path / last).write_text("precious", encoding="utf-8")
+    before = [path.name for path in sorted(tmp_path.rglob("*")) if path.is_file()]
+    answer = call(*(word.format(mine=mine) for word in command.words))
+    assert (answer.code, answer.out) == (2, "")
+    assert "crankfem has not made it" in answer.err
+    there = [path.name for path in sorted(tmp_path.rglob("*")) if path.is_file()]
+    assert [name for name in there if not name.startswith("runs.sqlite-")] == before
+
+
 @pytest.mark.parametrize("link", [os.link, os.symlink], ids=["hard link", "link"])
 def test_an_input_stays_even_if_forced(line, call, link):
     words, output, mine = line

@@ -43,10 +43,10 @@ def fit(
     from crankbase.errors import InputError
     from crankfem.analyses.study.fit_records import study_record
     from crankfem.analyses.study.fitting import compliance_model, fit_study
-    from crankfem.analyses.study.plots.fit_plots import plot_fits
+    from crankfem.analyses.study.plots.fit_plots import fit_plot_files, plot_fits
     from crankfem.analyses.study.studies import study_key
     from crankfem.cli.tables.fit_tables import MAIN_RESPONSE, print_comparisons, print_fits
-    from crankfem.jobs.outputs import check_writable
+    from crankfem.jobs.outputs import check_writable, make_output_folder
     from regression.models.model_file import is_model
     from regression.runs.store_rows import damaged_rows_warning
     from regression.runs.study import read_study
@@ -71,11 +71,12 @@ def fit(
         raise InputError(
             f"response: given {response!r}; allowed are {', '.join(fits)}, which this study has."
         )
+    shown = response or (MAIN_RESPONSE if MAIN_RESPONSE in fits else next(iter(fits)))
+    folder = make_output_folder("--plots", plots, fit_plot_files(shown))
     made = compliance_model(table, fits, form)
     made.save(model)
     record = study_record(table, fits, made)
-    shown = response or (MAIN_RESPONSE if MAIN_RESPONSE in fits else next(iter(fits)))
-    written = [] if plots is None else plot_fits(plots, table, fits[shown], form)
+    written = [] if folder is None else plot_fits(folder, table, fits[shown], form)
     if json:
         print_json(record)
         return

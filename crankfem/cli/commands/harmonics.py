@@ -127,7 +127,7 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     table = read_torque_table(path, strokes=4 if asked.strokes is None else asked.strokes)
     found = table.harmonics()
     _check_resolved(asked.orders, found)
-    folder = check_outputs(asked.csv, asked.pictures, path)
+    folder = check_outputs(asked.csv, asked.pictures, path, names=["torque.svg"])
     if folder is not None:
         plot_torque(folder / "torque.svg", table.torque, found)
     return {"table": path.name} | harmonics_record(found)
@@ -135,7 +135,7 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
 
 def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     from crankfem.analyses import titles
-    from crankfem.analyses.mechanism.plots.torque_plots import picture_torque
+    from crankfem.analyses.mechanism.plots.torque_plots import FILES, picture_torque
     from crankfem.cli.speed_argument import parse_speed
     from crankfem.cli.tables.harmonics_tables import engine_record, pin_force_record
     from crankfem.files.engine.input_files import mechanism_inputs
@@ -158,7 +158,8 @@ def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
             f"--cylinder: given {cylinder}; allowed is 1 to {len(engine.cylinders)}, because the "
             "engine has that many."
         )
-    folder = check_outputs(asked.csv, asked.pictures, *mechanism_inputs(mechanism))
+    inputs = mechanism_inputs(mechanism)
+    folder = check_outputs(asked.csv, asked.pictures, *inputs, names=FILES)
     pressure = mechanism.pressure or None
     torque = engine_torque(engine, speed, pressure, throws=mechanism.throws)
     _check_resolved(asked.orders, torque.harmonics())

@@ -50,6 +50,7 @@ def hinge(
     """Guides of an elastic hinge for constant crank speed, and how evenly the crank turns with it."""
     from crankbase.tables.output_units import parse_output_units
     from crankbase.units.quantity import parse_quantity
+    from crankfem.analyses.hinge.hinge_pictures import FILES, GUIDES, plot_hinge
     from crankfem.analyses.hinge.hinge_records import hinge_columns, hinge_record
     from crankfem.analyses.hinge.hinge_run import run_hinge
     from crankfem.cli.column_file import write_columns
@@ -64,16 +65,13 @@ def hinge(
     described = checked_choice(
         "--kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
     )
-    folder = check_outputs(csv, pictures, loaded.path)
+    names = [*FILES, *([] if loaded.comparison is None else [GUIDES])]
+    folder = check_outputs(csv, pictures, loaded.path, names=names)
     run = run_hinge(loaded, described, other)
     record = hinge_record(run)
     if csv is not None:
         write_columns(csv, hinge_columns(run))
-    made: list[Path] = []
-    if folder is not None:
-        from crankfem.analyses.hinge.hinge_pictures import plot_hinge
-
-        made = plot_hinge(folder, run)
+    made = [] if folder is None else plot_hinge(folder, run)
     if json:
         print_json(record | {"pictures": [str(path) for path in made]})
         return

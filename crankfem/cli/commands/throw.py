@@ -113,13 +113,14 @@ def stress(
     quiet: QuietOption = False,
 ) -> None:
     """Find the stresses at a throw's fillets under unit loads, and their concentration factors."""
-    from crankbase.outputs import check_output, protect
+    from crankbase.outputs import protect
     from crankbase.tables.output_units import parse_output_units
     from crankfem.analyses.throw.pictures.stress_picture import picture_name
     from crankfem.analyses.throw.stress import stress_record
     from crankfem.cli.tables.stress_tables import print_stresses
     from crankfem.cli.throw_choice import select_throw
     from crankfem.files.reading.data_files import input_path
+    from crankfem.jobs.outputs import make_output_folder
     from fem.fillet_stress import fillet_stresses
     from fem.loads import radial_directions
     from fem.unit_loads import unit_loads
@@ -127,18 +128,9 @@ def stress(
     shown = parse_output_units(units)
     part, material = select_throw(engine, name, quiet)
     if pictures is not None:
-        if not pictures.absolute().parent.is_dir():
-            raise InputError(
-                f"{pictures}: cannot be written; there is no folder {pictures.parent}."
-            )
-        if pictures.exists() and not pictures.is_dir():
-            raise InputError(
-                f"--pictures: given {pictures}, which is a file; allowed is a folder, for there is a "
-                "picture of each load."
-            )
         protect(input_path(engine))
-        for load in unit_loads(radial_directions(part)):
-            check_output(pictures / picture_name(load), "picture")
+        names = [picture_name(load) for load in unit_loads(radial_directions(part))]
+        make_output_folder("--pictures", pictures, names)
     stresses = fillet_stresses(part, material, accuracy, end_sections=cast(Any, end_sections))
     record = stress_record(stresses)
     if pictures is not None:

@@ -1,6 +1,5 @@
 """Vibration of an engine, or of a chain that a file describes."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -69,8 +68,7 @@ def vibration(
         others = coupled or strict or any(given is not None for given in (run_up, csv, pictures))
         _print_chain_modes(engine, content, json, shown, only_engines=others)
         return
-    from crankbase.drawing.diagram_style import make_folder
-    from crankbase.outputs import check_output, protect
+    from crankbase.outputs import protect
     from crankfem.analyses.shaft.motion import MOTION
     from crankfem.analyses.vibration.forced_records import forced_columns
     from crankfem.analyses.vibration.records import run_record
@@ -84,6 +82,7 @@ def vibration(
     from crankfem.files.engine.engine_file import load_engine
     from crankfem.files.engine.input_files import engine_tables
     from crankfem.files.engine.mechanism_file import mechanism_of
+    from crankfem.jobs.outputs import make_output_folder
     from crankfem.report.interactive.vibration import VIBRATION
 
     duration = None if run_up is None else parse_duration(run_up)
@@ -92,19 +91,11 @@ def vibration(
         check_has_limits(read)
     if csv is not None or pictures is not None:
         protect(read.path, *engine_tables(read, mechanism_of(read)))
-    folders = [None if given is None else Path(given) for given in (csv, pictures)]
-    for folder in folders:
-        if folder is not None:
-            make_folder(folder)
-    if folders[0] is not None:
-        for kind in MOTION:
-            check_output(folders[0] / f"{kind}.csv", "table")
-    if folders[1] is not None:
-        known = read.gas is not None or read.gas_map is not None
-        there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
-        made = [plot.name for plot in VIBRATION.with_(there)]
-        for name in [*made, *([] if run_up is None else ["run_up"])]:
-            check_output(folders[1] / f"{name}.svg", "picture")
+    tables = make_output_folder("--csv", csv, [f"{kind}.csv" for kind in MOTION], "table")
+    known = read.gas is not None or read.gas_map is not None
+    there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
+    names = [*VIBRATION.files(there), *([] if run_up is None else ["run_up.svg"])]
+    drawn = make_output_folder("--pictures", pictures, names)
     with console.RunProgress(quiet) as progress:
         run = engine_vibration(read, coupled=coupled, step=progress.step)
         found = None
@@ -113,15 +104,15 @@ def vibration(
             found = turned_up(run, duration)
         progress.finish()
     written = []
-    if folders[0] is not None:
+    if tables is not None:
         for forced in (run.forced_axial, run.forced_torsional):
             if forced is not None:
-                written.append(folders[0] / f"{forced.kind}.csv")
+                written.append(tables / f"{forced.kind}.csv")
                 write_columns(written[-1], *forced_columns(forced))
-    if folders[1] is not None:
-        written += VIBRATION.draw(folders[1], run)
+    if drawn is not None:
+        written += VIBRATION.draw(drawn, run)
         if found is not None:
-            written.append(folders[1] / "run_up.svg")
+            written.append(drawn / "run_up.svg")
             picture_run_up(written[-1], run, found)
     record = run_record(run)
     if found is not None and run.forced_torsional is not None:
