@@ -21,7 +21,7 @@ def fields(
     quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
 ) -> None:
     """Say what every field of an engine file means: unit, allowed range, default."""
-    from dataclasses import asdict
+    from dataclasses import asdict, astuple
 
     from crankbase.tables.table import Column, Table
     from crankfem.files.engine.field_tables import section_tables
@@ -31,10 +31,6 @@ def fields(
         print_json({"sections": [asdict(table) for table in found]})
         return
     for table in found:
-        print_table(
-            Table(
-                f"{table.title} ({table.need})",
-                [Column(name, words=True) for name in ("field", "unit", "allowed", "meaning")],
-                [[row.name, row.unit, row.allowed, row.meaning] for row in table.rows],
-            )
-        )
+        columns = [Column(name, words=True) for name in ("field", "unit", "allowed", "meaning")]
+        rows = [list(astuple(row)) for row in table.rows]
+        print_table(Table(f"{table.title} ({table.need})", columns, rows))

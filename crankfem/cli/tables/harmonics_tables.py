@@ -117,23 +117,16 @@ def print_engine(record: Record, units: OutputUnits = SI) -> None:
     )
     like = {order: group for group in record["same_stars"] for order in group}
     print_table(
-        Table(
+        Table.of_records(
             "Stars of the orders, all cylinders alike",
-            [
-                Column("order", digits=None),
-                Column("kind", words=True),
-                Column("resultant / sum", decimals=4),
+            record["stars"],
+            (Column("order", digits=None), "order"),
+            (Column("kind", words=True), "kind"),
+            (Column("resultant / sum", decimals=4), "share"),
+            (
                 Column("same star as", digits=6, words=True),
-            ],
-            [
-                [
-                    star["order"],
-                    star["kind"],
-                    star["share"],
-                    [other for other in like[star["order"]] if other != star["order"]],
-                ]
-                for star in record["stars"]
-            ],
+                lambda star: [own for own in like[star["order"]] if own != star["order"]],
+            ),
         )
     )
     if record["hinged_rods"]:

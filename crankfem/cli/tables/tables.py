@@ -32,14 +32,12 @@ def print_throw(record: Record, units: OutputUnits = SI) -> None:
 def print_free_modes(modes: list[Record], units: OutputUnits = SI) -> None:
     """Print the natural modes of a free throw."""
     print_table(
-        Table(
+        Table.of_records(
             "Natural modes of the free throw",
-            [
-                Column("mode"),
-                Column("frequency", "Hz", decimals=1),
-                Column("motion of the end sections", words=True),
-            ],
-            [[place, mode["frequency"], mode["name"]] for place, mode in enumerate(modes, start=1)],
+            [mode | {"number": number} for number, mode in enumerate(modes, start=1)],
+            (Column("mode"), "number"),
+            (Column("frequency", "Hz", decimals=1), "frequency"),
+            (Column("motion of the end sections", words=True), "name"),
         ),
         units,
     )
