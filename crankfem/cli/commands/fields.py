@@ -5,10 +5,11 @@ from typing import Annotated
 import typer
 
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import JsonOption, QuietOption
+from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json, print_table
 
 
+@with_output()
 def fields(
     section: Annotated[
         str | None,
@@ -17,8 +18,8 @@ def fields(
             autocompletion=completion.sections,
         ),
     ] = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    *,
+    out: Output,
 ) -> None:
     """Say what every field of an engine file means: unit, allowed range, default."""
     from dataclasses import asdict, astuple
@@ -27,7 +28,7 @@ def fields(
     from crankfem.files.engine.field_tables import section_tables
 
     found = section_tables(section)
-    if json:
+    if out.json:
         print_json({"sections": [asdict(table) for table in found]})
         return
     for table in found:

@@ -7,10 +7,11 @@ import typer
 
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import ForceOption, JsonOption, QuietOption
+from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json
 
 
+@with_output(files=True)
 def fit(
     store: Annotated[
         Path,
@@ -35,9 +36,8 @@ def fit(
         str | None, typer.Option(help="Response to print in detail; the axial compliance else.")
     ] = None,
     plots: Annotated[Path | None, typer.Option(help="Folder to write diagrams to (SVG).")] = None,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    json: JsonOption = False,
-    quiet: QuietOption = False,
+    *,
+    out: Output,
 ) -> None:
     """Fit equations to a study's results and save the best as a model."""
     from crankbase.errors import InputError
@@ -65,7 +65,9 @@ def fit(
     table = read_study(store, study)
     if table.damaged:
         again = "run the study again (crankfem doe), which computes their designs"
-        console.print_note(f"Note: {damaged_rows_warning(table.damaged, store)}; {again}.", quiet)
+        console.print_note(
+            f"Note: {damaged_rows_warning(table.damaged, store)}; {again}.", out.quiet
+        )
     fits = fit_study(table)
     if response is not None and response not in fits:
         raise InputError(
@@ -77,7 +79,7 @@ def fit(
     made.save(model)
     record = study_record(table, fits, made)
     written = [] if folder is None else plot_fits(folder, table, fits[shown], form)
-    if json:
+    if out.json:
         print_json(record)
         return
     print_fits(record["fits"], shown, form)

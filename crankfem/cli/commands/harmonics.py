@@ -9,13 +9,7 @@ import typer
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import (
-    ForceOption,
-    JsonOption,
-    QuietOption,
-    SpeedOption,
-    UnitsOption,
-)
+from crankfem.cli.commands.options import Output, SpeedOption, with_output
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
@@ -37,6 +31,7 @@ class _Request:
     pictures: str | None
 
 
+@with_output(files=True, units=True)
 def harmonics(
     source: Annotated[
         str,
@@ -65,16 +60,12 @@ def harmonics(
         str | None,
         typer.Option(metavar="FOLDER", help="Write torque, harmonics and star diagrams as SVG."),
     ] = None,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    *,
+    out: Output,
 ) -> None:
     """Split torque into harmonics M_k sin(k w t + a_k): of a table, or of an engine with its stars."""
-    from crankbase.tables.output_units import parse_output_units
     from crankfem.cli.tables.harmonics_tables import write_table
 
-    shown = parse_output_units(units)
     if orders is not None and not orders > 0.0:
         raise InputError(
             f"--orders: given {orders:g}; allowed is an order above 0, because "
@@ -88,10 +79,10 @@ def harmonics(
     )
     if csv is not None:
         write_table(csv, record)
-    if json:
+    if out.json:
         print_json(record)
         return
-    _print(record, orders, shown)
+    _print(record, orders, out.units)
     for path, kind in ((csv, "Table"), (pictures, "Pictures")):
         if path is not None:
             console.output.print(f"{kind}: {path}", soft_wrap=True)

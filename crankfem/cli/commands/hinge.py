@@ -7,16 +7,11 @@ import typer
 
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import (
-    ForceOption,
-    JsonOption,
-    QuietOption,
-    UnitsOption,
-    checked_choice,
-)
+from crankfem.cli.commands.options import Output, checked_choice, with_output
 from crankfem.cli.console import print_json
 
 
+@with_output(files=True, units=True)
 def hinge(
     file: Annotated[
         str,
@@ -42,13 +37,10 @@ def hinge(
     pictures: Annotated[
         str | None, typer.Option(metavar="FOLDER", help="Write moments, guides and speeds.")
     ] = None,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    *,
+    out: Output,
 ) -> None:
     """Guides of an elastic hinge for constant crank speed, and how evenly the crank turns with it."""
-    from crankbase.tables.output_units import parse_output_units
     from crankbase.units.quantity import parse_quantity
     from crankfem.analyses.hinge.hinge_pictures import FILES, GUIDES, plot_hinge
     from crankfem.analyses.hinge.hinge_records import hinge_columns, hinge_record
@@ -59,7 +51,6 @@ def hinge(
     from crankfem.jobs.outputs import check_outputs
     from dynamics.hinge.reduced_crank import KINEMATICS
 
-    shown = parse_output_units(units)
     other = None if speed is None else parse_quantity(speed, "rad/s", "--speed")
     loaded = load_hinge(file)
     described = checked_choice(
@@ -72,10 +63,10 @@ def hinge(
     if csv is not None:
         write_columns(csv, hinge_columns(run))
     made = [] if folder is None else plot_hinge(folder, run)
-    if json:
+    if out.json:
         print_json(record | {"pictures": [str(path) for path in made]})
         return
-    print_hinge(record, shown)
+    print_hinge(record, out.units)
     if csv is not None:
         console.output.print(f"Over the turn: {csv}", soft_wrap=True)
     if made:

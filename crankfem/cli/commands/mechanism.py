@@ -8,17 +8,16 @@ import typer
 from crankfem.cli import console
 from crankfem.cli.commands.options import (
     EngineArgument,
-    ForceOption,
-    JsonOption,
-    QuietOption,
+    Output,
     SpeedOption,
-    UnitsOption,
     checked_choice,
+    with_output,
 )
 from crankfem.cli.console import print_json
 from dynamics.mechanism.rod_model_names import ROD_MODELS
 
 
+@with_output(files=True, units=True)
 def mechanism(
     engine: EngineArgument,
     speed: SpeedOption = None,
@@ -34,13 +33,10 @@ def mechanism(
     pictures: Annotated[
         str | None, typer.Option(metavar="FOLDER", help="Write load diagrams and hodographs.")
     ] = None,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    *,
+    out: Output,
 ) -> None:
     """Forces in the crank mechanism, load diagrams of the bearings, and the balance of the engine."""
-    from crankbase.tables.output_units import parse_output_units
     from crankfem.analyses.mechanism.balance_records import balance_record, hinged_rods_record
     from crankfem.analyses.mechanism.mechanism_records import force_columns, mechanism_record
     from crankfem.analyses.mechanism.mechanism_run import run_mechanism
@@ -53,7 +49,6 @@ def mechanism(
     from crankfem.jobs.outputs import check_outputs
     from crankfem.report.interactive.mechanism_plots import MECHANISM
 
-    shown = parse_output_units(units)
     loaded, turning = load_mechanism(engine), parse_speed(speed)
     rods = checked_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")
     inputs = mechanism_inputs(loaded)
@@ -64,7 +59,7 @@ def mechanism(
     if csv is not None:
         write_columns(csv, *force_columns(run))
     made = [] if folder is None else MECHANISM.draw(folder, run)
-    if json:
+    if out.json:
         print_json(
             record
             | {
@@ -74,10 +69,10 @@ def mechanism(
             }
         )
         return
-    print_mechanism(record, shown)
-    print_balance(balanced, shown)
+    print_mechanism(record, out.units)
+    print_balance(balanced, out.units)
     if hinged:
-        print_hinged_rods(hinged, shown)
+        print_hinged_rods(hinged, out.units)
     if csv is not None:
         console.output.print(f"Forces: {csv}", soft_wrap=True)
     if made:

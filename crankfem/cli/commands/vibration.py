@@ -7,13 +7,7 @@ import typer
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import (
-    ForceOption,
-    JsonOption,
-    QuietOption,
-    StrictOption,
-    UnitsOption,
-)
+from crankfem.cli.commands.options import Output, StrictOption, with_output
 from crankfem.cli.commands.strict import check_has_limits, exit_if_limits_exceeded
 from crankfem.cli.console import print_json
 
@@ -22,6 +16,7 @@ if TYPE_CHECKING:
     from crankfem.files.reading.toml_file import TomlFile
 
 
+@with_output(files=True, units=True)
 def vibration(
     engine: Annotated[
         str,
@@ -53,20 +48,16 @@ def vibration(
         typer.Option(metavar="FOLDER", help="Write mode shapes, Campbell diagrams and amplitudes."),
     ] = None,
     strict: StrictOption = False,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,
+    *,
+    out: Output,
 ) -> None:
     """Natural frequencies, forced vibration over the speeds, and a verdict against limits."""
-    from crankbase.tables.output_units import parse_output_units
     from crankfem.files.engine.file_kinds import any_sections, file_kind
 
-    shown = parse_output_units(units)
     content = any_sections(engine)
     if content is None or file_kind(content) == "chain":
         others = coupled or strict or any(given is not None for given in (run_up, csv, pictures))
-        _print_chain_modes(engine, content, json, shown, only_engines=others)
+        _print_chain_modes(engine, content, out.json, out.units, only_engines=others)
         return
     from crankbase.outputs import protect
     from crankfem.analyses.shaft.motion import MOTION
@@ -96,7 +87,7 @@ def vibration(
     there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
     names = [*VIBRATION.files(there), *([] if run_up is None else ["run_up.svg"])]
     drawn = make_output_folder("--pictures", pictures, names)
-    with console.RunProgress(quiet) as progress:
+    with console.RunProgress(out.quiet) as progress:
         run = engine_vibration(read, coupled=coupled, step=progress.step)
         found = None
         if duration is not None:
@@ -117,12 +108,12 @@ def vibration(
     record = run_record(run)
     if found is not None and run.forced_torsional is not None:
         record["run_up"] = run_up_record(found, run.forced_torsional)
-    if json:
+    if out.json:
         print_json(record | {"files": [str(path) for path in written]})
     else:
-        print_run(record, shown)
+        print_run(record, out.units)
         if found is not None:
-            print_run_up(record["run_up"], shown)
+            print_run_up(record["run_up"], out.units)
         for path in written:
             console.print_line(f"Written: {path}")
     if strict:
