@@ -17,8 +17,8 @@ from crankfem.cli import app as cli
 from crankfem.cli.angle_argument import parse_gamma
 from crankfem.cli.commands import completion
 from crankfem.cli.console import RunProgress
+from crankfem.files.engine.engine_file import SECTIONS
 from crankfem.files.reading.data_files import input_path, shipped_names
-from crankfem.files.sections.catalogue import SECTIONS
 from crankfem.jobs.exit_codes import MEANINGS
 from regression.models.compliance_model import ComplianceModel
 

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from comparing import close
-from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.engine_file import SECTIONS, load_engine
 from crankfem.files.engine.engine_template import (
     FIRING_ORDERS,
     engine_template,
@@ -13,7 +13,6 @@ from crankfem.files.engine.engine_template import (
     with_example,
 )
 from crankfem.files.reading.data_files import input_path
-from crankfem.files.sections.catalogue import SECTIONS
 
 TEMPLATE = engine_template()
 EXAMPLES = {one.splitlines()[0].removeprefix("#: "): one for one in optional_examples(TEMPLATE)}

@@ -48,7 +48,7 @@ def engines_and_tables(incomplete: str) -> list[str]:
 
 def sections(incomplete: str) -> list[str]:
     """Sections of engine files."""
-    from crankfem.files.sections.catalogue import SECTIONS
+    from crankfem.files.engine.engine_file import SECTIONS
 
     return [name for name, one in SECTIONS.items() if one.model and name.startswith(incomplete)]
 

@@ -1,6 +1,6 @@
 """Read engine files, and check what their sections say of each other."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -8,21 +8,20 @@ from typing import Any
 from crankbase.errors import InputError
 from crankbase.model import InputModel
 from crankbase.summaries import summarized
-from crankfem.files.chain.chain_file import load_chain
+from crankfem.files.chain.shaft_lines import read_shaft_lines
 from crankfem.files.engine.engine_checks import (
     check_gas_map,
     check_highest_order,
     check_misfire,
     check_sources,
 )
-from crankfem.files.engine.file_kinds import check_sections, engine_sections, file_kind
+from crankfem.files.engine.file_kinds import engine_sections, file_kind
 from crankfem.files.engine.mechanism_cylinders import (
     angles_of_throws,
     check_sizes,
     pins_of,
     throws_of,
 )
-from crankfem.files.engine.throw_file import ThrowFile
 from crankfem.files.reading.data_files import find_table
 from crankfem.files.reading.section_changes import (
     Change,
@@ -33,7 +32,6 @@ from crankfem.files.reading.section_changes import (
     without_changed,
 )
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
-from crankfem.files.sections.catalogue import SECTIONS
 from crankfem.files.sections.crank_throws import (
     PLAIN,
     free_end_throw_name,
@@ -45,6 +43,7 @@ from crankfem.files.sections.engine_sections import (
     Engine,
     Flywheel,
     FreeEnd,
+    NamedThrow,
     ShaftLayout,
     ThrustBearing,
     TorqueTable,
@@ -69,6 +68,50 @@ from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
 from regression.plans.plan import StudyPlan
 
+
+@dataclass(frozen=True)
+class EngineSection:
+    """A section: its model, None for a study; for what it is needed; whether a whole engine needs it."""
+
+    model: type[InputModel] | None
+    need: str = "optional"
+    required: bool = False
+
+
+MECHANISM, WHOLE_ENGINE = "required for more than a throw", "required for run and vibration"
+
+SECTIONS = {
+    "engine": EngineSection(Engine, MECHANISM, required=True),
+    "throw": EngineSection(CrankThrow, "required", required=True),
+    "throws": EngineSection(
+        NamedThrow, "optional, in place of [throw]; with all fields of [throw] and"
+    ),
+    "shaft": EngineSection(ShaftLayout),
+    "shaft_ends": EngineSection(ShaftEnds),
+    "material": EngineSection(Material, "optional, steel by default"),
+    "rod": EngineSection(Rod, MECHANISM, required=True),
+    "piston": EngineSection(Piston, MECHANISM, required=True),
+    "hinged_rods": EngineSection(HingedRods),
+    "flywheel": EngineSection(Flywheel, WHOLE_ENGINE, required=True),
+    "free_end": EngineSection(FreeEnd),
+    "thrust_bearing": EngineSection(ThrustBearing, WHOLE_ENGINE, required=True),
+    "damping": EngineSection(Damping),
+    "torsional_damper": EngineSection(TorsionalDamper),
+    "axial_damper": EngineSection(AxialDamper),
+    "driven": EngineSection(Driven),
+    "bearings": EngineSection(Bearings),
+    "shaft_line": EngineSection(ShaftLineFiles),
+    "gas": EngineSection(Gas, "optional; without it reactions are given for 100 kN"),
+    "gas_map": EngineSection(GasMap),
+    "misfire": EngineSection(Misfire),
+    "propeller_forces": EngineSection(PropellerForcesSection),
+    "limits": EngineSection(LimitsInput),
+    "ranges": EngineSection(RangesInput),
+    "vibration": EngineSection(VibrationSettings),
+    "torque": EngineSection(TorqueTable),
+    "two_mass_check": EngineSection(TwoMassInput),
+    "study": EngineSection(None),
+}
 # What is taken for a section that is not there.
 DEFAULTS = {"material": STEEL, "shaft_ends": ShaftEnds(), "vibration": VibrationSettings()}
 
@@ -264,6 +307,31 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
         return study
 
 
+def check_sections(content: TomlFile, needed: Collection[str] | None = None) -> None:
+    """Refuse unknown and missing sections; [throws.NAME] may stand in place of [throw].
+
+    Parameters
+    ----------
+    content : TomlFile
+    needed : collection of str, optional
+        Sections that must be there; those of a whole engine by default.
+
+    Raises
+    ------
+    InputError
+    """
+    allowed = {
+        name: one.required if needed is None else name in needed for name, one in SECTIONS.items()
+    }
+    named = "throws" in content.sections
+    content.check_sections(allowed | {"throw": allowed["throw"] and not named})
+    if named and "throw" in content.sections:
+        raise InputError(
+            "throws: given beside the section [throw]; allowed is one of the two, because every crank is "
+            "the one throw or a named one."
+        )
+
+
 def load_engine(path: str | Path | TomlFile) -> EngineFile:
     """Read and check an engine file.
 
@@ -300,7 +368,7 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
         elif own.name == "torque_table":
             sections[own.name] = _torque_table(content)
         elif own.name == "shaft_lines":
-            sections[own.name] = _shaft_lines(content)
+            sections[own.name] = read_shaft_lines(content)
         elif own.name in kinds:
             model, _ = kinds[own.name]
             sections[own.name] = content.model(model.section, model) or DEFAULTS.get(own.name)
@@ -317,51 +385,6 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
     )
 
 
-def load_engine_or_throw(path: str | Path | TomlFile) -> EngineFile | ThrowFile:
-    """Read and check a file: as an engine if it has any of its sections, else as a throw.
-
-    Raises
-    ------
-    InputError
-    """
-    content = engine_sections(path)
-    if file_kind(content) != "throw":
-        return load_engine(content)
-    check_sections(content, ["throw"])
-    throws = read_throws(content)
-    material = content.model("material", Material) or STEEL
-    content.model("engine", Engine)
-    first = free_end_throw_name(throws, content.model("shaft", ShaftLayout))
-    content.model("shaft_ends", ShaftEnds)
-    study_plan(content, throws, first, material)
-    return ThrowFile(content.path, throws, throws[first], material, tuple(content.records))
-
-
 def _torque_table(content: TomlFile) -> Path | None:
     given = content.model("torque", TorqueTable)
     return None if given is None else find_table("torque.table", content.path, given.table)
-
-
-def _shaft_lines(content: TomlFile) -> dict[str, Chain]:
-    """Read the chains of what follows the flywheel.
-
-    Raises
-    ------
-    InputError
-        Also if one is of the other kind.
-    """
-    given = content.model("shaft_line", ShaftLineFiles)
-    found: dict[str, Chain] = {}
-    for kind in ("torsional", "axial"):
-        name = None if given is None else getattr(given, kind)
-        if name is None:
-            continue
-        beside = content.path.parent / name
-        read = load_chain(beside if beside.is_file() else name)
-        if read.kind != kind:
-            raise InputError(
-                f"shaft_line.{kind}: given {name!r}, a chain of kind {read.kind}; allowed is one of kind "
-                f"{kind}, because it continues that chain of the engine."
-            )
-        found[kind] = read.chain
-    return found

@@ -11,7 +11,7 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import DISPLAY_UNITS
-from crankfem.files.sections.catalogue import SECTIONS
+from crankfem.files.engine.engine_file import SECTIONS
 
 # Whole numbers below this are written out.
 WRITTEN_OUT = 1e10

@@ -1,6 +1,5 @@
 """What a file of quantities describes, from its sections: a throw, a mechanism, a whole engine."""
 
-from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -8,7 +7,6 @@ from typing import Literal
 from crankbase.errors import InputError
 from crankfem.files.reading.data_files import InputKind, input_path, shipped_names
 from crankfem.files.reading.toml_file import TomlFile, read_toml
-from crankfem.files.sections.catalogue import SECTIONS
 
 FileKind = Literal["engine", "mechanism", "throw", "hinge", "chain"]
 # A file with none of these is not meant as a whole engine.
@@ -70,28 +68,3 @@ def any_sections(given: str) -> TomlFile | None:
     kinds = [kind for kind in others if name in shipped_names(kind)]
     path = input_path(given, *kinds[:1])
     return read_toml(path) if path.suffix.lower() == ".toml" else None
-
-
-def check_sections(content: TomlFile, needed: Collection[str] | None = None) -> None:
-    """Refuse unknown and missing sections; [throws.NAME] may stand in place of [throw].
-
-    Parameters
-    ----------
-    content : TomlFile
-    needed : collection of str, optional
-        Sections that must be there; those of a whole engine by default.
-
-    Raises
-    ------
-    InputError
-    """
-    allowed = {
-        name: one.required if needed is None else name in needed for name, one in SECTIONS.items()
-    }
-    named = "throws" in content.sections
-    content.check_sections(allowed | {"throw": allowed["throw"] and not named})
-    if named and "throw" in content.sections:
-        raise InputError(
-            "throws: given beside the section [throw]; allowed is one of the two, because every crank is "
-            "the one throw or a named one."
-        )

@@ -9,8 +9,8 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankfem.files.engine.engine_file import EngineFile, load_engine_or_throw
-from crankfem.files.engine.file_kinds import check_sections, engine_sections, file_kind
+from crankfem.files.engine.engine_file import EngineFile, check_sections, load_engine
+from crankfem.files.engine.file_kinds import engine_sections, file_kind
 from crankfem.files.engine.mechanism_cylinders import (
     angles_of_throws,
     check_sizes,
@@ -19,7 +19,7 @@ from crankfem.files.engine.mechanism_cylinders import (
     side_by_side,
     throws_of,
 )
-from crankfem.files.engine.throw_file import ThrowFile
+from crankfem.files.engine.throw_file import ThrowFile, load_throw_file
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,
@@ -255,9 +255,10 @@ def load_any(path: str | Path | TomlFile) -> EngineFile | MechanismFile | ThrowF
     InputError
     """
     content = engine_sections(path)
-    if file_kind(content) == "mechanism":
+    kind = file_kind(content)
+    if kind == "mechanism":
         return load_mechanism(content)
-    return load_engine_or_throw(content)
+    return load_throw_file(content) if kind == "throw" else load_engine(content)
 
 
 def with_throws(

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from crankbase.errors import InputError
-from crankfem.files.engine.file_kinds import check_sections, engine_sections
+from crankfem.files.engine.engine_file import check_sections
+from crankfem.files.engine.file_kinds import engine_sections
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,
@@ -80,6 +81,24 @@ class ThrowFile:
     throw: CrankThrow
     material: Material
     records: tuple[InputRecord, ...]
+
+
+def load_throw_file(path: str | Path | TomlFile) -> ThrowFile:
+    """Read and check a file that describes a throw alone.
+
+    Raises
+    ------
+    InputError
+    """
+    content = engine_sections(path)
+    check_sections(content, ["throw"])
+    throws = read_throws(content)
+    material = content.model("material", Material) or STEEL
+    content.model("engine", Engine)
+    first = free_end_throw_name(throws, content.model("shaft", ShaftLayout))
+    content.model("shaft_ends", ShaftEnds)
+    study_plan(content, throws, first, material)
+    return ThrowFile(content.path, throws, throws[first], material, tuple(content.records))
 
 
 def load_crankshaft(path: str | Path | TomlFile) -> Crankshaft:
