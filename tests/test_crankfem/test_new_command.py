@@ -1,6 +1,7 @@
 """The template of an engine file is valid as it is, and so is everything that it has in comments."""
 
 import math
+import re
 
 import pytest
 
@@ -9,12 +10,35 @@ from crankfem.files.engine.engine_file import SECTIONS, load_engine
 from crankfem.files.engine.engine_template import (
     FIRING_ORDERS,
     engine_template,
-    optional_examples,
-    with_example,
 )
 from crankfem.files.reading.data_files import input_path
 
 TEMPLATE = engine_template()
+OPTIONAL = re.compile(r"(?m)^#: ")
+
+
+def optional_examples(text: str) -> list[str]:
+    """Return what stands in comments to be used, each example on its own: a section, or single fields.
+
+    Sections that only continue another, such as ``[study.factors]``, belong to it.
+    """
+    found: list[list[str]] = []
+    before = ""
+    for line in text.splitlines():
+        if OPTIONAL.match(line):
+            if OPTIONAL.match(before):
+                found[-1].append(line)
+            else:
+                found.append([line])
+        before = line
+    return ["\n".join(lines) for lines in found]
+
+
+def with_example(text: str, example: str) -> str:
+    """Return the text with one of its examples put to use."""
+    return text.replace(example, OPTIONAL.sub("", example))
+
+
 EXAMPLES = {one.splitlines()[0].removeprefix("#: "): one for one in optional_examples(TEMPLATE)}
 
 

@@ -8,36 +8,28 @@ from pathlib import Path
 
 import typer
 
-from crankfem.files.reading.data_files import InputKind, shipped_names, shipped_torques
+from crankfem.files.reading.data_files import FOLDERS, InputKind, shipped_names, shipped_torques
 
 # Typer tells these functions apart by the names of their arguments.
 Completion = Callable[[str], list[str]]
 
 
-def inputs(*endings: str, kinds: tuple[InputKind, ...] = ()) -> Completion:
-    """Return the completion of shipped files of some kinds, or of all, and of files with these endings."""
+def files(*endings: str, shipped: Iterable[InputKind] = ()) -> Completion:
+    """Return the completion of files with these endings, folders on the way, and shipped files of kinds."""
 
     def found(incomplete: str) -> list[str]:
-        return _fitting(incomplete, shipped_names(*kinds), *endings)
+        names = [name for kind in shipped for name in shipped_names(kind)]
+        return _fitting(incomplete, names, *endings)
 
     return found
 
 
-def files(*endings: str) -> Completion:
-    """Return the completion of files with these endings, and of folders on the way to them."""
-
-    def found(incomplete: str) -> list[str]:
-        return _fitting(incomplete, (), *endings)
-
-    return found
-
-
-engines = inputs(".toml", kinds=("engine",))
-engines_and_parts = inputs(".toml", ".step", ".stp", kinds=("engine",))
-engines_and_chains = inputs(".toml", ".txt", kinds=("engine", "chain"))
-hinges = inputs(".toml", kinds=("hinge",))
-any_input = inputs(".toml", ".txt")
-shipped = inputs()
+engines = files(".toml", shipped=("engine",))
+engines_and_parts = files(".toml", ".step", ".stp", shipped=("engine",))
+engines_and_chains = files(".toml", ".txt", shipped=("engine", "chain"))
+hinges = files(".toml", shipped=("hinge",))
+any_input = files(".toml", ".txt", shipped=FOLDERS)
+shipped = files(shipped=FOLDERS)
 
 
 def engines_and_tables(incomplete: str) -> list[str]:

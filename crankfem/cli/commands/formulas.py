@@ -164,6 +164,7 @@ def _all_engines(asked: _Request) -> None:
 
 
 def _published(json: bool) -> None:
+    from crankfem.analyses.record import attributes
     from crankfem.files.reading.data_files import data_folder
     from regression.formulas.published_table import FINITE_ELEMENTS_DOUBT, read_published_table
 
@@ -173,24 +174,9 @@ def _published(json: bool) -> None:
 
         formula_tables.print_published(values)
         return
-    print_json(
-        {
-            "unit": "m/N",
-            "values": [
-                {
-                    "engine": value.engine,
-                    "formula": value.formula,
-                    "printed": value.printed,
-                    "exponent_factor": value.exponent_factor,
-                    "repaired": value.repaired,
-                    "group": value.group,
-                    "doubt": value.doubt,
-                }
-                for value in values
-            ],
-            "finite_elements_doubt": FINITE_ELEMENTS_DOUBT,
-        }
-    )
+    names = ("engine", "formula", "printed", "exponent_factor", "repaired", "group", "doubt")
+    records = [attributes(value, *names) for value in values]
+    print_json({"unit": "m/N", "values": records, "finite_elements_doubt": FINITE_ELEMENTS_DOUBT})
 
 
 def _pure_number(name: str, text: str) -> float:

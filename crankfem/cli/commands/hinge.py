@@ -1,13 +1,13 @@
 """The elastic hinge that keeps a crank's speed constant."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, cast
 
 import typer
 
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import Output, checked_choice, with_output
+from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json
 
 
@@ -41,6 +41,7 @@ def hinge(
     out: Output,
 ) -> None:
     """Guides of an elastic hinge for constant crank speed, and how evenly the crank turns with it."""
+    from crankbase.checks.choices import check_choice
     from crankbase.units.quantity import parse_quantity
     from crankfem.analyses.hinge.hinge_pictures import FILES, GUIDES, plot_hinge
     from crankfem.analyses.hinge.hinge_records import hinge_columns, hinge_record
@@ -53,12 +54,12 @@ def hinge(
 
     other = None if speed is None else parse_quantity(speed, "rad/s", "--speed")
     loaded = load_hinge(file)
-    described = checked_choice(
+    check_choice(
         "--kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
     )
     names = [*FILES, *([] if loaded.comparison is None else [GUIDES])]
     folder = check_outputs(csv, pictures, loaded.path, names=names)
-    run = run_hinge(loaded, described, other)
+    run = run_hinge(loaded, cast(Any, kinematics), other)
     record = hinge_record(run)
     if csv is not None:
         write_columns(csv, hinge_columns(run))

@@ -102,19 +102,14 @@ def _lookups(
 
 
 def _record(answer: "Lookup") -> dict[str, Any]:
+    from crankfem.analyses.record import attributes
+
     return {
-        "value": answer.value,
-        "lower": answer.lower,
-        "upper": answer.upper,
-        "unit": answer.unit,
-        "symbol": answer.symbol,
-        "support": answer.support,
-        "inside": answer.inside,
+        **attributes(answer, "value", "lower", "upper", "unit", "symbol", "support", "inside"),
         "remarks": list(answer.remarks),
         "largest_held_out_error": answer.error,
         "largest_fe_error_estimate": answer.fe_error,
-        "band": answer.band,
-        "equation": answer.equation,
+        **attributes(answer, "band", "equation"),
     }
 
 

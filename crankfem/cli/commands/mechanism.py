@@ -1,7 +1,7 @@
 """Forces, loads, torque and balance of an engine's crank mechanism."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, cast
 
 import typer
 
@@ -10,7 +10,6 @@ from crankfem.cli.commands.options import (
     EngineArgument,
     Output,
     SpeedOption,
-    checked_choice,
     with_output,
 )
 from crankfem.cli.console import print_json
@@ -37,6 +36,7 @@ def mechanism(
     out: Output,
 ) -> None:
     """Forces in the crank mechanism, load diagrams of the bearings, and the balance of the engine."""
+    from crankbase.checks.choices import check_choice
     from crankfem.analyses.mechanism.balance_records import balance_record, hinged_rods_record
     from crankfem.analyses.mechanism.mechanism_records import force_columns, mechanism_record
     from crankfem.analyses.mechanism.mechanism_run import run_mechanism
@@ -50,10 +50,10 @@ def mechanism(
     from crankfem.report.interactive.mechanism_plots import MECHANISM
 
     loaded, turning = load_mechanism(engine), parse_speed(speed)
-    rods = checked_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")
+    check_choice("--model", model, ROD_MODELS, "these are the models of a rod's mass")
     inputs = mechanism_inputs(loaded)
     folder = check_outputs(csv, pictures, *inputs, names=MECHANISM.files())
-    run = run_mechanism(loaded, turning, rods, motored=motored)
+    run = run_mechanism(loaded, turning, cast(Any, model), motored=motored)
     record = mechanism_record(run)
     balanced, hinged = balance_record(run.balance), hinged_rods_record(run.hinged_rods)
     if csv is not None:

@@ -122,33 +122,18 @@ def _frequency_limits(
 
 
 def _record(found: "Optimum") -> dict[str, Any]:
+    from crankfem.analyses.record import attributes
+
     return {
-        "minimized": found.minimized,
-        "value": found.value,
-        "unit": found.unit,
-        "factors": found.factors,
-        "dimensions": found.dimensions,
+        **attributes(found, "minimized", "value", "unit", "factors", "dimensions"),
         "at_ends": list(found.at_ends),
         "limits": [
-            {
-                "name": check.limit.name,
-                "sign": check.limit.sign,
-                "bound": check.limit.bound,
-                "unit": check.limit.unit,
-                "value": check.value,
-                "worst": check.worst,
-                "active": check.active,
-            }
+            attributes(check.limit, "name", "sign", "bound", "unit")
+            | attributes(check, "value", "worst", "active")
             for check in found.limits
         ],
         "responses": {
-            name: {
-                "value": answer.value,
-                "lower": answer.lower,
-                "upper": answer.upper,
-                "unit": answer.unit,
-                "inside": answer.inside,
-            }
+            name: attributes(answer, "value", "lower", "upper", "unit", "inside")
             for name, answer in found.lookups.items()
         },
         "throw": None if found.throw is None else found.throw.model_dump(mode="json"),

@@ -1,20 +1,18 @@
 """Arguments and options that several commands share, and those that say how every command answers."""
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
 import typer
 
-from crankbase.errors import InputError
 from crankbase.outputs import replacing_files
 from crankbase.tables.output_units import OutputUnits, parse_output_units
 from crankfem.cli.commands import completion
 
-Choice = TypeVar("Choice", bound=str)
 Command = Callable[..., None]
 
 
@@ -102,22 +100,6 @@ ThrowOption = Annotated[
     ),
 ]
 WorkersOption = Annotated[int, typer.Option(help="Worker processes of the study.")]
-
-
-def checked_choice(option: str, given: str, allowed: Sequence[Choice], reason: str) -> Choice:
-    """Return what was given as the one of the allowed texts that it is.
-
-    Raises
-    ------
-    InputError
-        If it is none of them.
-    """
-    for choice in allowed:
-        if given == choice:
-            return choice
-    raise InputError(
-        f"{option}: given {given!r}; allowed are {', '.join(allowed)}, because {reason}."
-    )
 
 
 @dataclass(frozen=True)

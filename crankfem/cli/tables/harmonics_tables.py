@@ -14,7 +14,7 @@ from crankfem.analyses.mechanism.harmonics_record import (
     harmonics_record,
     harmonics_table,
 )
-from crankfem.analyses.record import Record
+from crankfem.analyses.record import Record, attributes
 from crankfem.cli.column_file import write_rows
 from crankfem.cli.console import number, print_line, print_notes, print_table
 from crankfem.files.engine.mechanism_file import MechanismFile
@@ -77,13 +77,8 @@ def pin_force_record(found: PinForceHarmonics) -> Record:
 
 
 def _star_record(star: Star) -> Record:
-    return {
-        "order": star.order,
-        "kind": star.kind,
-        "resultant": star.resultant,
-        "share": star.share,
-        "directions_deg": np.rad2deg(star.directions).tolist(),
-    }
+    known = attributes(star, "order", "kind", "resultant", "share")
+    return known | {"directions_deg": np.rad2deg(star.directions).tolist()}
 
 
 def print_engine(record: Record, units: OutputUnits = SI) -> None:

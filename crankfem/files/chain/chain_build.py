@@ -7,6 +7,7 @@ from typing import Any
 from crankbase.checks.arrays import positive_number
 from crankbase.errors import InputError
 from crankfem.files.chain.chain_sections import (
+    UNITS,
     AxialChainSection,
     AxialDamperPart,
     AxialDashpot,
@@ -28,7 +29,6 @@ from fem.material import Material
 Section = TorsionalChainSection | AxialChainSection
 Node = TorsionalNode | AxialNode
 Element = TorsionalElement | AxialElement
-STIFFNESS_UNITS = {"torsional": "N m/rad", "axial": "N/m"}
 GROUND_FIELDS = ("ground_stiffness", "ground_damping")
 # Fields of each shape; those of the others may not stand beside it.
 SHAPES = {
@@ -260,7 +260,7 @@ def _spring(section: Section, number: int, element: Element, left: str, right: s
     stiffness = positive_number(
         field,
         element.stiffness,
-        STIFFNESS_UNITS[section.kind],
+        UNITS[section.kind]["stiffness"],
         "a spring without stiffness cuts the chain in two",
     )
     return _Row(

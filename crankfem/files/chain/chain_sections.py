@@ -13,13 +13,11 @@ from crankbase.model import InputModel, part_field, quantity_field
 Numbers = float | tuple[float, ...]
 
 
-def _units(torsional: bool) -> dict[str, str]:
-    if torsional:
-        return {"inertia": "kg m^2", "stiffness": "N m/rad", "damping": "N m s/rad"}
-    return {"inertia": "kg", "stiffness": "N/m", "damping": "N s/m"}
-
-
-TORSIONAL_UNITS, AXIAL_UNITS = _units(True), _units(False)
+UNITS = {
+    "torsional": {"inertia": "kg m^2", "stiffness": "N m/rad", "damping": "N m s/rad"},
+    "axial": {"inertia": "kg", "stiffness": "N/m", "damping": "N s/m"},
+}
+TORSIONAL_UNITS, AXIAL_UNITS = UNITS["torsional"], UNITS["axial"]
 
 
 def _quantity(meaning: str, units: dict[str, str], kind: str, default: Any = 0.0) -> Any:

@@ -39,9 +39,7 @@ def load_throw(path: str | Path | TomlFile, name: str | None = None) -> tuple[Cr
     ------
     InputError
     """
-    content = engine_sections(path)
-    check_sections(content, ["throw"])
-    throws = read_throws(content)
+    content, throws = _throws(path)
     throw = throw_of_name(throws, name, "throw", _first(content, throws))
     return throw, content.model("material", Material) or STEEL
 
@@ -53,9 +51,7 @@ def names_of_throws(path: str | Path | TomlFile) -> tuple[str, ...]:
     ------
     InputError
     """
-    content = engine_sections(path)
-    check_sections(content, ["throw"])
-    throws = read_throws(content)
+    content, throws = _throws(path)
     first = _first(content, throws)
     return (first, *(name for name in throws if name != first))
 
@@ -90,9 +86,7 @@ def load_throw_file(path: str | Path | TomlFile) -> ThrowFile:
     ------
     InputError
     """
-    content = engine_sections(path)
-    check_sections(content, ["throw"])
-    throws = read_throws(content)
+    content, throws = _throws(path)
     material = content.model("material", Material) or STEEL
     content.model("engine", Engine)
     first = free_end_throw_name(throws, content.model("shaft", ShaftLayout))
@@ -111,9 +105,7 @@ def load_crankshaft(path: str | Path | TomlFile) -> Crankshaft:
     InputError
         Also if the file has neither.
     """
-    content = engine_sections(path)
-    check_sections(content, ["throw"])
-    throws = read_throws(content)
+    content, throws = _throws(path)
     layout = content.model("shaft", ShaftLayout)
     if layout is not None and layout.throw_angles is not None:
         angles = layout.throw_angles
@@ -143,13 +135,18 @@ def load_study(path: str | Path | TomlFile) -> StudyPlan:
     ------
     InputError
     """
-    content = engine_sections(path)
-    check_sections(content, ["throw", "study"])
-    throws = read_throws(content)
+    content, throws = _throws(path, "study")
     first = _first(content, throws)
     plan = study_plan(content, throws, first, content.model("material", Material) or STEEL)
     assert plan is not None  # the section has been made sure of
     return plan
+
+
+def _throws(path: str | Path | TomlFile, *needed: str) -> tuple[TomlFile, dict[str, CrankThrow]]:
+    """Sections of a file that has a throw and other sections that are needed, and its throws by name."""
+    content = engine_sections(path)
+    check_sections(content, ["throw", *needed])
+    return content, read_throws(content)
 
 
 def _first(content: TomlFile, throws: Throws) -> str:

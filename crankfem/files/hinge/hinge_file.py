@@ -164,24 +164,12 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
     """
     content = path if isinstance(path, TomlFile) else read_toml(input_path(path, "hinge"))
     content.check_sections(SECTIONS)
-    crank, rod = (
-        content.required(Crank.section, Crank),
-        content.required(HingeRod.section, HingeRod),
-    )
-    sliding, hinge = (
-        content.required(Sliding.section, Sliding),
-        content.required(Hinge.section, Hinge),
-    )
+    crank, rod = content.required("engine", Crank), content.required("rod", HingeRod)
+    sliding, hinge = content.required("sliding", Sliding), content.required("hinge", Hinge)
     engine = CrossheadEngine(
-        bore=crank.bore,
-        crank_radius=crank.crank_radius,
-        crank_mass=crank.crank_mass,
-        crank_center_distance=crank.crank_center_distance,
-        crank_inertia=crank.crank_inertia,
         rod=ConnectingRod(rod.length, rod.mass, rod.center_distance, rod.inertia),
-        crosshead_mass=sliding.crosshead_mass,
-        piston_rod_mass=sliding.piston_rod_mass,
-        piston_mass=sliding.piston_mass,
+        **crank.model_dump(exclude={"name"}),
+        **sliding.model_dump(),
     )
     spring = GasSpring(
         piston_area=hinge.piston_area,
@@ -190,11 +178,6 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
         exponent=hinge.exponent,
         ambient=hinge.ambient_pressure,
     )
-    cycle, operation = (
-        content.required(Cycle.section, Cycle),
-        content.required(Operation.section, Operation),
-    )
-    comparison = content.model("comparison", Comparison)
     found = HingeFile(
         path=content.path,
         name=crank.name,
@@ -203,9 +186,9 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
         start_radius=hinge.start_radius,
         roller_radius=hinge.roller_radius,
         design_speed=hinge.design_speed,
-        cycle=cycle,
-        operation=operation,
-        comparison=comparison,
+        cycle=content.required("cycle", Cycle),
+        operation=content.required("operation", Operation),
+        comparison=content.model("comparison", Comparison),
         records=tuple(content.records),
         sources=content.sources,
     )

@@ -152,16 +152,7 @@ class PropellerForcesSection(InputModel):
         InputError
             If shares and phases are not of one length.
         """
-        return PropellerForces(
-            self.blades,
-            self.rated_speed,
-            self.rated_thrust,
-            self.rated_torque,
-            self.thrust_shares,
-            self.torque_shares,
-            self.thrust_phases,
-            self.torque_phases,
-        )
+        return PropellerForces(**self.model_dump(exclude={"node", "ratio"}))
 
 
 def gas_map_pressure(section: GasMap, strokes: int, file: Path) -> PressureMap:

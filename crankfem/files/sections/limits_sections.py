@@ -301,16 +301,8 @@ class RangesInput(InputModel):
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
-        for name in (
-            "axial_compliance",
-            "torsional_compliance",
-            "mass",
-            "inertia",
-            "thrust_stiffness",
-            "damping",
-        ):
-            factors = getattr(self, name)
-            if factors is not None and not 0.0 < factors[0] <= 1.0 <= factors[1]:
+        for name, factors in self:
+            if isinstance(factors, tuple) and not 0.0 < factors[0] <= 1.0 <= factors[1]:
                 raise InputError(
                     f"ranges.{name}: given {list(factors)}; allowed are a low factor above 0 up to 1 "
                     "and a high one from 1, because the nominal value is possible too."
