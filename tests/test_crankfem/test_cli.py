@@ -14,7 +14,7 @@ import typer.main
 from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
 from crankfem.cli import app as cli
-from crankfem.cli.angle_argument import parse_gamma
+from crankfem.cli.angle_and_speed import parse_gamma
 from crankfem.cli.commands import completion
 from crankfem.cli.console import RunProgress
 from crankfem.files.engine.engine_file import SECTIONS

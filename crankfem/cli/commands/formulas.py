@@ -63,7 +63,7 @@ def formulas(
     out: Output,
 ) -> None:
     """Show the published formulas for a throw, or all shipped engines, beside finite elements."""
-    from crankfem.cli.angle_argument import parse_gamma
+    from crankfem.cli.angle_and_speed import parse_gamma
 
     if (engine is not None) + all_engines + published != 1:
         raise InputError("formulas: give one of ENGINE.toml, --all and --published.")

@@ -127,7 +127,7 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
 def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     from crankfem.analyses import titles
     from crankfem.analyses.mechanism.plots.torque_plots import FILES, picture_torque
-    from crankfem.cli.speed_argument import parse_speed
+    from crankfem.cli.angle_and_speed import parse_speed
     from crankfem.cli.tables.harmonics_tables import engine_record, pin_force_record
     from crankfem.files.engine.input_files import mechanism_inputs
     from crankfem.files.engine.mechanism_file import load_mechanism

@@ -54,7 +54,7 @@ def lookup(
     asked |= model_dimensions(loaded, dimensions or [])
     angle = None
     if gamma is not None:
-        from crankfem.cli.angle_argument import parse_gamma
+        from crankfem.cli.angle_and_speed import parse_gamma
 
         angle = parse_gamma(gamma, out.quiet)
     answers, refused = _lookups(loaded, asked, angle, strict)

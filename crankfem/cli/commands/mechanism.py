@@ -40,10 +40,13 @@ def mechanism(
     from crankfem.analyses.mechanism.balance_records import balance_record, hinged_rods_record
     from crankfem.analyses.mechanism.mechanism_records import force_columns, mechanism_record
     from crankfem.analyses.mechanism.mechanism_run import run_mechanism
+    from crankfem.cli.angle_and_speed import parse_speed
     from crankfem.cli.column_file import write_columns
-    from crankfem.cli.speed_argument import parse_speed
-    from crankfem.cli.tables.balance_tables import print_balance, print_hinged_rods
-    from crankfem.cli.tables.mechanism_tables import print_mechanism
+    from crankfem.cli.tables.mechanism_tables import (
+        print_balance,
+        print_hinged_rods,
+        print_mechanism,
+    )
     from crankfem.files.engine.input_files import mechanism_inputs
     from crankfem.files.engine.mechanism_file import load_mechanism
     from crankfem.jobs.outputs import check_outputs

@@ -121,13 +121,14 @@ def _copy(source: str, file: Path) -> str:
 
 def _list(json: bool) -> None:
     from crankbase.tables.table import Column, Table
+    from crankfem.analyses.record import attributes
     from crankfem.files.engine.shipped import shipped_files
 
     if json:
         print_json(
             {
                 "shipped": [
-                    {"name": one.name, "kind": one.kind, "about": one.about, "file": str(one.path)}
+                    attributes(one, "name", "kind", "about") | {"file": str(one.path)}
                     for one in shipped_files()
                 ]
             }

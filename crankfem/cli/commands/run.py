@@ -67,7 +67,7 @@ def run(
 
 
 def _print(results: dict[str, Any], units: "OutputUnits") -> None:
-    from crankfem.cli.tables import fit_tables, formula_tables, tables
+    from crankfem.cli.tables import fit_tables, formula_tables, throw_tables
     from crankfem.cli.tables.vibration_tables import print_run
 
     named = results.get("throws")
@@ -75,7 +75,7 @@ def _print(results: dict[str, Any], units: "OutputUnits") -> None:
         if named:
             cranks = "crank" if len(own["cranks"]) == 1 else "cranks"
             console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, own['cranks']))}.")
-        tables.print_throw(own["throw"], units)
+        throw_tables.print_throw(own["throw"], units)
         formula_tables.print_one_throw(own["formulas"], 180.0, units=units)
     if results["study"] is not None:
         fit_tables.print_main_fits(results["study"]["fits"])

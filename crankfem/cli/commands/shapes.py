@@ -49,7 +49,11 @@ def export(
     from geometry.mesher import mesh_isolated
     from geometry.solid_files import ENDINGS, write_step
 
-    _refuse_beside_shaft(name, shaft)
+    if name is not None and shaft:
+        raise InputError(
+            f"--throw: given {name!r} with --shaft; allowed is one of the two, because the whole crankshaft "
+            "has all throws."
+        )
     content = engine_sections(engine)
     throw, material = select_throw(content, name, out.quiet or shaft)
     record: dict[str, Any] = {"file": str(file)}
@@ -91,14 +95,6 @@ def export(
     if record.get("kind") == "mesh":
         mesh_text = f": {record['nodes']} nodes, {record['elements']} elements"
     console.output.print(f"{file} written{mesh_text}; lengths in m.", soft_wrap=True)
-
-
-def _refuse_beside_shaft(name: str | None, shaft: bool) -> None:
-    if name is not None and shaft:
-        raise InputError(
-            f"--throw: given {name!r} with --shaft; allowed is one of the two, because the whole crankshaft "
-            "has all throws."
-        )
 
 
 @with_output(files=True)

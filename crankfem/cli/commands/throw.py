@@ -47,7 +47,7 @@ def throw(
     "pin", or none named at all.
     """
     from crankfem.analyses.throw.throw_record import mode_records, throw_record
-    from crankfem.cli.tables import tables
+    from crankfem.cli.tables import throw_tables
     from crankfem.cli.throw_choice import select_throw
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
     from fem.analysis import analyze_throw
@@ -86,11 +86,11 @@ def throw(
     if out.json:
         print_json(record)
         return
-    tables.print_throw(record, out.units)
+    throw_tables.print_throw(record, out.units)
     if modes:
-        tables.print_free_modes(record["free_modes"], out.units)
+        throw_tables.print_free_modes(record["free_modes"], out.units)
     if profile:
-        tables.print_profile(record["seconds"])
+        throw_tables.print_profile(record["seconds"])
 
 
 @with_output(files=True, units=True)
@@ -111,7 +111,7 @@ def stress(
     from crankbase.outputs import protect
     from crankfem.analyses.throw.pictures.stress_picture import picture_name
     from crankfem.analyses.throw.stress import stress_record
-    from crankfem.cli.tables.stress_tables import print_stresses
+    from crankfem.cli.tables.throw_tables import print_stresses
     from crankfem.cli.throw_choice import select_throw
     from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import make_output_folder

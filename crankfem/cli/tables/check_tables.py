@@ -7,7 +7,7 @@ from crankbase.tables.table import Column, Table
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
 from crankfem.cli.console import print_line, print_notes, print_table
-from crankfem.cli.tables.tables import print_shape
+from crankfem.cli.tables.throw_tables import print_shape
 
 KINDS = {
     "engine": "It describes a whole engine",

@@ -138,15 +138,8 @@ class HingeFile:
         )
 
 
-SECTIONS = {
-    "engine": True,
-    "rod": True,
-    "sliding": True,
-    "hinge": True,
-    "cycle": True,
-    "operation": True,
-    "comparison": False,
-}
+NEEDED = ("engine", "rod", "sliding", "hinge", "cycle", "operation")
+SECTIONS = {**dict.fromkeys(NEEDED, True), "comparison": False}
 
 
 def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
