@@ -3,7 +3,7 @@
 import math
 import re
 
-from crankbase.tables.output_units import SI, OutputUnits
+from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 from crankbase.tables.table import Cell, Column, Table
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
@@ -95,20 +95,19 @@ def _print_profile(record: Record, units: OutputUnits) -> None:
         )
     )
 
-    def number(check: Record, name: str) -> str:
-        value, unit = check[name], pressure if check["unit"] == "Pa" else length
-        return "none" if value is None else unit.number(value)
+    def unit(check: Record) -> OutputUnit:
+        return pressure if check["unit"] == "Pa" else length
 
-    def name(check: Record) -> str:
-        return f"{check['name']} [{pressure.name if check['unit'] == 'Pa' else length.name}]"
+    def found(check: Record) -> str | None:
+        return None if check["value"] is None else unit(check).number(check["value"])
 
     print_table(
         Table.of_records(
             "Can it be made",
             profile["checks"],
-            (Column("check", words=True), name),
-            (Column("found"), lambda check: number(check, "value")),
-            (Column("limit"), lambda check: f"> {number(check, 'limit')}"),
+            (Column("check", words=True), lambda check: f"{check['name']} [{unit(check).name}]"),
+            (Column("found"), found),
+            (Column("limit"), lambda check: f"> {unit(check).number(check['limit'])}"),
             (
                 Column("met", words=True),
                 lambda check: "yes" if check["met"] else f"no: {check['meaning']}",
