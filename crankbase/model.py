@@ -23,10 +23,10 @@ else:
 def quantity_field(
     meaning: str,
     unit: str,
-    *,
-    symbol: str = "",
     minimum: float | None = None,
     maximum: float | None = None,
+    *,
+    symbol: str = "",
     default: Any = ...,
     feature: bool = False,
 ) -> Any:

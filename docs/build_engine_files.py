@@ -5,7 +5,7 @@ Run by hand after a change of a field: ``python docs/build_engine_files.py``; a 
 
 from pathlib import Path
 
-from crankfem.files.sections.field_tables import section_tables
+from crankfem.files.engine.field_tables import section_tables
 from fem.wished_accuracy import COMPLIANCE_ACCURACY
 
 INTRODUCTION = """# Engine files

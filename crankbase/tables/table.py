@@ -4,9 +4,9 @@ What an analysis has to show it says once, as a table; the console, the report a
 its own way and in the units wished for.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from typing import Any, Self, TypeAlias
 
 from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 
@@ -117,6 +117,29 @@ class Table:
     note: str = ""
     marks: Sequence[str] = ()
     merged: bool = False
+
+    @classmethod
+    def of_records(
+        cls,
+        title: str,
+        records: Iterable[Any],
+        *columns: tuple[Column, str | Callable[[Any], Cell]],
+        note: str = "",
+    ) -> Self:
+        """Return a table with a row for each record.
+
+        Parameters
+        ----------
+        title, note : str
+        records : iterable
+        *columns : tuple of (Column, str or callable)
+            Each with the key of its cells in the records, or with what makes a cell of a record.
+        """
+        rows = [
+            [record[cell] if isinstance(cell, str) else cell(record) for _, cell in columns]
+            for record in records
+        ]
+        return cls(title, [column for column, _ in columns], rows, note)
 
     def texts(
         self, units: OutputUnits = SI, write: Callable[[float, int], str] | None = None

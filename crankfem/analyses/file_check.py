@@ -11,11 +11,11 @@ from crankbase.units.units import RPM
 from crankfem.analyses.record import Record, input_records
 from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
+from crankfem.files.engine.file_kinds import any_sections, file_kind
 from crankfem.files.engine.mechanism_file import MechanismFile, load_any, mechanism_of
 from crankfem.files.engine.throw_file import ThrowFile, load_study
 from crankfem.files.hinge.hinge_file import SECTIONS as HINGE_SECTIONS
 from crankfem.files.hinge.hinge_file import HingeFile, load_hinge
-from crankfem.files.reading.file_kinds import any_sections, describes_a_chain, describes_a_hinge
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import PLAIN
 from crankfem.files.sections.engine_sections import Engine
@@ -74,9 +74,9 @@ def check_file(given: str) -> CheckedFile:
         With one sentence that names the field, what was given and what is allowed.
     """
     content = any_sections(given)
-    if content is None or describes_a_chain(content):
+    if content is None or file_kind(content) == "chain":
         return _chain(load_chain(content or given))
-    if describes_a_hinge(content):
+    if file_kind(content) == "hinge":
         return _hinge(load_hinge(content), content)
     read = load_any(content)
     if "study" in content.sections:

@@ -1,6 +1,7 @@
 """What all records for JSON and tables share."""
 
 from collections.abc import Iterable
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -24,17 +25,12 @@ def assumed_values(records: Iterable[InputRecord]) -> list[Record]:
 
 def input_records(records: Iterable[InputRecord]) -> list[Record]:
     """Every input with its source."""
-    return [
-        {
-            "field": record.field,
-            "given": record.given,
-            "meaning": record.meaning,
-            "symbol": record.symbol,
-            "source": record.source,
-            "assumed": record.assumed,
-        }
-        for record in records
-    ]
+    return [asdict(record) for record in records]
+
+
+def attributes(of: object, *names: str) -> Record:
+    """Return some attributes of an object as a record."""
+    return {name: getattr(of, name) for name in names}
 
 
 def finite_or_none(value: float) -> float | None:

@@ -5,9 +5,9 @@ import os
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from typing import NoReturn
+from typing import NoReturn, TypeVar
 
 from rich.console import Console
 from rich.markup import escape
@@ -15,22 +15,15 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.progress import TimeElapsedColumn as Elapsed
 from rich.table import Table as RichTable
 
-from crankbase.errors import (
-    InputError,
-    with_short_quotes,
-)
+from crankbase.errors import InputError, with_short_quotes
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Table
 from crankfem.cli.interrupts import interrupted_sentence, interrupts_raise
 from crankfem.jobs.error_sentences import TRACEBACK, describe_error
-from crankfem.jobs.exit_codes import (
-    EXIT_INPUT,
-    EXIT_INTERRUPTED,
-    EXIT_LIMITS,
-    EXIT_PIPE,
-)
+from crankfem.jobs.exit_codes import EXIT_INPUT, EXIT_INTERRUPTED, EXIT_LIMITS, EXIT_PIPE
 from regression.records import Outcome
 
+Value = TypeVar("Value")
 LONGEST_WORD = 20
 # Seconds between two lines of progress where no bar can be drawn.
 LINE_EVERY = 30.0
@@ -253,10 +246,10 @@ def number(value: float, digits: int = 4) -> str:
 
 
 def parse_pairs(
-    pairs: list[str],
-    convert: Callable[[str, str], float],
+    pairs: Iterable[str],
+    convert: Callable[[str, str], Value],
     example: str = "web_width=300mm",
-) -> Mapping[str, float]:
+) -> dict[str, Value]:
     """Read name=value pairs from the command line; `example` stands in the message.
 
     Raises
@@ -264,7 +257,7 @@ def parse_pairs(
     InputError
         If a pair has no equals sign or a name stands twice.
     """
-    found: dict[str, float] = {}
+    found: dict[str, Value] = {}
     for pair in pairs:
         name, equals, text = pair.partition("=")
         if not equals or not name.strip():

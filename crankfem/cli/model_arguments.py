@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any, cast
 
 from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity
@@ -32,8 +31,7 @@ def model_dimensions(model: ComplianceModel, pairs: Sequence[str]) -> dict[str, 
             family.checked({name: text})  # says that it is unknown
         return parse_value(name, text, family.unit(name))
 
-    found = console.parse_pairs(list(pairs), cast(Any, convert))
-    return cast(dict[str, float | str], dict(found))
+    return console.parse_pairs(pairs, convert)
 
 
 def parse_value(name: str, text: str, unit: str) -> float:
@@ -74,7 +72,10 @@ def parse_limit(model: ComplianceModel, text: str) -> Limit:
             f"dimensions {', '.join(units)}."
         )
     unit = units[name] if response is None else response.unit
-    return _limit((name,), found["sign"], parse_value(name, found["value"], unit), unit)
+    bound = parse_value(name, found["value"], unit)
+    if found["sign"] == "<=":
+        return Limit((name,), at_most=bound, unit=unit)
+    return Limit((name,), at_least=bound, unit=unit)
 
 
 def parse_bound(option: str, text: str) -> float:
@@ -94,12 +95,6 @@ def parse_bound(option: str, text: str) -> float:
     if not value > 0.0:
         raise InputError(f"{option}: given {text!r}; allowed is a frequency above 0 Hz.")
     return value
-
-
-def _limit(names: tuple[str, ...], sign: str, bound: float, unit: str) -> Limit:
-    if sign == "<=":
-        return Limit(names, at_most=bound, unit=unit)
-    return Limit(names, at_least=bound, unit=unit)
 
 
 def dimensions_text(model: ComplianceModel, dimensions: Mapping[str, float | str]) -> list[str]:

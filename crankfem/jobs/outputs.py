@@ -1,6 +1,7 @@
 """What a command may write, found out before anything is computed for it."""
 
 import tempfile
+from collections.abc import Iterable
 from itertools import combinations
 from pathlib import Path
 
@@ -58,7 +59,9 @@ def check_distinct_files(files: dict[str, Path | None]) -> None:
             )
 
 
-def check_outputs(csv: Path | None, pictures: str | None, *inputs: Path) -> Path | None:
+def check_outputs(
+    csv: Path | None, pictures: str | None, *inputs: Path, names: Iterable[str] = ()
+) -> Path | None:
     """Refuse outputs of --csv and --pictures that cannot be, before anything is computed for them.
 
     Parameters
@@ -68,6 +71,8 @@ def check_outputs(csv: Path | None, pictures: str | None, *inputs: Path) -> Path
         As it stands on the command line.
     *inputs : Path
         Files that the command reads.
+    names : iterable of str
+        Of the pictures.
 
     Returns
     -------
@@ -77,37 +82,65 @@ def check_outputs(csv: Path | None, pictures: str | None, *inputs: Path) -> Path
     Raises
     ------
     InputError
-        If `csv` is what `check_writable` refuses; if `pictures` is empty, a file stands in its way, or files
-        cannot be written there.
+        As `check_writable` and `make_output_folder`.
     """
     protect(*inputs)
     if csv is not None:
         check_writable(csv, "table", *inputs, name=f"--csv {csv}")
-    return None if pictures is None else _picture_folder(pictures)
+    return make_output_folder("--pictures", pictures, names)
 
 
-def _picture_folder(text: str) -> Path:
-    if not text.strip():
+def make_output_folder(
+    option: str, given: str | Path | None, names: Iterable[str], kind: Kind = "picture"
+) -> Path | None:
+    """Make the folder that an option names, if it is not there, and refuse files that cannot be in it.
+
+    Parameters
+    ----------
+    option : str
+    given : str, Path or None
+        As it stands on the command line.
+    names : iterable of str
+        Of the files that are to be written into it.
+    kind : str
+        What these are, as `crankbase.outputs.check_output` has it.
+
+    Returns
+    -------
+    Path or None
+        None where the option is not given.
+
+    Raises
+    ------
+    InputError
+        If the folder has no name, a file stands in its way, files cannot be written there, or one of them
+        would take the place of somebody else's.
+    """
+    if given is None:
+        return None
+    if not str(given).strip():
         raise InputError(
-            '--pictures: given ""; allowed is a folder, because pictures are files in it.'
+            f'{option}: given ""; allowed is a folder, because {kind}s are files in it.'
         )
-    folder = Path(text)
-    reason = None
+    folder = Path(given)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-    except (FileExistsError, NotADirectoryError):
-        reason = "a file stands in its way"
     except OSError as error:
-        reason = f"the system says: {error.strerror or error}"
-    if reason is not None:
-        raise InputError(f"--pictures {text}: cannot be made a folder, because {reason}.")
+        in_the_way = isinstance(error, FileExistsError | NotADirectoryError)
+        reason = "a file stands in its way" if in_the_way else _system_says(error)
+        raise InputError(f"{option} {given}: cannot be made a folder, because {reason}.") from None
     try:
         # Rights alone do not tell what a file system takes.
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
         raise InputError(
-            f"--pictures {text}: files cannot be written there, because the system says: "
-            f"{error.strerror or error}."
+            f"{option} {given}: files cannot be written there, because {_system_says(error)}."
         ) from None
+    for name in names:
+        check_output(folder / name, kind)
     return folder
+
+
+def _system_says(error: OSError) -> str:
+    return f"the system says: {error.strerror or error}"

@@ -38,7 +38,6 @@ from crankfem.jobs.run_progress import Progress, SilentProgress, TimedProgress
 from crankfem.jobs.run_records import UNIT_RADIAL_FORCE as UNIT_RADIAL_FORCE
 from crankfem.jobs.run_records import run_results
 from crankfem.report.writing import write_report
-from fem.fillet_peaks import FilletStresses
 from fem.throw_analysis import ThrowAnalysis
 from regression.runs.store import ResultStore
 from regression.runs.study import check_workers, run_plan
@@ -149,13 +148,22 @@ def _compute(
     )
     analyses = analyze_throws(engine_file)
     first, *_ = names = tuple(dict.fromkeys(engine_file.throw_names))
-    _render_throw(renderings, analyses[first])
+    renderings.start(
+        "picture of the mesh and of the deformed throw",
+        {"mesh": MESH, "deformed": DEFORMED},
+        lambda folder: Rendering(stretched_surface(analyses[first]), folder),
+    )
 
     told.step("Calculating stresses at the fillets")
     throws = {name: _with_stresses(engine_file, analyses[name], name, told) for name in names}
     stresses = throws[first].stresses
     if stresses is not None:
-        _render_stresses(renderings, stresses)
+        shown = shown_loads(stresses)
+        renderings.start(
+            "picture of the stresses at the fillets",
+            stress_files(shown),
+            lambda folder: StressRendering(shown, folder),
+        )
     along = [analyses[name].masses for name in engine_file.throw_names]
     mechanism = None if with_gas is None else run_mechanism(with_gas, masses=along)
 
@@ -185,20 +193,3 @@ def _with_stresses(
         of_throw = f" of throw {name}" if engine_file.throws_by_name else ""
         told.note(f"No stresses at the fillets{of_throw}: {reason}")
     return ThrowComputation(analysis, stresses, reason)
-
-
-def _render_throw(renderings: Renderings, analysis: ThrowAnalysis) -> None:
-    renderings.start(
-        "picture of the mesh and of the deformed throw",
-        {"mesh": MESH, "deformed": DEFORMED},
-        lambda folder: Rendering(stretched_surface(analysis), folder),
-    )
-
-
-def _render_stresses(renderings: Renderings, stresses: FilletStresses) -> None:
-    shown = shown_loads(stresses)
-    renderings.start(
-        "picture of the stresses at the fillets",
-        stress_files(shown),
-        lambda folder: StressRendering(shown, folder),
-    )

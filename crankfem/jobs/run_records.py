@@ -13,7 +13,7 @@ from crankfem.analyses.mechanism.harmonics_record import harmonics_record, two_m
 from crankfem.analyses.mechanism.mechanism_records import mechanism_record
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.provenance import provenance_record
-from crankfem.analyses.record import Record, input_records
+from crankfem.analyses.record import Record, attributes, input_records
 from crankfem.analyses.shaft.shaft_record import shaft_balance_record, shaft_record
 from crankfem.analyses.study.fit_records import study_record
 from crankfem.analyses.study.studies import StudyResult
@@ -157,14 +157,10 @@ def _radial_force(inputs: RunInputs) -> float:
 def _engine_record(engine_file: EngineFile) -> Record:
     engine = engine_file.engine
     return {
-        "name": engine.name,
+        **attributes(engine, "name", "cylinders", "strokes", "bore", "stroke"),
         "file": engine_file.path.name,
-        "cylinders": engine.cylinders,
         "v_engine": engine.bank_angles is not None,
         "reciprocating": engine_file.vibration.reciprocating,
-        "strokes": engine.strokes,
-        "bore": engine.bore,
-        "stroke": engine.stroke,
         "crank_angles": list(engine.crank_angles),
         "firing_order": list(engine.firing_order),
         "rated_speed_rpm": engine.rated_speed * RPM,

@@ -13,7 +13,7 @@ import pytest
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.cli import app as cli
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.reading.data_files import engine_path
+from crankfem.files.reading.data_files import input_path
 from fem.analysis import analyze_throw
 from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
@@ -199,7 +199,7 @@ def spawn_environment():
 @pytest.fixture(scope="session")
 def six_cylinders():
     """Text of a shipped engine file."""
-    return engine_path("6chn25-34").read_text(encoding="utf-8")
+    return input_path("6chn25-34").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="session")
@@ -212,7 +212,7 @@ def quick_six(six_cylinders):
 @pytest.fixture(scope="session")
 def quick_four():
     """The four-cylinder engine with torque table and two-mass check, and a small study."""
-    text = engine_path("yamz-5340").read_text(encoding="utf-8")
+    text = input_path("yamz-5340").read_text(encoding="utf-8")
     levels = '["23 mm", "25 mm", "27 mm"]'
     return edited(text, QUICK_STUDY | {"study.factors.web_thickness": levels})
 

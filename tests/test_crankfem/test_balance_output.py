@@ -14,7 +14,7 @@ from crankfem.analyses.mechanism.plots.balance_plots import (
     plot_hodographs,
 )
 from crankfem.cli import console
-from crankfem.cli.tables import balance_tables
+from crankfem.cli.tables import mechanism_tables
 from dynamics.balance.balance import balance
 from dynamics.balance.hinged_rods import hinged_rod_effects
 from dynamics.balance.moving_masses import balancing_masses
@@ -62,7 +62,7 @@ def test_records_are_json_and_hold_the_numbers():
 
 def test_tables(capsys, monkeypatch):
     monkeypatch.setattr(console.output, "width", 120)
-    balance_tables.print_balance(balance_records.balance_record(balance(vee(), SPEED)))
+    mechanism_tables.print_balance(balance_records.balance_record(balance(vee(), SPEED)))
     forces, moments = capsys.readouterr().out.split("Inertia moments")
     second = 1e-3 * balance(vee(), SPEED).of(2).force.major
     assert [line.split()[3] for line in forces.splitlines() if "│ 1 " in line] == ["balanced"]
@@ -70,7 +70,7 @@ def test_tables(capsys, monkeypatch):
     assert "about z = 0.2 m" in moments
     assert moments.count("balanced") == 3  # the second and fourth order, and the note
     effects = hinged_rod_effects(vee(), SPEED, cylinders=[1, 2])
-    balance_tables.print_hinged_rods(balance_records.hinged_rods_record(effects))
+    mechanism_tables.print_hinged_rods(balance_records.hinged_rods_record(effects))
     shown = capsys.readouterr().out
     assert "hinged: movement alone" in shown
     assert "-12.2 %" in shown

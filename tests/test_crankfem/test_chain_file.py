@@ -10,7 +10,7 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.files.chain.chain_file import load_chain
 from crankfem.files.chain.chain_text import read_chain_text, write_chain_text
-from crankfem.files.reading.data_files import shipped_chains
+from crankfem.files.reading.data_files import shipped_names
 from dynamics.chains.chain import Chain
 from dynamics.chains.connections import Dashpot, Gear
 from dynamics.chains.shaft_elements import ShaftCone, shaft_cylinder, shaft_flange
@@ -35,8 +35,8 @@ def load(tmp_path):
 
 
 def test_shipped_chains_tell_their_frequencies_and_sources():
-    assert shipped_chains() == ("geared-example", "mwm-six")
-    for name in shipped_chains():
+    assert shipped_names("chain") == ("geared-example", "mwm-six")
+    for name in shipped_names("chain"):
         found = load_chain(name)
         head = found.path.read_text(encoding="utf-8").split("[chain]")[0]
         told = [float(text) for text in re.findall(r"\d+\.\d", head.split("frequencies:")[1])]

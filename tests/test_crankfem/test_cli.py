@@ -14,11 +14,11 @@ import typer.main
 from comparing import close
 from crankbase.errors import InputError, MissingLibraryError
 from crankfem.cli import app as cli
-from crankfem.cli.angle_argument import parse_gamma
+from crankfem.cli.angle_and_speed import parse_gamma
 from crankfem.cli.commands import completion
 from crankfem.cli.console import RunProgress
-from crankfem.files.reading.data_files import engine_path, shipped_engines
-from crankfem.files.sections.field_tables import SECTIONS
+from crankfem.files.engine.engine_file import SECTIONS
+from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.jobs.exit_codes import MEANINGS
 from regression.models.compliance_model import ComplianceModel
 
@@ -98,7 +98,7 @@ def test_every_error_is_a_sentence_and_a_code(call, monkeypatch, error, code, se
     def fail(_):
         raise error
 
-    monkeypatch.setattr("crankfem.files.sections.field_tables.section_tables", fail)
+    monkeypatch.setattr("crankfem.files.engine.field_tables.section_tables", fail)
     answer = call("fields")
     assert (answer.code, answer.out) == (code, "")
     assert answer.err == ("" if sentence is None else f"Error: {sentence}\n")
@@ -196,7 +196,7 @@ def test_names_and_files_are_completed(tmp_path, model_file):
     (tmp_path / "6folder").mkdir()
     (tmp_path / "6folder" / "a.toml").touch()
     assert completion.engines("6") == [
-        *(name for name in shipped_engines() if name.startswith("6")),
+        *(name for name in shipped_names("engine") if name.startswith("6")),
         "6folder/",
         "6mine.toml",
     ]
@@ -204,7 +204,7 @@ def test_names_and_files_are_completed(tmp_path, model_file):
     assert completion.engines("nowhere/") == []
     assert "mwm-six" in completion.engines_and_chains("m")
     assert completion.sections("tors") == ["torsional_damper"]
-    assert set(completion.sections("")) == {model.section for model, _ in SECTIONS}
+    assert set(completion.sections("")) == set(SECTIONS) - {"study"}
     context = SimpleNamespace(params={"model": model_file})
     assert completion.dimensions(context, "web_w") == ["web_width="]
     assert completion.dimensions(context, "web_width=3") == []
@@ -263,7 +263,7 @@ def test_new_copies_a_shipped_engine(call, tmp_path, name):
     assert answer.code == 0
     assert "crankfem run mine.toml" in answer.out
     copied = (tmp_path / "mine.toml").read_bytes()
-    assert copied == engine_path(name).read_bytes()
+    assert copied == input_path(name).read_bytes()
     assert call("check", "mine.toml").code == 0
 
 
@@ -732,7 +732,9 @@ def test_pictures_of_stresses_need_a_folder(call, tmp_path):
     file.write_text("", encoding="utf-8")
     answer = call("stress", "6chn25-34", "--pictures", file)
     assert answer.code == 2
-    assert "which is a file; allowed is a folder" in " ".join(answer.err.split())
+    assert "cannot be made a folder, because a file stands in its way" in " ".join(
+        answer.err.split()
+    )
 
 
 def test_the_page_tells_all_commands_and_exit_codes():

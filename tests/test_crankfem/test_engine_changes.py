@@ -10,7 +10,7 @@ from crankfem.analyses.shaft.chains import engine_throw_inertias
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
-from crankfem.files.reading.data_files import engine_path
+from crankfem.files.reading.data_files import input_path
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +90,7 @@ def test_impossible_changes_are_refused(engine, change, text):
 def test_a_mechanism_of_the_engine_before_is_refused(engine):
     longer = engine.changed(rod={"length": engine.rod.length + 0.01})
     with pytest.raises(InputError, match="mechanism: given one with other cylinders"):
-        engine_vibration(longer, mechanism=load_mechanism(engine_path("6chn25-34")))
+        engine_vibration(longer, mechanism=load_mechanism(input_path("6chn25-34")))
 
 
 def test_a_strength_beyond_the_rule_is_refused_when_read(engine):

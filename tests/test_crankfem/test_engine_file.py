@@ -9,14 +9,14 @@ from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_crankshaft, load_study, load_throw
 from crankfem.files.reading import toml_file
-from crankfem.files.reading.data_files import engine_path, shipped_engines
+from crankfem.files.reading.data_files import input_path, shipped_names
 
 SIX_LEVELS = '["60 mm", "68 mm", "76 mm"]'
 
 
 @pytest.mark.parametrize("name", ["6chn25-34", "yamz-5340"])
 def test_shipped_engines_are_valid(name):
-    assert name in shipped_engines()
+    assert name in shipped_names("engine")
     engine = load_engine(name)
     assert len(engine.engine.crank_angles) == engine.engine.cylinders
     assert 0 < len(engine.assumed) < len(engine.records)
@@ -113,7 +113,7 @@ def test_the_crankshaft_of_an_engine_and_of_a_throw_file(tmp_path):
     buick = load_crankshaft("buick-3800")
     assert np.degrees(buick.crank_angles) == close([0, 240, 120])
     assert buick.length == close(3 * 0.1077 + 0.070 + 0.014)
-    text = engine_path("8chn14-14").read_text(encoding="utf-8")
+    text = input_path("8chn14-14").read_text(encoding="utf-8")
     path = tmp_path / "other.toml"
     path.write_text(text.replace("[shaft]\nthrow_angles", "[nothing]\nx"), encoding="utf-8")
     with pytest.raises(InputError, match=r"\[nothing\] is an unknown section"):
@@ -428,6 +428,13 @@ def test_a_file_that_is_none(call, given, fragment):
     assert answer.code == 2
     assert answer.err.startswith(f"Error: {given}: {fragment}")
     assert "6chn25-34, " in answer.err
+
+
+def test_a_name_that_no_file_can_have():
+    with pytest.raises(InputError) as told:
+        load_engine("x" * 100_000)
+    assert "cannot be looked for, because the system says: File name too long" in str(told.value)
+    assert len(str(told.value)) < 1000
 
 
 @pytest.mark.parametrize("command", ["run", "throw", "formulas", "doe", "vibration", "check"])

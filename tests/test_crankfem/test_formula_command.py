@@ -137,7 +137,7 @@ def test_published_table(call):
 
 
 def test_all_engines_in_one_table(call, monkeypatch, analysis):
-    monkeypatch.setattr(data_files, "shipped_engines", lambda: ("6chn25-34", "6chn25-34"))
+    monkeypatch.setattr(data_files, "shipped_names", lambda _: ("6chn25-34", "6chn25-34"))
     monkeypatch.setattr(formula_spread, "analyze_throw", lambda *_, **__: analysis)
     answer = call("formulas", "--all", "--gamma", "120 deg", "--constant", "k_3=1")
     assert answer.code == 0

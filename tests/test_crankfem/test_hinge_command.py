@@ -9,7 +9,7 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.files.hinge.hinge_file import load_hinge
-from crankfem.files.reading.data_files import hinge_path
+from crankfem.files.reading.data_files import input_path
 from dynamics.hinge.spring import GasSpring
 
 SHIPPED = "crosshead-30-100"
@@ -19,7 +19,9 @@ SHIPPED = "crosshead-30-100"
 def changed(tmp_path, edit):
     def make(changes):
         path = tmp_path / "mine.toml"
-        path.write_text(edit(hinge_path(SHIPPED).read_text(encoding="utf-8"), changes), "utf-8")
+        path.write_text(
+            edit(input_path(SHIPPED, "hinge").read_text(encoding="utf-8"), changes), "utf-8"
+        )
         return path
 
     return make

@@ -17,7 +17,7 @@ from crankfem.cli.commands.lookup import lookup
 from crankfem.cli.commands.optimum import optimum
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.throw_file import load_throw
-from crankfem.files.reading.data_files import engine_path
+from crankfem.files.reading.data_files import input_path
 from dynamics.chains.engine_chains import axial_chain
 from regression.fits.fits import fit_form
 from regression.models import optimum as optimum_search
@@ -25,7 +25,7 @@ from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 
 ENGINE = "6chn25-34"
-THROW = load_throw(engine_path(ENGINE))[0]
+THROW = load_throw(input_path(ENGINE))[0]
 BOX = {"web_width": (0.270, 0.330), "web_thickness": (0.050, 0.090)}
 GRID = np.array(list(itertools.product(*(np.linspace(*ends, 3) for ends in BOX.values()))))
 FIXED = (
@@ -296,7 +296,7 @@ ENDS = ("lower", "upper")
 @pytest.fixture
 def frequencies():
     """An engine whose throws are 0.5 and 0.8 times as soft in the shaft as pinned."""
-    engine = load_engine(engine_path(ENGINE))
+    engine = load_engine(input_path(ENGINE))
     shares = np.array([0.8, 0.5, 0.5, 0.5, 0.5, 0.8])
     return EngineFrequencies(
         engine, shares, shares, throw_mass=110.0, throw_inertias=8.0 * np.ones(len(shares))

@@ -17,7 +17,7 @@ from crankfem.files.engine.mechanism_file import (
     load_mechanism,
     with_throws,
 )
-from crankfem.files.reading.data_files import engine_path
+from crankfem.files.reading.data_files import input_path
 from crankfem.files.sections.engine_sections import Engine
 from dynamics.engine.forces import mechanism_forces
 from dynamics.engine.gas_forces import gas_forces
@@ -76,7 +76,7 @@ def test_gas_reaches_what_the_file_asks_for():
 
 
 def written(tmp_path, changes, name="6chn25-34"):
-    text = engine_path(name).read_text(encoding="utf-8")
+    text = input_path(name).read_text(encoding="utf-8")
     for old, new in changes.items():
         assert old in text
         text = text.replace(old, new)
@@ -90,7 +90,7 @@ def test_a_pressure_table_beside_the_file(tmp_path):
     pressure = 1.5 + 80.0 * np.exp(-(((angles - 8.0) / 25.0) ** 2))
     rows = "\n".join(f"{a:g},{p:.6f}" for a, p in zip(angles, pressure, strict=True))
     (tmp_path / "gas.csv").write_text(f"crank_angle_deg,absolute_pressure_bar\n{rows}\n")
-    lines = engine_path("6chn25-34").read_text(encoding="utf-8").splitlines()
+    lines = input_path("6chn25-34").read_text(encoding="utf-8").splitlines()
     (peak,) = (line for line in lines if line.startswith("peak_pressure"))
     path = written(tmp_path, {peak: 'pressure_table = "gas.csv"'})
     mechanism = load_mechanism(path)
@@ -203,7 +203,7 @@ def test_a_v_engine_with_flywheel_and_thrust_bearing_is_a_whole_engine():
 
 def test_an_engine_in_line_without_flywheel_is_a_mechanism(tmp_path):
     path = tmp_path / "engine.toml"
-    text = engine_path("6chn25-34").read_text(encoding="utf-8")
+    text = input_path("6chn25-34").read_text(encoding="utf-8")
     start, end = text.index("[flywheel]"), text.index("[gas]")
     path.write_text(text[:start] + text[end:], encoding="utf-8")
     assert isinstance(load_any(path), MechanismFile)
@@ -266,7 +266,7 @@ def mirrored(text):
 
 @pytest.mark.parametrize("name", ["8chn26-26", "8chn13-14"])
 def test_the_sense_in_which_a_file_counts_angles_makes_no_difference(tmp_path, name):
-    text = engine_path(name).read_text(encoding="utf-8")
+    text = input_path(name).read_text(encoding="utf-8")
     other = tmp_path / "other.toml"
     changed = mirrored(text)
     if name == "8chn26-26":

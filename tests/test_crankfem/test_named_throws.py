@@ -27,7 +27,7 @@ from crankfem.files.engine.throw_file import (
     load_throw,
     names_of_throws,
 )
-from crankfem.files.reading.data_files import engine_path
+from crankfem.files.reading.data_files import input_path
 from crankfem.report.writing import render_report
 from fem.analysis import analyze_throw
 
@@ -69,7 +69,7 @@ def write(tmp_path):
 def both(tmp_path_factory):
     """A shipped engine as it is, with the analysis of its throw, and with the same throw by name."""
     folder = tmp_path_factory.mktemp("named")
-    plain = engine_path("yamz-5340").read_text(encoding="utf-8")
+    plain = input_path("yamz-5340").read_text(encoding="utf-8")
     plain = plain[: plain.index("[torque]")]
     named = plain.replace("[throw]", "[throws.a]")
     (folder / "plain.toml").write_text(plain, encoding="utf-8")
@@ -222,7 +222,7 @@ def test_what_throws_by_name_cannot_say(write, load, changes, message):
 
 
 def test_names_beside_one_throw_are_refused(tmp_path):
-    text = engine_path("yamz-5340").read_text(encoding="utf-8")
+    text = input_path("yamz-5340").read_text(encoding="utf-8")
     path = tmp_path / "one.toml"
     shaft = '[shaft]\nthrows = ["a", "a", "a", "a"]\n'
     path.write_text(text[: text.index("[torque]")] + shaft, encoding="utf-8")
@@ -243,7 +243,7 @@ def test_a_study_is_of_the_throw_it_names(write):
 
 
 def _plain_with_study_throw(folder):
-    text = engine_path("yamz-5340").read_text(encoding="utf-8")
+    text = input_path("yamz-5340").read_text(encoding="utf-8")
     path = folder / "plain.toml"
     path.write_text(text.replace("[study]\n", '[study]\nthrow = "a"\n'), encoding="utf-8")
     return path
@@ -320,7 +320,7 @@ def test_one_throw_by_name_gives_the_mechanism_of_a_plain_file(both):
 
 
 def test_a_v_engine_with_split_pins_has_throws_by_name_too(tmp_path):
-    text = engine_path("buick-3800").read_text(encoding="utf-8")
+    text = input_path("buick-3800").read_text(encoding="utf-8")
     path = tmp_path / "vee.toml"
     named = text.replace("[throw]", "[throws.a]").replace("[throw.", "[throws.a.")
     named += '\n[throws.b]\nlike = "a"\n'

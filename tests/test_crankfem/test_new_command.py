@@ -1,21 +1,44 @@
 """The template of an engine file is valid as it is, and so is everything that it has in comments."""
 
 import math
+import re
 
 import pytest
 
 from comparing import close
-from crankfem.files.engine.engine_file import load_engine
+from crankfem.files.engine.engine_file import SECTIONS, load_engine
 from crankfem.files.engine.engine_template import (
     FIRING_ORDERS,
     engine_template,
-    optional_examples,
-    with_example,
 )
-from crankfem.files.reading.data_files import engine_path, hinge_path
-from crankfem.files.reading.file_kinds import REQUIRED
+from crankfem.files.reading.data_files import input_path
 
 TEMPLATE = engine_template()
+OPTIONAL = re.compile(r"(?m)^#: ")
+
+
+def optional_examples(text: str) -> list[str]:
+    """Return what stands in comments to be used, each example on its own: a section, or single fields.
+
+    Sections that only continue another, such as ``[study.factors]``, belong to it.
+    """
+    found: list[list[str]] = []
+    before = ""
+    for line in text.splitlines():
+        if OPTIONAL.match(line):
+            if OPTIONAL.match(before):
+                found[-1].append(line)
+            else:
+                found.append([line])
+        before = line
+    return ["\n".join(lines) for lines in found]
+
+
+def with_example(text: str, example: str) -> str:
+    """Return the text with one of its examples put to use."""
+    return text.replace(example, OPTIONAL.sub("", example))
+
+
 EXAMPLES = {one.splitlines()[0].removeprefix("#: "): one for one in optional_examples(TEMPLATE)}
 
 
@@ -40,7 +63,7 @@ def test_a_template_is_written_and_valid(call, tmp_path):
 def test_the_template_explains_every_section():
     # Hinged rods and chains behind the flywheel start from a shipped file, which it names; throws by name
     # cannot stand beside the one throw, not even in an example.
-    for section in set(REQUIRED) - {"hinged_rods", "shaft_line", "throws"}:
+    for section in set(SECTIONS) - {"hinged_rods", "shaft_line", "throws"}:
         assert f"\n[{section}]" in TEMPLATE or f"\n#: [{section}]" in TEMPLATE, section
     assert "[shaft_line]" in TEMPLATE
     assert "[throws.a]" in TEMPLATE
@@ -77,7 +100,9 @@ def test_hinges_and_chains_are_copied(call, tmp_path):
     answer = call("new", "hinge.toml", "--from", "crosshead-30-100")
     assert answer.code == 0
     assert "crankfem hinge hinge.toml" in answer.out
-    assert (tmp_path / "hinge.toml").read_bytes() == hinge_path("crosshead-30-100").read_bytes()
+    assert (tmp_path / "hinge.toml").read_bytes() == input_path(
+        "crosshead-30-100", "hinge"
+    ).read_bytes()
     record = call("new", "chain.toml", "--from", "mwm-six", "--json").json()
     assert record["next"] == "crankfem vibration chain.toml"
     assert call("new", "v.toml", "--from", "buick-3800", "--json").json()["kind"] == "mechanism"
@@ -116,4 +141,4 @@ def test_new_refuses(call, tmp_path, arguments, fragment):
 
 def test_a_copy_is_the_shipped_file(call, tmp_path):
     assert call("new", "mine.toml", "--from", "6chn25-34").code == 0
-    assert (tmp_path / "mine.toml").read_bytes() == engine_path("6chn25-34").read_bytes()
+    assert (tmp_path / "mine.toml").read_bytes() == input_path("6chn25-34").read_bytes()

@@ -5,15 +5,15 @@ import shutil
 import pytest
 
 from crankbase.errors import InputError
-from crankfem.files.reading.data_files import data_folder, engine_path, hinge_path
+from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.jobs.outputs import check_outputs
 
 TABLE = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"
 COMMANDS = {
-    "mechanism": ("mechanism", engine_path("6chn25-34")),
-    "harmonics": ("harmonics", engine_path("6chn25-34")),
+    "mechanism": ("mechanism", input_path("6chn25-34")),
+    "harmonics": ("harmonics", input_path("6chn25-34")),
     "harmonics of a table": ("harmonics", TABLE),
-    "hinge": ("hinge", hinge_path("crosshead-30-100")),
+    "hinge": ("hinge", input_path("crosshead-30-100", "hinge")),
 }
 
 
@@ -51,7 +51,7 @@ def test_a_pressure_table_is_an_input_too(call, tmp_path, edit):
     table = tmp_path / "pressure.csv"
     rows = "".join(f"{angle},{5.0 if angle == 0 else 1.0}\n" for angle in range(0, 720, 5))
     table.write_text(f"crank_angle_deg,absolute_pressure_bar\n{rows}", encoding="utf-8")
-    text = engine_path("6chn25-34").read_text(encoding="utf-8")
+    text = input_path("6chn25-34").read_text(encoding="utf-8")
     changes = {"[gas]": None}
     mine = tmp_path / "mine.toml"
     mine.write_text(

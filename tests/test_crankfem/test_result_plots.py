@@ -30,7 +30,7 @@ from crankfem.analyses.vibration.plots.vibration_panels import short_name
 from crankfem.analyses.vibration.run_up import run_up
 from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.hinge.hinge_file import load_hinge
-from crankfem.files.reading.data_files import data_folder, engine_path
+from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.report.interactive.vibration import VIBRATION
 from geometry.mass import MassProperties
 from regression.formulas.axial_formulas import axial_formulas
@@ -272,7 +272,7 @@ def test_the_spread_of_formulas():
 @pytest.fixture(scope="module")
 def mechanism():
     masses = MassProperties(100.0, np.array([0.0, 0.05, 0.2]), np.eye(3))
-    return run_mechanism(load_mechanism(engine_path("6chn25-34")), masses=masses)
+    return run_mechanism(load_mechanism(input_path("6chn25-34")), masses=masses)
 
 
 def test_a_mechanism(mechanism):

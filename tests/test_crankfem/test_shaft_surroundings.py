@@ -13,7 +13,7 @@ from crankfem.analyses.shaft.whole_shaft import shaft_response, unmodeled_sectio
 from crankfem.analyses.vibration.engine_limits import even_firing_interval
 from crankfem.analyses.vibration.modes import axial_weights
 from crankfem.files.engine.engine_file import load_engine
-from crankfem.files.reading.data_files import engine_path
+from crankfem.files.reading.data_files import input_path
 from dynamics.crankshaft.assembly import assemble_crankshaft
 from dynamics.crankshaft.coupled_response import coupled_response
 from dynamics.crankshaft.shaft_system import crankshaft_system
@@ -62,7 +62,7 @@ def around(text="[gas]\n", name="6chn25-34", tmp_path=None):
     if tmp_path is not None:
         path = tmp_path / "engine.toml"
         path.write_text(
-            engine_path(name).read_text(encoding="utf-8").replace("[gas]\n", text), encoding="utf-8"
+            input_path(name).read_text(encoding="utf-8").replace("[gas]\n", text), encoding="utf-8"
         )
         engine = load_engine(path)
     analysis = SimpleNamespace(masses=SimpleNamespace(inertia_about_shaft=5.0))

@@ -9,7 +9,7 @@ from comparing import close
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.engine.throw_file import load_throw
-from crankfem.files.reading.data_files import engine_path, shipped_engines
+from crankfem.files.reading.data_files import input_path, shipped_names
 from crankfem.files.reading.toml_file import read_toml
 from geometry.shaft_ends import ShaftEnds
 
@@ -27,7 +27,7 @@ TYPES_OF_THE_PAPER = (
     "8chn13-14",
 )
 OLDER = ("6chn25-34", "yamz-5340")
-SECTIONS = {n: read_toml(engine_path(n)).sections for n in shipped_engines()}
+SECTIONS = {n: read_toml(input_path(n)).sections for n in shipped_names("engine")}
 FULL = tuple(n for n, sections in SECTIONS.items() if "flywheel" in sections)
 MECHANISMS = tuple(n for n, sections in SECTIONS.items() if "engine" in sections)
 CYLINDER_PITCH = re.compile(r"cylinder pitch of ([\d.]+) mm")
@@ -47,22 +47,22 @@ def values(prefix, table):
 
 
 def test_there_are_at_least_twelve():
-    shipped = shipped_engines()
+    shipped = shipped_names("engine")
     assert len(shipped) >= 12
     assert set(TYPES_OF_THE_PAPER) <= set(shipped)
     assert {"vw-tdi", "6s50mc-c"} <= set(shipped)
 
 
-@pytest.mark.parametrize("name", shipped_engines())
+@pytest.mark.parametrize("name", shipped_names("engine"))
 def test_it_opens_with_what_engine_it_is(name):
-    lines = engine_path(name).read_text(encoding="utf-8").splitlines()
+    lines = input_path(name).read_text(encoding="utf-8").splitlines()
     opening = lines[: next(place for place, line in enumerate(lines) if not line.startswith("#"))]
     assert 1 <= len(opening) <= 3 or name in OLDER
 
 
-@pytest.mark.parametrize("name", shipped_engines())
+@pytest.mark.parametrize("name", shipped_names("engine"))
 def test_every_value_says_where_it_comes_from(name):
-    content = read_toml(engine_path(name))
+    content = read_toml(input_path(name))
     sections = ["throw"] if name in OLDER else list(content.sections)
     fields = [f for section in sections for f in values(section, content.sections[section])]
     # What needs no source: names and counts of the engine.
@@ -71,11 +71,11 @@ def test_every_value_says_where_it_comes_from(name):
     assert not without
 
 
-@pytest.mark.parametrize("name", shipped_engines())
+@pytest.mark.parametrize("name", shipped_names("engine"))
 def test_citations_and_short_names_belong_together(name):
-    text = engine_path(name).read_text(encoding="utf-8")
+    text = input_path(name).read_text(encoding="utf-8")
     body, _, _ = text.partition("[sources]")
-    short = set(read_toml(engine_path(name)).sources)
+    short = set(read_toml(input_path(name)).sources)
     assert all(re.search(rf"\b{source}\b", body) for source in short)
     assert set(re.findall(r"\b(?:yamanin|makushev|mikhina|cat)\d{4}\b", body)) <= short
 
@@ -97,9 +97,9 @@ def test_mechanisms_are_those_of_engines_that_exist(name):
     assert 5e6 < mechanism.pressure[0].peak_pressure < 16e6
 
 
-@pytest.mark.parametrize("name", sorted(set(shipped_engines()) - set(OLDER)))
+@pytest.mark.parametrize("name", sorted(set(shipped_names("engine")) - set(OLDER)))
 def test_new_files_give_both_shaft_ends_and_no_study(name):
-    content = read_toml(engine_path(name))
+    content = read_toml(input_path(name))
     ends = content.model("shaft_ends", ShaftEnds)
     throw, _ = load_throw(name)
     assert ends.free_end_diameter < throw.main_journal_diameter < ends.flange_diameter
@@ -108,7 +108,7 @@ def test_new_files_give_both_shaft_ends_and_no_study(name):
     assert "study" not in content.sections
 
 
-@pytest.mark.parametrize("name", shipped_engines())
+@pytest.mark.parametrize("name", shipped_names("engine"))
 def test_the_throw_is_in_proportion(name):
     throw, _ = load_throw(name)
     journal, pin, radius = throw.main_journal_diameter, throw.pin_diameter, throw.crank_radius
@@ -128,9 +128,9 @@ def test_the_throw_is_in_proportion(name):
             assert web.sector.outer_radius < 2.0 * radius
 
 
-@pytest.mark.parametrize("name", shipped_engines())
+@pytest.mark.parametrize("name", shipped_names("engine"))
 def test_a_throw_is_as_long_as_the_cylinder_pitch_it_states(name):
-    content = read_toml(engine_path(name))
+    content = read_toml(input_path(name))
     throw, _ = load_throw(name)
     stated = [
         float(found[1]) / 1e3
@@ -146,7 +146,7 @@ def test_a_throw_is_as_long_as_the_cylinder_pitch_it_states(name):
 
 
 def test_the_features_are_where_the_engines_have_them():
-    throws = {name: load_throw(name)[0] for name in shipped_engines()}
+    throws = {name: load_throw(name)[0] for name in shipped_names("engine")}
     hollow = {n for n, t in throws.items() if t.main_journal_bore}
     assert hollow == {"8chn26-26", "12chn18-20", "12dn23-30", "6chn15-18"}
     eccentric = {n for n, t in throws.items() if t.pin_bore_offset}

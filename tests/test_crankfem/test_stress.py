@@ -20,7 +20,7 @@ from crankfem.analyses.throw.pictures.stress_picture import (
 )
 from crankfem.analyses.throw.stress import stress_record
 from crankfem.cli.commands import throw as commands
-from crankfem.cli.tables.stress_tables import print_stresses
+from crankfem.cli.tables.throw_tables import print_stresses
 from fem import fillet_stress
 from fem.fillet_stress import fillet_stresses
 from fem.unit_loads import unit_loads

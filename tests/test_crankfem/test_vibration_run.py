@@ -21,7 +21,7 @@ from crankfem.analyses.vibration.run_up_records import run_up_record
 from crankfem.cli.column_file import write_columns
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
-from crankfem.files.reading.data_files import engine_path
+from crankfem.files.reading.data_files import input_path
 from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.excitation.chain_excitation import axial_excitation
 from dynamics.response.forced import forced_response
@@ -46,7 +46,7 @@ def written(tmp_path, text, name="6chn25-34"):
     """A shipped engine with further sections before [gas]."""
     path = tmp_path / "engine.toml"
     path.write_text(
-        engine_path(name).read_text(encoding="utf-8").replace("[gas]\n", text), encoding="utf-8"
+        input_path(name).read_text(encoding="utf-8").replace("[gas]\n", text), encoding="utf-8"
     )
     return path
 
@@ -95,7 +95,7 @@ def test_wrong_sections_are_refused(tmp_path, added, message):
 
 
 def test_a_damper_needs_a_free_end(tmp_path):
-    text = engine_path("6chn25-34").read_text(encoding="utf-8")
+    text = input_path("6chn25-34").read_text(encoding="utf-8")
     start, end = text.index("[free_end]"), text.index("[thrust_bearing]")
     damper = (
         '[torsional_damper]\nkind = "viscous"\nring_inertia = "4 kg m^2"\ndamping = "9 N m s"\n\n'

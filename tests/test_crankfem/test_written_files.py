@@ -10,11 +10,11 @@ import crankfem as cf
 from crankbase.drawing.diagram_style import figure
 from crankbase.outputs import LISTED
 from crankfem.analyses.throw.pictures import stress_picture
-from crankfem.files.reading.data_files import data_folder, engine_path, hinge_path
+from crankfem.files.reading.data_files import data_folder, input_path
 from regression.models.compliance_model import ComplianceModel
 
 TORQUE = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"
-SIX = engine_path("6chn25-34")
+SIX = input_path("6chn25-34")
 
 
 @dataclass(frozen=True)
@@ -54,10 +54,12 @@ COMMANDS = {
         SIX, ("mechanism", "{mine}", "--pictures", "plots"), "plots/crankpin_polar.svg"
     ),
     "hinge": Command(
-        hinge_path("crosshead-30-100"), ("hinge", "{mine}", "--csv", "out.csv"), "out.csv"
+        input_path("crosshead-30-100", "hinge"), ("hinge", "{mine}", "--csv", "out.csv"), "out.csv"
     ),
     "hinge pictures": Command(
-        hinge_path("crosshead-30-100"), ("hinge", "{mine}", "--pictures", "p"), "p/hinge_speed.svg"
+        input_path("crosshead-30-100", "hinge"),
+        ("hinge", "{mine}", "--pictures", "p"),
+        "p/hinge_speed.svg",
     ),
     "vibration": Command(SIX, ("vibration", "{mine}", "--csv", "tables"), "tables/torsional.csv"),
     "vibration pictures": Command(
@@ -136,6 +138,28 @@ def test_a_file_gives_way_only_if_the_command_made_it(line, call):
     assert output.read_bytes() not in (b"precious", b"")
     output.write_bytes(output.read_bytes() + b"\n# mine")
     refused(unknown or "it was changed since crankfem wrote it")
+
+
+@pytest.mark.parametrize(
+    ("name", "last"),
+    [
+        ("harmonics of an engine", "plots/stars.svg"),
+        ("mechanism pictures", "plots/piston_forces.svg"),
+        ("hinge pictures", "p/hinge_guides.svg"),
+        ("fit --plots", "plots/axial_compliance_sensitivities.svg"),
+    ],
+)
+def test_nothing_is_written_where_the_last_file_is_refused(name, last, call, tmp_path, request):
+    command = COMMANDS[name]
+    mine = request.getfixturevalue("store") if command.source is None else command.source
+    (tmp_path / last).parent.mkdir()
+    (tmp_path / last).write_text("precious", encoding="utf-8")
+    before = [path.name for path in sorted(tmp_path.rglob("*")) if path.is_file()]
+    answer = call(*(word.format(mine=mine) for word in command.words))
+    assert (answer.code, answer.out) == (2, "")
+    assert "crankfem has not made it" in answer.err
+    there = [path.name for path in sorted(tmp_path.rglob("*")) if path.is_file()]
+    assert [name for name in there if not name.startswith("runs.sqlite-")] == before
 
 
 @pytest.mark.parametrize("link", [os.link, os.symlink], ids=["hard link", "link"])

@@ -7,6 +7,9 @@ import numpy as np
 from crankbase.drawing.diagram_style import figure, make_folder
 from crankfem.analyses.hinge.hinge_run import HingeRun
 
+# Files of the diagrams; that of the guides is written where springs are compared.
+FILES, GUIDES = ("hinge_moment.svg", "hinge_speed.svg"), "hinge_guides.svg"
+
 
 def plot_hinge(folder: Path, run: HingeRun) -> list[Path]:
     """Write all diagrams into a folder, which is made if it is not there.
@@ -26,11 +29,11 @@ def plot_hinge(folder: Path, run: HingeRun) -> list[Path]:
         If the folder cannot be made.
     """
     make_folder(folder)
-    made = [folder / "hinge_moment.svg", folder / "hinge_speed.svg"]
+    made = [folder / name for name in FILES]
     plot_moments(made[0], run)
     plot_speeds(made[1], run)
     if run.compared:
-        made.append(folder / "hinge_guides.svg")
+        made.append(folder / GUIDES)
         plot_guides(made[-1], run)
     return made
 

@@ -7,10 +7,11 @@ import typer
 
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import ForceOption, JsonOption, QuietOption, UnitsOption
+from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json
 
 
+@with_output(files=True, units=True)
 def check(
     file: Annotated[
         str,
@@ -24,18 +25,14 @@ def check(
         Path | None,
         typer.Option(metavar="THROW.svg", help="Also draw the throw with its dimensions."),
     ] = None,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    *,
+    out: Output,
 ) -> None:
     """Check a file, show what it was understood as, what is assumed, and which commands it serves."""
     from crankbase.errors import InputError
-    from crankbase.tables.output_units import parse_output_units
     from crankfem.analyses.file_check import check_file, check_record
     from crankfem.cli.tables.check_tables import print_check
 
-    shown = parse_output_units(units)
     checked = check_file(file)
     record = check_record(checked)
     if picture is not None:
@@ -50,9 +47,9 @@ def check(
         check_drawing_ending(picture)
         check_writable(picture, "picture", checked.path)
         record["picture"] = str(write_drawing(checked.throw, picture, checked.path.stem))
-    if json:
+    if out.json:
         print_json(record)
         return
-    print_check(record, shown)
+    print_check(record, out.units)
     if picture is not None:
         console.print_line(f"{picture} written.")

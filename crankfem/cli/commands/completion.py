@@ -8,68 +8,41 @@ from pathlib import Path
 
 import typer
 
-from crankfem.files.reading.data_files import (
-    data_folder,
-    shipped_chains,
-    shipped_engines,
-    shipped_hinges,
-)
+from crankfem.files.reading.data_files import FOLDERS, InputKind, shipped_names, shipped_torques
 
 # Typer tells these functions apart by the names of their arguments.
 Completion = Callable[[str], list[str]]
 
 
-def engines(incomplete: str) -> list[str]:
-    """Shipped engines, and TOML files."""
-    return _fitting(incomplete, shipped_engines(), ".toml")
-
-
-def engines_and_parts(incomplete: str) -> list[str]:
-    """Shipped engines, TOML files and STEP files."""
-    return _fitting(incomplete, shipped_engines(), ".toml", ".step", ".stp")
-
-
-def engines_and_chains(incomplete: str) -> list[str]:
-    """Shipped engines and chains, and files of both."""
-    return _fitting(incomplete, (*shipped_engines(), *shipped_chains()), ".toml", ".txt")
-
-
-def engines_and_tables(incomplete: str) -> list[str]:
-    """Shipped engines and torque tables, and files of both."""
-    tables = [path.name for path in (data_folder() / "tables").glob("*torque*.csv")]
-    return _fitting(incomplete, (*shipped_engines(), *tables), ".toml", ".csv")
-
-
-def hinges(incomplete: str) -> list[str]:
-    """Shipped hinges, and TOML files."""
-    return _fitting(incomplete, shipped_hinges(), ".toml")
-
-
-def shipped(incomplete: str) -> list[str]:
-    """Everything shipped that can be copied."""
-    return _fitting(incomplete, (*shipped_engines(), *shipped_hinges(), *shipped_chains()))
-
-
-def any_input(incomplete: str) -> list[str]:
-    """Everything shipped, and files like it."""
-    names = (*shipped_engines(), *shipped_hinges(), *shipped_chains())
-    return _fitting(incomplete, names, ".toml", ".txt")
-
-
-def files(*endings: str) -> Completion:
-    """Return the completion of files with these endings, and of folders on the way to them."""
+def files(*endings: str, shipped: Iterable[InputKind] = ()) -> Completion:
+    """Return the completion of files with these endings, folders on the way, and shipped files of kinds."""
 
     def found(incomplete: str) -> list[str]:
-        return _fitting(incomplete, (), *endings)
+        names = [name for kind in shipped for name in shipped_names(kind)]
+        return _fitting(incomplete, names, *endings)
 
     return found
 
 
+engines = files(".toml", shipped=("engine",))
+engines_and_parts = files(".toml", ".step", ".stp", shipped=("engine",))
+engines_and_chains = files(".toml", ".txt", shipped=("engine", "chain"))
+hinges = files(".toml", shipped=("hinge",))
+any_input = files(".toml", ".txt", shipped=FOLDERS)
+shipped = files(shipped=FOLDERS)
+
+
+def engines_and_tables(incomplete: str) -> list[str]:
+    """Shipped engines and torque tables, and files of both."""
+    names = (*shipped_names("engine"), *shipped_torques())
+    return _fitting(incomplete, names, ".toml", ".csv")
+
+
 def sections(incomplete: str) -> list[str]:
     """Sections of engine files."""
-    from crankfem.files.reading.file_kinds import REQUIRED
+    from crankfem.files.engine.engine_file import SECTIONS
 
-    return [name for name in REQUIRED if name != "study" and name.startswith(incomplete)]
+    return [name for name, one in SECTIONS.items() if one.model and name.startswith(incomplete)]
 
 
 def dimensions(ctx: typer.Context, incomplete: str) -> list[str]:

@@ -9,7 +9,7 @@ from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import ForceOption, JsonOption, QuietOption, WorkersOption
+from crankfem.cli.commands.options import Output, WorkersOption, with_output
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 FEW_HELD_OUT = 5
 
 
+@with_output(files=True)
 def doe(
     study: Annotated[
         str,
@@ -58,13 +59,12 @@ def doe(
     plan: Annotated[
         bool, typer.Option("--plan", help="Show what would be computed, and compute nothing.")
     ] = False,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    json: JsonOption = False,
-    quiet: QuietOption = False,
+    *,
+    out: Output,
 ) -> None:
     """Run a design of experiments, or continue it where it stopped."""
     from crankfem.files.engine.throw_file import load_study
-    from crankfem.files.reading.data_files import engine_path
+    from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_distinct_files, check_writable
     from regression.runs.export_table import check_export, export_table
 
@@ -79,21 +79,21 @@ def doe(
             "writes nothing."
         )
     if plan:
-        _show_plan(read, json)
+        _show_plan(read, out.json)
         return
-    files = [store, engine_path(study), *(import_ or ())]
+    files = [store, input_path(study), *(import_ or ())]
     if export is not None:
         check_export(export)
         check_distinct_files({"--store": store, "--export": export})
         check_writable(export, "table", *files, name=f"--export {export}")
     for file in import_ or ():
-        _import(read, store, file, quiet)
-    table = _run(read, store, workers, {"dask": dask, **limits}, quiet)
+        _import(read, store, file, out.quiet)
+    table = _run(read, store, workers, {"dask": dask, **limits}, out.quiet)
 
     def print_progress(text: str) -> None:
         # With --json nothing but the results may stand on standard output.
-        if json:
-            console.print_note(text, quiet)
+        if out.json:
+            console.print_note(text, out.quiet)
         else:
             console.print_line(text)
 
@@ -103,7 +103,7 @@ def doe(
     if export is not None:
         count = export_table(table, export)
         print_progress(f"{count} rows written to {export}.")
-    _show_fits(table, json)
+    _show_fits(table, out.json)
 
 
 def _summary(table: "StudyTable", store: Path) -> str:

@@ -5,10 +5,11 @@ from typing import Annotated
 import typer
 
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import JsonOption, QuietOption
+from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json, print_table
 
 
+@with_output()
 def fields(
     section: Annotated[
         str | None,
@@ -17,24 +18,20 @@ def fields(
             autocompletion=completion.sections,
         ),
     ] = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    *,
+    out: Output,
 ) -> None:
     """Say what every field of an engine file means: unit, allowed range, default."""
-    from dataclasses import asdict
+    from dataclasses import asdict, astuple
 
     from crankbase.tables.table import Column, Table
-    from crankfem.files.sections.field_tables import section_tables
+    from crankfem.files.engine.field_tables import section_tables
 
     found = section_tables(section)
-    if json:
+    if out.json:
         print_json({"sections": [asdict(table) for table in found]})
         return
     for table in found:
-        print_table(
-            Table(
-                f"{table.title} ({table.need})",
-                [Column(name, words=True) for name in ("field", "unit", "allowed", "meaning")],
-                [[row.name, row.unit, row.allowed, row.meaning] for row in table.rows],
-            )
-        )
+        columns = [Column(name, words=True) for name in ("field", "unit", "allowed", "meaning")]
+        rows = [list(astuple(row)) for row in table.rows]
+        print_table(Table(f"{table.title} ({table.need})", columns, rows))

@@ -7,10 +7,11 @@ import typer
 
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import ForceOption, JsonOption, QuietOption
+from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json
 
 
+@with_output(files=True)
 def fit(
     store: Annotated[
         Path,
@@ -35,18 +36,17 @@ def fit(
         str | None, typer.Option(help="Response to print in detail; the axial compliance else.")
     ] = None,
     plots: Annotated[Path | None, typer.Option(help="Folder to write diagrams to (SVG).")] = None,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    json: JsonOption = False,
-    quiet: QuietOption = False,
+    *,
+    out: Output,
 ) -> None:
     """Fit equations to a study's results and save the best as a model."""
     from crankbase.errors import InputError
     from crankfem.analyses.study.fit_records import study_record
     from crankfem.analyses.study.fitting import compliance_model, fit_study
-    from crankfem.analyses.study.plots.fit_plots import plot_fits
+    from crankfem.analyses.study.plots.fit_plots import fit_plot_files, plot_fits
     from crankfem.analyses.study.studies import study_key
     from crankfem.cli.tables.fit_tables import MAIN_RESPONSE, print_comparisons, print_fits
-    from crankfem.jobs.outputs import check_writable
+    from crankfem.jobs.outputs import check_writable, make_output_folder
     from regression.models.model_file import is_model
     from regression.runs.store_rows import damaged_rows_warning
     from regression.runs.study import read_study
@@ -65,18 +65,21 @@ def fit(
     table = read_study(store, study)
     if table.damaged:
         again = "run the study again (crankfem doe), which computes their designs"
-        console.print_note(f"Note: {damaged_rows_warning(table.damaged, store)}; {again}.", quiet)
+        console.print_note(
+            f"Note: {damaged_rows_warning(table.damaged, store)}; {again}.", out.quiet
+        )
     fits = fit_study(table)
     if response is not None and response not in fits:
         raise InputError(
             f"response: given {response!r}; allowed are {', '.join(fits)}, which this study has."
         )
+    shown = response or (MAIN_RESPONSE if MAIN_RESPONSE in fits else next(iter(fits)))
+    folder = make_output_folder("--plots", plots, fit_plot_files(shown))
     made = compliance_model(table, fits, form)
     made.save(model)
     record = study_record(table, fits, made)
-    shown = response or (MAIN_RESPONSE if MAIN_RESPONSE in fits else next(iter(fits)))
-    written = [] if plots is None else plot_fits(plots, table, fits[shown], form)
-    if json:
+    written = [] if folder is None else plot_fits(folder, table, fits[shown], form)
+    if out.json:
         print_json(record)
         return
     print_fits(record["fits"], shown, form)

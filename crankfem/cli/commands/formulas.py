@@ -3,24 +3,15 @@
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import (
-    GammaOption,
-    JsonOption,
-    QuietOption,
-    ThrowOption,
-    UnitsOption,
-)
+from crankfem.cli.commands.options import GammaOption, Output, ThrowOption, with_output
 from crankfem.cli.console import parse_pairs, print_json
-
-if TYPE_CHECKING:
-    from crankbase.tables.output_units import OutputUnits
 
 
 @dataclass(frozen=True)
@@ -32,11 +23,10 @@ class _Request:
     variant: str
     constants: Mapping[str, float]
     fe: bool
-    json: bool
-    quiet: bool
-    units: "OutputUnits"
+    out: Output
 
 
+@with_output(units=True)
 def formulas(
     engine: Annotated[
         str | None,
@@ -69,15 +59,12 @@ def formulas(
     published: Annotated[
         bool, typer.Option("--published", help="The published table, repaired values marked.")
     ] = False,
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,
+    *,
+    out: Output,
 ) -> None:
     """Show the published formulas for a throw, or all shipped engines, beside finite elements."""
-    from crankbase.tables.output_units import parse_output_units
-    from crankfem.cli.angle_argument import parse_gamma
+    from crankfem.cli.angle_and_speed import parse_gamma
 
-    shown = parse_output_units(units)
     if (engine is not None) + all_engines + published != 1:
         raise InputError("formulas: give one of ENGINE.toml, --all and --published.")
     if throw is not None and engine is None:
@@ -92,20 +79,18 @@ def formulas(
                 "--variant": variant is not None,
                 "--constant": bool(constant),
                 "--no-fe": not fe,
-                "--units": units is not None,
+                "--units": bool(out.units.wished),
             }
         )
-        _published(json)
+        _published(out.json)
         return
     asked = _Request(
         throw=throw,
-        gamma=180.0 if gamma is None else parse_gamma(gamma, quiet),
+        gamma=180.0 if gamma is None else parse_gamma(gamma, out.quiet),
         variant=variant or "corrected",
         constants=parse_pairs(constant or [], _pure_number, example="k_n=0.4"),
         fe=fe,
-        json=json,
-        quiet=quiet,
-        units=shown,
+        out=out,
     )
     if engine is None:
         _all_engines(asked)
@@ -127,7 +112,7 @@ def _one_throw(engine: str, asked: _Request) -> None:
     from crankfem.cli.throw_choice import select_throw
     from fem.analysis import analyze_throw
 
-    dimensions, material = select_throw(engine, asked.throw, asked.quiet)
+    dimensions, material = select_throw(engine, asked.throw, asked.out.quiet)
     gamma, constants = asked.gamma, asked.constants
     records: dict[str, Any] = dict(
         formula_records(dimensions, material, gamma, asked.variant, constants)
@@ -135,10 +120,10 @@ def _one_throw(engine: str, asked: _Request) -> None:
     records |= {"gamma_deg": gamma, "constants": dict(constants)}
     if asked.fe:
         records["fe"] = fe_record(analyze_throw(dimensions, material), gamma)
-    if asked.json:
+    if asked.out.json:
         print_json(records)
     else:
-        formula_tables.print_one_throw(records, gamma, constants, asked.units)
+        formula_tables.print_one_throw(records, gamma, constants, asked.out.units)
 
 
 def _all_engines(asked: _Request) -> None:
@@ -149,7 +134,7 @@ def _all_engines(asked: _Request) -> None:
     )
     from crankfem.cli.tables import formula_tables
     from crankfem.files.engine.throw_file import load_throw
-    from crankfem.files.reading.data_files import shipped_engines
+    from crankfem.files.reading.data_files import shipped_names
 
     if not asked.fe:
         raise InputError(
@@ -157,7 +142,7 @@ def _all_engines(asked: _Request) -> None:
             "with finite elements."
         )
     spreads = spread_of_engines(
-        [(name, *load_throw(name)) for name in shipped_engines()],
+        [(name, *load_throw(name)) for name in shipped_names("engine")],
         functools.partial(
             engine_spread,
             gamma_deg=asked.gamma,
@@ -165,20 +150,21 @@ def _all_engines(asked: _Request) -> None:
             constants=asked.constants,
         ),
         lambda place, count, name: console.print_note(
-            f"finite elements: {name} ({place} of {count})", asked.quiet
+            f"finite elements: {name} ({place} of {count})", asked.out.quiet
         ),
     )
-    if asked.json:
+    if asked.out.json:
         engines = [spread_record(spread) for spread in spreads]
         constants = dict(asked.constants)
         print_json({"gamma_deg": asked.gamma, "constants": constants, "engines": engines})
     else:
         formula_tables.print_spread(
-            spreads, asked.gamma, asked.variant, asked.constants, asked.units
+            spreads, asked.gamma, asked.variant, asked.constants, asked.out.units
         )
 
 
 def _published(json: bool) -> None:
+    from crankfem.analyses.record import attributes
     from crankfem.files.reading.data_files import data_folder
     from regression.formulas.published_table import FINITE_ELEMENTS_DOUBT, read_published_table
 
@@ -188,24 +174,9 @@ def _published(json: bool) -> None:
 
         formula_tables.print_published(values)
         return
-    print_json(
-        {
-            "unit": "m/N",
-            "values": [
-                {
-                    "engine": value.engine,
-                    "formula": value.formula,
-                    "printed": value.printed,
-                    "exponent_factor": value.exponent_factor,
-                    "repaired": value.repaired,
-                    "group": value.group,
-                    "doubt": value.doubt,
-                }
-                for value in values
-            ],
-            "finite_elements_doubt": FINITE_ELEMENTS_DOUBT,
-        }
-    )
+    names = ("engine", "formula", "printed", "exponent_factor", "repaired", "group", "doubt")
+    records = [attributes(value, *names) for value in values]
+    print_json({"unit": "m/N", "values": records, "finite_elements_doubt": FINITE_ELEMENTS_DOUBT})
 
 
 def _pure_number(name: str, text: str) -> float:

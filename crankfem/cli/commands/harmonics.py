@@ -9,13 +9,7 @@ import typer
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import (
-    ForceOption,
-    JsonOption,
-    QuietOption,
-    SpeedOption,
-    UnitsOption,
-)
+from crankfem.cli.commands.options import Output, SpeedOption, with_output
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
@@ -37,6 +31,7 @@ class _Request:
     pictures: str | None
 
 
+@with_output(files=True, units=True)
 def harmonics(
     source: Annotated[
         str,
@@ -65,16 +60,12 @@ def harmonics(
         str | None,
         typer.Option(metavar="FOLDER", help="Write torque, harmonics and star diagrams as SVG."),
     ] = None,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    *,
+    out: Output,
 ) -> None:
     """Split torque into harmonics M_k sin(k w t + a_k): of a table, or of an engine with its stars."""
-    from crankbase.tables.output_units import parse_output_units
     from crankfem.cli.tables.harmonics_tables import write_table
 
-    shown = parse_output_units(units)
     if orders is not None and not orders > 0.0:
         raise InputError(
             f"--orders: given {orders:g}; allowed is an order above 0, because "
@@ -88,10 +79,10 @@ def harmonics(
     )
     if csv is not None:
         write_table(csv, record)
-    if json:
+    if out.json:
         print_json(record)
         return
-    _print(record, orders, shown)
+    _print(record, orders, out.units)
     for path, kind in ((csv, "Table"), (pictures, "Pictures")):
         if path is not None:
             console.output.print(f"{kind}: {path}", soft_wrap=True)
@@ -99,12 +90,12 @@ def harmonics(
 
 def _names_engine(source: str) -> bool:
     """Tell an engine from a torque table: by the file's ending, or as the name of a shipped engine."""
-    from crankfem.files.reading.data_files import shipped_engines
+    from crankfem.files.reading.data_files import shipped_names
 
     path = Path(source)
     if path.suffix.lower() in (".toml", ".csv"):
         return path.suffix.lower() == ".toml"
-    return not path.is_file() or (path.name in shipped_engines() and path.parent == Path())
+    return not path.is_file() or (path.name in shipped_names("engine") and path.parent == Path())
 
 
 def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
@@ -127,7 +118,7 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     table = read_torque_table(path, strokes=4 if asked.strokes is None else asked.strokes)
     found = table.harmonics()
     _check_resolved(asked.orders, found)
-    folder = check_outputs(asked.csv, asked.pictures, path)
+    folder = check_outputs(asked.csv, asked.pictures, path, names=["torque.svg"])
     if folder is not None:
         plot_torque(folder / "torque.svg", table.torque, found)
     return {"table": path.name} | harmonics_record(found)
@@ -135,8 +126,8 @@ def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
 
 def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     from crankfem.analyses import titles
-    from crankfem.analyses.mechanism.plots.torque_plots import picture_torque
-    from crankfem.cli.speed_argument import parse_speed
+    from crankfem.analyses.mechanism.plots.torque_plots import FILES, picture_torque
+    from crankfem.cli.angle_and_speed import parse_speed
     from crankfem.cli.tables.harmonics_tables import engine_record, pin_force_record
     from crankfem.files.engine.input_files import mechanism_inputs
     from crankfem.files.engine.mechanism_file import load_mechanism
@@ -158,7 +149,8 @@ def _engine_harmonics(source: str, asked: _Request) -> dict[str, Any]:
             f"--cylinder: given {cylinder}; allowed is 1 to {len(engine.cylinders)}, because the "
             "engine has that many."
         )
-    folder = check_outputs(asked.csv, asked.pictures, *mechanism_inputs(mechanism))
+    inputs = mechanism_inputs(mechanism)
+    folder = check_outputs(asked.csv, asked.pictures, *inputs, names=FILES)
     pressure = mechanism.pressure or None
     torque = engine_torque(engine, speed, pressure, throws=mechanism.throws)
     _check_resolved(asked.orders, torque.harmonics())

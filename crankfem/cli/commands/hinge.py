@@ -1,22 +1,17 @@
 """The elastic hinge that keeps a crank's speed constant."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, cast
 
 import typer
 
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import (
-    ForceOption,
-    JsonOption,
-    QuietOption,
-    UnitsOption,
-    checked_choice,
-)
+from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json
 
 
+@with_output(files=True, units=True)
 def hinge(
     file: Annotated[
         str,
@@ -42,14 +37,13 @@ def hinge(
     pictures: Annotated[
         str | None, typer.Option(metavar="FOLDER", help="Write moments, guides and speeds.")
     ] = None,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    *,
+    out: Output,
 ) -> None:
     """Guides of an elastic hinge for constant crank speed, and how evenly the crank turns with it."""
-    from crankbase.tables.output_units import parse_output_units
+    from crankbase.checks.choices import check_choice
     from crankbase.units.quantity import parse_quantity
+    from crankfem.analyses.hinge.hinge_pictures import FILES, GUIDES, plot_hinge
     from crankfem.analyses.hinge.hinge_records import hinge_columns, hinge_record
     from crankfem.analyses.hinge.hinge_run import run_hinge
     from crankfem.cli.column_file import write_columns
@@ -58,26 +52,22 @@ def hinge(
     from crankfem.jobs.outputs import check_outputs
     from dynamics.hinge.reduced_crank import KINEMATICS
 
-    shown = parse_output_units(units)
     other = None if speed is None else parse_quantity(speed, "rad/s", "--speed")
     loaded = load_hinge(file)
-    described = checked_choice(
+    check_choice(
         "--kinematics", kinematics, KINEMATICS, "these are the ways to describe the mechanism"
     )
-    folder = check_outputs(csv, pictures, loaded.path)
-    run = run_hinge(loaded, described, other)
+    names = [*FILES, *([] if loaded.comparison is None else [GUIDES])]
+    folder = check_outputs(csv, pictures, loaded.path, names=names)
+    run = run_hinge(loaded, cast(Any, kinematics), other)
     record = hinge_record(run)
     if csv is not None:
         write_columns(csv, hinge_columns(run))
-    made: list[Path] = []
-    if folder is not None:
-        from crankfem.analyses.hinge.hinge_pictures import plot_hinge
-
-        made = plot_hinge(folder, run)
-    if json:
+    made = [] if folder is None else plot_hinge(folder, run)
+    if out.json:
         print_json(record | {"pictures": [str(path) for path in made]})
         return
-    print_hinge(record, shown)
+    print_hinge(record, out.units)
     if csv is not None:
         console.output.print(f"Over the turn: {csv}", soft_wrap=True)
     if made:

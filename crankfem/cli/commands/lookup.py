@@ -6,13 +6,7 @@ import typer
 
 from crankbase.errors import InputError
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import (
-    GammaOption,
-    JsonOption,
-    ModelArgument,
-    QuietOption,
-    UnitsOption,
-)
+from crankfem.cli.commands.options import GammaOption, ModelArgument, Output, with_output
 from crankfem.cli.console import print_json, print_line
 
 if TYPE_CHECKING:
@@ -21,6 +15,7 @@ if TYPE_CHECKING:
     from regression.models.lookup import Lookup
 
 
+@with_output(units=True)
 def lookup(
     model: ModelArgument,
     dimensions: Annotated[
@@ -43,36 +38,33 @@ def lookup(
     strict: Annotated[
         bool, typer.Option("--strict", help="Refuse what lies outside the range of the model.")
     ] = False,
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,
+    *,
+    out: Output,
 ) -> None:
     """Look compliances up in a model, with range check and error band."""
-    from crankbase.tables.output_units import parse_output_units
     from crankfem.cli.model_arguments import model_dimensions
     from regression.models.compliance_model import ComplianceModel
 
-    shown = parse_output_units(units)
     loaded = ComplianceModel.load(model)
     asked: dict[str, Any] = {}
     if throw is not None:
         from crankfem.cli.throw_choice import select_throw
 
-        asked |= loaded.dimensions_of(select_throw(throw, quiet=quiet)[0])
+        asked |= loaded.dimensions_of(select_throw(throw, quiet=out.quiet)[0])
     asked |= model_dimensions(loaded, dimensions or [])
     angle = None
     if gamma is not None:
-        from crankfem.cli.angle_argument import parse_gamma
+        from crankfem.cli.angle_and_speed import parse_gamma
 
-        angle = parse_gamma(gamma, quiet)
+        angle = parse_gamma(gamma, out.quiet)
     answers, refused = _lookups(loaded, asked, angle, strict)
-    if json:
+    if out.json:
         records = {name: _record(answer) for name, answer in answers.items()}
         print_json(records | {name: {"refused": reason} for name, reason in refused.items()})
         return
-    _print_lookups(loaded, answers, angle is not None, shown)
+    _print_lookups(loaded, answers, angle is not None, out.units)
     for name, reason in refused.items():
-        print_line(shown.text(f"{_title(name)}: left out; {reason}"))
+        print_line(out.units.text(f"{_title(name)}: left out; {reason}"))
 
 
 def _lookups(
@@ -110,19 +102,14 @@ def _lookups(
 
 
 def _record(answer: "Lookup") -> dict[str, Any]:
+    from crankfem.analyses.record import attributes
+
     return {
-        "value": answer.value,
-        "lower": answer.lower,
-        "upper": answer.upper,
-        "unit": answer.unit,
-        "symbol": answer.symbol,
-        "support": answer.support,
-        "inside": answer.inside,
+        **attributes(answer, "value", "lower", "upper", "unit", "symbol", "support", "inside"),
         "remarks": list(answer.remarks),
         "largest_held_out_error": answer.error,
         "largest_fe_error_estimate": answer.fe_error,
-        "band": answer.band,
-        "equation": answer.equation,
+        **attributes(answer, "band", "equation"),
     }
 
 

@@ -9,7 +9,7 @@ import typer
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import ForceOption, JsonOption, QuietOption
+from crankfem.cli.commands.options import Output, with_output
 from crankfem.cli.console import print_json
 
 CYLINDERS, STROKES = 6, 4
@@ -23,6 +23,7 @@ NEXT = {
 }
 
 
+@with_output(files=True)
 def new(
     file: Annotated[
         Path | None, typer.Argument(metavar="ENGINE.toml", help="The file to write.")
@@ -47,9 +48,8 @@ def new(
         typer.Option(help="Its strokes per cycle, 2 or 4.", show_default=str(STROKES)),
     ] = None,
     listed: Annotated[bool, typer.Option("--list", help="List what is shipped.")] = False,
-    force: ForceOption = False,
-    json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    *,
+    out: Output,
 ) -> None:
     """Write an engine file that explains itself and runs as it is, or copy a shipped one."""
     from crankfem.jobs.outputs import check_writable
@@ -59,14 +59,14 @@ def new(
             raise InputError(
                 "--list: given with a file; allowed is --list alone, for it writes none."
             )
-        _list(json)
+        _list(out.json)
         return
     if file is None:
         raise InputError(
             "new: given no file; allowed is the name of one to write, like `crankfem new mine.toml`, or "
             "--list."
         )
-    if os.path.lexists(file) and not force:
+    if os.path.lexists(file) and not out.force:
         raise InputError(f"{file}: exists already; give a new file name, or --force to replace it.")
     check_writable(file, "input file")
     if source is None:
@@ -81,7 +81,7 @@ def new(
                 )
         kind = _copy(source, file)
     command = f"crankfem {NEXT[kind]} {file}"
-    if json:
+    if out.json:
         print_json({"file": str(file), "from": source, "kind": kind, "next": command})
         return
     console.print_line(
@@ -105,7 +105,7 @@ def _write_template(file: Path, cylinders: int | None, strokes: int | None) -> N
 def _copy(source: str, file: Path) -> str:
     """Copy a shipped file; return its kind."""
     from crankbase.outputs import write_user_file
-    from crankfem.files.reading.shipped import shipped_files
+    from crankfem.files.engine.shipped import shipped_files
     from crankfem.jobs.outputs import check_writable
 
     known = {one.name: one for one in shipped_files()}
@@ -121,13 +121,14 @@ def _copy(source: str, file: Path) -> str:
 
 def _list(json: bool) -> None:
     from crankbase.tables.table import Column, Table
-    from crankfem.files.reading.shipped import shipped_files
+    from crankfem.analyses.record import attributes
+    from crankfem.files.engine.shipped import shipped_files
 
     if json:
         print_json(
             {
                 "shipped": [
-                    {"name": one.name, "kind": one.kind, "about": one.about, "file": str(one.path)}
+                    attributes(one, "name", "kind", "about") | {"file": str(one.path)}
                     for one in shipped_files()
                 ]
             }

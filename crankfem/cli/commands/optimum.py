@@ -7,7 +7,7 @@ import typer
 
 from crankbase.errors import InputError
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import JsonOption, ModelArgument, QuietOption, UnitsOption
+from crankfem.cli.commands.options import ModelArgument, Output, with_output
 from crankfem.cli.console import print_json, print_line, print_table
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from regression.models.optimum_limits import Limit
 
 
+@with_output(units=True)
 def optimum(
     model: ModelArgument,
     minimize: Annotated[
@@ -53,18 +54,15 @@ def optimum(
         bool,
         typer.Option("--no-margin", help="Keep limits by the equations alone, not their bands."),
     ] = False,
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,  # noqa: ARG001 - nothing is told beside the result
+    *,
+    out: Output,
 ) -> None:
     """Find the thinnest web, the lightest throw, or the least of anything, under limits."""
-    from crankbase.tables.output_units import parse_output_units
     from crankfem.cli.model_arguments import model_dimensions, parse_limit
     from regression.models.compliance_model import ComplianceModel
     from regression.models.optimum import find_optimum
     from regression.models.optimum_limits import check_minimized
 
-    shown = parse_output_units(units)
     loaded = ComplianceModel.load(model)
     check_minimized(loaded, minimize, "--minimize")
     held = model_dimensions(loaded, fixed or [])
@@ -81,10 +79,10 @@ def optimum(
             "its moment of inertia are kept as the throw changes"
         )
         found = replace(found, remarks=(*found.remarks, kept))
-    if json:
+    if out.json:
         print_json(_record(found))
         return
-    _print_optimum(loaded, found, shown)
+    _print_optimum(loaded, found, out.units)
 
 
 def _frequency_limits(
@@ -124,33 +122,18 @@ def _frequency_limits(
 
 
 def _record(found: "Optimum") -> dict[str, Any]:
+    from crankfem.analyses.record import attributes
+
     return {
-        "minimized": found.minimized,
-        "value": found.value,
-        "unit": found.unit,
-        "factors": found.factors,
-        "dimensions": found.dimensions,
+        **attributes(found, "minimized", "value", "unit", "factors", "dimensions"),
         "at_ends": list(found.at_ends),
         "limits": [
-            {
-                "name": check.limit.name,
-                "sign": check.limit.sign,
-                "bound": check.limit.bound,
-                "unit": check.limit.unit,
-                "value": check.value,
-                "worst": check.worst,
-                "active": check.active,
-            }
+            attributes(check.limit, "name", "sign", "bound", "unit")
+            | attributes(check, "value", "worst", "active")
             for check in found.limits
         ],
         "responses": {
-            name: {
-                "value": answer.value,
-                "lower": answer.lower,
-                "upper": answer.upper,
-                "unit": answer.unit,
-                "inside": answer.inside,
-            }
+            name: attributes(answer, "value", "lower", "upper", "unit", "inside")
             for name, answer in found.lookups.items()
         },
         "throw": None if found.throw is None else found.throw.model_dump(mode="json"),

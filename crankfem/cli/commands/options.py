@@ -1,16 +1,19 @@
-"""Arguments and options that several commands share."""
+"""Arguments and options that several commands share, and those that say how every command answers."""
 
-from collections.abc import Sequence
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, Any
 
 import typer
 
-from crankbase.errors import InputError
 from crankbase.outputs import replacing_files
+from crankbase.tables.output_units import OutputUnits, parse_output_units
 from crankfem.cli.commands import completion
 
-Choice = TypeVar("Choice", bound=str)
+Command = Callable[..., None]
 
 
 def _set_replacement_rules(command: typer.Context, force: bool) -> bool:
@@ -99,17 +102,50 @@ ThrowOption = Annotated[
 WorkersOption = Annotated[int, typer.Option(help="Worker processes of the study.")]
 
 
-def checked_choice(option: str, given: str, allowed: Sequence[Choice], reason: str) -> Choice:
-    """Return what was given as the one of the allowed texts that it is.
+@dataclass(frozen=True)
+class Output:
+    """How a command answers: in which units it prints, or as JSON, whether without notes or with force."""
 
-    Raises
-    ------
-    InputError
-        If it is none of them.
+    units: OutputUnits
+    json: bool
+    quiet: bool
+    force: bool
+
+
+def with_output(*, units: bool = False, files: bool = False) -> Callable[[Command], Command]:
+    """Give a command --json and --quiet behind its own options; it gets all of them as `out`.
+
+    Parameters
+    ----------
+    units : bool
+        Whether it prints quantities, and so has --units.
+    files : bool
+        Whether it writes files, and so has --force.
     """
-    for choice in allowed:
-        if given == choice:
-            return choice
-    raise InputError(
-        f"{option}: given {given!r}; allowed are {', '.join(allowed)}, because {reason}."
-    )
+    options: dict[str, tuple[object, object]] = {
+        "force": (ForceOption, False),
+        "units": (UnitsOption, None),
+        "json": (JsonOption, False),
+        "quiet": (QuietOption, False),
+    }
+    left_out = {"force": not files, "units": not units}
+    added = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
+        for name, (kind, default) in options.items()
+        if not left_out.get(name)
+    ]
+
+    def decorate(command: Command) -> Command:
+        @wraps(command)
+        def printing(
+            *, force: bool = False, units: str | None = None, json: bool, quiet: bool, **given: Any
+        ) -> None:
+            command(**given, out=Output(parse_output_units(units), json, quiet, force))
+
+        signature = inspect.signature(command)
+        own = [one for name, one in signature.parameters.items() if name != "out"]
+        printing.__annotations__ = {one.name: one.annotation for one in [*own, *added]}
+        printing.__signature__ = signature.replace(parameters=[*own, *added])  # type: ignore[attr-defined]
+        return printing
+
+    return decorate

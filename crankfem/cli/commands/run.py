@@ -1,5 +1,6 @@
 """The main job, and its report written again."""
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -9,12 +10,10 @@ from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands.options import (
     EngineArgument,
-    ForceOption,
-    JsonOption,
-    QuietOption,
+    Output,
     StrictOption,
-    UnitsOption,
     WorkersOption,
+    with_output,
 )
 from crankfem.cli.commands.strict import check_has_limits, exit_if_limits_exceeded
 from crankfem.cli.console import print_json
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
     from crankbase.tables.output_units import OutputUnits
 
 
+@with_output(files=True, units=True)
 def run(
     engine: EngineArgument,
     output: Annotated[
@@ -30,25 +30,21 @@ def run(
     ] = None,
     workers: WorkersOption = 2,
     strict: StrictOption = False,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,
+    *,
+    out: Output,
 ) -> None:
     """Do everything: throw, formulas, study, vibration, and a report, into one folder.
 
     With --quiet only the path of the report is printed.
     """
-    from crankbase.tables.output_units import parse_output_units
     from crankfem.jobs.pipeline import run_engine
     from crankfem.jobs.run_inputs import RunInputs, read_inputs
 
-    shown = parse_output_units(units)
     source: str | RunInputs = engine
     if strict:
         source = read_inputs(engine)
         check_has_limits(source.engine_file)
-    with console.RunProgress(quiet) as progress:
+    with console.RunProgress(out.quiet) as progress:
         try:
             made = run_engine(source, output, workers=workers, progress=progress)
         except KeyboardInterrupt:
@@ -59,19 +55,19 @@ def run(
                 "over."
             )
         progress.finish()
-    if json:
+    if out.json:
         print_json(made.results)
-    elif quiet:
+    elif out.quiet:
         console.print_line(str(made.report))
     else:
-        _print(made.results, shown)
+        _print(made.results, out.units)
         console.print_line(f"Report: {made.report}")
     if strict:
         exit_if_limits_exceeded(made.results["vibration"])
 
 
 def _print(results: dict[str, Any], units: "OutputUnits") -> None:
-    from crankfem.cli.tables import fit_tables, formula_tables, tables
+    from crankfem.cli.tables import fit_tables, formula_tables, throw_tables
     from crankfem.cli.tables.vibration_tables import print_run
 
     named = results.get("throws")
@@ -79,22 +75,20 @@ def _print(results: dict[str, Any], units: "OutputUnits") -> None:
         if named:
             cranks = "crank" if len(own["cranks"]) == 1 else "cranks"
             console.print_line(f"Throw {name}: {cranks} {', '.join(map(str, own['cranks']))}.")
-        tables.print_throw(own["throw"], units)
+        throw_tables.print_throw(own["throw"], units)
         formula_tables.print_one_throw(own["formulas"], 180.0, units=units)
     if results["study"] is not None:
         fit_tables.print_main_fits(results["study"]["fits"])
     print_run(results["vibration"], units)
 
 
+@with_output(files=True)
 def report(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of a finished run.")],
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    json: JsonOption = False,
-    quiet: QuietOption = False,
+    *,
+    out: Output,
 ) -> None:
     """Write the report of a finished run again, from its results and pictures."""
-    import json as json_module
-
     from jinja2 import TemplateError
 
     from crankbase.outputs import check_output, is_regular_file, protect, recording_run_files
@@ -112,7 +106,7 @@ def report(
         check_output(folder / REPORT, "report")
     content = path.read_bytes()
     try:
-        results = json_module.loads(content.decode("utf-8"))
+        results = json.loads(content.decode("utf-8"))
         text, unread = render_report(results, folder / PICTURES)
     except (
         ValueError,
@@ -127,8 +121,8 @@ def report(
         ) from None
     made = write_report_text(folder / REPORT, text)
     if unread is not None:
-        console.print_note(f"Note: {unread}", quiet)
-    if json:
+        console.print_note(f"Note: {unread}", out.quiet)
+    if out.json:
         print_json({"report": str(made)})
     else:
-        console.print_line(str(made) if quiet else f"Report: {made}")
+        console.print_line(str(made) if out.quiet else f"Report: {made}")

@@ -7,19 +7,14 @@ import typer
 
 from crankbase.errors import InputError
 from crankfem.cli import console
-from crankfem.cli.commands.options import (
-    EngineArgument,
-    ForceOption,
-    JsonOption,
-    QuietOption,
-    ThrowOption,
-)
+from crankfem.cli.commands.options import EngineArgument, Output, ThrowOption, with_output
 from crankfem.cli.console import print_json
 
 if TYPE_CHECKING:
     from crankfem.files.reading.toml_file import TomlFile
 
 
+@with_output(files=True)
 def export(
     engine: EngineArgument,
     file: Annotated[
@@ -40,14 +35,13 @@ def export(
             "--calculix", help="Into .inp write a whole deck: mesh, supports, load cases."
         ),
     ] = False,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    json: JsonOption = False,
-    quiet: QuietOption = False,
+    *,
+    out: Output,
 ) -> None:
     """Write the solid of a throw or of the whole crankshaft, or a throw's mesh, for other programs."""
     from crankfem.cli.throw_choice import select_throw
+    from crankfem.files.engine.file_kinds import engine_sections
     from crankfem.files.engine.throw_file import load_crankshaft
-    from crankfem.files.reading.file_kinds import engine_sections
     from crankfem.jobs.outputs import check_writable
     from fem.calculix import write_calculix
     from geometry.mesh_files import ENDINGS as MESH_ENDINGS
@@ -55,9 +49,13 @@ def export(
     from geometry.mesher import mesh_isolated
     from geometry.solid_files import ENDINGS, write_step
 
-    _refuse_beside_shaft(name, shaft)
+    if name is not None and shaft:
+        raise InputError(
+            f"--throw: given {name!r} with --shaft; allowed is one of the two, because the whole crankshaft "
+            "has all throws."
+        )
     content = engine_sections(engine)
-    throw, material = select_throw(content, name, quiet or shaft)
+    throw, material = select_throw(content, name, out.quiet or shaft)
     record: dict[str, Any] = {"file": str(file)}
     if calculix and (file.suffix != ".inp" or part != "full"):
         raise InputError(
@@ -90,7 +88,7 @@ def export(
             "surfaces": {name: len(facets) for name, facets in mesh.surfaces.items()},
             "attempts": list(mesh.attempts),
         }
-    if json:
+    if out.json:
         print_json(record)
         return
     mesh_text = ""
@@ -99,14 +97,7 @@ def export(
     console.output.print(f"{file} written{mesh_text}; lengths in m.", soft_wrap=True)
 
 
-def _refuse_beside_shaft(name: str | None, shaft: bool) -> None:
-    if name is not None and shaft:
-        raise InputError(
-            f"--throw: given {name!r} with --shaft; allowed is one of the two, because the whole crankshaft "
-            "has all throws."
-        )
-
-
+@with_output(files=True)
 def draw(
     engine: EngineArgument,
     name: ThrowOption = None,
@@ -122,9 +113,8 @@ def draw(
     shaft: Annotated[
         Path | None, typer.Option(metavar="SHAFT.png", help="Picture of the whole crankshaft.")
     ] = None,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    json: JsonOption = False,
-    quiet: QuietOption = False,
+    *,
+    out: Output,
 ) -> None:
     """Draw a throw to scale with its dimensions, and picture the solid of throw and crankshaft."""
     from crankfem.analyses.throw.pictures.drawing import check_drawing_ending, write_drawing
@@ -134,12 +124,12 @@ def draw(
         picture_throw,
     )
     from crankfem.cli.throw_choice import select_throw
+    from crankfem.files.engine.file_kinds import engine_sections
     from crankfem.files.engine.throw_file import load_crankshaft
-    from crankfem.files.reading.data_files import engine_path
-    from crankfem.files.reading.file_kinds import engine_sections
+    from crankfem.files.reading.data_files import input_path
     from crankfem.jobs.outputs import check_distinct_files, check_writable
 
-    source = engine_path(engine)
+    source = input_path(engine)
     of = "throw" if name is None else f"throw-{name}"
     drawing = output or Path(f"{source.stem}-{of}.svg")
     check_drawing_ending(drawing)
@@ -149,7 +139,7 @@ def draw(
     for file in filter(None, (drawing, picture, shaft)):
         check_writable(file, "picture", source)
     content = engine_sections(engine)
-    dimensions, _ = select_throw(content, name, quiet)
+    dimensions, _ = select_throw(content, name, out.quiet)
     crankshaft = load_crankshaft(content) if shaft else None
     title = _title(content) if name is None else f"{_title(content)}, throw {name}"
     files = [write_drawing(dimensions, drawing, title)]
@@ -157,7 +147,7 @@ def draw(
         files.append(picture_throw(dimensions, picture))
     if shaft and crankshaft:
         files.append(picture_shaft(crankshaft, shaft))
-    if json:
+    if out.json:
         print_json({"files": [str(file) for file in files]})
         return
     for file in files:

@@ -10,17 +10,16 @@ from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands.options import (
     EngineArgument,
-    ForceOption,
-    JsonOption,
-    QuietOption,
+    Output,
     ThrowArgument,
     ThrowOption,
-    UnitsOption,
+    with_output,
 )
 from crankfem.cli.console import print_json
 from fem.wished_accuracy import COMPLIANCE_ACCURACY, STRESS_ACCURACY
 
 
+@with_output(units=True)
 def throw(
     engine: ThrowArgument,
     name: ThrowOption = None,
@@ -39,18 +38,16 @@ def throw(
         int, typer.Option(help="Also find so many natural modes of the free throw.")
     ] = 0,
     profile: Annotated[bool, typer.Option("--profile", help="Print where the time goes.")] = False,
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,
+    *,
+    out: Output,
 ) -> None:
     """Analyze one throw by finite elements: compliances, reactions, masses.
 
     A STEP file is a CAD part of steel: z along the shaft, faces named "left end", "right end" and
     "pin", or none named at all.
     """
-    from crankbase.tables.output_units import parse_output_units
     from crankfem.analyses.throw.throw_record import mode_records, throw_record
-    from crankfem.cli.tables import tables
+    from crankfem.cli.tables import throw_tables
     from crankfem.cli.throw_choice import select_throw
     from crankfem.jobs.run_records import UNIT_RADIAL_FORCE
     from fem.analysis import analyze_throw
@@ -60,7 +57,6 @@ def throw(
     from geometry.mesher import Throw
     from geometry.solid_files import ENDINGS
 
-    shown = parse_output_units(units)
     if not 0 <= modes <= MOST_MODES:
         raise InputError(f"--modes: given {modes}; allowed is 0 to {MOST_MODES}, 0 for none.")
     if Path(engine).suffix.lower() in ENDINGS:
@@ -71,14 +67,14 @@ def throw(
             )
         part: Throw = import_throw(engine, pins=pins or ("pin",))
         for remark in part.remarks:
-            console.print_note(remark, quiet)
+            console.print_note(remark, out.quiet)
         material = STEEL
     else:
         if pins:
             raise InputError(
                 f"--pin: given {pins[0]!r}; allowed only with a STEP file, whose faces have names."
             )
-        part, material = select_throw(engine, name, quiet)
+        part, material = select_throw(engine, name, out.quiet)
     analysis = analyze_throw(
         part, material, accuracy, solver=solver, end_sections=cast(Any, end_sections)
     )
@@ -87,16 +83,17 @@ def throw(
         start = time.perf_counter()
         record["free_modes"] = mode_records(analysis.free_modes(modes))
         record["seconds"]["modes"] = time.perf_counter() - start
-    if json:
+    if out.json:
         print_json(record)
         return
-    tables.print_throw(record, shown)
+    throw_tables.print_throw(record, out.units)
     if modes:
-        tables.print_free_modes(record["free_modes"], shown)
+        throw_tables.print_free_modes(record["free_modes"], out.units)
     if profile:
-        tables.print_profile(record["seconds"])
+        throw_tables.print_profile(record["seconds"])
 
 
+@with_output(files=True, units=True)
 def stress(
     engine: EngineArgument,
     name: ThrowOption = None,
@@ -107,45 +104,33 @@ def stress(
     pictures: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="Folder for a picture of each load.")
     ] = None,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,
+    *,
+    out: Output,
 ) -> None:
     """Find the stresses at a throw's fillets under unit loads, and their concentration factors."""
-    from crankbase.outputs import check_output, protect
-    from crankbase.tables.output_units import parse_output_units
+    from crankbase.outputs import protect
     from crankfem.analyses.throw.pictures.stress_picture import picture_name
     from crankfem.analyses.throw.stress import stress_record
-    from crankfem.cli.tables.stress_tables import print_stresses
+    from crankfem.cli.tables.throw_tables import print_stresses
     from crankfem.cli.throw_choice import select_throw
-    from crankfem.files.reading.data_files import engine_path
+    from crankfem.files.reading.data_files import input_path
+    from crankfem.jobs.outputs import make_output_folder
     from fem.fillet_stress import fillet_stresses
     from fem.loads import radial_directions
     from fem.unit_loads import unit_loads
 
-    shown = parse_output_units(units)
-    part, material = select_throw(engine, name, quiet)
+    part, material = select_throw(engine, name, out.quiet)
     if pictures is not None:
-        if not pictures.absolute().parent.is_dir():
-            raise InputError(
-                f"{pictures}: cannot be written; there is no folder {pictures.parent}."
-            )
-        if pictures.exists() and not pictures.is_dir():
-            raise InputError(
-                f"--pictures: given {pictures}, which is a file; allowed is a folder, for there is a "
-                "picture of each load."
-            )
-        protect(engine_path(engine))
-        for load in unit_loads(radial_directions(part)):
-            check_output(pictures / picture_name(load), "picture")
+        protect(input_path(engine))
+        names = [picture_name(load) for load in unit_loads(radial_directions(part))]
+        make_output_folder("--pictures", pictures, names)
     stresses = fillet_stresses(part, material, accuracy, end_sections=cast(Any, end_sections))
     record = stress_record(stresses)
     if pictures is not None:
         from crankfem.analyses.throw.pictures.stress_picture import picture_stresses
 
         record["pictures"] = [str(file) for file in picture_stresses(stresses, pictures)]
-    if json:
+    if out.json:
         print_json(record)
     else:
-        print_stresses(record, shown)
+        print_stresses(record, out.units)

@@ -1,6 +1,5 @@
 """Vibration of an engine, or of a chain that a file describes."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -8,13 +7,7 @@ import typer
 from crankbase.errors import InputError
 from crankfem.cli import console
 from crankfem.cli.commands import completion
-from crankfem.cli.commands.options import (
-    ForceOption,
-    JsonOption,
-    QuietOption,
-    StrictOption,
-    UnitsOption,
-)
+from crankfem.cli.commands.options import Output, StrictOption, with_output
 from crankfem.cli.commands.strict import check_has_limits, exit_if_limits_exceeded
 from crankfem.cli.console import print_json
 
@@ -23,6 +16,7 @@ if TYPE_CHECKING:
     from crankfem.files.reading.toml_file import TomlFile
 
 
+@with_output(files=True, units=True)
 def vibration(
     engine: Annotated[
         str,
@@ -54,23 +48,18 @@ def vibration(
         typer.Option(metavar="FOLDER", help="Write mode shapes, Campbell diagrams and amplitudes."),
     ] = None,
     strict: StrictOption = False,
-    force: ForceOption = False,  # noqa: ARG001 - its callback has set what may be replaced
-    units: UnitsOption = None,
-    json: JsonOption = False,
-    quiet: QuietOption = False,
+    *,
+    out: Output,
 ) -> None:
     """Natural frequencies, forced vibration over the speeds, and a verdict against limits."""
-    from crankbase.tables.output_units import parse_output_units
-    from crankfem.files.reading.file_kinds import any_sections, describes_a_chain
+    from crankfem.files.engine.file_kinds import any_sections, file_kind
 
-    shown = parse_output_units(units)
     content = any_sections(engine)
-    if content is None or describes_a_chain(content):
+    if content is None or file_kind(content) == "chain":
         others = coupled or strict or any(given is not None for given in (run_up, csv, pictures))
-        _print_chain_modes(engine, content, json, shown, only_engines=others)
+        _print_chain_modes(engine, content, out.json, out.units, only_engines=others)
         return
-    from crankbase.drawing.diagram_style import make_folder
-    from crankbase.outputs import check_output, protect
+    from crankbase.outputs import protect
     from crankfem.analyses.shaft.motion import MOTION
     from crankfem.analyses.vibration.forced_records import forced_columns
     from crankfem.analyses.vibration.records import run_record
@@ -84,6 +73,7 @@ def vibration(
     from crankfem.files.engine.engine_file import load_engine
     from crankfem.files.engine.input_files import engine_tables
     from crankfem.files.engine.mechanism_file import mechanism_of
+    from crankfem.jobs.outputs import make_output_folder
     from crankfem.report.interactive.vibration import VIBRATION
 
     duration = None if run_up is None else parse_duration(run_up)
@@ -92,20 +82,12 @@ def vibration(
         check_has_limits(read)
     if csv is not None or pictures is not None:
         protect(read.path, *engine_tables(read, mechanism_of(read)))
-    folders = [None if given is None else Path(given) for given in (csv, pictures)]
-    for folder in folders:
-        if folder is not None:
-            make_folder(folder)
-    if folders[0] is not None:
-        for kind in MOTION:
-            check_output(folders[0] / f"{kind}.csv", "table")
-    if folders[1] is not None:
-        known = read.gas is not None or read.gas_map is not None
-        there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
-        made = [plot.name for plot in VIBRATION.with_(there)]
-        for name in [*made, *([] if run_up is None else ["run_up"])]:
-            check_output(folders[1] / f"{name}.svg", "picture")
-    with console.RunProgress(quiet) as progress:
+    tables = make_output_folder("--csv", csv, [f"{kind}.csv" for kind in MOTION], "table")
+    known = read.gas is not None or read.gas_map is not None
+    there = [*(["forced"] if known else []), *(["whole"] if coupled else [])]
+    names = [*VIBRATION.files(there), *([] if run_up is None else ["run_up.svg"])]
+    drawn = make_output_folder("--pictures", pictures, names)
+    with console.RunProgress(out.quiet) as progress:
         run = engine_vibration(read, coupled=coupled, step=progress.step)
         found = None
         if duration is not None:
@@ -113,25 +95,25 @@ def vibration(
             found = turned_up(run, duration)
         progress.finish()
     written = []
-    if folders[0] is not None:
+    if tables is not None:
         for forced in (run.forced_axial, run.forced_torsional):
             if forced is not None:
-                written.append(folders[0] / f"{forced.kind}.csv")
+                written.append(tables / f"{forced.kind}.csv")
                 write_columns(written[-1], *forced_columns(forced))
-    if folders[1] is not None:
-        written += VIBRATION.draw(folders[1], run)
+    if drawn is not None:
+        written += VIBRATION.draw(drawn, run)
         if found is not None:
-            written.append(folders[1] / "run_up.svg")
+            written.append(drawn / "run_up.svg")
             picture_run_up(written[-1], run, found)
     record = run_record(run)
     if found is not None and run.forced_torsional is not None:
         record["run_up"] = run_up_record(found, run.forced_torsional)
-    if json:
+    if out.json:
         print_json(record | {"files": [str(path) for path in written]})
     else:
-        print_run(record, shown)
+        print_run(record, out.units)
         if found is not None:
-            print_run_up(record["run_up"], shown)
+            print_run_up(record["run_up"], out.units)
         for path in written:
             console.print_line(f"Written: {path}")
     if strict:

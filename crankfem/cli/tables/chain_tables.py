@@ -47,27 +47,15 @@ def chain_record(read: ChainFile) -> Record:
 def print_chain(record: Record, units: OutputUnits = SI) -> None:
     """Print the modes of a chain, with what takes most part in them."""
     print_table(
-        Table(
+        Table.of_records(
             f"{record['name']}: {record['kind']} modes",
-            [
-                Column("mode", words=True),
-                Column("frequency", "Hz", decimals=3),
-                Column("[1/min]", decimals=1),
-                Column("nodes at", decimals=2, words=True),
-                Column("moves most", words=True),
-                Column("strained most", words=True),
-            ],
-            [
-                [
-                    mode["name"],
-                    mode["frequency"],
-                    60.0 * mode["frequency"],
-                    mode["node_positions"],
-                    _largest(mode["kinetic_shares"]),
-                    _largest(mode["strain_shares"]),
-                ]
-                for mode in record["modes"][:MODES_SHOWN]
-            ],
+            record["modes"][:MODES_SHOWN],
+            (Column("mode", words=True), "name"),
+            (Column("frequency", "Hz", decimals=3), "frequency"),
+            (Column("[1/min]", decimals=1), lambda mode: 60.0 * mode["frequency"]),
+            (Column("nodes at", decimals=2, words=True), "node_positions"),
+            (Column("moves most", words=True), lambda mode: _largest(mode["kinetic_shares"])),
+            (Column("strained most", words=True), lambda mode: _largest(mode["strain_shares"])),
             note="Nodes at 2.37 are at 37 % of element 2, counted from 0; shares are those of kinetic and of "
             "strain energy.",
         ),

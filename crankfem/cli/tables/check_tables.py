@@ -7,7 +7,7 @@ from crankbase.tables.table import Column, Table
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
 from crankfem.cli.console import print_line, print_notes, print_table
-from crankfem.cli.tables.tables import print_shape
+from crankfem.cli.tables.throw_tables import print_shape
 
 KINDS = {
     "engine": "It describes a whole engine",
@@ -37,13 +37,13 @@ def print_check(record: Record, units: OutputUnits = SI) -> None:
         _print_dimensions(record["dimensions"], units)
     print_notes((f"{remark.rstrip('.')}." for remark in record["remarks"]), units)
     print_table(
-        Table(
+        Table.of_records(
             "Inputs",
-            [Column(name, words=True) for name in ("field", "value", "assumed", "source")],
-            [
-                [one["field"], one["given"], "yes" if one["assumed"] else "", one["source"]]
-                for one in inputs
-            ],
+            inputs,
+            (Column("field", words=True), "field"),
+            (Column("value", words=True), "given"),
+            (Column("assumed", words=True), lambda one: "yes" if one["assumed"] else ""),
+            (Column("source", words=True), "source"),
         )
     )
 
@@ -64,29 +64,17 @@ def _print_arrangement(name: str, engine: Record, units: OutputUnits) -> None:
         f"{'-'.join(map(str, engine['firing_order']))}."
     )
     fired = dict(zip(engine["firing_order"], engine["firing_angles_deg"], strict=True))
-    banks = engine["bank_angles_deg"]
+    angles = {"crank angle": engine["crank_angles_deg"]}
+    if engine["bank_angles_deg"] is not None:
+        angles["bank angle"] = engine["bank_angles_deg"]
+    angles["fires at"] = [fired[number] for number in sorted(fired)]
     print_table(
         Table(
             f"Cylinders [{units.of('deg').name}]",
+            [Column("cylinder"), *(Column(name, "deg", 6, bare=True) for name in angles)],
             [
-                Column("cylinder"),
-                *(
-                    Column(name, "deg", 6, bare=True)
-                    for name in (
-                        "crank angle",
-                        *([] if banks is None else ["bank angle"]),
-                        "fires at",
-                    )
-                ),
-            ],
-            [
-                [
-                    place,
-                    math.radians(crank),
-                    *([] if banks is None else [math.radians(banks[place - 1])]),
-                    math.radians(fired[place]),
-                ]
-                for place, crank in enumerate(engine["crank_angles_deg"], start=1)
+                [number, *map(math.radians, row)]
+                for number, row in enumerate(zip(*angles.values(), strict=True), start=1)
             ],
         ),
         units,
@@ -106,15 +94,13 @@ def _print_dimensions(
     dimensions: list[Record], units: OutputUnits, title: str = "The throw as understood"
 ) -> None:
     print_table(
-        Table(
+        Table.of_records(
             title,
-            [
-                Column("dimension", words=True),
-                Column("symbol", words=True),
-                Column("", "mm", _digits(units.of("mm"))),
-                Column("meaning", words=True),
-            ],
-            [[one[name] for name in ("name", "symbol", "value", "meaning")] for one in dimensions],
+            dimensions,
+            (Column("dimension", words=True), "name"),
+            (Column("symbol", words=True), "symbol"),
+            (Column("", "mm", _digits(units.of("mm"))), "value"),
+            (Column("meaning", words=True), "meaning"),
         ),
         units,
     )

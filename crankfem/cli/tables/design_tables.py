@@ -7,6 +7,7 @@ from typing import Any
 from crankbase.tables.output_units import OutputUnit
 from crankbase.tables.table import Cell, Column, Table
 from crankbase.units.units import DISPLAY_UNITS
+from crankfem.analyses.record import attributes
 from crankfem.cli.console import print_line, print_table
 from regression.plans.factors import Factor
 from regression.plans.plan import ExcludedDesign, PlannedStudy
@@ -31,15 +32,11 @@ def plan_record(planned: PlannedStudy) -> dict[str, Any]:
             for factor in factors
         ],
         "designs": [
-            {"role": design.role, "key": design.key, "values": _named(factors, design.values)}
+            attributes(design, "role", "key") | {"values": _named(factors, design.values)}
             for design in planned.designs
         ],
         "excluded": [
-            {
-                "role": design.role,
-                "values": _named(factors, design.values),
-                "reason": design.reason,
-            }
+            attributes(design, "role", "reason") | {"values": _named(factors, design.values)}
             for design in planned.excluded
         ],
     }

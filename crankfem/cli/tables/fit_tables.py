@@ -76,25 +76,14 @@ def print_comparisons(records: list[Record]) -> None:
     if not records:
         return
     print_table(
-        Table(
+        Table.of_records(
             "Measured values beside the equations",
-            [
-                Column("source", words=True),
-                Column("response", words=True),
-                Column("measured"),
-                Column("calculated"),
-                Column("calculated / measured", decimals=3, missing=""),
-            ],
-            [
-                [
-                    r["source"],
-                    _form_label(r["response"]),
-                    r["measured"],
-                    r.get("calculated"),
-                    r.get("ratio"),
-                ]
-                for r in records
-            ],
+            records,
+            (Column("source", words=True), "source"),
+            (Column("response", words=True), lambda r: _form_label(r["response"])),
+            (Column("measured"), "measured"),
+            (Column("calculated"), lambda r: r.get("calculated")),
+            (Column("calculated / measured", decimals=3, missing=""), lambda r: r.get("ratio")),
         )
     )
     for reason in dict.fromkeys(f"{r['source']}: {r['reason']}" for r in records if "reason" in r):
@@ -108,25 +97,15 @@ def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None
     chosen = {name: _selected_form(record, form) for name, record in fits.items()}
     equations = "their chosen equations" if form is None else f"the form {form}, as given"
     print_table(
-        Table(
+        Table.of_records(
             f"All responses by {equations}: largest and mean error held out, estimated error of FE",
-            [
-                Column("response", words=True),
-                Column("form", words=True),
-                Column("Q2", decimals=5),
-                *map(Column, ("held out", "mean", "FE")),
-            ],
-            [
-                [
-                    _form_label(name),
-                    f["form"],
-                    f["q_squared"],
-                    _percent(f["largest_error_held_out"]),
-                    _percent(f["mean_error_held_out"]),
-                    _percent(fits[name]["fe_error"]),
-                ]
-                for name, f in chosen.items()
-            ],
+            [f | {"name": name, "fe_error": fits[name]["fe_error"]} for name, f in chosen.items()],
+            (Column("response", words=True), lambda f: _form_label(f["name"])),
+            (Column("form", words=True), "form"),
+            (Column("Q2", decimals=5), "q_squared"),
+            (Column("held out"), lambda f: _percent(f["largest_error_held_out"])),
+            (Column("mean"), lambda f: _percent(f["mean_error_held_out"])),
+            (Column("FE"), lambda f: _percent(f["fe_error"])),
         )
     )
 
@@ -134,53 +113,30 @@ def _print_overview(fits: Mapping[str, Record], form: str | None = None) -> None
 def _print_forms(name: str, record: Record, taken: Record) -> None:
     support = f", {record['support']}" if record["support"] else ""
     print_table(
-        Table(
+        Table.of_records(
             f"{_form_label(name).capitalize()} {record['symbol']}{support}: largest (mean) errors in %",
-            [
-                Column("form", words=True),
-                Column("terms"),
-                *(Column(name, decimals=5) for name in ("R2", "Q2")),
-                *map(Column, ("at the runs", "held out")),
-            ],
-            [
-                [
-                    f["form"] + (" *" if f is taken else ""),
-                    f["coefficient_count"],
-                    f["r_squared"],
-                    f["q_squared"],
-                    _both(f["largest_error_at_runs"], f["mean_error_at_runs"]),
-                    _both(f["largest_error_held_out"], f["mean_error_held_out"]),
-                ]
-                for f in record["forms"]
-            ],
+            record["forms"],
+            (Column("form", words=True), lambda f: f["form"] + (" *" if f is taken else "")),
+            (Column("terms"), "coefficient_count"),
+            (Column("R2", decimals=5), "r_squared"),
+            (Column("Q2", decimals=5), "q_squared"),
+            (Column("at the runs"), lambda f: _both(f, "at_runs")),
+            (Column("held out"), lambda f: _both(f, "held_out")),
         )
     )
 
 
 def _print_coefficients(form: Record) -> None:
-    natural = form["coefficients"]
     print_table(
-        Table(
+        Table.of_records(
             f"Coefficients of {form['form']}: coded (-1 ... 1 over the runs), and natural in SI units",
-            [
-                Column("term", words=True),
-                Column("coded", digits=5),
-                Column("std. error", digits=2),
-                Column("t", digits=3),
-                Column("VIF", digits=3),
-                Column("natural", digits=6),
-            ],
-            [
-                [
-                    c["symbols"],
-                    c["coefficient"],
-                    c["standard_error"],
-                    c["t"],
-                    c["variance_inflation"],
-                    natural[c["term"]],
-                ]
-                for c in form["coded"]
-            ],
+            form["coded"],
+            (Column("term", words=True), "symbols"),
+            (Column("coded", digits=5), "coefficient"),
+            (Column("std. error", digits=2), "standard_error"),
+            (Column("t", digits=3), "t"),
+            (Column("VIF", digits=3), "variance_inflation"),
+            (Column("natural", digits=6), lambda c: form["coefficients"][c["term"]]),
         )
     )
     print_line(
@@ -193,30 +149,24 @@ def _print_coefficients(form: Record) -> None:
 
 def _print_sensitivities(name: str, record: Record) -> None:
     found = record["sensitivities"]
-    sobol = found["sobol"] or {"first": {}, "total": {}}
+    sobol, elasticity = found["sobol"] or {"first": {}, "total": {}}, found["elasticity"]
+
+    def nominal(factor: str) -> str:
+        value = found["nominal"][factor]
+        return value if isinstance(value, str) else format_quantity(value, found["units"][factor])
+
+    def change(factor: str) -> str:
+        return f"{round(elasticity[factor], 3) + 0.0:+.3f}" if factor in elasticity else ""
+
     print_table(
-        Table(
+        Table.of_records(
             f"Sensitivity of the {_form_label(name)} by the chosen equation",
-            [
-                Column("factor", words=True),
-                Column("nominal"),
-                Column("elasticity"),
-                Column("Sobol, first", decimals=3),
-                Column("total", decimals=3),
-            ],
-            [
-                [
-                    factor,
-                    value
-                    if isinstance(value, str)
-                    else format_quantity(value, found["units"][factor]),
-                    f"{round(found['elasticity'][factor], 3) + 0.0:+.3f}"
-                    if factor in found["elasticity"]
-                    else "",
-                    *(sobol[order].get(factor) for order in ("first", "total")),
-                ]
-                for factor, value in found["nominal"].items()
-            ],
+            found["nominal"],
+            (Column("factor", words=True), str),
+            (Column("nominal"), nominal),
+            (Column("elasticity"), change),
+            (Column("Sobol, first", decimals=3), sobol["first"].get),
+            (Column("total", decimals=3), sobol["total"].get),
         )
     )
     print_line(
@@ -239,7 +189,8 @@ def _percent(value: float | None) -> str:
     return f"{100.0 * value:.3g} %" if value >= LEAST_SHOWN else f"< {100.0 * LEAST_SHOWN:g} %"
 
 
-def _both(largest: float, mean: float) -> str:
+def _both(form: Record, designs: str) -> str:
+    largest, mean = form[f"largest_error_{designs}"], form[f"mean_error_{designs}"]
     if largest < LEAST_SHOWN:
         return f"< {100.0 * LEAST_SHOWN:g}"
     return f"{100.0 * largest:.3g} ({100.0 * mean:.2g})"

@@ -14,7 +14,7 @@ from crankfem.analyses.throw.formula_spread import (
     formula_spreads,
 )
 from crankfem.cli import console
-from crankfem.cli.angle_argument import angle_text
+from crankfem.cli.angle_and_speed import angle_text
 from crankfem.cli.console import print_line, print_table
 from regression.formulas.catalogue import AXIAL_FORMULAS
 from regression.formulas.published_table import (
@@ -25,6 +25,8 @@ from regression.formulas.published_table import (
 
 # What may stand behind a number.
 MARKS = ("*", "?")
+# The row of finite elements among those of formulas.
+_ELEMENTS: dict[str, Any] = {"name": "finite elements", "valid": None, "remarks": ()}
 
 
 def _print_title(text: str) -> None:
@@ -75,35 +77,23 @@ def _print_kind(
     numbers = {text: str(place) for place, text in enumerate(dict.fromkeys(texts), start=1)}
     unit = units.of(f"1e-9 {records[0]['unit'] if records else 'm/N'}")
 
-    def row(name: str, value: float, applies: str, remarks: str) -> list[str]:
-        ratio = [] if fe is None else [f"{value / fe:.2f}"]
-        return [name, _four_digits(value, unit), *ratio, applies, remarks]
+    def remarks(record: dict[str, Any]) -> str:
+        return ", ".join(sorted((numbers[text] for text in record["remarks"]), key=int))
 
-    rows = [
-        row(
-            record["name"],
-            record["value"],
-            "yes" if record["valid"] else "no",
-            ", ".join(sorted((numbers[text] for text in record["remarks"]), key=int)),
-        )
-        for record in records
-    ]
-    if fe is not None:
-        rows.insert(0, row("finite elements", fe, "", ""))
-    ratio = [] if fe is None else [Column("beside FE")]
+    applies = {True: "yes", False: "no", None: ""}
+    elements = [] if fe is None else [_ELEMENTS | {"value": fe}]
+    ratio = [(Column("beside FE"), lambda record: f"{record['value'] / fe:.2f}")] if fe else []
     # As a line of its own, because a table breaks its title at its own width.
     _print_title(title)
     print_table(
-        Table(
+        Table.of_records(
             "",
-            [
-                Column("formula", words=True),
-                Column(f"value [{unit.name}]"),
-                *ratio,
-                Column("applies", words=True),
-                Column("remarks", words=True),
-            ],
-            rows,
+            [*elements, *records],
+            (Column("formula", words=True), "name"),
+            (Column(f"value [{unit.name}]"), lambda record: _four_digits(record["value"], unit)),
+            *ratio,
+            (Column("applies", words=True), lambda record: applies[record["valid"]]),
+            (Column("remarks", words=True), remarks),
         )
     )
     for text, place in numbers.items():

@@ -14,7 +14,7 @@ from crankfem.analyses.mechanism.harmonics_record import (
     harmonics_record,
     harmonics_table,
 )
-from crankfem.analyses.record import Record
+from crankfem.analyses.record import Record, attributes
 from crankfem.cli.column_file import write_rows
 from crankfem.cli.console import number, print_line, print_notes, print_table
 from crankfem.files.engine.mechanism_file import MechanismFile
@@ -77,13 +77,8 @@ def pin_force_record(found: PinForceHarmonics) -> Record:
 
 
 def _star_record(star: Star) -> Record:
-    return {
-        "order": star.order,
-        "kind": star.kind,
-        "resultant": star.resultant,
-        "share": star.share,
-        "directions_deg": np.rad2deg(star.directions).tolist(),
-    }
+    known = attributes(star, "order", "kind", "resultant", "share")
+    return known | {"directions_deg": np.rad2deg(star.directions).tolist()}
 
 
 def print_engine(record: Record, units: OutputUnits = SI) -> None:
@@ -117,23 +112,16 @@ def print_engine(record: Record, units: OutputUnits = SI) -> None:
     )
     like = {order: group for group in record["same_stars"] for order in group}
     print_table(
-        Table(
+        Table.of_records(
             "Stars of the orders, all cylinders alike",
-            [
-                Column("order", digits=None),
-                Column("kind", words=True),
-                Column("resultant / sum", decimals=4),
+            record["stars"],
+            (Column("order", digits=None), "order"),
+            (Column("kind", words=True), "kind"),
+            (Column("resultant / sum", decimals=4), "share"),
+            (
                 Column("same star as", digits=6, words=True),
-            ],
-            [
-                [
-                    star["order"],
-                    star["kind"],
-                    star["share"],
-                    [other for other in like[star["order"]] if other != star["order"]],
-                ]
-                for star in record["stars"]
-            ],
+                lambda star: [own for own in like[star["order"]] if own != star["order"]],
+            ),
         )
     )
     if record["hinged_rods"]:

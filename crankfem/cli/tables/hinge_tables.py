@@ -3,8 +3,8 @@
 import math
 import re
 
-from crankbase.tables.output_units import SI, OutputUnits
-from crankbase.tables.table import Column, Table
+from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
+from crankbase.tables.table import Cell, Column, Table
 from crankbase.units.units import RPM
 from crankfem.analyses.record import Record
 from crankfem.cli.console import print_line, print_notes, print_table
@@ -94,25 +94,24 @@ def _print_profile(record: Record, units: OutputUnits) -> None:
             ],
         )
     )
-    checks = [(check, pressure if check["unit"] == "Pa" else length) for check in profile["checks"]]
+
+    def unit(check: Record) -> OutputUnit:
+        return pressure if check["unit"] == "Pa" else length
+
+    def found(check: Record) -> str | None:
+        return None if check["value"] is None else unit(check).number(check["value"])
+
     print_table(
-        Table(
+        Table.of_records(
             "Can it be made",
-            [
-                Column("check", words=True),
-                Column("found"),
-                Column("limit"),
+            profile["checks"],
+            (Column("check", words=True), lambda check: f"{check['name']} [{unit(check).name}]"),
+            (Column("found"), found),
+            (Column("limit"), lambda check: f"> {unit(check).number(check['limit'])}"),
+            (
                 Column("met", words=True),
-            ],
-            [
-                [
-                    f"{check['name']} [{unit.name}]",
-                    None if check["value"] is None else unit.number(check["value"]),
-                    f"> {unit.number(check['limit'])}",
-                    "yes" if check["met"] else f"no: {check['meaning']}",
-                ]
-                for check, unit in checks
-            ],
+                lambda check: "yes" if check["met"] else f"no: {check['meaning']}",
+            ),
         )
     )
     print_notes(profile["remarks"], units)
@@ -148,27 +147,15 @@ def _print_turning(record: Record, units: OutputUnits) -> None:
 def _print_others(record: Record, units: OutputUnits) -> None:
     speed = units.of("1/min")
     print_table(
-        Table(
+        Table.of_records(
             "The same guides at other running points: the start pressure that evens most",
-            [
-                Column("", "1/min"),
-                Column("M_r", "kN m"),
-                Column("p_0", "MPa"),
-                Column("ratio", decimals=3),
-                Column("fluctuation", digits=3),
-                Column("M_h lacks", "%", 3),
-            ],
-            [
-                [
-                    other["speed_rpm"] / RPM,
-                    other["hinge_moment"]["load"],
-                    other["best_pressure"],
-                    other["best_ratio"],
-                    other["fluctuation"],
-                    other["moment_residual"],
-                ]
-                for other in record["other_speeds"]
-            ],
+            record["other_speeds"],
+            (Column("", "1/min"), lambda other: other["speed_rpm"] / RPM),
+            (Column("M_r", "kN m"), lambda other: other["hinge_moment"]["load"]),
+            (Column("p_0", "MPa"), "best_pressure"),
+            (Column("ratio", decimals=3), "best_ratio"),
+            (Column("fluctuation", digits=3), "fluctuation"),
+            (Column("M_h lacks", "%", 3), "moment_residual"),
         ),
         units,
     )
@@ -189,34 +176,24 @@ def _print_others(record: Record, units: OutputUnits) -> None:
 
 
 def _print_compared(compared: list[Record], units: OutputUnits) -> None:
+    def radii(entry: Record) -> Cell:
+        if "refused" in entry:
+            return "cannot be made"
+        return entry["smallest_radius"], entry["largest_radius"]
+
+    def angle(entry: Record) -> Cell:
+        return None if "refused" in entry else math.radians(entry["largest_force_angle_deg"])
+
     print_table(
-        Table(
+        Table.of_records(
             "Guides by size and pressure: radii, largest pressure, steepest force on a roller",
-            [
-                Column("H", "mm"),
-                Column("rho_0", "mm"),
-                Column("p_0", "MPa"),
-                Column("rho", "mm", joint=" to "),
-                Column("p", "MPa", missing=""),
-                Column("off axis", "deg", decimals=1, missing=""),
-            ],
-            [
-                [
-                    entry["height"],
-                    entry["start_radius"],
-                    entry["pressure"],
-                    *(
-                        ["cannot be made", None, None]
-                        if "refused" in entry
-                        else [
-                            (entry["smallest_radius"], entry["largest_radius"]),
-                            entry["largest_pressure"],
-                            math.radians(entry["largest_force_angle_deg"]),
-                        ]
-                    ),
-                ]
-                for entry in compared
-            ],
+            compared,
+            (Column("H", "mm"), "height"),
+            (Column("rho_0", "mm"), "start_radius"),
+            (Column("p_0", "MPa"), "pressure"),
+            (Column("rho", "mm", joint=" to "), radii),
+            (Column("p", "MPa", missing=""), lambda entry: entry.get("largest_pressure")),
+            (Column("off axis", "deg", decimals=1, missing=""), angle),
         ),
         units,
     )

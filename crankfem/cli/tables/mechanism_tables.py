@@ -1,7 +1,12 @@
-"""What the command line prints of a crank mechanism's forces."""
+"""What the command line prints of a crank mechanism: its forces and its balance."""
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.units.units import RPM
+from crankfem.analyses.mechanism.balance_records import (
+    BALANCED_TEXT,
+    balance_table,
+    hinged_rod_table,
+)
 from crankfem.analyses.mechanism.load_tables import (
     bearing_table,
     crankpin_table,
@@ -36,6 +41,21 @@ def print_mechanism(record: Record, units: OutputUnits = SI) -> None:
             + ", ".join(entry["field"] for entry in record["assumed"])
             + "."
         )
+
+
+def print_balance(record: Record, units: OutputUnits = SI) -> None:
+    """Print the tables of forces and moments of `balance_record`."""
+    for kind in ("force", "moment"):
+        print_table(balance_table(record, kind, units), units)
+    print_line(
+        f'"{BALANCED_TEXT}": less than 1e-12 of all masses times R w^2. Axis of the largest value: from '
+        "the vertical, in the sense of rotation."
+    )
+
+
+def print_hinged_rods(records: list[Record], units: OutputUnits = SI) -> None:
+    """Print the table of `hinged_rods_record`."""
+    print_table(hinged_rod_table(records), units)
 
 
 def _print_remarks(remarks: list[str], units: OutputUnits) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 from crankbase.checks.arrays import positive_number
 from crankbase.errors import InputError
 from crankfem.files.chain.chain_sections import (
+    UNITS,
     AxialChainSection,
     AxialDashpot,
     AxialElement,
@@ -26,7 +27,6 @@ from fem.material import Material
 Section = TorsionalChainSection | AxialChainSection
 Node = TorsionalNode | AxialNode
 Element = TorsionalElement | AxialElement
-STIFFNESS_UNITS = {"torsional": "N m/rad", "axial": "N/m"}
 GROUND_FIELDS = ("ground_stiffness", "ground_damping")
 # Fields of each shape; those of the others may not stand beside it.
 SHAPES = {
@@ -84,28 +84,34 @@ def chain_of(section: Section, material: Material) -> Chain:
         inner.setdefault(host, []).extend(between if host == left else between[::-1])
     order = [name for own in given for name in (own, *inner.get(own, ()))] + inner.get(None, [])
     number_of = {name: number for number, name in enumerate(order)}
-    values = [nodes.get(name) for name in order]
+    # Inner nodes of a piece of shaft have nothing but its own inertia.
+    values = [nodes.get(name, TorsionalNode(name=name)) for name in order]
+
+    def place(field: str, name: str) -> int:
+        _check_known(f"chain.{field}", name, given)
+        return number_of[name]
+
     chain = Chain(
-        [0.0 if node is None else _inertia(node) for node in values],
+        [_inertia(node) for node in values],
         [row.stiffness for row in rows],
-        [0.0 if node is None else node.ground_stiffness for node in values],
+        [node.ground_stiffness for node in values],
         connections=[(number_of[row.left], number_of[row.right]) for row in rows],
         damping=[row.damping for row in rows],
         loss_factor=[row.loss_factor for row in rows],
-        ground_damping=[0.0 if node is None else node.ground_damping for node in values],
+        ground_damping=[node.ground_damping for node in values],
         distributed_inertia=[row.distributed_inertia for row in rows],
         dashpots=[
             Dashpot(
-                _known(f"chain.dashpots[{k}].nodes", d.nodes[0], given, number_of),
-                _known(f"chain.dashpots[{k}].nodes", d.nodes[1], given, number_of),
-                d.damping,
+                place(f"dashpots[{k}].nodes", dashpot.nodes[0]),
+                place(f"dashpots[{k}].nodes", dashpot.nodes[1]),
+                dashpot.damping,
             )
-            for k, d in enumerate(dashpots)
+            for k, dashpot in enumerate(dashpots)
         ],
         gears=[
             Gear(
-                _known(f"chain.gears[{k}].driver", gear.driver, given, number_of),
-                _known(f"chain.gears[{k}].driven", gear.driven, given, number_of),
+                place(f"gears[{k}].driver", gear.driver),
+                place(f"gears[{k}].driven", gear.driven),
                 gear.ratio,
             )
             for k, gear in enumerate(section.gears)
@@ -114,7 +120,7 @@ def chain_of(section: Section, material: Material) -> Chain:
     )
     dampers: Sequence[TorsionalDamperPart | AxialDamperPart] = section.dampers
     for k, part in enumerate(dampers):
-        _known(f"chain.dampers[{k}].node", part.node, given, number_of)
+        place(f"dampers[{k}].node", part.node)
         chain = with_damper(chain, part.node, part.damper(f"chain.dampers[{k}]"))
     return chain
 
@@ -224,7 +230,7 @@ def _ends(element: Element, number: int, given: tuple[str, ...]) -> tuple[str, s
             )
         return given[number], given[number + 1]
     for name in element.nodes:
-        _known(f"chain.elements[{number}].nodes", name, given, {})
+        _check_known(f"chain.elements[{number}].nodes", name, given)
     if element.nodes[0] == element.nodes[1]:
         raise InputError(
             f"chain.elements[{number}].nodes: given {element.nodes[0]!r} twice; allowed are two "
@@ -233,12 +239,11 @@ def _ends(element: Element, number: int, given: tuple[str, ...]) -> tuple[str, s
     return element.nodes
 
 
-def _known(field: str, name: str, given: tuple[str, ...], numbers: dict[str, int]) -> int:
+def _check_known(field: str, name: str, given: tuple[str, ...]) -> None:
     if name not in given:
         raise InputError(
             f"{field}: given {name!r}; allowed are {', '.join(given)}, because these are the nodes."
         )
-    return numbers.get(name, 0)
 
 
 def _spring(section: Section, number: int, element: Element, left: str, right: str) -> _Row:
@@ -253,7 +258,7 @@ def _spring(section: Section, number: int, element: Element, left: str, right: s
     stiffness = positive_number(
         field,
         element.stiffness,
-        STIFFNESS_UNITS[section.kind],
+        UNITS[section.kind]["stiffness"],
         "a spring without stiffness cuts the chain in two",
     )
     return _Row(

@@ -7,12 +7,11 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.text_limits import LARGEST_TEXT_FILE, check_file_size
 from crankfem.files.chain.chain_build import Section, chain_of
 from crankfem.files.chain.chain_sections import AxialChainSection, TorsionalChainSection
 from crankfem.files.chain.chain_text import read_chain_text
-from crankfem.files.reading.data_files import chain_path
-from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
+from crankfem.files.reading.data_files import input_path
+from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_text, read_toml
 from dynamics.chains.chain import Chain
 from dynamics.chains.shaft_elements import Motion
 from fem.material import STEEL, Material
@@ -66,15 +65,9 @@ def load_chain(path: str | Path | TomlFile) -> ChainFile:
     InputError
         With one sentence that names what was given and what is allowed.
     """
-    found = path.path if isinstance(path, TomlFile) else chain_path(path)
+    found = path.path if isinstance(path, TomlFile) else input_path(path, "chain")
     if found.suffix.lower() != ".toml":
-        check_file_size(found, LARGEST_TEXT_FILE, "the text of a chain")
-        try:
-            text = found.read_text(encoding="utf-8-sig")
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(
-                f"{found}: cannot be read as text ({error}); allowed is a text file."
-            ) from None
+        text = read_text(found, "the text of a chain", "a text file")
         read = read_chain_text(text, found.name)
         _check_sizes(found.name, read.chain)
         return ChainFile(found, read.name or found.stem, read.kind, read.chain, (), {})

@@ -14,13 +14,11 @@ from crankfem.files.sections.damper_sections import AxialDamperPart, TorsionalDa
 Numbers = float | tuple[float, ...]
 
 
-def _units(torsional: bool) -> dict[str, str]:
-    if torsional:
-        return {"inertia": "kg m^2", "stiffness": "N m/rad", "damping": "N m s/rad"}
-    return {"inertia": "kg", "stiffness": "N/m", "damping": "N s/m"}
-
-
-TORSIONAL_UNITS, AXIAL_UNITS = _units(True), _units(False)
+UNITS = {
+    "torsional": {"inertia": "kg m^2", "stiffness": "N m/rad", "damping": "N m s/rad"},
+    "axial": {"inertia": "kg", "stiffness": "N/m", "damping": "N s/m"},
+}
+TORSIONAL_UNITS, AXIAL_UNITS = UNITS["torsional"], UNITS["axial"]
 
 
 def _quantity(meaning: str, units: dict[str, str], kind: str, default: Any = 0.0) -> Any:
@@ -44,12 +42,7 @@ def _pair() -> Any:
 
 def _loss_factor() -> Any:
     return quantity_field(
-        "loss factor, hysteretic damping",
-        "",
-        minimum=0.0,
-        maximum=2.0,
-        default=0.0,
-        feature=True,
+        "loss factor, hysteretic damping", "", 0.0, 2.0, default=0.0, feature=True
     )
 
 
@@ -82,7 +75,7 @@ class _Shape(InputModel):
         json_schema_extra={"feature": True},
     )
     parts: int = quantity_field(
-        "elements that it is cut into", "", minimum=1, maximum=1000, default=1, feature=True
+        "elements that it is cut into", "", 1, 1000, default=1, feature=True
     )
 
 

@@ -18,16 +18,13 @@ from dataclasses import dataclass, field
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.units.quantity import parse_quantity
+from crankfem.files.chain.chain_sections import UNITS
 from dynamics.chains.chain import Chain
 from dynamics.chains.connections import Dashpot, Gear
 from dynamics.chains.shaft_elements import Motion
 
 COLUMNS = re.compile(r"\s{2,}|\t+")
 HEADING = re.compile(r"(torsional|axial)(?:\s+chain)?\s*(?::\s*(.*))?")
-UNITS: dict[str, dict[str, str]] = {
-    "torsional": {"inertia": "kg m^2", "stiffness": "N m/rad", "damping": "N m s/rad"},
-    "axial": {"inertia": "kg", "stiffness": "N/m", "damping": "N s/m"},
-}
 NODE_WORDS = ("ground damping", "ground")
 LINK_WORDS = ("inertia", "damping", "loss", "dashpot", "gear", "from", "to")
 

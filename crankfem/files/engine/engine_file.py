@@ -1,35 +1,34 @@
 """Read engine files, and check what their sections say of each other."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
 from crankbase.errors import InputError
 from crankbase.model import InputModel
 from crankbase.summaries import summarized
-from crankbase.units.quantity import format_quantity
-from crankfem.files.chain.chain_file import load_chain
+from crankfem.files.chain.shaft_lines import read_shaft_lines
+from crankfem.files.engine.engine_checks import (
+    check_gas_map,
+    check_highest_order,
+    check_misfire,
+    check_sources,
+)
+from crankfem.files.engine.file_kinds import engine_sections, file_kind
 from crankfem.files.engine.mechanism_cylinders import (
     angles_of_throws,
     check_sizes,
     pins_of,
     throws_of,
 )
-from crankfem.files.engine.throw_file import ThrowFile
 from crankfem.files.reading.data_files import find_table
-from crankfem.files.reading.file_kinds import (
-    REQUIRED,
-    check_sections,
-    describes_a_throw,
-    describes_mechanism,
-    engine_sections,
-)
 from crankfem.files.reading.section_changes import (
     Change,
     changed_section,
     changed_throws,
     changes,
+    section_kinds,
     without_changed,
 )
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
@@ -45,6 +44,7 @@ from crankfem.files.sections.engine_sections import (
     Engine,
     Flywheel,
     FreeEnd,
+    NamedThrow,
     ShaftLayout,
     ThrustBearing,
     TorqueTable,
@@ -65,9 +65,54 @@ from dynamics.chains.chain import Chain
 from fem.material import STEEL, Material
 from geometry.shaft_ends import ShaftEnds
 from geometry.throw import CrankThrow
-from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
-from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
 from regression.plans.plan import StudyPlan
+
+
+@dataclass(frozen=True)
+class EngineSection:
+    """A section: its model, None for a study; for what it is needed; whether a whole engine needs it."""
+
+    model: type[InputModel] | None
+    need: str = "optional"
+    required: bool = False
+
+
+MECHANISM, WHOLE_ENGINE = "required for more than a throw", "required for run and vibration"
+
+SECTIONS = {
+    "engine": EngineSection(Engine, MECHANISM, required=True),
+    "throw": EngineSection(CrankThrow, "required", required=True),
+    "throws": EngineSection(
+        NamedThrow, "optional, in place of [throw]; with all fields of [throw] and"
+    ),
+    "shaft": EngineSection(ShaftLayout),
+    "shaft_ends": EngineSection(ShaftEnds),
+    "material": EngineSection(Material, "optional, steel by default"),
+    "rod": EngineSection(Rod, MECHANISM, required=True),
+    "piston": EngineSection(Piston, MECHANISM, required=True),
+    "hinged_rods": EngineSection(HingedRods),
+    "flywheel": EngineSection(Flywheel, WHOLE_ENGINE, required=True),
+    "free_end": EngineSection(FreeEnd),
+    "thrust_bearing": EngineSection(ThrustBearing, WHOLE_ENGINE, required=True),
+    "damping": EngineSection(Damping),
+    "torsional_damper": EngineSection(TorsionalDamperSection),
+    "axial_damper": EngineSection(AxialDamperSection),
+    "driven": EngineSection(Driven),
+    "bearings": EngineSection(Bearings),
+    "shaft_line": EngineSection(ShaftLineFiles),
+    "gas": EngineSection(Gas, "optional; without it reactions are given for 100 kN"),
+    "gas_map": EngineSection(GasMap),
+    "misfire": EngineSection(Misfire),
+    "propeller_forces": EngineSection(PropellerForcesSection),
+    "limits": EngineSection(LimitsInput),
+    "ranges": EngineSection(RangesInput),
+    "vibration": EngineSection(VibrationSettings),
+    "torque": EngineSection(TorqueTable),
+    "two_mass_check": EngineSection(TwoMassInput),
+    "study": EngineSection(None),
+}
+# What is taken for a section that is not there.
+DEFAULTS = {"material": STEEL, "shaft_ends": ShaftEnds(), "vibration": VibrationSettings()}
 
 
 @summarized("engine.name", "path", "engine.rated_speed [rad/s]", "pins")
@@ -102,16 +147,20 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
 
     path: Path
     engine: Engine
-    shaft: ShaftLayout | None
     throw: CrankThrow
-    shaft_ends: ShaftEnds
     material: Material
     rod: Rod
     piston: Piston
     hinged_rods: HingedRods | None
-    flywheel: Flywheel
+    shaft: ShaftLayout | None
     thrust_bearing: ThrustBearing
+    gas: Gas | None
+    gas_map: GasMap | None
+    misfire: Misfire | None
+    torque_table: Path | None
     vibration: VibrationSettings
+    shaft_ends: ShaftEnds
+    flywheel: Flywheel
     free_end: FreeEnd | None
     damping: Damping | None
     torsional_damper: TorsionalDamperSection | None
@@ -119,13 +168,9 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
     driven: Driven | None
     bearings: Bearings | None
     shaft_lines: dict[str, Chain]
-    gas: Gas | None
-    gas_map: GasMap | None
-    misfire: Misfire | None
     propeller_forces: PropellerForcesSection | None
     limits: LimitsInput | None
     ranges: RangesInput | None
-    torque_table: Path | None
     two_mass: TwoMassInput | None
     study: StudyPlan | None
     records: tuple[InputRecord, ...]
@@ -150,10 +195,10 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
                 f"{bearings} (flywheel)."
             )
         _ = self.pins  # refuses hinged rods of cylinders that are not there
-        _check_misfire(self.misfire, self.gas, self.engine)
-        _check_gas_map(self.gas_map, self.engine)
-        _check_sources(self.vibration, self.study)
-        _check_highest_order(self.vibration, self.engine)
+        check_misfire(self.misfire, self.gas, self.engine)
+        check_gas_map(self.gas_map, self.engine)
+        check_sources(self.vibration, self.study)
+        check_highest_order(self.vibration, self.engine)
 
     @property
     def throws(self) -> tuple[int, ...]:
@@ -261,6 +306,31 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
         return study
 
 
+def check_sections(content: TomlFile, needed: Collection[str] | None = None) -> None:
+    """Refuse unknown and missing sections; [throws.NAME] may stand in place of [throw].
+
+    Parameters
+    ----------
+    content : TomlFile
+    needed : collection of str, optional
+        Sections that must be there; those of a whole engine by default.
+
+    Raises
+    ------
+    InputError
+    """
+    allowed = {
+        name: one.required if needed is None else name in needed for name, one in SECTIONS.items()
+    }
+    named = "throws" in content.sections
+    content.check_sections(allowed | {"throw": allowed["throw"] and not named})
+    if named and "throw" in content.sections:
+        raise InputError(
+            "throws: given beside the section [throw]; allowed is one of the two, because every crank is "
+            "the one throw or a named one."
+        )
+
+
 def load_engine(path: str | Path | TomlFile) -> EngineFile:
     """Read and check an engine file.
 
@@ -275,61 +345,38 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
         With one sentence that names the field, what was given and what is allowed.
     """
     content = engine_sections(path)
-    if describes_a_throw(content):
+    kind = file_kind(content)
+    if kind == "throw":
+        needed = [f"[{name}]" for name, one in SECTIONS.items() if one.required and name != "throw"]
         raise InputError(
-            f"{content.path.name}: describes a throw, not an engine; add the sections "
-            f"{', '.join(f'[{name}]' for name, needed in REQUIRED.items() if needed and name != 'throw')}, "
+            f"{content.path.name}: describes a throw, not an engine; add the sections {', '.join(needed)}, "
             "or use it with throw, formulas, draw and export."
         )
-    if describes_mechanism(content):
+    if kind == "mechanism":
         raise InputError(
             f"{content.path.name}: describes a crank mechanism, not a whole engine; add the sections "
             "[flywheel] and [thrust_bearing], or use it with mechanism, harmonics, throw and draw."
         )
     check_sections(content)
-    engine = content.required("engine", Engine)
-    throws = read_throws(content)
-    material = content.model("material", Material) or STEEL
-    rod, piston = content.required("rod", Rod), content.required("piston", Piston)
-    hinged = content.model("hinged_rods", HingedRods)
-    shaft = content.model("shaft", ShaftLayout)
-    first = free_end_throw_name(throws, shaft)
-    thrust = content.required("thrust_bearing", ThrustBearing)
-    gas, gas_map = content.model("gas", Gas), content.model("gas_map", GasMap)
-    misfire = content.model("misfire", Misfire)
-    torque = content.model("torque", TorqueTable)
-    vibration = content.model("vibration", VibrationSettings) or VibrationSettings()
+    throws: dict[str, CrankThrow] = {}
+    sections: dict[str, Any] = {}
+    kinds = section_kinds(EngineFile)
+    for own in fields(EngineFile):  # in this order the report shows them
+        if own.name == "throw":
+            throws = read_throws(content)
+        elif own.name == "torque_table":
+            sections[own.name] = _torque_table(content)
+        elif own.name == "shaft_lines":
+            sections[own.name] = read_shaft_lines(content)
+        elif own.name in kinds:
+            model, _ = kinds[own.name]
+            sections[own.name] = content.model(model.section, model) or DEFAULTS.get(own.name)
+    first = free_end_throw_name(throws, sections["shaft"])
     return EngineFile(
+        **sections,
         path=content.path,
-        engine=engine,
-        shaft=shaft,
         throw=throws[first],
-        shaft_ends=content.model("shaft_ends", ShaftEnds) or ShaftEnds(),
-        material=material,
-        rod=rod,
-        piston=piston,
-        hinged_rods=hinged,
-        flywheel=content.required("flywheel", Flywheel),
-        thrust_bearing=thrust,
-        vibration=vibration,
-        free_end=content.model("free_end", FreeEnd),
-        damping=content.model("damping", Damping),
-        torsional_damper=content.model("torsional_damper", TorsionalDamperSection),
-        axial_damper=content.model("axial_damper", AxialDamperSection),
-        driven=content.model("driven", Driven),
-        bearings=content.model("bearings", Bearings),
-        shaft_lines=_shaft_lines(content),
-        gas=gas,
-        gas_map=gas_map,
-        misfire=misfire,
-        propeller_forces=content.model("propeller_forces", PropellerForcesSection),
-        limits=content.model("limits", LimitsInput),
-        ranges=content.model("ranges", RangesInput),
-        torque_table=None
-        if torque is None
-        else find_table("torque.table", content.path, torque.table),
-        two_mass=content.model("two_mass_check", TwoMassInput),
-        study=study_plan(content, throws, first, material),
+        study=study_plan(content, throws, first, sections["material"]),
         records=tuple(content.records),
         provenance=content.provenance,
         sources=content.sources,
@@ -337,120 +384,6 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
     )
 
 
-def load_engine_or_throw(path: str | Path | TomlFile) -> EngineFile | ThrowFile:
-    """Read and check a file: as an engine if it has any of its sections, else as a throw.
-
-    Raises
-    ------
-    InputError
-    """
-    content = engine_sections(path)
-    if not describes_a_throw(content):
-        return load_engine(content)
-    check_sections(content, ["throw"])
-    throws = read_throws(content)
-    material = content.model("material", Material) or STEEL
-    content.model("engine", Engine)
-    first = free_end_throw_name(throws, content.model("shaft", ShaftLayout))
-    content.model("shaft_ends", ShaftEnds)
-    study_plan(content, throws, first, material)
-    return ThrowFile(content.path, throws, throws[first], material, tuple(content.records))
-
-
-def _shaft_lines(content: TomlFile) -> dict[str, Chain]:
-    """Read the chains of what follows the flywheel.
-
-    Raises
-    ------
-    InputError
-        Also if one is of the other kind.
-    """
-    given = content.model("shaft_line", ShaftLineFiles)
-    found: dict[str, Chain] = {}
-    for kind in ("torsional", "axial"):
-        name = None if given is None else getattr(given, kind)
-        if name is None:
-            continue
-        beside = content.path.parent / name
-        read = load_chain(beside if beside.is_file() else name)
-        if read.kind != kind:
-            raise InputError(
-                f"shaft_line.{kind}: given {name!r}, a chain of kind {read.kind}; allowed is one of kind "
-                f"{kind}, because it continues that chain of the engine."
-            )
-        found[kind] = read.chain
-    return found
-
-
-def _check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> None:
-    """Refuse cylinders that are not there, and failing ones without a pressure.
-
-    Raises
-    ------
-    InputError
-    """
-    if misfire is None:
-        return
-    wrong = [number for number in misfire.cylinders if not 1 <= number <= engine.cylinders]
-    if wrong:
-        raise InputError(
-            f"misfire.cylinders: given {wrong[0]}; allowed is 1 to {engine.cylinders}, because the engine "
-            "has these cylinders."
-        )
-    if gas is None:
-        raise InputError(
-            "misfire: given without the section [gas]; allowed are both, because the pressure without "
-            "combustion follows from it."
-        )
-
-
-def _check_gas_map(gas_map: GasMap | None, engine: Engine) -> None:
-    """Refuse a pressure map that does not cover the running range.
-
-    Raises
-    ------
-    InputError
-    """
-    if gas_map is None:
-        return
-    speeds = [point.speed for point in gas_map.points]
-    if min(speeds) > engine.lowest_speed or max(speeds) < engine.highest_speed:
-        given, allowed = (
-            f"{format_quantity(low, 'rad/s', 5)} to {format_quantity(high, 'rad/s', 5)}"
-            for low, high in (
-                (min(speeds), max(speeds)),
-                (engine.lowest_speed, engine.highest_speed),
-            )
-        )
-        raise InputError(
-            f"gas_map.points: given speeds from {given}; allowed are ones that cover the running range of "
-            f"{allowed}, because nothing is guessed beyond the diagrams."
-        )
-
-
-def _check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None:
-    """Refuse an unknown source of compliances before anything is computed."""
-    for kind, given, formulas in (
-        ("axial", vibration.axial_source, AXIAL_FORMULA_NAMES),
-        ("torsional", vibration.torsional_source, TORSIONAL_FORMULA_NAMES),
-    ):
-        allowed = ["fe", "fe pinned", *(["regression"] if study is not None else []), *formulas]
-        if given.casefold() not in [name.casefold() for name in allowed]:
-            reason = (
-                ", because the file has no section [study] to fit"
-                if given.casefold() == "regression"
-                else ""
-            )
-            raise InputError(
-                f"vibration.{kind}_source: given {given!r}; allowed are {', '.join(allowed)}{reason}."
-            )
-
-
-def _check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:
-    """Refuse a highest order that the engine's cycle has not."""
-    lowest = 2.0 / engine.strokes
-    if vibration.highest_order < lowest or vibration.highest_order % lowest:
-        raise InputError(
-            f"vibration.highest_order: given {vibration.highest_order:g}; allowed are multiples of "
-            f"{lowest:g}, because these are the orders of a {engine.strokes}-stroke engine."
-        )
+def _torque_table(content: TomlFile) -> Path | None:
+    given = content.model("torque", TorqueTable)
+    return None if given is None else find_table("torque.table", content.path, given.table)

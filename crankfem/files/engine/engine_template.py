@@ -1,7 +1,6 @@
 """A file to start one's own engine from: every section explained, what is optional in comments."""
 
 import math
-import re
 from importlib.resources import files
 from string import Template
 
@@ -31,7 +30,6 @@ FIRING_ORDERS: dict[int, dict[int, tuple[int, ...]]] = {
         8: (1, 8, 3, 4, 7, 2, 5, 6),
     },
 }
-OPTIONAL = re.compile(r"(?m)^#: ")
 
 
 def engine_template(file: str = "mine.toml", cylinders: int = 6, strokes: int = 4) -> str:
@@ -92,28 +90,6 @@ def crank_angles_deg(firing_order: tuple[int, ...], strokes: int) -> list[float]
         # A cylinder that fires later has its crank so much behind the first.
         found[cylinder - 1] = round(-place * cycle / len(firing_order) % 360.0, 9) % 360.0
     return found
-
-
-def optional_examples(text: str) -> list[str]:
-    """Return what stands in comments to be used, each example on its own: a section, or single fields.
-
-    Sections that only continue another, such as ``[study.factors]``, belong to it.
-    """
-    found: list[list[str]] = []
-    before = ""
-    for line in text.splitlines():
-        if OPTIONAL.match(line):
-            if OPTIONAL.match(before):
-                found[-1].append(line)
-            else:
-                found.append([line])
-        before = line
-    return ["\n".join(lines) for lines in found]
-
-
-def with_example(text: str, example: str) -> str:
-    """Return the text with one of its examples put to use."""
-    return text.replace(example, OPTIONAL.sub("", example))
 
 
 def _text() -> str:

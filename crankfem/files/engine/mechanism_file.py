@@ -1,7 +1,7 @@
 """The crank mechanism that an engine file describes: pistons, rods, cranks and gas pressure."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,7 +9,8 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankfem.files.engine.engine_file import EngineFile, load_engine_or_throw
+from crankfem.files.engine.engine_file import EngineFile, check_sections, load_engine
+from crankfem.files.engine.file_kinds import engine_sections, file_kind
 from crankfem.files.engine.mechanism_cylinders import (
     angles_of_throws,
     check_sizes,
@@ -18,12 +19,7 @@ from crankfem.files.engine.mechanism_cylinders import (
     side_by_side,
     throws_of,
 )
-from crankfem.files.engine.throw_file import ThrowFile
-from crankfem.files.reading.file_kinds import (
-    check_sections,
-    describes_mechanism,
-    engine_sections,
-)
+from crankfem.files.engine.throw_file import ThrowFile, load_throw_file
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,
@@ -136,18 +132,55 @@ def load_mechanism(path: str | Path | TomlFile) -> MechanismFile:
     content.model("shaft_ends", ShaftEnds)
     angles = angles_of_throws(shaft, engine, throws_of(engine))
     along = throws_along_shaft(throws, throw_names(throws, shaft, len(angles)), angles)
-    mechanism = _Mechanism(engine, shaft, along, rod, piston, hinged)
-    return mechanism.read(
-        content.path,
-        gas=content.model("gas", Gas),
-        attached=(content.model("flywheel", Flywheel), content.model("free_end", FreeEnd)),
-        material=content.model("material", Material) or STEEL,
-        records=content.records,
-        sources=content.sources,
+    return mechanism_of(
+        MechanismSections(
+            path=content.path,
+            engine=engine,
+            shaft=shaft,
+            crank_throws=along,
+            rod=rod,
+            piston=piston,
+            hinged_rods=hinged,
+            gas=content.model("gas", Gas),
+            flywheel=content.model("flywheel", Flywheel),
+            free_end=content.model("free_end", FreeEnd),
+            material=content.model("material", Material) or STEEL,
+            records=tuple(content.records),
+            sources=content.sources,
+        )
     )
 
 
-def mechanism_of(engine: EngineFile) -> MechanismFile:
+@dataclass(frozen=True)
+class MechanismSections:
+    """The sections of a file that describe a mechanism, called as those of an `EngineFile`."""
+
+    path: Path
+    engine: Engine
+    shaft: ShaftLayout | None
+    crank_throws: tuple[CrankThrow, ...]
+    rod: Rod
+    piston: Piston
+    hinged_rods: HingedRods | None
+    gas: Gas | None
+    flywheel: Flywheel | None
+    free_end: FreeEnd | None
+    material: Material
+    records: tuple[InputRecord, ...]
+    sources: dict[str, str]
+
+    @property
+    def throws(self) -> tuple[int, ...]:
+        """Throw that each cylinder works on, from 0."""
+        return throws_of(self.engine)
+
+    @property
+    def throw_angles(self) -> tuple[float, ...]:
+        """Angle of each throw's first pin, as the file counts angles [rad]."""
+        return angles_of_throws(self.shaft, self.engine, self.throws)
+
+
+def mechanism_of(file: EngineFile | MechanismSections) -> MechanismFile:
     """Return the crank mechanism of an engine as it is, with what was changed after reading.
 
     Raises
@@ -155,17 +188,30 @@ def mechanism_of(engine: EngineFile) -> MechanismFile:
     InputError
         If cranks, throws and pins do not fit each other, or the gas pressure cannot be reached.
     """
-    return _mechanism(engine).read(
-        engine.path,
-        gas=engine.gas,
-        attached=(engine.flywheel, engine.free_end),
-        material=engine.material,
-        records=engine.records,
-        sources=engine.sources,
+    engine, layout, gas = file.engine, layout_of(file), file.gas
+    sense = engine.turning_sense
+    attached = [part.inertia for part in (file.flywheel, file.free_end) if part is not None]
+    return MechanismFile(
+        path=file.path,
+        name=engine.name,
+        layout=layout,
+        pressure=() if gas is None else cylinder_pressures(gas, layout, file.path),
+        rated_speed=engine.rated_speed,
+        throw=file.crank_throws[0],
+        crank_throws=file.crank_throws,
+        material=file.material,
+        throw_angles=tuple(sense * angle for angle in file.throw_angles),
+        throws=file.throws,
+        turning_sense=sense,
+        gas=gas,
+        attached_inertia=sum(attached),
+        remarks=_remarks(file),
+        records=file.records,
+        sources=file.sources,
     )
 
 
-def layout_of(engine: EngineFile) -> EngineLayout:
+def layout_of(file: EngineFile | MechanismSections) -> EngineLayout:
     """Return the cylinders and rods of an engine as it is, without throws and gas pressure.
 
     Raises
@@ -173,97 +219,31 @@ def layout_of(engine: EngineFile) -> EngineLayout:
     InputError
         If cranks, throws and pins do not fit each other.
     """
-    return _mechanism(engine).layout()
-
-
-def _mechanism(engine: EngineFile) -> "_Mechanism":
-    return _Mechanism(
-        engine.engine,
-        engine.shaft,
-        engine.crank_throws,
-        engine.rod,
-        engine.piston,
-        engine.hinged_rods,
+    engine = file.engine
+    cylinders = engine_cylinders(
+        engine,
+        file.crank_throws,
+        file.rod,
+        file.piston,
+        file.hinged_rods,
+        file.throws,
+        file.throw_angles,
     )
+    return EngineLayout(0.5 * engine.stroke, cylinders, engine.firing_order, engine.strokes)
 
 
-@dataclass(frozen=True)
-class _Mechanism:
-    """The sections that describe a mechanism."""
-
-    engine: Engine
-    shaft: ShaftLayout | None
-    crank_throws: tuple[CrankThrow, ...]
-    rod: Rod
-    piston: Piston
-    hinged: HingedRods | None
-
-    @property
-    def throws(self) -> tuple[int, ...]:
-        return throws_of(self.engine)
-
-    @property
-    def angles(self) -> tuple[float, ...]:
-        return angles_of_throws(self.shaft, self.engine, self.throws)
-
-    def layout(self) -> EngineLayout:
-        """Put the cylinders at their places."""
-        engine = self.engine
-        cylinders = engine_cylinders(
-            engine,
-            self.crank_throws,
-            self.rod,
-            self.piston,
-            self.hinged,
-            self.throws,
-            self.angles,
+def _remarks(file: EngineFile | MechanismSections) -> tuple[str, ...]:
+    """Say what is assumed beyond the sections, and what is unusual in them."""
+    remarks = inertia_remarks(file.rod, file.hinged_rods)
+    if file.engine.firing_remark is not None:
+        remarks.append(file.engine.firing_remark)
+    if side_by_side(file.crank_throws[0], file.throws, file.hinged_rods):
+        remarks.insert(
+            0,
+            "rods side by side share the pin's length equally, the cylinder with the lower number "
+            "nearer to the free end",
         )
-        return EngineLayout(0.5 * engine.stroke, cylinders, engine.firing_order, engine.strokes)
-
-    def remarks(self) -> tuple[str, ...]:
-        """Say what is assumed beyond the sections, and what is unusual in them."""
-        remarks = inertia_remarks(self.rod, self.hinged)
-        if self.engine.firing_remark is not None:
-            remarks.append(self.engine.firing_remark)
-        if side_by_side(self.crank_throws[0], self.throws, self.hinged):
-            remarks.insert(
-                0,
-                "rods side by side share the pin's length equally, the cylinder with the lower number "
-                "nearer to the free end",
-            )
-        return tuple(remarks)
-
-    def read(
-        self,
-        path: Path,
-        *,
-        gas: Gas | None,
-        attached: Iterable[Flywheel | FreeEnd | None],
-        material: Material,
-        records: Iterable[InputRecord],
-        sources: dict[str, str],
-    ) -> MechanismFile:
-        """Put the mechanism together with what else its file says."""
-        engine, layout = self.engine, self.layout()
-        sense = engine.turning_sense
-        return MechanismFile(
-            path=path,
-            name=engine.name,
-            layout=layout,
-            pressure=() if gas is None else cylinder_pressures(gas, layout, path),
-            rated_speed=engine.rated_speed,
-            throw=self.crank_throws[0],
-            crank_throws=self.crank_throws,
-            material=material,
-            throw_angles=tuple(sense * angle for angle in self.angles),
-            throws=self.throws,
-            turning_sense=sense,
-            gas=gas,
-            attached_inertia=sum(part.inertia for part in attached if part is not None),
-            remarks=self.remarks(),
-            records=tuple(records),
-            sources=sources,
-        )
+    return tuple(remarks)
 
 
 def load_any(path: str | Path | TomlFile) -> EngineFile | MechanismFile | ThrowFile:
@@ -274,9 +254,10 @@ def load_any(path: str | Path | TomlFile) -> EngineFile | MechanismFile | ThrowF
     InputError
     """
     content = engine_sections(path)
-    if describes_mechanism(content):
+    kind = file_kind(content)
+    if kind == "mechanism":
         return load_mechanism(content)
-    return load_engine_or_throw(content)
+    return load_throw_file(content) if kind == "throw" else load_engine(content)
 
 
 def with_throws(

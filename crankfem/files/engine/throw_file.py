@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from crankbase.errors import InputError
-from crankfem.files.reading.file_kinds import check_sections, engine_sections
+from crankfem.files.engine.engine_file import check_sections
+from crankfem.files.engine.file_kinds import engine_sections
 from crankfem.files.reading.toml_file import InputRecord, TomlFile
 from crankfem.files.sections.crank_throws import (
     PLAIN,
@@ -38,9 +39,7 @@ def load_throw(path: str | Path | TomlFile, name: str | None = None) -> tuple[Cr
     ------
     InputError
     """
-    content = engine_sections(path)
-    check_sections(content, ["throw"])
-    throws = read_throws(content)
+    content, throws = _throws(path)
     throw = throw_of_name(throws, name, "throw", _first(content, throws))
     return throw, content.model("material", Material) or STEEL
 
@@ -52,9 +51,7 @@ def names_of_throws(path: str | Path | TomlFile) -> tuple[str, ...]:
     ------
     InputError
     """
-    content = engine_sections(path)
-    check_sections(content, ["throw"])
-    throws = read_throws(content)
+    content, throws = _throws(path)
     first = _first(content, throws)
     return (first, *(name for name in throws if name != first))
 
@@ -82,6 +79,22 @@ class ThrowFile:
     records: tuple[InputRecord, ...]
 
 
+def load_throw_file(path: str | Path | TomlFile) -> ThrowFile:
+    """Read and check a file that describes a throw alone.
+
+    Raises
+    ------
+    InputError
+    """
+    content, throws = _throws(path)
+    material = content.model("material", Material) or STEEL
+    content.model("engine", Engine)
+    first = free_end_throw_name(throws, content.model("shaft", ShaftLayout))
+    content.model("shaft_ends", ShaftEnds)
+    study_plan(content, throws, first, material)
+    return ThrowFile(content.path, throws, throws[first], material, tuple(content.records))
+
+
 def load_crankshaft(path: str | Path | TomlFile) -> Crankshaft:
     """Read the whole crankshaft of an engine file: its throws at their angles, and the ends.
 
@@ -92,9 +105,7 @@ def load_crankshaft(path: str | Path | TomlFile) -> Crankshaft:
     InputError
         Also if the file has neither.
     """
-    content = engine_sections(path)
-    check_sections(content, ["throw"])
-    throws = read_throws(content)
+    content, throws = _throws(path)
     layout = content.model("shaft", ShaftLayout)
     if layout is not None and layout.throw_angles is not None:
         angles = layout.throw_angles
@@ -124,13 +135,18 @@ def load_study(path: str | Path | TomlFile) -> StudyPlan:
     ------
     InputError
     """
-    content = engine_sections(path)
-    check_sections(content, ["throw", "study"])
-    throws = read_throws(content)
+    content, throws = _throws(path, "study")
     first = _first(content, throws)
     plan = study_plan(content, throws, first, content.model("material", Material) or STEEL)
     assert plan is not None  # the section has been made sure of
     return plan
+
+
+def _throws(path: str | Path | TomlFile, *needed: str) -> tuple[TomlFile, dict[str, CrankThrow]]:
+    """Sections of a file that has a throw and other sections that are needed, and its throws by name."""
+    content = engine_sections(path)
+    check_sections(content, ["throw", *needed])
+    return content, read_throws(content)
 
 
 def _first(content: TomlFile, throws: Throws) -> str:

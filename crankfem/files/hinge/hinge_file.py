@@ -3,10 +3,8 @@
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeVar
 
 from crankbase.errors import InputError
-from crankbase.model import InputModel
 from crankbase.summaries import summarized
 from crankbase.units.quantity import format_quantity
 from crankfem.files.hinge.hinge_sections import (
@@ -19,7 +17,7 @@ from crankfem.files.hinge.hinge_sections import (
     RunningPoint,
     Sliding,
 )
-from crankfem.files.reading.data_files import hinge_path
+from crankfem.files.reading.data_files import input_path
 from crankfem.files.reading.toml_file import InputRecord, TomlFile, read_toml
 from dynamics.hinge.crosshead import CrossheadEngine, piston_gas_force, two_stroke_cycle
 from dynamics.hinge.moment import HingeMoment, hinge_moment
@@ -139,15 +137,8 @@ class HingeFile:
         )
 
 
-SECTIONS = {
-    "engine": True,
-    "rod": True,
-    "sliding": True,
-    "hinge": True,
-    "cycle": True,
-    "operation": True,
-    "comparison": False,
-}
+NEEDED = ("engine", "rod", "sliding", "hinge", "cycle", "operation")
+SECTIONS = {**dict.fromkeys(NEEDED, True), "comparison": False}
 
 
 def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
@@ -163,26 +154,14 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
     InputError
         With one sentence that names the field, what was given and what is allowed.
     """
-    content = path if isinstance(path, TomlFile) else read_toml(hinge_path(path))
+    content = path if isinstance(path, TomlFile) else read_toml(input_path(path, "hinge"))
     content.check_sections(SECTIONS)
-    crank, rod = (
-        content.required(Crank.section, Crank),
-        content.required(HingeRod.section, HingeRod),
-    )
-    sliding, hinge = (
-        content.required(Sliding.section, Sliding),
-        content.required(Hinge.section, Hinge),
-    )
+    crank, rod = content.required("engine", Crank), content.required("rod", HingeRod)
+    sliding, hinge = content.required("sliding", Sliding), content.required("hinge", Hinge)
     engine = CrossheadEngine(
-        bore=crank.bore,
-        crank_radius=crank.crank_radius,
-        crank_mass=crank.crank_mass,
-        crank_center_distance=crank.crank_center_distance,
-        crank_inertia=crank.crank_inertia,
         rod=ConnectingRod(rod.length, rod.mass, rod.center_distance, rod.inertia),
-        crosshead_mass=sliding.crosshead_mass,
-        piston_rod_mass=sliding.piston_rod_mass,
-        piston_mass=sliding.piston_mass,
+        **crank.model_dump(exclude={"name"}),
+        **sliding.model_dump(),
     )
     spring = GasSpring(
         piston_area=hinge.piston_area,
@@ -191,11 +170,6 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
         exponent=hinge.exponent,
         ambient=hinge.ambient_pressure,
     )
-    cycle, operation = (
-        content.required(Cycle.section, Cycle),
-        content.required(Operation.section, Operation),
-    )
-    comparison = content.model("comparison", Comparison)
     found = HingeFile(
         path=content.path,
         name=crank.name,
@@ -204,14 +178,11 @@ def load_hinge(path: str | Path | TomlFile = "crosshead-30-100") -> HingeFile:
         start_radius=hinge.start_radius,
         roller_radius=hinge.roller_radius,
         design_speed=hinge.design_speed,
-        cycle=cycle,
-        operation=operation,
-        comparison=comparison,
+        cycle=content.required("cycle", Cycle),
+        operation=content.required("operation", Operation),
+        comparison=content.model("comparison", Comparison),
         records=tuple(content.records),
         sources=content.sources,
     )
     found.point_at("hinge.design_speed", hinge.design_speed)
     return found
-
-
-Section = TypeVar("Section", bound=InputModel)

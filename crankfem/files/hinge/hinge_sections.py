@@ -16,22 +16,18 @@ class Crank(InputModel):
     section: ClassVar[str] = "engine"
 
     name: str = Field(description="what to call the engine")
-    bore: float = quantity_field("cylinder bore", "m", minimum=0.01, maximum=2.0)
-    crank_radius: float = quantity_field(
-        "crank radius", "m", symbol="r_1 + r_2", minimum=0.005, maximum=2.5
-    )
-    crank_mass: float = quantity_field(
-        "mass of the crank with the guides", "kg", minimum=0.0, maximum=1e5
-    )
+    bore: float = quantity_field("cylinder bore", "m", 0.01, 2.0)
+    crank_radius: float = quantity_field("crank radius", "m", 0.005, 2.5, symbol="r_1 + r_2")
+    crank_mass: float = quantity_field("mass of the crank with the guides", "kg", 0.0, 1e5)
     crank_center_distance: float = quantity_field(
         "from the shaft axis to the crank's center of mass, negative if away from the crankpin",
         "m",
-        symbol="r_1",
         minimum=-2.5,
         maximum=2.5,
+        symbol="r_1",
     )
     crank_inertia: float = quantity_field(
-        "inertia of crank and guides about the shaft axis", "kg m^2", minimum=1e-6, maximum=1e6
+        "inertia of crank and guides about the shaft axis", "kg m^2", 1e-6, 1e6
     )
 
 
@@ -40,18 +36,12 @@ class HingeRod(InputModel):
 
     section: ClassVar[str] = "rod"
 
-    length: float = quantity_field("connecting-rod length", "m", minimum=0.02, maximum=10.0)
-    mass: float = quantity_field("connecting-rod mass", "kg", minimum=1e-3, maximum=2e4)
+    length: float = quantity_field("connecting-rod length", "m", 0.02, 10.0)
+    mass: float = quantity_field("connecting-rod mass", "kg", 1e-3, 2e4)
     center_distance: float = quantity_field(
-        "from the crankpin to the rod's center of mass",
-        "m",
-        symbol="l_1",
-        minimum=0.0,
-        maximum=10.0,
+        "from the crankpin to the rod's center of mass", "m", 0.0, 10.0, symbol="l_1"
     )
-    inertia: float = quantity_field(
-        "inertia about the rod's center of mass", "kg m^2", minimum=1e-9, maximum=1e6
-    )
+    inertia: float = quantity_field("inertia about the rod's center of mass", "kg m^2", 1e-9, 1e6)
 
 
 class Sliding(InputModel):
@@ -59,11 +49,9 @@ class Sliding(InputModel):
 
     section: ClassVar[str] = "sliding"
 
-    crosshead_mass: float = quantity_field("mass of the crosshead", "kg", minimum=0.0, maximum=2e4)
-    piston_rod_mass: float = quantity_field(
-        "mass of the piston rod", "kg", minimum=0.0, maximum=2e4
-    )
-    piston_mass: float = quantity_field("mass of the piston", "kg", minimum=1e-3, maximum=2e4)
+    crosshead_mass: float = quantity_field("mass of the crosshead", "kg", 0.0, 2e4)
+    piston_rod_mass: float = quantity_field("mass of the piston rod", "kg", 0.0, 2e4)
+    piston_mass: float = quantity_field("mass of the piston", "kg", 1e-3, 2e4)
 
 
 class Hinge(InputModel):
@@ -78,38 +66,28 @@ class Hinge(InputModel):
         maximum=30_000.0 * PER_MINUTE,
     )
     piston_area: float = quantity_field(
-        "piston area of the gas spring", "m^2", symbol="A", minimum=1e-6, maximum=10.0
+        "piston area of the gas spring", "m^2", 1e-6, 10.0, symbol="A"
     )
     height: float = quantity_field(
-        "height of the gas column at the top dead center",
-        "m",
-        symbol="H",
-        minimum=1e-3,
-        maximum=10.0,
+        "height of the gas column at the top dead center", "m", 1e-3, 10.0, symbol="H"
     )
     start_radius: float = quantity_field(
-        "radius of the rollers' path at the top dead center",
-        "m",
-        symbol="rho_0",
-        minimum=1e-3,
-        maximum=10.0,
+        "radius of the rollers' path at the top dead center", "m", 1e-3, 10.0, symbol="rho_0"
     )
     pressure: float = quantity_field(
         "pressure of the gas at the top dead center, above ambient_pressure",
         "Pa",
-        symbol="p_0",
         minimum=1e3,
         maximum=1e9,
+        symbol="p_0",
     )
     exponent: float = quantity_field(
-        "exponent of the polytropic law", "", symbol="n", minimum=1.0, maximum=1.667, default=1.25
+        "exponent of the polytropic law", "", 1.0, 1.667, symbol="n", default=1.25
     )
     ambient_pressure: float = quantity_field(
-        "pressure outside of the spring's pistons", "Pa", minimum=0.0, maximum=1e6, default=0.0
+        "pressure outside of the spring's pistons", "Pa", 0.0, 1e6, default=0.0
     )
-    roller_radius: float = quantity_field(
-        "radius of the rollers", "m", minimum=0.0, maximum=5.0, default=0.0
-    )
+    roller_radius: float = quantity_field("radius of the rollers", "m", 0.0, 5.0, default=0.0)
 
 
 class Cycle(InputModel):
@@ -118,7 +96,7 @@ class Cycle(InputModel):
     section: ClassVar[str] = "cycle"
 
     compression_ratio: float = quantity_field(
-        "largest over smallest cylinder volume", "", minimum=2.0, maximum=40.0
+        "largest over smallest cylinder volume", "", 2.0, 40.0
     )
     combustion_start: float | None = quantity_field(
         "crank angle at which heat release begins",
@@ -155,17 +133,13 @@ class RunningPoint(InputModel):
 
     section: ClassVar[str] = "points"
 
-    speed: float = quantity_field(
-        "crank speed", "rad/s", minimum=1.0 * PER_MINUTE, maximum=30_000.0 * PER_MINUTE
-    )
-    mean_pressure: float = quantity_field(
-        "indicated mean effective pressure", "Pa", minimum=1e3, maximum=1e7
-    )
+    speed: float = quantity_field("crank speed", "rad/s", 1.0 * PER_MINUTE, 30_000.0 * PER_MINUTE)
+    mean_pressure: float = quantity_field("indicated mean effective pressure", "Pa", 1e3, 1e7)
     peak_pressure: float = quantity_field(
-        "highest pressure in the cylinder, absolute", "Pa", minimum=1e5, maximum=5e7
+        "highest pressure in the cylinder, absolute", "Pa", 1e5, 5e7
     )
     charge_pressure: float = quantity_field(
-        "pressure of the charge and below the piston, absolute", "Pa", minimum=1e4, maximum=5e6
+        "pressure of the charge and below the piston, absolute", "Pa", 1e4, 5e6
     )
 
 
@@ -175,11 +149,7 @@ class Operation(InputModel):
     section: ClassVar[str] = "operation"
 
     flywheel_fluctuation: float = quantity_field(
-        "coefficient of speed fluctuation to compare flywheels at",
-        "",
-        minimum=1e-5,
-        maximum=1.0,
-        default=0.02,
+        "coefficient of speed fluctuation to compare flywheels at", "", 1e-5, 1.0, default=0.02
     )
     points: tuple[RunningPoint, ...] = part_field("running points", RunningPoint, many=True)
 
@@ -198,10 +168,8 @@ class SpringSize(InputModel):
 
     section: ClassVar[str] = "sizes"
 
-    height: float = quantity_field("height of the gas column", "m", minimum=1e-3, maximum=10.0)
-    start_radius: float = quantity_field(
-        "radius at the top dead center", "m", minimum=1e-3, maximum=10.0
-    )
+    height: float = quantity_field("height of the gas column", "m", 1e-3, 10.0)
+    start_radius: float = quantity_field("radius at the top dead center", "m", 1e-3, 10.0)
 
 
 class Comparison(InputModel):

@@ -1,8 +1,14 @@
 """Where the shipped engines and tables lie, in the wheel and in a checkout."""
 
 from pathlib import Path
+from typing import Literal
 
 from crankbase.errors import InputError
+
+InputKind = Literal["engine", "hinge", "chain"]
+# Of each kind of input the folder of those that are shipped, and how a message calls a file.
+FOLDERS: dict[InputKind, str] = {"engine": "engines", "hinge": "hinges", "chain": "chains"}
+WORDS = {"engine": "an engine file", "hinge": "a hinge file", "chain": "a chain file"}
 
 
 def data_folder() -> Path:
@@ -12,52 +18,44 @@ def data_folder() -> Path:
     return inside if inside.is_dir() else here.parent / "data"
 
 
-def shipped_engines() -> tuple[str, ...]:
-    """Return the names of the shipped engine files."""
-    return _shipped("engines")
+def shipped_names(*kinds: InputKind) -> tuple[str, ...]:
+    """Return the names of the shipped files of some kinds, or of all."""
+    return tuple(
+        name
+        for kind in kinds or FOLDERS
+        for name in sorted(path.stem for path in (data_folder() / FOLDERS[kind]).glob("*.toml"))
+    )
 
 
-def shipped_hinges() -> tuple[str, ...]:
-    """Return the names of the shipped hinge files."""
-    return _shipped("hinges")
+def shipped_torques() -> tuple[str, ...]:
+    """Return the names of the shipped torque tables."""
+    return tuple(sorted(path.name for path in (data_folder() / "tables").glob("*torque*.csv")))
 
 
-def shipped_chains() -> tuple[str, ...]:
-    """Return the names of the shipped chain files."""
-    return _shipped("chains")
-
-
-def engine_path(given: str | Path) -> Path:
-    """Find an engine file by path, or a shipped one by name.
-
-    Raises
-    ------
-    InputError
-        If there is neither.
-    """
-    return _found(given, "engines", "an engine file")
-
-
-def hinge_path(given: str | Path) -> Path:
-    """Find a hinge file by path, or a shipped one by name.
+def input_path(given: str | Path, kind: InputKind = "engine") -> Path:
+    """Find a file of input by path, or a shipped one by name.
 
     Raises
     ------
     InputError
         If there is neither.
     """
-    return _found(given, "hinges", "a hinge file")
-
-
-def chain_path(given: str | Path) -> Path:
-    """Find a chain file by path, or a shipped one by name.
-
-    Raises
-    ------
-    InputError
-        If there is neither.
-    """
-    return _found(given, "chains", "a chain file")
+    path = Path(given)
+    try:
+        if path.is_file():
+            return path
+        shipped = data_folder() / FOLDERS[kind] / f"{path.name.removesuffix('.toml')}.toml"
+        if path.parent == Path() and shipped.is_file():
+            return shipped
+        fault = f"{given}: {'is a folder, not a file' if path.is_dir() else 'does not exist'}"
+    except OSError as error:
+        fault = f"{given}: cannot be looked for, because the system says: {error.strerror}"
+    if not str(given).strip():
+        fault = '"": names no file'
+    raise InputError(
+        f"{fault}; give the path of {WORDS[kind]}, or the name of a shipped one "
+        f"({', '.join(shipped_names(kind))})."
+    )
 
 
 def torque_path(given: str | Path) -> Path:
@@ -73,34 +71,6 @@ def torque_path(given: str | Path) -> Path:
     if path.is_file() or path.parent != Path() or path.name not in shipped_torques():
         return path
     return shipped
-
-
-def shipped_torques() -> tuple[str, ...]:
-    """Return the names of the shipped torque tables."""
-    return tuple(sorted(path.name for path in (data_folder() / "tables").glob("*torque*.csv")))
-
-
-def _shipped(folder: str) -> tuple[str, ...]:
-    return tuple(sorted(path.stem for path in (data_folder() / folder).glob("*.toml")))
-
-
-def _found(given: str | Path, folder: str, what: str) -> Path:
-    path = Path(given)
-    if not str(given).strip():
-        raise InputError(
-            f'"": names no file; give the path of {what}, or the name of a shipped one '
-            f"({', '.join(_shipped(folder))})."
-        )
-    if path.is_file():
-        return path
-    shipped = data_folder() / folder / f"{path.name.removesuffix('.toml')}.toml"
-    if path.parent == Path() and shipped.is_file():
-        return shipped
-    kind = "is a folder, not a file" if path.is_dir() else "does not exist"
-    raise InputError(
-        f"{given}: {kind}; give the path of {what}, or the name of a shipped one "
-        f"({', '.join(_shipped(folder))})."
-    )
 
 
 def find_table(field: str, beside: Path, name: str) -> Path:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from types import NoneType
+from types import NoneType, UnionType
 from typing import get_args, get_type_hints
 
 from crankbase.checks.choices import allowed_names
@@ -29,6 +29,16 @@ class Change:
     record: InputRecord | None
 
 
+def section_kinds(owner: type) -> dict[str, tuple[type[InputModel], bool]]:
+    """Return the sections of a class by name: their type, and whether they may be missing."""
+    found = {}
+    for name, hint in get_type_hints(owner).items():
+        for kind in get_args(hint) if isinstance(hint, UnionType) else (hint,):
+            if isinstance(kind, type) and issubclass(kind, InputModel):
+                found[name] = (kind, NoneType in get_args(hint))
+    return found
+
+
 def changed_section(owner: object, name: str, given: object) -> InputModel | None:
     """Return a section of a file with what was given for it.
 
@@ -45,7 +55,7 @@ def changed_section(owner: object, name: str, given: object) -> InputModel | Non
     InputError
         If there is no such section, it cannot be left out, or the values are impossible.
     """
-    kinds = _section_kinds(type(owner))
+    kinds = section_kinds(type(owner))
     if name not in kinds:
         raise InputError(f"{name}: unknown section; {allowed_names(name, kinds)}.")
     kind, optional = kinds[name]
@@ -133,16 +143,6 @@ def without_changed(
         if one.record is not None:
             own[one.field] = (one.record.source, one.record.assumed)
     return tuple(kept), own
-
-
-def _section_kinds(owner: type) -> dict[str, tuple[type[InputModel], bool]]:
-    """Return the sections of a class by name: their type, and whether they may be missing."""
-    found = {}
-    for name, hint in get_type_hints(owner).items():
-        for kind in (hint, *get_args(hint)):
-            if isinstance(kind, type) and issubclass(kind, InputModel):
-                found[name] = (kind, NoneType in get_args(hint))
-    return found
 
 
 def _changes(prefix: str, before: object, after: InputModel | None) -> Iterator[Change]:

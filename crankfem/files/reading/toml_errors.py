@@ -63,24 +63,14 @@ def _before(lines: list[str], place: int) -> int | None:
     """Return the number of an earlier line that gives the same section or name, None if there is none."""
     line = lines[place - 1]
     header = HEADER.match(line)
-    if header is not None:
-        return next(
-            (
-                number
-                for number, other in enumerate(lines[: place - 1], start=1)
-                if (found := HEADER.match(other)) is not None
-                and found[1].strip() == header[1].strip()
-            ),
-            None,
-        )
-    name = NAME.match(line)
-    if name is None:
+    given = header or NAME.match(line)
+    if given is None:
         return None
     for number in range(place - 1, 0, -1):
         other = lines[number - 1]
-        if other.lstrip().startswith("["):
+        if header is None and other.lstrip().startswith("["):
             return None
-        found = NAME.match(other)
-        if found is not None and found[1] == name[1]:
+        found = given.re.match(other)
+        if found is not None and found[1].strip() == given[1].strip():
             return number
     return None

@@ -164,13 +164,7 @@ def read_toml(path: Path) -> TomlFile:
         raise InputError(
             f"{path}: is a STEP file; allowed is a TOML file here, for only `crankfem throw` takes STEP."
         )
-    check_file_size(path, LARGEST_TEXT_FILE, "a file of dimensions")
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"{path}: cannot be read as text ({error}); allowed is a TOML file."
-        ) from None
+    text = read_text(path, "a file of dimensions", "a TOML file")
     check_keys(path.name, text)
     try:
         content = tomllib.loads(text)
@@ -194,6 +188,23 @@ def read_toml(path: Path) -> TomlFile:
             )
         sections[section] = _values_apart(section, values, sources, provenance)
     return TomlFile(path, sections, provenance, {k: str(v) for k, v in sources.items()})
+
+
+def read_text(path: Path, what: str, allowed: str) -> str:
+    """Read a file of text; for messages, what it is meant to be, and what is allowed.
+
+    Raises
+    ------
+    InputError
+        If it is too large, or cannot be read as text.
+    """
+    check_file_size(path, LARGEST_TEXT_FILE, what)
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"{path}: cannot be read as text ({error}); allowed is {allowed}."
+        ) from None
 
 
 def _values_apart(

@@ -22,18 +22,18 @@ class Engine(InputModel):
     section: ClassVar[str] = "engine"
 
     name: str = Field(description="what to call the engine")
-    cylinders: int = quantity_field("number of cylinders", "", minimum=1, maximum=24)
-    strokes: int = quantity_field("strokes per cycle, 2 or 4", "", minimum=2, maximum=4)
-    bore: float = quantity_field("cylinder bore", "m", minimum=0.01, maximum=2.0)
-    stroke: float = quantity_field("piston stroke", "m", minimum=0.01, maximum=5.0)
+    cylinders: int = quantity_field("number of cylinders", "", 1, 24)
+    strokes: int = quantity_field("strokes per cycle, 2 or 4", "", 2, 4)
+    bore: float = quantity_field("cylinder bore", "m", 0.01, 2.0)
+    stroke: float = quantity_field("piston stroke", "m", 0.01, 5.0)
     rated_speed: float = quantity_field(
-        "rated speed", "rad/s", minimum=5.0 * PER_MINUTE, maximum=30_000.0 * PER_MINUTE
+        "rated speed", "rad/s", 5.0 * PER_MINUTE, 30_000.0 * PER_MINUTE
     )
     lowest_speed: float = quantity_field(
-        "lowest running speed", "rad/s", minimum=1.0 * PER_MINUTE, maximum=30_000.0 * PER_MINUTE
+        "lowest running speed", "rad/s", 1.0 * PER_MINUTE, 30_000.0 * PER_MINUTE
     )
     highest_speed: float = quantity_field(
-        "highest running speed", "rad/s", minimum=5.0 * PER_MINUTE, maximum=30_000.0 * PER_MINUTE
+        "highest running speed", "rad/s", 5.0 * PER_MINUTE, 30_000.0 * PER_MINUTE
     )
     crank_angles: tuple[float, ...] = quantity_field(
         "angle of each crank from the first, cylinder by cylinder, all in one sense of rotation",
@@ -218,8 +218,8 @@ class Flywheel(InputModel):
 
     section: ClassVar[str] = "flywheel"
 
-    inertia: float = quantity_field("flywheel inertia", "kg m^2", minimum=1e-5, maximum=1e7)
-    mass: float = quantity_field("flywheel mass", "kg", minimum=1e-2, maximum=1e6)
+    inertia: float = quantity_field("flywheel inertia", "kg m^2", 1e-5, 1e7)
+    mass: float = quantity_field("flywheel mass", "kg", 1e-2, 1e6)
 
 
 class FreeEnd(InputModel):
@@ -227,7 +227,7 @@ class FreeEnd(InputModel):
 
     section: ClassVar[str] = "free_end"
 
-    inertia: float = quantity_field("inertia at the free end", "kg m^2", minimum=1e-7, maximum=1e6)
+    inertia: float = quantity_field("inertia at the free end", "kg m^2", 1e-7, 1e6)
 
 
 class ThrustBearing(InputModel):
@@ -235,7 +235,7 @@ class ThrustBearing(InputModel):
 
     section: ClassVar[str] = "thrust_bearing"
 
-    stiffness: float = quantity_field("axial stiffness", "N/m", minimum=1e4, maximum=1e13)
+    stiffness: float = quantity_field("axial stiffness", "N/m", 1e4, 1e13)
     bearing: int = quantity_field(
         "main bearing it sits at, counted from 0 at the free end: the last of n throws is n",
         "",
@@ -261,7 +261,7 @@ class VibrationSettings(InputModel):
         "exact mean over a revolution",
     )
     highest_order: float = quantity_field(
-        "highest harmonic order considered", "", minimum=0.5, maximum=48.0, default=12.0
+        "highest harmonic order considered", "", 0.5, 48.0, default=12.0
     )
 
 
@@ -278,15 +278,9 @@ class TwoMassInput(InputModel):
 
     section: ClassVar[str] = "two_mass_check"
 
-    shaft_diameter: float = quantity_field(
-        "equivalent shaft diameter", "m", minimum=1e-3, maximum=2.0
-    )
-    shaft_length: float = quantity_field(
-        "equivalent shaft length", "m", minimum=1e-3, maximum=100.0
-    )
-    shear_modulus: float = quantity_field("shear modulus", "Pa", minimum=1e9, maximum=5e11)
-    engine_inertia: float = quantity_field("engine inertia", "kg m^2", minimum=1e-6, maximum=1e7)
-    flywheel_inertia: float = quantity_field(
-        "flywheel inertia", "kg m^2", minimum=1e-6, maximum=1e7
-    )
-    order: float = quantity_field("harmonic order examined", "", minimum=0.5, maximum=48.0)
+    shaft_diameter: float = quantity_field("equivalent shaft diameter", "m", 1e-3, 2.0)
+    shaft_length: float = quantity_field("equivalent shaft length", "m", 1e-3, 100.0)
+    shear_modulus: float = quantity_field("shear modulus", "Pa", 1e9, 5e11)
+    engine_inertia: float = quantity_field("engine inertia", "kg m^2", 1e-6, 1e7)
+    flywheel_inertia: float = quantity_field("flywheel inertia", "kg m^2", 1e-6, 1e7)
+    order: float = quantity_field("harmonic order examined", "", 0.5, 48.0)

@@ -29,14 +29,9 @@ class GasMapPoint(InputModel):
     section: ClassVar[str] = "gas_map.points"
 
     speed: float = quantity_field(
-        "speed at which the diagram was taken",
-        "rad/s",
-        minimum=1.0 * PER_MINUTE,
-        maximum=30_000.0 * PER_MINUTE,
+        "speed at which the diagram was taken", "rad/s", 1.0 * PER_MINUTE, 30_000.0 * PER_MINUTE
     )
-    load: float = quantity_field(
-        "load there, in the measure of the map", "", minimum=0.0, maximum=1e9, default=1.0
-    )
+    load: float = quantity_field("load there, in the measure of the map", "", 0.0, 1e9, default=1.0)
     pressure_table: str = Field(
         description="CSV file of the pressure over the crank angle, beside the engine file or shipped"
     )
@@ -84,7 +79,7 @@ class Misfire(InputModel):
 
     cylinders: tuple[int, ...] = quantity_field("numbers of the failing cylinders", "")
     missing_share: float = quantity_field(
-        "share of the combustion that is missing in each", "", minimum=0.0, maximum=1.0, default=1.0
+        "share of the combustion that is missing in each", "", 0.0, 1.0, default=1.0
     )
 
     @model_validator(mode="after")
@@ -103,17 +98,15 @@ class PropellerForcesSection(InputModel):
     section: ClassVar[str] = "propeller_forces"
 
     node: str = Field("propeller", description="name of its node in the chain")
-    blades: int = quantity_field("number of blades", "", minimum=2, maximum=12)
+    blades: int = quantity_field("number of blades", "", 2, 12)
     rated_speed: float = quantity_field(
         "speed of the propeller at the rated point",
         "rad/s",
         minimum=1.0 * PER_MINUTE,
         maximum=10_000.0 * PER_MINUTE,
     )
-    rated_thrust: float = quantity_field("mean thrust there", "N", minimum=1.0, maximum=1e8)
-    rated_torque: float = quantity_field(
-        "mean torque there, taken from the shaft", "N m", minimum=1.0, maximum=1e9
-    )
+    rated_thrust: float = quantity_field("mean thrust there", "N", 1.0, 1e8)
+    rated_torque: float = quantity_field("mean torque there, taken from the shaft", "N m", 1.0, 1e9)
     thrust_shares: tuple[float, ...] = quantity_field(
         "amplitudes of blade order, twice it ... as shares of the mean thrust", "", default=()
     )
@@ -159,16 +152,7 @@ class PropellerForcesSection(InputModel):
         InputError
             If shares and phases are not of one length.
         """
-        return PropellerForces(
-            self.blades,
-            self.rated_speed,
-            self.rated_thrust,
-            self.rated_torque,
-            self.thrust_shares,
-            self.torque_shares,
-            self.thrust_phases,
-            self.torque_phases,
-        )
+        return PropellerForces(**self.model_dump(exclude={"node", "ratio"}))
 
 
 def gas_map_pressure(section: GasMap, strokes: int, file: Path) -> PressureMap:

@@ -47,9 +47,9 @@ class ShaftLimitInput(InputModel):
     element: str = Field(
         description='element of the torsional chain, such as "flywheel - propeller"'
     )
-    diameter: float = quantity_field("diameter of the shaft", "m", minimum=0.01, maximum=2.0)
+    diameter: float = quantity_field("diameter of the shaft", "m", 0.01, 2.0)
     tensile_strength: float = quantity_field(
-        "specified minimum tensile strength", "Pa", symbol="sigma_B", minimum=4e8, maximum=1.2e9
+        "specified minimum tensile strength", "Pa", 4e8, 1.2e9, symbol="sigma_B"
     )
     feature: str = Field(
         "integral flange",
@@ -95,11 +95,7 @@ class LimitsInput(InputModel):
         default=None,
     )
     crankshaft_stress_passing: float | None = quantity_field(
-        "the same while a barred speed range is passed",
-        "Pa",
-        minimum=1e5,
-        maximum=1e9,
-        default=None,
+        "the same while a barred speed range is passed", "Pa", 1e5, 1e9, default=None
     )
     coupling_torque: float | None = quantity_field(
         "permissible vibratory torque of the coupling behind the flywheel",
@@ -109,11 +105,7 @@ class LimitsInput(InputModel):
         default=None,
     )
     coupling_torque_passing: float | None = quantity_field(
-        "the same while a barred speed range is passed",
-        "N m",
-        minimum=1e-2,
-        maximum=1e9,
-        default=None,
+        "the same while a barred speed range is passed", "N m", 1e-2, 1e9, default=None
     )
     torsional_amplitude: float | None = quantity_field(
         "permissible torsional vibration amplitude of the free end",
@@ -123,18 +115,10 @@ class LimitsInput(InputModel):
         default=None,
     )
     axial_amplitude: float | None = quantity_field(
-        "permissible axial vibration amplitude of the free end",
-        "m",
-        minimum=1e-7,
-        maximum=1e-1,
-        default=None,
+        "permissible axial vibration amplitude of the free end", "m", 1e-7, 1e-1, default=None
     )
     axial_force: float | None = quantity_field(
-        "permissible vibratory axial force through the throws",
-        "N",
-        minimum=1.0,
-        maximum=1e9,
-        default=None,
+        "permissible vibratory axial force through the throws", "N", 1.0, 1e9, default=None
     )
     crankshaft_rule: str = Field(
         "",
@@ -291,11 +275,9 @@ class RangesInput(InputModel):
     inertia: tuple[float, float] | None = _factors("the inertias of the torsional chain")
     thrust_stiffness: tuple[float, float] | None = _factors("the thrust bearing's stiffness")
     damping: tuple[float, float] | None = _factors("all damping")
-    samples: int = quantity_field(
-        "number of samples of amplitudes", "", minimum=2, maximum=100_000, default=200
-    )
+    samples: int = quantity_field("number of samples of amplitudes", "", 2, 100_000, default=200)
     seed: int = quantity_field(
-        "seed of the samples; the same seed draws the same", "", minimum=0, maximum=2**31, default=0
+        "seed of the samples; the same seed draws the same", "", 0, 2**31, default=0
     )
     separation_margin: float = quantity_field(
         "share by which critical speeds should stay away from running speeds",
@@ -307,16 +289,8 @@ class RangesInput(InputModel):
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
-        for name in (
-            "axial_compliance",
-            "torsional_compliance",
-            "mass",
-            "inertia",
-            "thrust_stiffness",
-            "damping",
-        ):
-            factors = getattr(self, name)
-            if factors is not None and not 0.0 < factors[0] <= 1.0 <= factors[1]:
+        for name, factors in self:
+            if isinstance(factors, tuple) and not 0.0 < factors[0] <= 1.0 <= factors[1]:
                 raise InputError(
                     f"ranges.{name}: given {list(factors)}; allowed are a low factor above 0 up to 1 "
                     "and a high one from 1, because the nominal value is possible too."

@@ -33,8 +33,8 @@ class Rod(InputModel):
 
     section: ClassVar[str] = "rod"
 
-    length: float = quantity_field("connecting-rod length", "m", minimum=0.02, maximum=10.0)
-    mass: float = quantity_field("connecting-rod mass", "kg", minimum=1e-3, maximum=2e4)
+    length: float = quantity_field("connecting-rod length", "m", 0.02, 10.0)
+    mass: float = quantity_field("connecting-rod mass", "kg", 1e-3, 2e4)
     rotating_mass: float = quantity_field(
         "share of the rod's mass that turns with the crankpin, found by weighing: it places the center "
         "of mass",
@@ -47,9 +47,9 @@ class Rod(InputModel):
         "how far the center of mass lies off the rod's axis, positive to the side to which the crankpin "
         "moves as it passes the top",
         "m",
-        symbol="l_d",
         minimum=-1.0,
         maximum=1.0,
+        symbol="l_d",
         default=0.0,
         feature=True,
     )
@@ -71,14 +71,14 @@ class Piston(InputModel):
 
     section: ClassVar[str] = "piston"
 
-    mass: float = quantity_field("mass of the piston set", "kg", minimum=1e-3, maximum=2e4)
+    mass: float = quantity_field("mass of the piston set", "kg", 1e-3, 2e4)
     pin_offset: float = quantity_field(
         "how far the piston pin's line passes aside of the shaft, positive to the side to which the "
         "crankpin moves as it passes the top",
         "m",
-        symbol="e",
         minimum=-1.0,
         maximum=1.0,
+        symbol="e",
         default=0.0,
         feature=True,
     )
@@ -94,11 +94,7 @@ class HingedRods(InputModel):
         "numbers of the cylinders whose rods carry them, one for each", ""
     )
     pin_radius: float = quantity_field(
-        "distance of the slave pin from the crankpin's center",
-        "m",
-        symbol="R_1",
-        minimum=0.001,
-        maximum=5.0,
+        "distance of the slave pin from the crankpin's center", "m", 0.001, 5.0, symbol="R_1"
     )
     pin_angle: float | None = quantity_field(
         "angle of the slave pin from the main rod's axis, counted as bank_angles; if not given, the "
@@ -106,12 +102,10 @@ class HingedRods(InputModel):
         "rad",
         default=None,
     )
-    length: float = quantity_field(
-        "length of the hinged rod between its pins", "m", minimum=0.02, maximum=10.0
-    )
-    mass: float = quantity_field("mass of the hinged rod", "kg", minimum=1e-3, maximum=2e4)
+    length: float = quantity_field("length of the hinged rod between its pins", "m", 0.02, 10.0)
+    mass: float = quantity_field("mass of the hinged rod", "kg", 1e-3, 2e4)
     rotating_mass: float = quantity_field(
-        "share of its mass at the slave pin, found by weighing", "kg", minimum=0.0, maximum=2e4
+        "share of its mass at the slave pin, found by weighing", "kg", 0.0, 2e4
     )
     inertia: float | None = _inertia_field()
 
@@ -137,31 +131,23 @@ class Gas(InputModel):
     section: ClassVar[str] = "gas"
 
     peak_pressure: float | None = quantity_field(
-        "largest gas pressure above ambient", "Pa", minimum=1e4, maximum=1e8, default=None
+        "largest gas pressure above ambient", "Pa", 1e4, 1e8, default=None
     )
     mean_effective_pressure: float | None = quantity_field(
-        "indicated mean effective pressure", "Pa", minimum=1e3, maximum=1e7, default=None
+        "indicated mean effective pressure", "Pa", 1e3, 1e7, default=None
     )
     pressure_table: str | None = Field(
         None,
         description="CSV file of the pressure over the crank angle, beside the engine file or shipped",
     )
     compression_ratio: float = quantity_field(
-        "compression ratio of the cycle", "", minimum=2.0, maximum=40.0, default=14.0
+        "compression ratio of the cycle", "", 2.0, 40.0, default=14.0
     )
     intake_pressure: float | None = quantity_field(
-        "absolute pressure in the cylinder at the end of the intake",
-        "Pa",
-        minimum=1e4,
-        maximum=2e6,
-        default=None,
+        "absolute pressure in the cylinder at the end of the intake", "Pa", 1e4, 2e6, default=None
     )
     exhaust_pressure: float | None = quantity_field(
-        "absolute pressure in the cylinder during exhaust",
-        "Pa",
-        minimum=1e4,
-        maximum=2e6,
-        default=None,
+        "absolute pressure in the cylinder during exhaust", "Pa", 1e4, 2e6, default=None
     )
     combustion_start: float | None = quantity_field(
         "crank angle at which combustion begins, from the top, negative before it",

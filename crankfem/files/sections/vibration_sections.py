@@ -28,11 +28,7 @@ class Damping(InputModel):
         default=None,
     )
     cylinder_damping: float | None = quantity_field(
-        "absolute torsional damping at each cylinder",
-        "N m s/rad",
-        minimum=0.0,
-        maximum=1e6,
-        default=None,
+        "absolute torsional damping at each cylinder", "N m s/rad", 0.0, 1e6, default=None
     )
     loss_factor: float | None = quantity_field(
         "loss factor of the throws in torsion: their stiffness is k (1 + i loss_factor)",
@@ -54,16 +50,13 @@ class Driven(InputModel):
     section: ClassVar[str] = "driven"
 
     inertia: float = quantity_field(
-        "inertia of the driven machine, referred to the crankshaft",
-        "kg m^2",
-        minimum=1e-5,
-        maximum=1e8,
+        "inertia of the driven machine, referred to the crankshaft", "kg m^2", 1e-5, 1e8
     )
     coupling_stiffness: float = quantity_field(
-        "torsional stiffness of the coupling", "N m/rad", minimum=1.0, maximum=1e12
+        "torsional stiffness of the coupling", "N m/rad", 1.0, 1e12
     )
     coupling_loss_factor: float = quantity_field(
-        "loss factor of the coupling", "", minimum=0.0, maximum=2.0, default=0.0
+        "loss factor of the coupling", "", 0.0, 2.0, default=0.0
     )
 
 
@@ -72,10 +65,8 @@ class Bearings(InputModel):
 
     section: ClassVar[str] = "bearings"
 
-    stiffness: float = quantity_field("lateral stiffness", "N/m", minimum=1e5, maximum=1e13)
-    damping: float = quantity_field(
-        "lateral damping", "N s/m", minimum=0.0, maximum=1e10, default=0.0
-    )
+    stiffness: float = quantity_field("lateral stiffness", "N/m", 1e5, 1e13)
+    damping: float = quantity_field("lateral damping", "N s/m", 0.0, 1e10, default=0.0)
 
 
 class ShaftLineFiles(InputModel):

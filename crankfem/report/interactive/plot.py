@@ -67,6 +67,10 @@ class Plots(Generic[Run]):
         known = {"", *there}
         return [plot for plot in self.plots if plot.needs in known]
 
+    def files(self, there: Iterable[str] = ()) -> list[str]:
+        """Return the names of the static ones' files, of those that need nothing but what is there."""
+        return [f"{plot.name}.svg" for plot in self.with_(there) if plot.static is not None]
+
     def draw(self, folder: Path, run: Run) -> list[Path]:
         """Write the static ones into a folder, which is made if it is not there.
 
@@ -81,7 +85,6 @@ class Plots(Generic[Run]):
             If the folder cannot be made, or one of the files is somebody else's.
         """
         make_folder(folder)
-        drawn = [plot for plot in self.of(run) if plot.static is not None]
-        for plot in drawn:
-            check_output(folder / f"{plot.name}.svg", "picture")
-        return [plot.draw(folder, run) for plot in drawn]
+        for name in self.files(self.has(run)):
+            check_output(folder / name, "picture")
+        return [plot.draw(folder, run) for plot in self.of(run) if plot.static is not None]

@@ -12,6 +12,7 @@ from dynamics.torque.star import Star, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
 
 STARS_A_ROW = 4
+FILES = ("torque.svg", "harmonics.svg", "stars.svg")
 
 
 def picture_torque(
@@ -19,7 +20,7 @@ def picture_torque(
 ) -> list[Path]:
     """Write torque.svg, harmonics.svg and stars.svg into a folder and return their paths."""
     stars = star_diagram(torque.engine, highest_order)
-    paths = [folder / name for name in ("torque.svg", "harmonics.svg", "stars.svg")]
+    paths = [folder / name for name in FILES]
     plot_engine_torque(paths[0], torque, title=title)
     plot_amplitudes(paths[1], torque.harmonics(), stars, title=title)
     plot_stars(paths[2], stars, title=title)

@@ -24,6 +24,7 @@ from regression.plots.factor_axis import response_text
 from regression.runs.study_table import StudyTable
 
 PANELS_PER_ROW = 4
+DIAGRAMS = ("response", "parity", "effects", "sensitivities")
 
 
 def plot_fits(
@@ -50,15 +51,17 @@ def plot_fits(
     """
     fit = found.chosen if form is None else found.fit_named(form)
     make_folder(folder)
-    paths = {
-        name: folder / f"{found.response}_{name}.svg"
-        for name in ("response", "parity", "effects", "sensitivities")
-    }
-    plot_response(paths["response"], table, found)
-    plot_parity(paths["parity"], table, found)
-    plot_effects(paths["effects"], found, fit)
-    plot_sensitivities(paths["sensitivities"], table, found)
-    return list(paths.values())
+    paths = [folder / name for name in fit_plot_files(found.response)]
+    plot_response(paths[0], table, found)
+    plot_parity(paths[1], table, found)
+    plot_effects(paths[2], found, fit)
+    plot_sensitivities(paths[3], table, found)
+    return paths
+
+
+def fit_plot_files(response: str) -> list[str]:
+    """Return the names of the files of a response's diagrams."""
+    return [f"{response}_{name}.svg" for name in DIAGRAMS]
 
 
 def plot_response(path: Path, table: StudyTable, found: ResponseFits) -> None:

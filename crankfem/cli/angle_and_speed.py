@@ -1,9 +1,9 @@
-"""The angle between neighboring cranks on the command line: checked, and written as it counts."""
+"""The angle of --gamma and the speed of --speed: checked, and the angle written as it counts."""
 
 import math
 
 from crankbase.errors import InputError
-from crankbase.units.quantity import parse_quantity
+from crankbase.units.quantity import format_quantity, parse_quantity
 from crankfem.cli import console
 
 
@@ -45,3 +45,33 @@ def angle_text(gamma_deg: float) -> str:
 
     folded = fold_angle_deg(gamma_deg)
     return f"{gamma_deg:g} deg" + ("" if folded == gamma_deg else f" (counts as {folded:g})")
+
+
+def parse_speed(text: str | None) -> float | None:
+    """Return the speed of --speed [rad/s], None where it is not given.
+
+    Raises
+    ------
+    InputError
+        If it is no speed, or outside the range of the field engine.rated_speed.
+
+    Examples
+    --------
+    >>> parse_speed("5 rad/s")
+    5.0
+    """
+    # Imported here: the sections take long to load.
+    from crankbase.model import field_extra
+    from crankfem.files.sections.engine_sections import Engine
+
+    if text is None:
+        return None
+    speed = parse_quantity(text, "rad/s", "--speed")
+    field = Engine.model_fields["rated_speed"]
+    low, high = (float(field_extra(field, key)) for key in ("minimum_si", "maximum_si"))
+    if not low <= speed <= high:
+        shown = " to ".join(format_quantity(limit, "rad/s", 5) for limit in (low, high))
+        raise InputError(
+            f"--speed: given {text!r}; allowed is {shown}, because engine.rated_speed has the same limits."
+        )
+    return speed

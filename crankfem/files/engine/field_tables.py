@@ -11,50 +11,10 @@ from crankbase.errors import InputError
 from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import DISPLAY_UNITS
-from crankfem.files.sections import (
-    damper_sections,
-    engine_sections,
-    excitation_sections,
-    limits_sections,
-    mechanism_sections,
-    vibration_sections,
-)
-from fem.material import Material
-from geometry.shaft_ends import ShaftEnds
-from geometry.throw import CrankThrow
+from crankfem.files.engine.engine_file import SECTIONS
 
 # Whole numbers below this are written out.
 WRITTEN_OUT = 1e10
-
-SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
-    (engine_sections.Engine, "required for more than a throw"),
-    (CrankThrow, "required"),
-    (engine_sections.NamedThrow, "optional, in place of [throw]; with all fields of [throw] and"),
-    (engine_sections.ShaftLayout, "optional"),
-    (ShaftEnds, "optional"),
-    (Material, "optional, steel by default"),
-    (mechanism_sections.Rod, "required for more than a throw"),
-    (mechanism_sections.Piston, "required for more than a throw"),
-    (mechanism_sections.HingedRods, "optional"),
-    (engine_sections.Flywheel, "required for run and vibration"),
-    (engine_sections.FreeEnd, "optional"),
-    (engine_sections.ThrustBearing, "required for run and vibration"),
-    (vibration_sections.Damping, "optional"),
-    (damper_sections.TorsionalDamperSection, "optional"),
-    (damper_sections.AxialDamperSection, "optional"),
-    (vibration_sections.Driven, "optional"),
-    (vibration_sections.Bearings, "optional"),
-    (vibration_sections.ShaftLineFiles, "optional"),
-    (mechanism_sections.Gas, "optional; without it reactions are given for 100 kN"),
-    (excitation_sections.GasMap, "optional"),
-    (excitation_sections.Misfire, "optional"),
-    (excitation_sections.PropellerForcesSection, "optional"),
-    (limits_sections.LimitsInput, "optional"),
-    (limits_sections.RangesInput, "optional"),
-    (engine_sections.VibrationSettings, "optional"),
-    (engine_sections.TorqueTable, "optional"),
-    (engine_sections.TwoMassInput, "optional"),
-)
 
 # Sections that have names of the user's own.
 TITLES = {"throws": "[throws.NAME]"}
@@ -87,14 +47,14 @@ def section_tables(section: str | None = None) -> list[SectionTable]:
     InputError
         If there is no such section.
     """
-    names = [model.section for model, _ in SECTIONS]
-    if section is not None and section not in names:
-        raise InputError(f"section: given {section!r}; allowed are {', '.join(names)}.")
+    described = {name: one for name, one in SECTIONS.items() if one.model is not None}
+    if section is not None and section not in described:
+        raise InputError(f"section: given {section!r}; allowed are {', '.join(described)}.")
     return [
         table
-        for model, need in SECTIONS
-        if section in (None, model.section)
-        for table in _tables(model, TITLES.get(model.section, f"[{model.section}]"), need)
+        for name, one in described.items()
+        if section in (None, name) and one.model is not None
+        for table in _tables(one.model, TITLES.get(name, f"[{name}]"), one.need)
     ]
 
 

@@ -1,10 +1,11 @@
-"""What the command line prints of a throw, from its plain records."""
+"""What the command line prints of a throw and of the stresses at its fillets, from plain records."""
 
 import math
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.record import Record
+from crankfem.analyses.throw.stress import mirrored, stress_tables
 from crankfem.analyses.throw.throw_tables import reaction_table, support_table
 from crankfem.cli.console import print_line, print_notes, print_table
 
@@ -32,14 +33,12 @@ def print_throw(record: Record, units: OutputUnits = SI) -> None:
 def print_free_modes(modes: list[Record], units: OutputUnits = SI) -> None:
     """Print the natural modes of a free throw."""
     print_table(
-        Table(
+        Table.of_records(
             "Natural modes of the free throw",
-            [
-                Column("mode"),
-                Column("frequency", "Hz", decimals=1),
-                Column("motion of the end sections", words=True),
-            ],
-            [[place, mode["frequency"], mode["name"]] for place, mode in enumerate(modes, start=1)],
+            [mode | {"number": number} for number, mode in enumerate(modes, start=1)],
+            (Column("mode"), "number"),
+            (Column("frequency", "Hz", decimals=1), "frequency"),
+            (Column("motion of the end sections", words=True), "name"),
         ),
         units,
     )
@@ -74,3 +73,43 @@ _PARTS = {
     "half": "symmetric about the crank plane, half of it is solved",
     "full": "without planes of symmetry, all of it is solved",
 }
+
+
+def print_stresses(record: Record, units: OutputUnits = SI) -> None:
+    """Print a table for each load, and what there is to say besides."""
+    for table in stress_tables(record, units):
+        print_table(table, units)
+    for sentence in _sentences(record):
+        print_line(sentence)
+
+
+def _sentences(record: Record) -> list[str]:
+    """What the tables leave unsaid."""
+    found = [
+        f"Ends pinned, end sections {record['end_sections']}. Principal: that of the largest magnitude, "
+        "at the place given; factor: its size divided by the nominal stress, under a torque a shear "
+        "stress."
+    ]
+    if mirrored(record):
+        found.append(
+            "The fillets at the right web have the same stresses, under a torque with the opposite sign."
+        )
+    if record["solved_part"] != "full":
+        found.append(
+            "Places at -x have the same stresses, under a torque and bending across the crank plane "
+            "with the opposite sign."
+        )
+    if record["sharp_corners"]:
+        found.append(
+            f"No stress is given at {'; '.join(record['sharp_corners'])}: without a fillet the elastic "
+            "stress has no bound."
+        )
+    errors = [peak["error_estimate"] for load in record["loads"] for peak in load["fillets"]]
+    met = (
+        "" if record["accuracy_met"] else f", not the {100.0 * record['accuracy']:.2g} % asked for"
+    )
+    found.append(
+        f"Estimated errors of the stresses: {100.0 * min(errors):.2g} to {100.0 * max(errors):.2g} %{met}."
+    )
+    found += [f"{file} written." for file in record["pictures"]]
+    return found

@@ -1,0 +1,94 @@
+"""What sections of an engine file say of each other: each is refused with one sentence."""
+
+from crankbase.errors import InputError
+from crankbase.units.quantity import format_quantity
+from crankfem.files.sections.engine_sections import Engine, VibrationSettings
+from crankfem.files.sections.excitation_sections import GasMap, Misfire
+from crankfem.files.sections.mechanism_sections import Gas
+from regression.formulas.catalogue import AXIAL_FORMULA_NAMES
+from regression.formulas.torsional_formulas import TORSIONAL_FORMULA_NAMES
+from regression.plans.plan import StudyPlan
+
+
+def check_misfire(misfire: Misfire | None, gas: Gas | None, engine: Engine) -> None:
+    """Refuse cylinders that are not there, and failing ones without a pressure.
+
+    Raises
+    ------
+    InputError
+    """
+    if misfire is None:
+        return
+    wrong = [number for number in misfire.cylinders if not 1 <= number <= engine.cylinders]
+    if wrong:
+        raise InputError(
+            f"misfire.cylinders: given {wrong[0]}; allowed is 1 to {engine.cylinders}, because the engine "
+            "has these cylinders."
+        )
+    if gas is None:
+        raise InputError(
+            "misfire: given without the section [gas]; allowed are both, because the pressure without "
+            "combustion follows from it."
+        )
+
+
+def check_gas_map(gas_map: GasMap | None, engine: Engine) -> None:
+    """Refuse a pressure map that does not cover the running range.
+
+    Raises
+    ------
+    InputError
+    """
+    if gas_map is None:
+        return
+    speeds = [point.speed for point in gas_map.points]
+    if min(speeds) > engine.lowest_speed or max(speeds) < engine.highest_speed:
+        given, allowed = (
+            f"{format_quantity(low, 'rad/s', 5)} to {format_quantity(high, 'rad/s', 5)}"
+            for low, high in (
+                (min(speeds), max(speeds)),
+                (engine.lowest_speed, engine.highest_speed),
+            )
+        )
+        raise InputError(
+            f"gas_map.points: given speeds from {given}; allowed are ones that cover the running range of "
+            f"{allowed}, because nothing is guessed beyond the diagrams."
+        )
+
+
+def check_sources(vibration: VibrationSettings, study: StudyPlan | None) -> None:
+    """Refuse an unknown source of compliances before anything is computed.
+
+    Raises
+    ------
+    InputError
+    """
+    for kind, given, formulas in (
+        ("axial", vibration.axial_source, AXIAL_FORMULA_NAMES),
+        ("torsional", vibration.torsional_source, TORSIONAL_FORMULA_NAMES),
+    ):
+        allowed = ["fe", "fe pinned", *(["regression"] if study is not None else []), *formulas]
+        if given.casefold() not in [name.casefold() for name in allowed]:
+            reason = (
+                ", because the file has no section [study] to fit"
+                if given.casefold() == "regression"
+                else ""
+            )
+            raise InputError(
+                f"vibration.{kind}_source: given {given!r}; allowed are {', '.join(allowed)}{reason}."
+            )
+
+
+def check_highest_order(vibration: VibrationSettings, engine: Engine) -> None:
+    """Refuse a highest order that the engine's cycle has not.
+
+    Raises
+    ------
+    InputError
+    """
+    lowest = 2.0 / engine.strokes
+    if vibration.highest_order < lowest or vibration.highest_order % lowest:
+        raise InputError(
+            f"vibration.highest_order: given {vibration.highest_order:g}; allowed are multiples of "
+            f"{lowest:g}, because these are the orders of a {engine.strokes}-stroke engine."
+        )

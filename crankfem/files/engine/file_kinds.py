@@ -1,0 +1,70 @@
+"""What a file of quantities describes, from its sections: a throw, a mechanism, a whole engine."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+from crankbase.errors import InputError
+from crankfem.files.reading.data_files import InputKind, input_path, shipped_names
+from crankfem.files.reading.toml_file import TomlFile, read_toml
+
+FileKind = Literal["engine", "mechanism", "throw", "hinge", "chain"]
+# A file with none of these is not meant as a whole engine.
+ENGINE_SECTIONS = {"rod", "piston", "flywheel", "thrust_bearing"}
+# Sections that only hinge files have.
+HINGE_SECTIONS = {"sliding", "hinge", "operation"}
+
+
+def file_kind(content: TomlFile) -> FileKind:
+    """Tell what a file describes, from its sections.
+
+    A throw has nothing of an engine around it; a mechanism has cranks, rods and pistons, but no flywheel
+    or thrust bearing for the chains.
+    """
+    sections = set(content.sections)
+    if "chain" in sections:
+        return "chain"
+    if "throw" not in sections and sections & HINGE_SECTIONS:
+        return "hinge"
+    if sections & {"throw", "throws"} and not sections & ENGINE_SECTIONS:
+        return "throw"
+    if {"engine", "rod", "piston"} <= sections and not sections & {"flywheel", "thrust_bearing"}:
+        return "mechanism"
+    return "engine"
+
+
+def engine_sections(source: str | Path | TomlFile) -> TomlFile:
+    """Return the sections of an engine file, or of a shipped engine.
+
+    Parameters
+    ----------
+    source : path or TomlFile
+        Sections that have been read already are not read again: what a command takes from them is then of
+        one state of the file. Their records begin anew.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not TOML, or describes an elastic hinge.
+    """
+    content = source if isinstance(source, TomlFile) else read_toml(input_path(source))
+    if file_kind(content) == "hinge":
+        raise InputError(f"{content.path.name}: describes an elastic hinge; use it with hinge.")
+    return replace(content, records=[])
+
+
+def any_sections(given: str) -> TomlFile | None:
+    """Return the sections of any file of input, or of a shipped one; None if it is not TOML.
+
+    Only chains are written in anything but TOML.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it cannot be read, or is not TOML though it is called so.
+    """
+    name = Path(given).name.removesuffix(".toml")
+    others: tuple[InputKind, ...] = ("hinge", "chain")
+    kinds = [kind for kind in others if name in shipped_names(kind)]
+    path = input_path(given, *kinds[:1])
+    return read_toml(path) if path.suffix.lower() == ".toml" else None
