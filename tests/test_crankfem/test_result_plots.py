@@ -33,9 +33,10 @@ from crankfem.files.hinge.hinge_file import load_hinge
 from crankfem.files.reading.data_files import data_folder, engine_path
 from crankfem.report.interactive.vibration import VIBRATION
 from geometry.mass import MassProperties
+from plans import plan_of_levels
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.formula_value import FormulaValue
-from regression.plans.plan import StudyPlan, plan_designs
+from regression.plans.plan import plan_designs
 from regression.records import Outcome
 from regression.runs.study_table import study_table
 
@@ -139,7 +140,7 @@ def compliance(width, thickness):
 def study(dimensions):
     """A study with a power law instead of finite elements."""
     levels = {"web_width": (0.27, 0.30, 0.33), "web_thickness": (0.05, 0.07, 0.09)}
-    plan = StudyPlan.from_levels(cf.CrankThrow(**dimensions), levels, held_out=3)
+    plan = plan_of_levels(cf.CrankThrow(**dimensions), levels, held_out=3)
     planned = plan_designs(plan)
     outcomes = {}
     for design in planned.designs:

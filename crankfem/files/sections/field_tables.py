@@ -16,6 +16,7 @@ from crankfem.files.sections import (
     excitation_sections,
     limits_sections,
     mechanism_sections,
+    study_section,
     vibration_sections,
 )
 from fem.material import Material
@@ -53,6 +54,7 @@ SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
     (engine_sections.VibrationSettings, "optional"),
     (engine_sections.TorqueTable, "optional"),
     (engine_sections.TwoMassInput, "optional"),
+    (study_section.StudySection, "optional"),
 )
 
 # Sections that have names of the user's own.
