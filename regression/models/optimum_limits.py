@@ -10,8 +10,9 @@ import numpy as np
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from regression.models.angle import between_values
-from regression.models.compliance_model import ANGLE_LAWS, ComplianceModel
+from regression.models.compliance_model import ComplianceModel
 from regression.models.error_band import error_band
+from regression.response_kinds import ANGLE_LAWS
 
 
 @dataclass(frozen=True)

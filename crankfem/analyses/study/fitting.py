@@ -22,7 +22,7 @@ from regression.fits.columns import Encoding, constant_groups, factor_encoding, 
 from regression.fits.equation_text import equation_text, term_effects
 from regression.fits.fits import Fit, fit_form
 from regression.fits.forms import FORMS, Form
-from regression.fits.groups import group_named, response_scale
+from regression.fits.groups import group_named
 from regression.fits.selection import choose
 from regression.fits.sensitivity import SobolIndices, elasticities, nominal_values, sobol_indices
 from regression.models.compliance_model import ComplianceModel
@@ -32,6 +32,7 @@ from regression.plans.plan import MODEL_VERSION, StudyPlan
 from regression.plans.relations import evaluate_expression
 from regression.plots.equations import draw_effects
 from regression.records import MEASURED
+from regression.response_kinds import response_scale
 from regression.runs.study_table import StudyTable
 from regression.throw_values import throw_values
 
