@@ -10,17 +10,11 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.study.fit_records import comparisons, study_record, warnings_of
-from crankfem.analyses.study.fitting import (
-    compliance_model,
-    dimensions_at,
-    fit_study,
-    nominal_points,
-    predicted,
-    response_name,
-    sensitivities,
-    surface,
-)
+from crankfem.analyses.study.fitting import fit_study, response_name
+from crankfem.analyses.study.nominal_throw import nominal_points, sensitivities
 from crankfem.analyses.study.plots.fit_plots import plot_fits
+from crankfem.analyses.study.response_fits import dimensions_at, predicted, surface
+from crankfem.analyses.study.study_model import compliance_model
 from crankfem.cli.tables.fit_tables import print_comparisons, print_fits
 from geometry.throw import CrankThrow
 from plans import plan_of_levels

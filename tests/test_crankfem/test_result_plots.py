@@ -17,7 +17,7 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
-from crankfem.analyses.study.fitting import predicted
+from crankfem.analyses.study.response_fits import predicted
 from crankfem.analyses.study.studies import fitted
 from crankfem.analyses.throw.formula_diagrams import (
     plot_formulas,

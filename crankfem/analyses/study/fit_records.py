@@ -7,7 +7,8 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankfem.analyses.record import Record
-from crankfem.analyses.study.fitting import ResponseFits, Sensitivities, sensitivities
+from crankfem.analyses.study.nominal_throw import Sensitivities, sensitivities
+from crankfem.analyses.study.response_fits import ResponseFits
 from geometry.throw import CrankThrow
 from regression.fits.equation_text import term_symbols
 from regression.fits.fits import Fit

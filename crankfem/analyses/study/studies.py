@@ -17,7 +17,10 @@ from crankfem.analyses.study.fit_diagrams import (
     draw_over_factor,
     fe_axis_label,
 )
-from crankfem.analyses.study.fitting import ResponseFits, compliance_model, fit_study, sensitivities
+from crankfem.analyses.study.fitting import fit_study
+from crankfem.analyses.study.nominal_throw import sensitivities
+from crankfem.analyses.study.response_fits import ResponseFits
+from crankfem.analyses.study.study_model import compliance_model
 from crankfem.files.engine.throw_file import load_study
 from regression.factor_labels import factor_text
 from regression.models.compliance_model import ComplianceModel

@@ -61,8 +61,8 @@ def optimum(
     from crankbase.tables.output_units import parse_output_units
     from crankfem.cli.model_arguments import model_dimensions, parse_limit
     from regression.models.compliance_model import ComplianceModel
-    from regression.models.optimum import find_optimum
     from regression.models.optimum_limits import check_minimized
+    from regression.models.optimum_search import find_optimum
 
     shown = parse_output_units(units)
     loaded = ComplianceModel.load(model)
