@@ -103,7 +103,8 @@ def read_expression(text: object, field: str, units: Units) -> Expression:
     for place, (kind, token) in enumerate(tokens):
         before = tokens[place - 1] if place else ("", "")
         if kind == "name" and before[0] == "number" and token not in units:
-            _check_unit(token, text, field, units)
+            if not is_unit(token):
+                raise _unknown_name(token, text, field, units)
             pieces[-1] += f"*{token}"
             continue
         operand = kind != "sign" or token == "("
@@ -205,11 +206,6 @@ def _no_grammar(text: str, field: str, before: str, token: str) -> InputError:
         f"{field}: given {text!r}, which is no expression ({where}); allowed is one like "
         '"410 mm - 2 * web_thickness".'
     )
-
-
-def _check_unit(token: str, text: str, field: str, units: Units) -> None:
-    if not is_unit(token):
-        raise _unknown_name(token, text, field, units)
 
 
 def _unknown_name(token: str, text: str, field: str, units: Units) -> InputError:

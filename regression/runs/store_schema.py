@@ -178,8 +178,9 @@ def prepare(connection: sqlite3.Connection) -> None:
 
     To be called within a transaction.
     """
-    tables = _tables(connection)
-    if schema_version(connection) == SCHEMA_VERSION:
+    version, tables = schema_version(connection), _tables(connection)
+    view = connection.execute("SELECT sql FROM sqlite_master WHERE name = 'results'").fetchone()
+    if version == SCHEMA_VERSION and view == (results_view(),):
         return
     for statement in TABLES:
         connection.execute(statement)
@@ -188,7 +189,7 @@ def prepare(connection: sqlite3.Connection) -> None:
         for column in columns:
             if column.split()[0] not in present:
                 connection.execute(f"ALTER TABLE {table} ADD COLUMN {column}")
-    if "designs" in tables:
+    if "designs" in tables and version < SCHEMA_VERSION:
         connection.execute(FILL_MODEL_VERSION)
         _add_checksums(connection)
     connection.execute("DROP VIEW IF EXISTS results")

@@ -19,7 +19,8 @@ from regression.plans.plan import (
 )
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, content_key
 from regression.runs.exchange import read_rows
-from regression.runs.store import ResultStore, is_database
+from regression.runs.store import ResultStore
+from regression.runs.store_file import is_database
 from regression.runs.store_results import read_store
 from regression.runs.store_rows import damaged_rows_warning
 from regression.runs.study_table import StudyTable, study_table
