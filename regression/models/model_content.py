@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Mapping
+from dataclasses import fields
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -176,12 +177,8 @@ class CompiledModel:
     def __init__(self, model: ModelContent) -> None:
         responses = model.responses
         self.family = Family(
-            ranges=model.ranges or _column_ranges(responses),
-            fixed=model.fixed,
-            categories=model.categories,
-            labels=model.labels,
-            units=model.units,
-            relations=model.relations,
+            **{one.name: getattr(model, one.name) for one in fields(Family)}
+            | {"ranges": model.ranges or _column_ranges(responses)}
         )
         self.bands = {name: error_band(name, response) for name, response in responses.items()}
         self._throw = model.throw

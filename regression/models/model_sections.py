@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 
 ANGLE = "gamma_deg"
 MOST_POINTS = 1_000_000
+# What a table says of each response.
+WORDS = ("symbol", "unit", "support", "form")
+ERRORS = ("largest_error", "largest_heldout_error", "largest_fe_error")
 
 
 def plot_section(
@@ -84,18 +87,10 @@ def plot_section(
 
 def response_table(responses: Mapping[str, ResponseModel]) -> Any:
     """Return a pandas table of a model's responses; an error that is not known is None."""
-    found = responses.values()
-    columns: dict[str, tuple[Any, str]] = {
-        "response": (list(responses), ""),
-        "symbol": ([one.symbol for one in found], ""),
-        "unit": ([one.unit for one in found], ""),
-        "support": ([one.support for one in found], ""),
-        "form": ([one.form for one in found], ""),
-        "largest_error": ([one.largest_error for one in found], "1"),
-        "largest_heldout_error": ([one.largest_heldout_error for one in found], "1"),
-        "largest_fe_error": ([one.largest_fe_error for one in found], "1"),
-        "equation": ([one.equation for one in found], ""),
-    }
+    columns: dict[str, tuple[Any, str]] = {"response": (list(responses), "")}
+    for names, unit in ((WORDS, ""), (ERRORS, "1"), (("equation",), "")):
+        for name in names:
+            columns[name] = ([getattr(one, name) for one in responses.values()], unit)
     return table(columns)
 
 

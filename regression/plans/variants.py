@@ -199,10 +199,7 @@ def _check_factor(
     if found is not None:
         unfit = next((label for label in factor.labels if label not in found.choices), None)
         if unfit is not None or bool(factor.labels) != bool(found.choices):
-            given = (
-                unfit
-                or f"{factor.format_value(factor.lowest)} to {factor.format_value(factor.highest)}"
-            )
+            given = unfit or factor.range_text
             allowed = ", ".join(found.choices) or f"a range or levels in {found.unit or 'no unit'}"
             raise InputError(f"{name}: given {given}; allowed is {allowed}.")
         if factor.unit != found.unit:

@@ -217,9 +217,7 @@ def _described(results: ResultStore, plan: StudyPlan) -> str:
     """Tell a study from others in a few words."""
     roles = [role for role, _, _ in results.study_designs(plan.key)]
     factors = [
-        f"{factor.name} {' or '.join(factor.labels)}"
-        if factor.labels
-        else f"{factor.name} {factor.format_value(factor.lowest)} to {factor.format_value(factor.highest)}"
+        f"{factor.name} {' or '.join(factor.labels) or factor.range_text}"
         for factor in plan.factors
     ]
     return f"{plan.design.kind} of {roles.count(RUN)} runs: {', '.join(factors)}"
@@ -303,17 +301,10 @@ def _coinciding(results: ResultStore, planned: PlannedStudy, rows: Iterable[Extr
     """Count the computed rows at which the study has, or will have, a result of its own."""
     outcomes = results.outcomes(design.key for design in planned.designs)
     failed = {key for key, found in outcomes.items() if found.status == "failed"}
-    own = np.array([design.values for design in planned.designs if design.key not in failed])
+    own = np.array([d.values for d in planned.designs if d.key not in failed])
+    own = own.reshape(-1, len(planned.plan.factors))
     return sum(
-        bool(len(own))
-        and bool(
-            np.any(
-                np.all(
-                    np.abs(own - row.values) <= SAME * np.maximum(np.abs(own), np.abs(row.values)),
-                    axis=1,
-                )
-            )
-        )
+        bool(np.isclose(own, row.values, rtol=SAME, atol=0.0).all(axis=1).any())
         for row in rows
         if row.role != MEASURED and row.values is not None
     )
