@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
+from regression.plans.constraints import Constraint, constraint_violations, read_constraint
 from regression.plans.factors import (
     FREE_NAME,
     Factor,
@@ -20,13 +21,10 @@ from regression.plans.factors import (
     unknown_field,
 )
 from regression.plans.relations import (
-    Constraint,
     Expression,
-    constraint_violations,
     evaluate_expression,
     evaluation_order,
     is_unit,
-    read_constraint,
     read_expression,
     used_names,
 )
@@ -144,7 +142,9 @@ class Variants:
             for factor, column in zip(self.factors, values.T, strict=True)
             if not factor.categorical
         }
-        used = used_names((*self.relations.values(), *self.constraints))
+        used = used_names(
+            (*self.relations.values(), *(side for one in self.constraints for side in one.sides))
+        )
         base = {
             path: np.array(float(field_value(self.record, path)))
             for path in used
