@@ -517,7 +517,6 @@ def test_rows_of_ones_own_lose_their_repeats_and_say_so():
 @pytest.mark.parametrize(
     ("rows_", "message"),
     [
-        (((0.0,),), r"^study\.file: given 1 values in row 1; allowed are 2"),
         (
             ((0.0, 0.0), (0.0, 1.5)),
             r"^study\.file: given B = 1.5 in row 2; allowed is the factor's",
