@@ -21,7 +21,7 @@ from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, conte
 from regression.runs.exchange import read_rows
 from regression.runs.store import ResultStore
 from regression.runs.store_file import is_database
-from regression.runs.store_results import read_store
+from regression.runs.store_results import StoreResults, factor_value, read_store
 from regression.runs.store_rows import damaged_rows_warning
 from regression.runs.study_table import StudyTable, study_table
 from regression.runs.supervised import design_limits
@@ -277,15 +277,13 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
     if not path.is_file():
         raise InputError(f"import: given {str(path)!r}; there is no such file.")
     planned = plan.planned
-    if not is_database(path):
-        rows = read_rows(path, plan)
-        with ResultStore(store) as results:
-            _register(results, plan, planned)
-            coinciding = _coinciding(results, planned, rows)
-            return ImportSummary(0, results.add_extra_rows(plan.key, rows), 0, coinciding)
-    with ResultStore(path, readonly=True) as other:
-        found = read_store(other, plan, {design.key for design in planned.designs})
-        damaged = damaged_rows_warning(other.damaged, path) if other.damaged else ""
+    found, damaged = StoreResults((), (), 0), ""
+    if is_database(path):
+        with ResultStore(path, readonly=True) as other:
+            found = read_store(other, plan, {design.key for design in planned.designs})
+            damaged = damaged_rows_warning(other.damaged, path) if other.damaged else ""
+    else:
+        found = replace(found, rows=read_rows(path, plan))
     with ResultStore(store) as results:
         _register(results, plan, planned)
         known = results.outcomes(one.key for one in found.finished)
@@ -331,10 +329,7 @@ def _as_registered(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
         return planned
     try:
         values = [
-            tuple(
-                float(f.labels.index(shown[f.name]) if f.labels else shown[f.name])
-                for f in plan.factors
-            )
+            tuple(factor_value(factor, shown[factor.name]) for factor in plan.factors)
             for _, _, shown in registered
         ]
     except (KeyError, TypeError, ValueError):  # the list is damaged

@@ -145,8 +145,8 @@ class StudyTable:
             If the study has no such response or factor.
         """
         column = _one_of("response", response, list(self.responses))
-        name = _one_of("factor", factor, [one.name for one in self.plan.factors])
-        place = [one.name for one in self.plan.factors].index(name)
+        names = list(self.plan.names)
+        place = names.index(_one_of("factor", factor, names))
         chosen = self.plan.factors[place]
         kind = RESPONSES.get(column)
         symbol, unit = (column.replace("_", " "), "") if kind is None else (kind.symbol, kind.unit)

@@ -96,7 +96,7 @@ class StudyResult:
             check_not_given("form", form, show, "it shows no single form")
         if show != "response":
             check_not_given("factor", factor, show, "only a response is drawn over one")
-        found, factors = self.fits[name], [one.name for one in self.table.plan.factors]
+        found, factors = self.fits[name], self.table.plan.names
         fit = found.chosen if form is None else found.fit_named(form)
         if show == "effects":
             return found.plot(axes, show="effects", form=form)
