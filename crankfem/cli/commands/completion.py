@@ -69,7 +69,7 @@ def sections(incomplete: str) -> list[str]:
     """Sections of engine files."""
     from crankfem.files.reading.file_kinds import REQUIRED
 
-    return [name for name in REQUIRED if name != "study" and name.startswith(incomplete)]
+    return [name for name in REQUIRED if name.startswith(incomplete)]
 
 
 def dimensions(ctx: typer.Context, incomplete: str) -> list[str]:
