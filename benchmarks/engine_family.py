@@ -15,10 +15,11 @@ from crankfem.files.engine.throw_file import load_throw
 from fem.material import STEEL
 from fem.responses import evaluate_throw
 from geometry.throw import CrankThrow
-from regression.fits.groups import group_named, response_scale
+from regression.fits.groups import group_named
 from regression.plans.design_choice import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan
+from regression.response_kinds import response_scale
 from regression.runs.study import run_plan
 from regression.runs.study_table import StudyTable
 

@@ -313,6 +313,8 @@ _KINDS = {
     "int_type": "a whole number",
     "string_type": "text",
     "tuple_type": "a list",
+    "dict_type": "a table",
+    "bool_type": "true or false",
 }
 # And about the numbers in them; a field with a unit tells its range.
 _BOUNDS = {

@@ -77,5 +77,5 @@ from geometry.throw import CrankThrow as CrankThrow
 from regression.formulas.axial_formulas import axial_formulas as axial_formulas
 from regression.formulas.torsional_formulas import torsional_formulas as torsional_formulas
 from regression.models.compliance_model import ComplianceModel as ComplianceModel
-from regression.models.compliance_model import Lookup as Lookup
-from regression.models.compliance_model import OutsideRangeWarning as OutsideRangeWarning
+from regression.models.extrapolation import OutsideRangeWarning as OutsideRangeWarning
+from regression.models.lookup import Lookup as Lookup

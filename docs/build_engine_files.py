@@ -6,7 +6,6 @@ Run by hand after a change of a field: ``python docs/build_engine_files.py``; a 
 from pathlib import Path
 
 from crankfem.files.engine.field_tables import section_tables
-from fem.wished_accuracy import COMPLIANCE_ACCURACY
 
 INTRODUCTION = """# Engine files
 
@@ -101,20 +100,7 @@ file (throws, webs, materials, sections) have the same method. `cf.engines.mecha
 mechanism of an engine as it is, for `cf.run_mechanism`.
 """
 
-STUDY = f"""
-## [study] (optional)
-
-| field | unit | allowed | meaning |
-|---|---|---|---|
-| design | | a name, default full factorial | which designs are run and fitted |
-| runs | | whole number | of a Latin hypercube or Sobol sequence |
-| held_out | | 1 to 1000, default 10 | further designs that judge the fits |
-| seed | | whole number, default 1 | of all that is drawn by chance |
-| accuracy | | {COMPLIANCE_ACCURACY}, default 0.01 | relative accuracy of each design's axial compliance |
-| stresses | | true or false (default) | also the largest stress concentration factor at the fillets |
-| constraints | | comparisons | what every design must fulfill |
-| throw | | a name, default that at the free end | which of several throws [throws.NAME] varies |
-
+STUDY = """
 `[study.factors]` says what varies, `[study.relations]` what follows from it; [studies.md](studies.md)
 explains all of it, the designs and their own fields (`resolution`, `generators`, `face`, `file`):
 

@@ -4,9 +4,9 @@ import re
 from dataclasses import dataclass
 
 from crankbase.drawing.diagram_style import math_symbol
-from crankbase.model import InputModel, field_extra, part_kind
+from crankbase.model import field_extra
 from crankbase.units.units import DISPLAY_UNITS
-from geometry.throw import CrankThrow
+from regression.throw_values import declaration
 
 PAPER_SYMBOL = re.compile(r"[A-Za-z](_[a-z]+)?")
 
@@ -35,21 +35,13 @@ def factor_label(name: str) -> FactorLabel:
     field, equals, label = name.partition("=")
     if equals:
         return FactorLabel(f"[{field} = {label}]", "", 1.0)
-    kind: type[InputModel] = CrankThrow
-    *parts, last = name.split(".")
-    for part in (part for part in parts if not part.isdigit()):
-        info = kind.model_fields.get(part)
-        inner = None if info is None else part_kind(info)
-        if inner is None:
-            return FactorLabel(name, "", 1.0)
-        kind = inner
-    declared = kind.model_fields.get(last)
+    declared = declaration(name)
     if declared is None:
         return FactorLabel(name, "", 1.0)
     unit = str(field_extra(declared, "unit") or "")
     shown, size = DISPLAY_UNITS.get(unit, (unit, 1.0))
     symbol = str(field_extra(declared, "symbol") or "")
-    return FactorLabel(symbol if symbol and not parts else name, shown, size)
+    return FactorLabel(symbol if symbol and "." not in name else name, shown, size)
 
 
 def factor_text(name: str) -> str:

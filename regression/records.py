@@ -7,19 +7,6 @@ from dataclasses import dataclass, field
 
 # Roles of rows: fitted, judged by, only compared with.
 RUN, HELD_OUT, MEASURED = "run", "held out", "measured"
-# Responses that are above zero in every throw; influence coefficients and reactions have a sign.
-_ABOVE_ZERO = (
-    "axial_compliance",
-    "torsional_compliance",
-    "tilt_stiffness_ratio",
-    "mass",
-    "fillet_stress_factor",
-)
-
-
-def is_positive_response(response: str) -> bool:
-    """Whether a response, named as in a study or a model, is above zero by nature."""
-    return response.startswith(_ABOVE_ZERO)
 
 
 class StudyStoppedError(RuntimeError):

@@ -6,5 +6,5 @@ from crankfem.analyses.throw.formula_diagrams import (
 )
 from crankfem.analyses.throw.formula_diagrams import plot_run_formulas as plot_run_formulas
 from regression.formulas.axial_formulas import axial_formula as axial_formula
-from regression.formulas.formula_frames import formulas_to_pandas as formulas_to_pandas
 from regression.formulas.formula_value import FormulaValue as FormulaValue
+from regression.formulas.formula_value import formulas_to_pandas as formulas_to_pandas

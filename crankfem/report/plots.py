@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankfem.analyses.mechanism.plots.plots import plot_torque
-from crankfem.analyses.study.fitting import ResponseFits
 from crankfem.analyses.study.plots import fit_plots
+from crankfem.analyses.study.response_fits import ResponseFits
 from crankfem.analyses.throw.pictures.formula_plots import plot_formulas
 from crankfem.report.interactive.angles import formulas_over_angle
 from crankfem.report.interactive.mechanism_plots import MECHANISM

@@ -1,8 +1,8 @@
 """Public names of this topic and their homes."""
 
-from crankfem.analyses.study.fitting import ResponseFits as ResponseFits
+from crankfem.analyses.study.response_fits import ResponseFits as ResponseFits
 from regression.fits.fits import Fit as Fit
 from regression.models.optimum import Optimum as Optimum
-from regression.models.optimum import find_optimum as find_optimum
 from regression.models.optimum_limits import Limit as Limit
+from regression.models.optimum_search import find_optimum as find_optimum
 from regression.runs.study_table import StudyTable as StudyTable

@@ -13,6 +13,7 @@ from regression.factor_labels import factor_label as factor_label
 from regression.factor_labels import term_text
 from regression.fits.forms import Basis, FittedForm
 from regression.fits.terms import Term, design_matrix, term_name
+from regression.response_kinds import SCALES
 
 # Evaluating a printed equation must give the prediction within this share (a tenth of what is
 # promised to the reader).
@@ -21,15 +22,6 @@ SMALLEST_DIGITS = 6
 LARGEST_DIGITS = 17
 # Up to this many factors a printed equation is tried at every corner and middle of the box.
 _FACTORS_TRIED_FULLY = 6
-
-# What a response of each unit is multiplied with to be a pure number; E is Young's modulus, rho
-# the density.
-SCALED_SYMBOLS: Mapping[str, str] = {
-    "m/N": "{} E D_shm",
-    "rad/(N m)": "{} E D_shm^3",
-    "kg": "{} / (rho D_shm^3)",
-    "": "{}",
-}
 
 
 def equation_text(
@@ -69,7 +61,7 @@ def equation_text(
         ``[web_outline = rectangle]``, which is 1 where that holds and 0 elsewhere.
     """
     if basis == "groups":
-        symbol, unit, scale = SCALED_SYMBOLS[unit].format(symbol), "", 1.0
+        symbol, unit, scale = SCALES[unit].symbol.format(symbol), "", 1.0
         shown = [_group_label(name) for name in fitted.factors]
     else:
         shown = [(labels or {}).get(name) or factor_label(name) for name in fitted.factors]

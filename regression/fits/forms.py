@@ -143,26 +143,18 @@ class FittedForm:
 
     def __post_init__(self) -> None:
         columns = len(self.factors)
-        lengths: tuple[tuple[str, Sequence[object], int], ...] = (
-            ("log_factors", self.log_factors, columns),
-            ("center", self.center, columns),
-            ("half_range", self.half_range, columns),
-            ("coefficients", self.coefficients, len(self.terms)),
-        )
-        for name, values, length in lengths:
-            if len(values) != length:
+        lengths = dict.fromkeys(("log_factors", "center", "half_range"), columns)
+        for name, length in (lengths | {"coefficients": len(self.terms)}).items():
+            number = len(getattr(self, name))
+            if number != length:
                 raise InputError(
-                    f"{name}: given {len(values)} values; allowed are {length}, because the "
+                    f"{name}: given {number} values; allowed are {length}, because the "
                     f"equation has {columns} factors and {len(self.terms)} terms."
                 )
-        numbers = {
-            "center": self.center,
-            "half_range": self.half_range,
-            "coefficients": self.coefficients,
-        }
-        for name, given in numbers.items():
-            if not all(is_number(value) for value in given):
-                raise InputError(f"{name}: given {list(given)}; all numbers must be finite.")
+        for name in ("center", "half_range", "coefficients"):
+            numbers = getattr(self, name)
+            if not all(map(is_number, numbers)):
+                raise InputError(f"{name}: given {list(numbers)}; all numbers must be finite.")
         if not all(value > 0.0 for value in self.half_range):
             raise InputError(
                 f"half_range: given {list(self.half_range)}; all must be positive, because every "

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from crankbase.model import field_extra
-from fem.material import Material
 from geometry.throw import CrankThrow
 
 Array = NDArray[np.float64]
@@ -170,39 +169,3 @@ def independent_groups(values: Mapping[str, Array], limit: int) -> tuple[str, ..
         direction = varying.pop(best) / own[best]
         varying = {name: c - direction * (direction @ c) for name, c in varying.items()}
     return tuple(name for name in values if name in chosen)
-
-
-def response_scale(unit: str, dimensions: Dimensions, material: Material) -> Any:
-    """What a dimensionless response is multiplied with to give the response.
-
-    Parameters
-    ----------
-    unit : str
-        SI unit of the response: "m/N", "rad/(N m)", "kg" or "" for a plain number.
-    dimensions : mapping
-        With "pin_diameter" [m], a number or an array.
-    material : Material
-
-    Returns
-    -------
-    float or ndarray
-        1 / (E D_shm), 1 / (E D_shm^3), rho D_shm^3 or 1.
-
-    Raises
-    ------
-    InputError
-        If the unit has no scale.
-    """
-    pin = dimensions["pin_diameter"]
-    if unit == "m/N":
-        return 1.0 / (material.youngs_modulus * pin)
-    if unit == "rad/(N m)":
-        return 1.0 / (material.youngs_modulus * pin * pin * pin)
-    if unit == "kg":
-        return material.density * pin * pin * pin
-    if unit == "":
-        return 1.0
-    raise InputError(
-        f"unit: given {unit!r}; allowed are m/N, rad/(N m), kg and none, because only these have a "
-        "scale made of modulus, density and pin diameter."
-    )

@@ -28,34 +28,12 @@ from collections.abc import Mapping
 
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
-from regression.formulas.arguments import checked_angle_deg, fold_angle_deg, shear_modulus
-from regression.formulas.case import ThrowCase, round_area, round_inertia
+from regression.formulas.arguments import checked_angle_deg, shear_modulus
+from regression.formulas.case import ThrowCase
 from regression.formulas.catalogue import AXIAL_FORMULA_NAMES, AXIAL_FORMULAS, AXIAL_VARIANTS
-from regression.formulas.constants import (
-    DEFAULT_CONSTANTS,
-    FORMULA_CONSTANTS,
-    FormulaConstant,
-    checked_constants,
-)
+from regression.formulas.constants import checked_constants
 from regression.formulas.formula_value import FormulaValue
-from regression.formulas.reading import AxialFormula
-from regression.formulas.remarks import Remark, shape_remarks
-
-__all__ = [
-    "AXIAL_FORMULA_NAMES",
-    "AXIAL_VARIANTS",
-    "DEFAULT_CONSTANTS",
-    "FORMULA_CONSTANTS",
-    "FormulaConstant",
-    "axial_formula",
-    "axial_formula_faults",
-    "axial_formulas",
-    "fold_angle_deg",
-    "round_area",
-    "round_inertia",
-    "shape_remarks",
-    "shear_modulus",
-]
+from regression.formulas.reading import AxialFormula, reading_value
 
 
 def axial_formulas(
@@ -232,20 +210,4 @@ def _check_variant(variant: str) -> None:
 
 
 def _evaluate(formula: AxialFormula, variant: str, case: ThrowCase) -> FormulaValue:
-    reading = formula.readings[variant]
-    remarks = reading.remarks(case) + [
-        Remark(text, invalidates) for text, invalidates in shape_remarks(case.throw)
-    ]
-    value = reading.evaluate(case)
-    if value <= 0.0:
-        remarks.append(
-            Remark("The value is not positive, which no compliance can be.", invalidates=True)
-        )
-    return FormulaValue(
-        value=value,
-        valid=not any(remark.invalidates for remark in remarks),
-        remarks=tuple(remark.text for remark in remarks),
-        source=formula.source,
-        unit="m/N",
-        variant=variant,
-    )
+    return reading_value(formula.readings[variant], case, formula.source, "m/N", variant)

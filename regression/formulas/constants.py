@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
@@ -33,52 +32,50 @@ class FormulaConstant:
     reason: str
 
 
-FORMULA_CONSTANTS: Mapping[str, FormulaConstant] = MappingProxyType(
-    {
-        constant.name: constant
-        for constant in (
-            FormulaConstant(
-                "C",
-                "Guglielmotti-Macchiotta",
-                1.0,
-                "correction for the angle between neighboring cranks",
-                "no values are published; 1 stands for opposite neighbors, gamma = 180 deg, where "
-                "the formula's terms are those of a frame",
-            ),
-            FormulaConstant(
-                "k_3",
-                "Dorey",
-                1.0,
-                "factor of the crankpin's term for built and semi-built shafts",
-                "no values are published; with 1 the formula is the exact frame at 180 deg",
-            ),
-            FormulaConstant(
-                "k_or",
-                "Skorchev",
-                1.0,
-                "factor for the angle between neighboring cranks",
-                "no values are published; 1 stands for opposite neighbors, gamma = 180 deg",
-            ),
-            FormulaConstant(
-                "k_n",
-                "Stoyanov",
-                1.0,
-                "factor of the webs' term for the overlap of main journal and crankpin",
-                "no values are published; with 1 the term is the exact web without overlap",
-            ),
-            FormulaConstant(
-                "k_gorbunov",
-                "Gorbunov",
-                0.8,
-                "number in the angle factor k_phi = 0.8 (1 - cos gamma) of the web's term",
-                "as printed; 0.5 would meet the limit of a slender frame at 180 deg",
-            ),
-        )
-    }
-)
-DEFAULT_CONSTANTS: Mapping[str, float] = MappingProxyType(
-    {name: constant.default for name, constant in FORMULA_CONSTANTS.items()}
-)
+FORMULA_CONSTANTS: Mapping[str, FormulaConstant] = {
+    constant.name: constant
+    for constant in (
+        FormulaConstant(
+            "C",
+            "Guglielmotti-Macchiotta",
+            1.0,
+            "correction for the angle between neighboring cranks",
+            "no values are published; 1 stands for opposite neighbors, gamma = 180 deg, where "
+            "the formula's terms are those of a frame",
+        ),
+        FormulaConstant(
+            "k_3",
+            "Dorey",
+            1.0,
+            "factor of the crankpin's term for built and semi-built shafts",
+            "no values are published; with 1 the formula is the exact frame at 180 deg",
+        ),
+        FormulaConstant(
+            "k_or",
+            "Skorchev",
+            1.0,
+            "factor for the angle between neighboring cranks",
+            "no values are published; 1 stands for opposite neighbors, gamma = 180 deg",
+        ),
+        FormulaConstant(
+            "k_n",
+            "Stoyanov",
+            1.0,
+            "factor of the webs' term for the overlap of main journal and crankpin",
+            "no values are published; with 1 the term is the exact web without overlap",
+        ),
+        FormulaConstant(
+            "k_gorbunov",
+            "Gorbunov",
+            0.8,
+            "number in the angle factor k_phi = 0.8 (1 - cos gamma) of the web's term",
+            "as printed; 0.5 would meet the limit of a slender frame at 180 deg",
+        ),
+    )
+}
+DEFAULT_CONSTANTS: Mapping[str, float] = {
+    name: constant.default for name, constant in FORMULA_CONSTANTS.items()
+}
 
 
 def checked_constants(given: Mapping[str, float]) -> dict[str, float]:

@@ -4,24 +4,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from regression.formulas.case import ThrowCase
-from regression.formulas.remarks import Remark
+from regression.formulas.formula_value import FormulaValue
+from regression.formulas.remarks import Remark, shape_remarks
 
 SURVEY = (
     "A. I. Yamanin, V. A. Zhukov, Vestnik AGTU, Ser. Marine Engineering and Technologies, 2021, "
     "no. 4, pp. 75-83, doi 10.24143/2073-1574-2021-4-75-83"
 )
-
-
-def no_remarks(case: ThrowCase) -> list[Remark]:
-    """Return that there is nothing to say."""
-    del case
-    return []
-
-
-def no_fault(case: ThrowCase) -> str:
-    """Return that nothing hinders the evaluation."""
-    del case
-    return ""
 
 
 @dataclass(frozen=True)
@@ -31,7 +20,7 @@ class Reading:
     Attributes
     ----------
     evaluate : callable
-        Compliance of a case [m/N]; called only where there is no fault.
+        Compliance of a case; called only where there is no fault.
     remarks : callable
         What to know about that value.
     fault : callable
@@ -39,8 +28,8 @@ class Reading:
     """
 
     evaluate: Callable[[ThrowCase], float]
-    remarks: Callable[[ThrowCase], list[Remark]] = no_remarks
-    fault: Callable[[ThrowCase], str] = no_fault
+    remarks: Callable[[ThrowCase], list[Remark]] = lambda _: []
+    fault: Callable[[ThrowCase], str] = lambda _: ""
 
 
 @dataclass(frozen=True)
@@ -70,3 +59,23 @@ class AxialFormula:
     def source(self) -> str:
         """The first publication, and the survey that quotes it."""
         return f"{self.authors}; quoted in {SURVEY}"
+
+
+def reading_value(
+    reading: Reading, case: ThrowCase, source: str, unit: str, variant: str
+) -> FormulaValue:
+    """Evaluate a reading for a case, with all remarks that there are."""
+    remarks = reading.remarks(case) + shape_remarks(case.throw)
+    value = reading.evaluate(case)
+    if value <= 0.0:
+        remarks.append(
+            Remark("The value is not positive, which no compliance can be.", invalidates=True)
+        )
+    return FormulaValue(
+        value=value,
+        valid=not any(remark.invalidates for remark in remarks),
+        remarks=tuple(remark.text for remark in remarks),
+        source=source,
+        unit=unit,
+        variant=variant,
+    )

@@ -15,26 +15,23 @@ class Remark:
     invalidates: bool = False
 
 
-def shape_remarks(throw: CrankThrow) -> list[tuple[str, bool]]:
+def shape_remarks(throw: CrankThrow) -> list[Remark]:
     """What of a throw the published formulas do not know, and whether that makes them void."""
     remarks = []
     if throw.further_pins:
-        remarks.append(
-            ("The throw has several pins between its bearings; the formula knows one.", True)
-        )
-    for table in (throw.left_web, throw.right_web):
-        if table is not None and (
-            table.thickness not in (None, throw.web_thickness)
-            or table.width not in (None, throw.web_width)
-        ):
-            remarks.append(
-                ("The webs differ; the formula takes web_width and web_thickness for both.", False)
-            )
-            break
+        text = "The throw has several pins between its bearings; the formula knows one."
+        remarks.append(Remark(text, invalidates=True))
+    if any(
+        web.thickness not in (None, throw.web_thickness) or web.width not in (None, throw.web_width)
+        for web in (throw.left_web, throw.right_web)
+        if web is not None
+    ):
+        text = "The webs differ; the formula takes web_width and web_thickness for both."
+        remarks.append(Remark(text))
     if throw.web_tip_thickness is not None or throw.web_foot_thickness is not None:
-        remarks.append(("The formula takes the web's full thickness; it is thinned.", False))
+        remarks.append(Remark("The formula takes the web's full thickness; it is thinned."))
     if throw.main_journal_bore_offset or throw.pin_bore_offset:
-        remarks.append(("The formula takes eccentric bores for concentric ones.", False))
+        remarks.append(Remark("The formula takes eccentric bores for concentric ones."))
     return remarks
 
 

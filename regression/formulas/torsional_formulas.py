@@ -14,15 +14,15 @@ S. Timoshenko: Vibration Problems in Engineering, New York, Van Nostrand.
 """
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 
 from crankbase.units.quantity import format_quantity
 from geometry.throw import CrankThrow
 from regression.formulas.arguments import shear_modulus
-from regression.formulas.case import round_inertia
+from regression.formulas.case import ThrowCase, round_inertia
 from regression.formulas.formula_value import FormulaValue
-from regression.formulas.remarks import shape_remarks
+from regression.formulas.reading import Reading, reading_value
+from regression.formulas.remarks import Remark
 
 _TEXTBOOK = (
     "textbook formula quoted from the general literature on torsional vibration, first "
@@ -30,142 +30,131 @@ _TEXTBOOK = (
 )
 
 
-def _round(length: float, diameter: float, bore: float, modulus: float) -> float:
-    """Return the twist of a round length with a bore under a unit torque [rad/(N m)]."""
-    return length / (modulus * 2.0 * round_inertia(diameter, bore))
+def _journals(case: ThrowCase, journal_length: float, pin_length: float) -> float:
+    """Return the twist of a journal and a pin of these lengths under a unit torque [rad/(N m)]."""
+    throw = case.throw
+    journal = round_inertia(throw.main_journal_diameter, throw.main_journal_bore)
+    pin = round_inertia(throw.pin_diameter, throw.pin_bore)
+    modulus = 2.0 * case.shear_modulus
+    return journal_length / (modulus * journal) + pin_length / (modulus * pin)
 
 
-def _webs_as_beams(throw: CrankThrow, youngs_modulus: float) -> float:
-    """Return the twist from both webs bending in their plane, 2 R / (E h B^3 / 12)."""
-    inertia = throw.web_thickness * throw.web_width**3 / 12.0
-    return 2.0 * throw.crank_radius / (youngs_modulus * inertia)
+def _web(case: ThrowCase, length: float) -> float:
+    """Return the twist from a web of this effective length, 32 / (pi G) length / (h B^3)."""
+    throw = case.throw
+    bent = length / (throw.web_thickness * throw.web_width**3)
+    return 32.0 / (math.pi * case.shear_modulus) * bent
 
 
-def _carter(throw: CrankThrow, youngs_modulus: float, modulus: float) -> float:
+def _carter(case: ThrowCase) -> float:
     """32 / (pi G) [(L_km + 0.8 h)/D_km^4 + 0.75 L_shm/D_shm^4 + 1.5 R/(h B^3)]."""
-    del youngs_modulus
-    web = 1.5 * throw.crank_radius / (throw.web_thickness * throw.web_width**3)
-    return (
-        _round(
-            throw.main_journal_length + 0.8 * throw.web_thickness,
-            throw.main_journal_diameter,
-            throw.main_journal_bore,
-            modulus,
-        )
-        + _round(0.75 * throw.pin_length, throw.pin_diameter, throw.pin_bore, modulus)
-        + 32.0 / (math.pi * modulus) * web
-    )
+    throw = case.throw
+    journal = throw.main_journal_length + 0.8 * throw.web_thickness
+    return _journals(case, journal, 0.75 * throw.pin_length) + _web(case, 1.5 * throw.crank_radius)
 
 
 def _ker_wilson_web_length(throw: CrankThrow) -> float:
     return throw.crank_radius - 0.2 * (throw.main_journal_diameter + throw.pin_diameter)
 
 
-def _ker_wilson(throw: CrankThrow, youngs_modulus: float, modulus: float) -> float:
+def _ker_wilson(case: ThrowCase) -> float:
     """Add 0.4 D to both journals and shorten the web to R - 0.2 (D_km + D_shm)."""
-    del youngs_modulus
-    web = _ker_wilson_web_length(throw) / (throw.web_thickness * throw.web_width**3)
-    return (
-        _round(
-            throw.main_journal_length + 0.4 * throw.main_journal_diameter,
-            throw.main_journal_diameter,
-            throw.main_journal_bore,
-            modulus,
-        )
-        + _round(
-            throw.pin_length + 0.4 * throw.pin_diameter, throw.pin_diameter, throw.pin_bore, modulus
-        )
-        + 32.0 / (math.pi * modulus) * web
-    )
+    throw = case.throw
+    journal = throw.main_journal_length + 0.4 * throw.main_journal_diameter
+    pin = throw.pin_length + 0.4 * throw.pin_diameter
+    return _journals(case, journal, pin) + _web(case, _ker_wilson_web_length(throw))
 
 
-def _geiger(throw: CrankThrow, youngs_modulus: float, modulus: float) -> float:
+def _ker_wilson_remarks(case: ThrowCase) -> list[Remark]:
+    remarks = [Remark("Meant for stiff webs between flexible journals and pin.")]
+    if _ker_wilson_web_length(case.throw) <= 0.0:
+        remarks.append(
+            Remark(
+                f"The crank radius {format_quantity(case.throw.crank_radius, 'm')} is at most a fifth "
+                "of the sum of both journal diameters: nothing of the web is left to twist.",
+                invalidates=True,
+            )
+        )
+    return remarks
+
+
+def _geiger(case: ThrowCase) -> float:
     """Add 0.4 h to both journals; the webs bend as beams of section h B."""
-    return _with_web_beams(throw, youngs_modulus, modulus, 0.4)
+    return _with_web_beams(case, 0.4)
 
 
-def _timoshenko_free(throw: CrankThrow, youngs_modulus: float, modulus: float) -> float:
+def _timoshenko_free(case: ThrowCase) -> float:
     """Add 0.9 h to both journals; the webs bend as beams of section h B."""
-    return _with_web_beams(throw, youngs_modulus, modulus, 0.9)
+    return _with_web_beams(case, 0.9)
 
 
-def _zimanenko(throw: CrankThrow, youngs_modulus: float, modulus: float) -> float:
+def _with_web_beams(case: ThrowCase, share: float) -> float:
+    throw, added = case.throw, share * case.throw.web_thickness
+    inertia = throw.web_thickness * throw.web_width**3 / 12.0
+    webs = 2.0 * throw.crank_radius / (case.youngs_modulus * inertia)
+    return _journals(case, throw.main_journal_length + added, throw.pin_length + added) + webs
+
+
+def _zimanenko(case: ThrowCase) -> float:
     """Zimanenko's formula with the main journal's diameter beside 0.2 B / R."""
-    return _zimanenko_with(throw, youngs_modulus, modulus, throw.main_journal_diameter)
+    return _zimanenko_with(case, case.throw.main_journal_diameter)
 
 
-def _zimanenko_with(
-    throw: CrankThrow, youngs_modulus: float, modulus: float, diameter: float
-) -> float:
+def _zimanenko_with(case: ThrowCase, diameter: float) -> float:
     """32 / (pi G) [(L_km + 0.6 h D_km/L_km)/D_km^4 + (0.8 L_shm + 0.2 B D/R)/D_shm^4 + web].
 
     The web's share is R sqrt(R / D_shm) / (h B^3); D is the diameter whose index is in doubt.
     """
-    del youngs_modulus
+    throw = case.throw
     R, h, B = throw.crank_radius, throw.web_thickness, throw.web_width
     journal = throw.main_journal_length + (
         0.6 * h * throw.main_journal_diameter / throw.main_journal_length
     )
-    web = R * math.sqrt(R / throw.pin_diameter) / (h * B**3)
-    return (
-        _round(journal, throw.main_journal_diameter, throw.main_journal_bore, modulus)
-        + _round(
-            0.8 * throw.pin_length + 0.2 * B * diameter / R,
-            throw.pin_diameter,
-            throw.pin_bore,
-            modulus,
+    pin = 0.8 * throw.pin_length + 0.2 * B * diameter / R
+    return _journals(case, journal, pin) + _web(case, R * math.sqrt(R / throw.pin_diameter))
+
+
+def _zimanenko_remarks(case: ThrowCase) -> list[Remark]:
+    remarks = [Remark("Gives up to a quarter more than finite elements for ordinary throws.")]
+    if case.throw.pin_diameter != case.throw.main_journal_diameter:
+        other = _zimanenko_with(case, case.throw.pin_diameter)
+        remarks.append(
+            Remark(
+                "Reprints differ in the diameter that stands beside 0.2 B/R: here it is the main "
+                f"journal's; with the crankpin's the value is {other * 1e9:.4g}e-9 rad/(N m)."
+            )
         )
-        + 32.0 / (math.pi * modulus) * web
-    )
+    return remarks
 
 
-def _with_web_beams(
-    throw: CrankThrow, youngs_modulus: float, modulus: float, share: float
-) -> float:
-    added = share * throw.web_thickness
-    return (
-        _round(
-            throw.main_journal_length + added,
-            throw.main_journal_diameter,
-            throw.main_journal_bore,
-            modulus,
-        )
-        + _round(throw.pin_length + added, throw.pin_diameter, throw.pin_bore, modulus)
-        + _webs_as_beams(throw, youngs_modulus)
-    )
-
-
-@dataclass(frozen=True)
-class _TorsionalFormula:
-    source: str
-    evaluate: Callable[[CrankThrow, float, float], float]
-    remark: str
-
-
-_FORMULAS: Mapping[str, _TorsionalFormula] = {
-    "Carter": _TorsionalFormula(
-        f"B. C. Carter; {_TEXTBOOK}",
-        _carter,
-        "Meant for flexible webs between stiff journals and pin.",
+# Each formula with who published it.
+_FORMULAS: Mapping[str, tuple[Reading, str]] = {
+    "Carter": (
+        Reading(
+            _carter, lambda _: [Remark("Meant for flexible webs between stiff journals and pin.")]
+        ),
+        "B. C. Carter",
     ),
-    "Ker Wilson": _TorsionalFormula(
-        f"W. Ker Wilson, Practical Solution of Torsional Vibration Problems; {_TEXTBOOK}",
-        _ker_wilson,
-        "Meant for stiff webs between flexible journals and pin.",
+    "Ker Wilson": (
+        Reading(_ker_wilson, _ker_wilson_remarks),
+        "W. Ker Wilson, Practical Solution of Torsional Vibration Problems",
     ),
-    "Geiger": _TorsionalFormula(
-        f"J. Geiger; {_TEXTBOOK}", _geiger, "The webs count as slender beams of length R."
+    "Geiger": (
+        Reading(_geiger, lambda _: [Remark("The webs count as slender beams of length R.")]),
+        "J. Geiger",
     ),
-    "Timoshenko (free)": _TorsionalFormula(
-        f"S. Timoshenko, Vibration Problems in Engineering; {_TEXTBOOK}",
-        _timoshenko_free,
-        "For journals free to shift in their bearings; the webs count as slender beams.",
+    "Timoshenko (free)": (
+        Reading(
+            _timoshenko_free,
+            lambda _: [
+                Remark(
+                    "For journals free to shift in their bearings; the webs count as slender beams."
+                )
+            ],
+        ),
+        "S. Timoshenko, Vibration Problems in Engineering",
     ),
-    "Zimanenko": _TorsionalFormula(
-        f"Zimanenko; {_TEXTBOOK}",
-        _zimanenko,
-        "Gives up to a quarter more than finite elements for ordinary throws.",
-    ),
+    "Zimanenko": (Reading(_zimanenko, _zimanenko_remarks), "Zimanenko"),
 }
 
 TORSIONAL_FORMULA_NAMES: tuple[str, ...] = tuple(_FORMULAS)
@@ -208,41 +197,8 @@ def torsional_formulas(
     4.234
     """
     modulus = shear_modulus(youngs_modulus, poisson_ratio)
+    case = ThrowCase(throw, 180.0, youngs_modulus, modulus, {}, frozenset())
     return {
-        name: _value(name, formula, throw, youngs_modulus, modulus)
-        for name, formula in _FORMULAS.items()
+        name: reading_value(reading, case, f"{source}; {_TEXTBOOK}", "rad/(N m)", "textbook")
+        for name, (reading, source) in _FORMULAS.items()
     }
-
-
-def _value(
-    name: str,
-    formula: _TorsionalFormula,
-    throw: CrankThrow,
-    youngs_modulus: float,
-    modulus: float,
-) -> FormulaValue:
-    remarks = [formula.remark]
-    valid = True
-    if name == "Ker Wilson" and _ker_wilson_web_length(throw) <= 0.0:
-        valid = False
-        remarks.append(
-            f"The crank radius {format_quantity(throw.crank_radius, 'm')} is at most a fifth of the "
-            "sum of both journal diameters: nothing of the web is left to twist."
-        )
-    if name == "Zimanenko" and throw.pin_diameter != throw.main_journal_diameter:
-        other = _zimanenko_with(throw, youngs_modulus, modulus, throw.pin_diameter)
-        remarks.append(
-            "Reprints differ in the diameter that stands beside 0.2 B/R: here it is the main "
-            f"journal's; with the crankpin's the value is {other * 1e9:.4g}e-9 rad/(N m)."
-        )
-    for text, invalidates in shape_remarks(throw):
-        remarks.append(text)
-        valid = valid and not invalidates
-    return FormulaValue(
-        value=formula.evaluate(throw, youngs_modulus, modulus),
-        valid=valid,
-        remarks=tuple(remarks),
-        source=formula.source,
-        unit="rad/(N m)",
-        variant="textbook",
-    )

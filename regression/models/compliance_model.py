@@ -5,62 +5,30 @@ dimensionless groups it answers for throws of the family at any size. It needs n
 and is written as JSON that people can read.
 """
 
-import os
 import warnings
-from collections.abc import Iterable, Mapping
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import ConfigDict, Field, FiniteFloat, model_validator
 
 from crankbase.errors import InputError
-from crankbase.model import InputModel
 from geometry.throw import CrankThrow
 from regression.models.angle import between_values, fold_angle
-from regression.models.compiled_model import CompiledModel, column_ranges
-from regression.models.extrapolation import OutOfRange, OutsideRangeWarning
-from regression.models.family import Family
+from regression.models.extrapolation import OutsideRangeWarning
 from regression.models.family_throw import query_for_throw
 from regression.models.lookup import Lookup, make_lookup, make_lookup_between_neighbors
-from regression.models.model_file import FILE_FORMAT, FORMAT_VERSION, read_model, write_model
-from regression.models.response_model import ResponseModel
+from regression.models.model_content import ModelContent
 from regression.models.response_query import ResponseValues
-from regression.records import is_positive_response
-from regression.throw_values import check_dimension
+from regression.response_kinds import ANGLE_LAWS, AXIAL, INFLUENCE, TORSIONAL
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = [
-    "FILE_FORMAT",
-    "FORMAT_VERSION",
-    "KNOWN_RESPONSES",
-    "ComplianceModel",
-    "Lookup",
-    "OutsideRangeWarning",
-    "ResponseModel",
-]
-
-AXIAL = "axial_compliance"
-TORSIONAL = "torsional_compliance"
-INFLUENCE = "influence_coefficient"
-TILT_RATIO = "tilt_stiffness_ratio"
-# Symbol and unit of the responses that have a method of their own.
-KNOWN_RESPONSES: Mapping[str, tuple[str, str]] = {
-    AXIAL: ("e_n", "m/N"),
-    TORSIONAL: ("e_t", "rad/(N m)"),
-}
-# Responses that depend on the angle to the neighbors, and what their angle law needs.
-ANGLE_LAWS: Mapping[str, tuple[str, str, str]] = {
-    name: (f"{name}_in_line", f"{name}_opposite", TILT_RATIO) for name in (AXIAL, INFLUENCE)
-}
-
 Value = float | NDArray[np.float64]
 
 
-class ComplianceModel(InputModel):
+class ComplianceModel(ModelContent):
     """Regression equations for the compliances of a family of crank throws.
 
     Parameters
@@ -106,62 +74,6 @@ class ComplianceModel(InputModel):
     ``model.axial_compliance(web_width=0.300, web_thickness=0.068, pin_length=0.139)``.
     """
 
-    section: ClassVar[str] = "model"
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    responses: dict[str, ResponseModel] = Field(min_length=1)
-    fixed: dict[str, FiniteFloat] = Field(default_factory=dict)
-    ranges: dict[str, tuple[FiniteFloat, FiniteFloat]] = Field(default_factory=dict)
-    categories: dict[str, tuple[str, ...]] = Field(default_factory=dict)
-    labels: dict[str, str] = Field(default_factory=dict)
-    units: dict[str, str] = Field(default_factory=dict)
-    relations: dict[str, str] = Field(default_factory=dict)
-    constraints: tuple[str, ...] = ()
-    constant_groups: dict[str, FiniteFloat] = Field(default_factory=dict)
-    throw: dict[str, Any] | None = None
-    material: dict[str, str | FiniteFloat] = Field(default_factory=dict)
-    provenance: dict[str, str | int | FiniteFloat | None] = Field(default_factory=dict)
-
-    @model_validator(mode="after")
-    def _fits_together(self) -> Self:
-        for name, response in self.responses.items():
-            both = [factor for factor in response.factors if factor in self.fixed]
-            if both:
-                raise InputError(
-                    f"fixed: given {both[0]}, which is a factor of {name}; a dimension either "
-                    "varies or is fixed."
-                )
-            if is_positive_response(name) and not response.largest_value > 0.0:
-                raise InputError(
-                    f"coefficients of {name}: given ones whose equation is {response.largest_value:g} "
-                    "or less in all of its range; allowed are those of a response above zero, as every "
-                    "throw has it."
-                )
-        for name, value in self.fixed.items():
-            check_dimension(f"fixed.{name}", name, value)
-        for name, (low, high) in self.ranges.items():
-            if not low < high or name in self.fixed:
-                raise InputError(
-                    f"ranges: given {low:g} to {high:g} for {name}; allowed is a range from lower to "
-                    "higher, of what is not fixed."
-                )
-        _ = self._compiled  # refuses columns that no dimension gives
-        return self
-
-    def __repr__(self) -> str:
-        """Name the responses and the factors with their ranges; all else is in the fields."""
-        family = self.family
-        factors = [
-            f"{name} {family.format_value(name, low)} to {family.format_value(name, high)}"
-            for name, (low, high) in family.ranges.items()
-        ]
-        factors += [f"{name} {' or '.join(of)}" for name, of in family.categories.items()]
-        return f"<ComplianceModel of {', '.join(self.responses)}; factors {', '.join(factors)}>"
-
-    __str__ = __repr__
-
-    # ------------------------------------------------------------------------------ questions
-
     def axial_compliance(
         self,
         *,
@@ -202,16 +114,11 @@ class ComplianceModel(InputModel):
         OutsideRangeWarning
             For each dimension or ratio outside the range of the fit; the value is not clipped.
         """
-        if gamma_deg is None:
-            value = self._compiled.fast_lookup(AXIAL, dimensions)
-            if value is not None:
-                return value
-        return self._found(AXIAL, dimensions, gamma_deg, strict)
+        return self._value(AXIAL, gamma_deg, strict, dimensions)
 
     def torsional_compliance(self, *, strict: bool = False, **dimensions: ArrayLike | str) -> Value:
         """Torsional compliance [rad/(N m)]; else as `axial_compliance`."""
-        value = self._compiled.fast_lookup(TORSIONAL, dimensions)
-        return self._found(TORSIONAL, dimensions, None, strict) if value is None else value
+        return self._value(TORSIONAL, None, strict, dimensions)
 
     def influence_coefficient(
         self,
@@ -221,11 +128,7 @@ class ComplianceModel(InputModel):
         **dimensions: ArrayLike | str,
     ) -> Value:
         """Lengthening per unit radial force on the pin, c [m/N]; else as `axial_compliance`."""
-        if gamma_deg is None:
-            value = self._compiled.fast_lookup(INFLUENCE, dimensions)
-            if value is not None:
-                return value
-        return self._found(INFLUENCE, dimensions, gamma_deg, strict)
+        return self._value(INFLUENCE, gamma_deg, strict, dimensions)
 
     def value(
         self,
@@ -237,11 +140,28 @@ class ComplianceModel(InputModel):
         **dimensions: ArrayLike | str,
     ) -> Value:
         """Value of any response of the model by its name [SI]; else as `axial_compliance`."""
+        return self._value(response, gamma_deg, strict, dimensions)
+
+    def _value(
+        self, name: str, gamma_deg: ArrayLike | None, strict: bool, dimensions: Mapping[str, Any]
+    ) -> Value:
+        """Answer, with warnings for the caller of the public method, two frames up."""
         if gamma_deg is None:
-            value = self._compiled.fast_lookup(response, dimensions)
+            value = self._compiled.fast_lookup(name, dimensions)
             if value is not None:
                 return value
-        return self._found(response, dimensions, gamma_deg, strict)
+            answers = [self.answer(name, dimensions)]
+            values: Value = answers[0].values
+        else:
+            angle = fold_angle(gamma_deg)
+            answers = [self.answer(part, dimensions) for part in self.angle_law(name)]
+            values = between_values(angle, [answer.values for answer in answers])
+        # Each dimension is told of once.
+        for one in {one.name: one for answer in answers for one in answer.outside}.values():
+            if strict:
+                raise InputError(one.error_sentence)
+            warnings.warn(one.remark, OutsideRangeWarning, stacklevel=3)
+        return values
 
     def lookup(
         self,
@@ -272,10 +192,6 @@ class ComplianceModel(InputModel):
         InputError
             As in `axial_compliance`; if the model does not hold the response; for an array.
         """
-        if gamma_deg is None:
-            value = self._compiled.fast_lookup(response, dimensions)
-            if value is not None:
-                return make_lookup(self.responses[response], self._compiled.bands[response], value)
         asked: dict[str, Any] = {**dimensions, "gamma_deg": gamma_deg}
         for name, given in asked.items():
             if np.ndim(given):
@@ -284,8 +200,22 @@ class ComplianceModel(InputModel):
                     "because a lookup tells about one throw."
                 )
         if gamma_deg is None:
-            return self._query_values(response, dimensions, strict)
-        return self._lookup_between_neighbors(response, dimensions, gamma_deg, strict)
+            return self._lookup(response, dimensions, strict)
+        parts = [self._lookup(part, dimensions, strict) for part in self.angle_law(response)]
+        known = self.responses.get(response)
+        return make_lookup_between_neighbors(
+            fold_angle(gamma_deg),
+            parts,
+            parts[0].symbol if known is None else known.symbol,
+            self._compiled.angle_law_remarks,
+        )
+
+    def _lookup(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> Lookup:
+        answer = self.answer(name, dimensions)
+        if strict and answer.outside:
+            raise InputError(answer.outside[0].error_sentence)
+        band = self._compiled.bands[name]
+        return make_lookup(self.responses[name], band, float(answer.values), answer.outside)
 
     def dimensions_of(self, throw: CrankThrow) -> dict[str, Any]:
         """What to ask the model for a throw: its dimensions and labels by name.
@@ -352,91 +282,6 @@ class ComplianceModel(InputModel):
     ) -> NDArray[np.float64]:
         """Places in the ranges of an equation's columns, -1 to 1 inside; (columns, ...)."""
         return self._compiled.query(response).places(dimensions)
-
-    @property
-    def family(self) -> Family:
-        """What varies and what is fixed in the throws that the model answers for."""
-        return self._compiled.family
-
-    @cached_property
-    def _compiled(self) -> CompiledModel:
-        ranges = self.ranges or column_ranges(self.responses)
-        family = Family(
-            ranges=ranges,
-            fixed=self.fixed,
-            categories=self.categories,
-            labels=self.labels,
-            units=self.units,
-            relations=self.relations,
-        )
-        return CompiledModel(
-            self.responses, family, self.material, self.constant_groups, self.throw
-        )
-
-    def _found(
-        self,
-        name: str,
-        dimensions: Mapping[str, Any],
-        gamma_deg: ArrayLike | None,
-        strict: bool,
-    ) -> Value:
-        """Answer the long way, with warnings for the caller of the public method, two frames up."""
-        values: Value
-        if gamma_deg is None:
-            answer = self._compiled.query(name).evaluate(dimensions)
-            values, beyond = answer.values, answer.outside
-        else:
-            angle = fold_angle(gamma_deg)
-            answers = [
-                self._compiled.query(part).evaluate(dimensions) for part in self.angle_law(name)
-            ]
-            values = between_values(angle, [answer.values for answer in answers])
-            beyond = _each_dimension_once(one for answer in answers for one in answer.outside)
-        for one in beyond:
-            if strict:
-                raise InputError(one.error_sentence)
-            warnings.warn(one.remark, OutsideRangeWarning, stacklevel=3)
-        return values
-
-    def _query_values(self, name: str, dimensions: Mapping[str, Any], strict: bool) -> Lookup:
-        answer = self._compiled.query(name).evaluate(dimensions)
-        if strict and answer.outside:
-            raise InputError(answer.outside[0].error_sentence)
-        band = self._compiled.bands[name]
-        return make_lookup(self.responses[name], band, float(answer.values), answer.outside)
-
-    def _lookup_between_neighbors(
-        self, name: str, dimensions: Mapping[str, Any], gamma_deg: float, strict: bool
-    ) -> Lookup:
-        parts = [self._query_values(part, dimensions, strict) for part in self.angle_law(name)]
-        own = self.responses[name].symbol if name in self.responses else parts[0].symbol
-        return make_lookup_between_neighbors(
-            fold_angle(gamma_deg), parts, own, self._compiled.angle_law_remarks
-        )
-
-    def angle_law(self, name: str) -> tuple[str, str, str]:
-        """Names of the three responses (at 0 deg, at 180 deg, rho) of a response's angle law.
-
-        Raises
-        ------
-        InputError
-            If the response has no such law, or the model lacks one of the three.
-        """
-        if name not in ANGLE_LAWS:
-            raise InputError(
-                f"gamma_deg: given for {name}; allowed is an angle for {' and '.join(ANGLE_LAWS)}, "
-                "because other responses have no closed angle law."
-            )
-        needed = ANGLE_LAWS[name]
-        missing = [part for part in needed if part not in self.responses]
-        if missing:
-            raise InputError(
-                f"gamma_deg: given, but the model has no {', no '.join(missing)}; allowed is an angle "
-                f"only with {', '.join(needed)}, because the angle law is made of these."
-            )
-        return needed
-
-    # --------------------------------------------------------------------- diagrams and tables
 
     def plot(
         self,
@@ -529,67 +374,3 @@ class ComplianceModel(InputModel):
         return response_grid(
             self.family, self.value, self.responses, responses, points, gamma_deg, dimensions
         )
-
-    # ----------------------------------------------------------------------------------- file
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the model as a JSON file; an existing model is replaced in one step.
-
-        Parameters
-        ----------
-        path : path-like
-            Where to write.
-
-        Raises
-        ------
-        InputError
-            If the path is that of a folder, or of a file that is no such model; see `replacing_files`.
-        OSError
-            If the file cannot be written.
-        """
-        write_model(self.model_dump(mode="json"), path)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Read a model that `save` wrote; it gives the same numbers to the last digit.
-
-        Parameters
-        ----------
-        path : path-like
-            The JSON file, of this release or the one before.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be read, is no compliance model, is of a newer format, or was
-            changed or cut since it was written.
-        """
-        content = read_model(path)
-        try:
-            return cls(**content)
-        except (InputError, TypeError) as error:
-            raise InputError(
-                f"{os.fspath(path)}: given a damaged compliance model; {error}"
-            ) from None
-
-    # Copies make their own fast evaluators, and files of a process pool carry none.
-
-    def __copy__(self) -> Self:
-        copied = super().__copy__()
-        copied.__dict__.pop("_compiled", None)
-        return copied
-
-    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
-        copied = super().__deepcopy__(memo)
-        copied.__dict__.pop("_compiled", None)
-        return copied
-
-    def __getstate__(self) -> dict[Any, Any]:
-        state = super().__getstate__()
-        own = {name: value for name, value in state["__dict__"].items() if name != "_compiled"}
-        return state | {"__dict__": own}
-
-
-def _each_dimension_once(found: Iterable[OutOfRange]) -> tuple[OutOfRange, ...]:
-    """Say of each dimension once that it lies outside."""
-    return tuple({one.name: one for one in found}.values())

@@ -17,13 +17,12 @@ import math
 from dataclasses import dataclass
 
 from regression.models.response_model import ResponseModel
+from regression.response_kinds import TOO_SMALL
 
 # Smaller relative errors are rounding, and not told by their value.
 LEAST_SAID = 1e-5
 # A larger factor is the same as none: errors of nearly 100 %, or estimates beyond all measure.
 _OPEN = 1e30
-# Compliances of a force at its own place; an influence coefficient is none.
-_TOO_SMALL = ("axial_compliance", "torsional_compliance")
 
 
 @dataclass(frozen=True)
@@ -79,7 +78,7 @@ def error_band(name: str, response: ResponseModel) -> ErrorBand:
     held_out = response.largest_heldout_error
     m = equation_error(response)
     f = response.largest_fe_error or 0.0
-    one_sided = name.startswith(_TOO_SMALL)
+    one_sided = name.startswith(TOO_SMALL)
     lower = (1.0 if one_sided else max(0.0, 1.0 - f)) / (1.0 + m)
     upper = (1.0 + f) / (1.0 - m) if m < 1.0 else math.inf
     designs = f"{response.heldout_runs} held-out designs"

@@ -52,20 +52,16 @@ class OutOfRange:
     @property
     def remark(self) -> str:
         """One sentence for a value that is given all the same."""
-        several = f" (and {self.number - 1} more)" if self.number > 1 else ""
         return (
-            f"{self.name}: given {self._show(self.value)}{several}; the range of the fit is "
-            f"{self._show(self.lowest)} to {self._show(self.highest)}, and "
+            f"{self._given}; the range of the fit is {self._range}, and "
             f"{100.0 * self.distance:.3g} % of its width beyond it the error is unknown{self.unit_hint}."
         )
 
     @property
     def error_sentence(self) -> str:
         """One sentence for a value that is not given."""
-        several = f" (and {self.number - 1} more)" if self.number > 1 else ""
         return (
-            f"{self.name}: given {self._show(self.value)}{several}; allowed is the range of the fit, "
-            f"{self._show(self.lowest)} to {self._show(self.highest)}, because an answer "
+            f"{self._given}; allowed is the range of the fit, {self._range}, because an answer "
             f"{100.0 * self.distance:.3g} % of its width beyond it has no known error and strict "
             f"answers are asked for{self.unit_hint}."
         )
@@ -76,8 +72,15 @@ class OutOfRange:
         wrong = self.unit == "m" and self.value > WRONG_UNIT * self.highest
         return " (mm given in place of m?)" if wrong else ""
 
-    def _show(self, value: float) -> str:
-        return format_value(self.name, value, self.unit)
+    @property
+    def _given(self) -> str:
+        several = f" (and {self.number - 1} more)" if self.number > 1 else ""
+        return f"{self.name}: given {format_value(self.name, self.value, self.unit)}{several}"
+
+    @property
+    def _range(self) -> str:
+        low, high = (format_value(self.name, v, self.unit) for v in (self.lowest, self.highest))
+        return f"{low} to {high}"
 
 
 def edges(lowest: float, highest: float) -> tuple[float, float]:

@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 
 ANGLE = "gamma_deg"
 MOST_POINTS = 1_000_000
+# What a table says of each response.
+WORDS = ("symbol", "unit", "support", "form")
+ERRORS = ("largest_error", "largest_heldout_error", "largest_fe_error")
 
 
 def plot_section(
@@ -56,19 +59,14 @@ def plot_section(
     axes = new_axes(axes)
     unit = family.unit(factor) if factor != ANGLE else "deg"
     x = values / (1.0 if factor == ANGLE else factor_size(unit, ()))
-    axes.plot(x, [one.value / size for one in found], color=BLUE, label="equation")
-    banded = [
-        (place, one.lower / size, one.upper / size)
-        for place, one in zip(x.tolist(), found, strict=True)
-        if one.lower is not None and one.upper is not None
-    ]
-    if banded:
-        axes.fill_between(
-            *np.array(banded).T, color=BLUE, alpha=0.2, linewidth=0.0, label="error band"
-        )
+    y = np.array([one.value for one in found]) / size
+    axes.plot(x, y, color=BLUE, label="equation")
+    band = np.array([(one.lower, one.upper) for one in found], dtype=np.float64) / size
+    if np.isfinite(band).all(axis=1).any():
+        axes.fill_between(x, *band.T, color=BLUE, alpha=0.2, linewidth=0.0, label="error band")
     outside = np.array([not one.inside for one in found])
     if outside.any():
-        beyond = np.where(outside, [one.value / size for one in found], np.nan)
+        beyond = np.where(outside, y, np.nan)
         axes.plot(x, beyond, color=RED, linestyle="--", label="outside the range of the fit")
     if factor == ANGLE:
         angle_axis(axes)
@@ -84,18 +82,10 @@ def plot_section(
 
 def response_table(responses: Mapping[str, ResponseModel]) -> Any:
     """Return a pandas table of a model's responses; an error that is not known is None."""
-    found = responses.values()
-    columns: dict[str, tuple[Any, str]] = {
-        "response": (list(responses), ""),
-        "symbol": ([one.symbol for one in found], ""),
-        "unit": ([one.unit for one in found], ""),
-        "support": ([one.support for one in found], ""),
-        "form": ([one.form for one in found], ""),
-        "largest_error": ([one.largest_error for one in found], "1"),
-        "largest_heldout_error": ([one.largest_heldout_error for one in found], "1"),
-        "largest_fe_error": ([one.largest_fe_error for one in found], "1"),
-        "equation": ([one.equation for one in found], ""),
-    }
+    columns: dict[str, tuple[Any, str]] = {"response": (list(responses), "")}
+    for names, unit in ((WORDS, ""), (ERRORS, "1"), (("equation",), "")):
+        for name in names:
+            columns[name] = ([getattr(one, name) for one in responses.values()], unit)
     return table(columns)
 
 

@@ -1,7 +1,7 @@
 """Limits of an optimum search, and what a model promises of them: the worst within its error band."""
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,8 +10,9 @@ import numpy as np
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError
 from regression.models.angle import between_values
-from regression.models.compliance_model import ANGLE_LAWS, ComplianceModel
+from regression.models.compliance_model import ComplianceModel
 from regression.models.error_band import error_band
+from regression.response_kinds import ANGLE_LAWS
 
 
 @dataclass(frozen=True)
@@ -169,40 +170,22 @@ class Points:
         return values, values * band.lower, values * band.upper
 
 
-@dataclass(frozen=True)
-class LimitValues:
-    """A limited quantity at some points: by the equation, and the worst within the error band."""
-
-    nominal: Any
-    worst: Any
-
-
-def limit_values(limit: Limit, points: Points, margins: bool) -> LimitValues:
-    """Evaluate a limit.
+def worst_values(limit: Limit, points: Points, margins: bool) -> Any:
+    """Return the worst values of a limit's quantity within the model's error bands.
 
     Parameters
     ----------
     limit : Limit
     points : Points
     margins : bool
-        Whether the worst is that within the error band.
+        Whether the error bands count; the values by the equations otherwise.
 
     Raises
     ------
     InputError
-        If a quantity is unknown, a band is open on one side, or the function gives no finite number.
+        If a quantity is unknown or has no band, or a function of it is not finite.
     """
     bands = [points.band(name, limit.gamma_deg) for name in limit.quantities]
-    return LimitValues(_applied(limit, [band[0] for band in bands]), _worst(limit, bands, margins))
-
-
-def worst_values(limit: Limit, points: Points, margins: bool) -> Any:
-    """Only the worst values of `limit_values`."""
-    bands = [points.band(name, limit.gamma_deg) for name in limit.quantities]
-    return _worst(limit, bands, margins)
-
-
-def _worst(limit: Limit, bands: Sequence[tuple[Any, ...]], margins: bool) -> Any:
     if not margins:
         return _applied(limit, [band[0] for band in bands])
     # The value itself lies between the ends of its band, where it has one.

@@ -14,8 +14,6 @@ from regression.models.extrapolation import edges
 from regression.models.optimum_limits import Points
 
 Array = NDArray[np.float64]
-# Kinds that the two sides of a constraint may have.
-_UNITS = ("m", "", "rad", "m^2", "m^3")
 
 # Share of a range within which a place is its end; limits have more than this to spare.
 _AT_END = 1e-10
@@ -169,36 +167,15 @@ def _group_range(model: ComplianceModel, response: str) -> Excess:
 
 def _constraint(model: ComplianceModel, text: str) -> Excess:
     """A constraint of the study as a function that is 0 or less where it holds."""
-    from regression.plans.relations import evaluate_expression, read_constraint, read_expression
+    from regression.plans.constraints import constraint_excess, read_constraint
 
     units = model.family.all_units
     read = read_constraint(text, "constraint", units)
-    pairs = []
-    for left, right, sign in zip(read.sides, read.sides[1:], read.signs, strict=False):
-        small, large = (left, right) if sign.startswith("<") else (right, left)
-        pairs.append(
-            (
-                read_expression(f"({small.text}) - ({large.text})", "constraint", units),
-                read_expression(small.text, "constraint", units),
-            )
-        )
-
-    def evaluated(expression: Any, values: Mapping[str, Any]) -> Any:
-        for unit in _UNITS:
-            try:
-                return evaluate_expression(expression, values, units, unit)
-            except InputError as error:
-                reason = error
-        raise reason
 
     def excess(points: Points) -> Any:
         known = points.model.family.completed(points.factors)
         used = {name: known[name] for name in read.names}
         values = dict(zip(used, np.broadcast_arrays(*used.values()), strict=True))
-        rows = []
-        for difference, small in pairs:
-            size = np.abs(evaluated(small, values))
-            rows.append(evaluated(difference, values) / np.where(size > 0.0, size, 1.0))
-        return np.max(np.broadcast_arrays(*rows), axis=0)
+        return constraint_excess(read, values, units)
 
     return excess

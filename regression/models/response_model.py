@@ -2,8 +2,9 @@
 
 import math
 import sys
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import ConfigDict, Field, FiniteFloat, model_validator
@@ -27,6 +28,18 @@ FARTHEST = 1e3
 LARGEST_LOGARITHM = 138.0
 # No form has terms of so many factors.
 MOST_FACTORS = 12
+
+# What a fit says of its errors, under the same names.
+JUDGED = (
+    "r_squared",
+    "q_squared",
+    "largest_error",
+    "mean_error",
+    "largest_heldout_error",
+    "mean_heldout_error",
+    "runs",
+    "heldout_runs",
+)
 
 Share = Annotated[FiniteFloat, Field(ge=0.0, description="a relative error")]
 Determination = Annotated[FiniteFloat, Field(le=1.0, description="a coefficient of determination")]
@@ -189,16 +202,7 @@ class ResponseModel(InputModel):
     @property
     def fitted(self) -> FittedForm:
         """The equation as a function of its columns."""
-        return FittedForm(
-            form=self.form,
-            factors=self.factors,
-            logarithmic=self.logarithmic,
-            log_factors=self.log_factors,
-            center=self.center,
-            half_range=self.half_range,
-            terms=self.terms,
-            coefficients=self.coefficients,
-        )
+        return FittedForm(**{one.name: getattr(self, one.name) for one in fields(FittedForm)})
 
     @classmethod
     def from_fit(
@@ -212,7 +216,6 @@ class ResponseModel(InputModel):
         lowest: Mapping[str, float] | None = None,
         highest: Mapping[str, float] | None = None,
         fe_error: float | None = None,
-        dropped: Sequence[str] = (),
         equation: str | None = None,
     ) -> Self:
         """Take over a fit.
@@ -226,57 +229,29 @@ class ResponseModel(InputModel):
         basis : {"factors", "groups"}, optional
             That of the fit, if not given.
         lowest, highest : mapping, optional
-            Range of columns where it is not what the coding of the runs spans.
+            Range of columns where it is not that of the runs.
         fe_error : float, optional
             Largest relative error estimate of the finite element values.
-        dropped : sequence of str
-            Terms that the selection left out.
         equation : str, optional
             The equation as text; written from the fit if not given.
         """
-        fitted = fit.fitted
-        chosen = getattr(fit, "basis", "factors") if basis is None else basis
+        fitted, basis = fit.fitted, basis or fit.basis
         if equation is None:
             from regression.fits.equation_text import equation_text
 
             equation = equation_text(fitted, symbol=symbol, unit=unit)
-        low, high = _span(fitted)
+        low = dict(zip(fit.factors, fit.lowest, strict=True)) | dict(lowest or {})
+        high = dict(zip(fit.factors, fit.highest, strict=True)) | dict(highest or {})
         return cls(
-            form=fitted.form,
-            basis=chosen,
-            factors=fitted.factors,
-            logarithmic=fitted.logarithmic,
-            log_factors=fitted.log_factors,
-            terms=fitted.terms,
-            center=fitted.center,
-            half_range=fitted.half_range,
-            coefficients=fitted.coefficients,
-            lowest=tuple((low | dict(lowest or {}))[name] for name in fitted.factors),
-            highest=tuple((high | dict(highest or {}))[name] for name in fitted.factors),
+            **vars(fitted),
+            **{name: getattr(fit, name) for name in JUDGED},
+            basis=basis,
+            lowest=tuple(low.values()),
+            highest=tuple(high.values()),
             symbol=symbol,
             unit=unit,
             support=support,
-            r_squared=fit.r_squared,
-            q_squared=fit.q_squared,
-            largest_error=fit.largest_error,
-            mean_error=fit.mean_error,
-            largest_heldout_error=fit.largest_heldout_error,
-            mean_heldout_error=fit.mean_heldout_error,
-            runs=fit.runs,
-            heldout_runs=fit.heldout_runs,
             largest_fe_error=fe_error,
-            dropped_terms=tuple(dropped),
+            dropped_terms=fit.dropped,
             equation=equation,
         )
-
-
-def _span(fitted: FittedForm) -> tuple[dict[str, float], dict[str, float]]:
-    """Return the lowest and highest value of each column in the runs."""
-    center, half = np.array(fitted.center), np.array(fitted.half_range)
-    logged = np.array(fitted.log_factors)
-
-    def named(coded: Any) -> dict[str, float]:
-        values = np.where(logged, np.exp(np.where(logged, coded, 0.0)), coded)
-        return dict(zip(fitted.factors, values.tolist(), strict=True))
-
-    return named(center - half), named(center + half)

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from fem.material import Material
-from regression.fits.groups import GROUPS, group_named, response_scale
+from regression.fits.groups import GROUPS, group_named
 from regression.models.evaluator import PIECE, CompiledEquation, compile_equation, pieces
 from regression.models.extrapolation import OutOfRange, edges, find_out_of_range, worst
 from regression.models.family import Family, Given
 from regression.models.response_model import IS, ResponseModel
-from regression.records import is_positive_response
+from regression.response_kinds import is_positive_response, response_scale
 
 # Ratios that did not vary in a study agree with it within this (of 1, or of the ratio if larger): a
 # throw scaled by hand is rounded, and so small a part changes no compliance noticeably.

@@ -264,17 +264,11 @@ def _box_behnken(factors: Sequence[Factor], choice: DesignChoice) -> Design:
 def _rows(factors: Sequence[Factor], choice: DesignChoice) -> Design:
     assert choice.rows is not None
     for place, row in enumerate(choice.rows, start=1):
-        if len(row) != len(factors):
-            raise InputError(
-                f"study.file: given {len(row)} values in row {place}; allowed are {len(factors)}, one "
-                "for each factor."
-            )
         for factor, value in zip(factors, row, strict=True):
             if not factor.lowest <= value <= factor.highest:
                 raise InputError(
                     f"study.file: given {factor.name} = {factor.format_value(value)} in row {place}; allowed "
-                    f"is the factor's range, {factor.format_value(factor.lowest)} to "
-                    f"{factor.format_value(factor.highest)}."
+                    f"is the factor's range, {factor.range_text}."
                 )
     _check_size(len(choice.rows))
     return Design(np.array(choice.rows), _file_statement(len(choice.rows)))

@@ -70,8 +70,7 @@ class Factor:
             self._check_levels(name, self.levels)
         if not self.lowest < self.highest:
             raise InputError(
-                f"{name}: given the range {self.format_value(self.lowest)} to "
-                f"{self.format_value(self.highest)}; the "
+                f"{name}: given the range {self.range_text}; the "
                 "lowest value must lie below the highest, or the factor does not vary."
             )
 
@@ -90,8 +89,7 @@ class Factor:
         if min(levels) < self.lowest or max(levels) > self.highest:
             raise InputError(
                 f"{name}: given levels {', '.join(map(self.format_value, levels))}; allowed "
-                "are levels within "
-                f"the range {self.format_value(self.lowest)} to {self.format_value(self.highest)}."
+                f"are levels within the range {self.range_text}."
             )
 
     @classmethod
@@ -162,6 +160,12 @@ class Factor:
     def categorical(self) -> bool:
         """Whether the factor is a choice between labels."""
         return bool(self.labels)
+
+    @property
+    def range_text(self) -> str:
+        """Range in the unit in which engineers read it; of a choice its labels."""
+        ends = f"{self.format_value(self.lowest)} to {self.format_value(self.highest)}"
+        return ", ".join(self.labels) or ends
 
     def format_value(self, value: float) -> str:
         """Format one of the factor's values as people read it."""

@@ -1,17 +1,15 @@
 """The plan of a study: a base throw, what varies and how, and the list of designs that follows."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.scalars import whole_within
-from crankbase.errors import InputError, quoted
+from crankbase.errors import InputError
 from fem.material import STEEL, Material
-from fem.wished_accuracy import COMPLIANCE_ACCURACY
 from geometry.throw import CrankThrow
 from regression.plans.design_choice import SPACE_FILLING, DesignChoice
 from regression.plans.designs import (
@@ -24,13 +22,12 @@ from regression.plans.designs import (
     values_at,
 )
 from regression.plans.designs_space import draw_feasible_points
-from regression.plans.factors import Factor, throw_fields, unknown_field
+from regression.plans.factors import Factor
 from regression.plans.variants import Variant, Variants
 from regression.records import HELD_OUT, RUN, content_key
 
 # Raise when a change of the model changes results: stored results of older versions are not used.
 MODEL_VERSION = 4
-LARGEST_SEED = 2**31 - 1
 
 
 @dataclass(frozen=True)
@@ -64,8 +61,7 @@ class StudyPlan:
     Raises
     ------
     InputError
-        If a factor, relation or constraint names something unknown or does not fit the others, or a
-        number is out of range.
+        If a factor, relation or constraint names something unknown or does not fit the others.
     """
 
     throw: CrankThrow
@@ -80,29 +76,6 @@ class StudyPlan:
     stresses: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "factors", tuple(self.factors))
-        object.__setattr__(self, "relations", dict(self.relations))
-        if not isinstance(self.constraints, list | tuple):
-            raise InputError(
-                f"study.constraints: given {quoted(self.constraints)}; allowed is a list of comparisons, "
-                'like ["web_thickness >= 0.25 * pin_diameter"].'
-            )
-        object.__setattr__(self, "constraints", tuple(self.constraints))
-        checked = {
-            "held_out": whole_within(
-                "study.held_out", self.held_out, 1, 1000, "they tell the error between the levels"
-            ),
-            "seed": whole_within(
-                "study.seed", self.seed, 0, LARGEST_SEED, "the study is repeated by it"
-            ),
-            "accuracy": COMPLIANCE_ACCURACY.checked("study.accuracy", self.accuracy),
-        }
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
-        if not isinstance(self.stresses, bool):
-            raise InputError(
-                f"study.stresses: given {quoted(self.stresses)}; allowed are true and false."
-            )
         if all(factor.categorical for factor in self.factors):
             raise InputError(
                 f"study.factors: given {', '.join(self.names) or 'none'}; allowed is at least one factor "
@@ -111,29 +84,6 @@ class StudyPlan:
         if self.design.kind in SPACE_FILLING:
             check_ranges(self.factors, self.design.kind)
         self.variants()  # refuses what does not fit together
-
-    @classmethod
-    def from_levels(
-        cls, throw: CrankThrow, levels: Mapping[str, Sequence[float]], **others: Any
-    ) -> "StudyPlan":
-        """Plan a full factorial over levels [SI] of fields of the throw.
-
-        Raises
-        ------
-        InputError
-            If a name is no field that is a quantity, or the plan does not fit together.
-        """
-        fields = throw_fields(throw)
-        for name in levels:
-            if name not in fields or fields[name].choices:
-                raise InputError(
-                    f"study.factors.{name}: unknown throw dimension; "
-                    f"{unknown_field(name, fields, throw)}."
-                )
-        factors = tuple(
-            Factor.of_levels(name, fields[name].unit, values) for name, values in levels.items()
-        )
-        return cls(throw, factors, **others)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -144,80 +94,53 @@ class StudyPlan:
         """Return what makes throws of factor values."""
         return Variants.of(self.throw, self.factors, self.relations, self.constraints)
 
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What every design is calculated with, as JSON content."""
+        return {
+            "material": self.material.model_dump(),
+            "accuracy": self.accuracy,
+            "stresses": self.stresses,
+        }
+
     def as_record(self) -> dict[str, Any]:
         """Everything that identifies the study, as JSON content in SI units."""
         return {
             "throw": self.throw.model_dump(mode="json"),
-            "material": self.material.model_dump(),
             # A list, because the order of the factors decides which designs are held out.
-            "factors": [
-                {
-                    "name": factor.name,
-                    "unit": factor.unit,
-                    "lowest": factor.lowest,
-                    "highest": factor.highest,
-                    "levels": None if factor.levels is None else list(factor.levels),
-                    "labels": list(factor.labels),
-                }
-                for factor in self.factors
-            ],
-            "design": {
-                "kind": self.design.kind,
-                "runs": self.design.runs,
-                "resolution": self.design.resolution,
-                "generators": self.design.generators,
-                "face": self.design.face,
-                "rows": None if self.design.rows is None else [list(r) for r in self.design.rows],
-            },
+            "factors": [asdict(factor) for factor in self.factors],
+            "design": asdict(self.design),
             "relations": dict(sorted(self.relations.items())),
             "constraints": list(self.constraints),
             "held_out": self.held_out,
             "seed": self.seed,
-            "accuracy": self.accuracy,
-            "stresses": self.stresses,
+            **self.settings,
             "model_version": MODEL_VERSION,
         }
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> "StudyPlan":
-        """Rebuild a plan from `as_record`.
-
-        Raises
-        ------
-        InputError
-            If the record is of another version of the model.
-        """
-        version = record.get("model_version")
-        if version != MODEL_VERSION:
-            raise InputError(
-                f"study: given a study of model version {version}; allowed is version "
-                f"{MODEL_VERSION}, because results of different versions are not comparable; run it "
-                "again into a new store."
-            )
-        design = dict(record["design"])
-        if design["rows"] is not None:
-            design["rows"] = tuple(tuple(row) for row in design["rows"])
+        """Rebuild a plan from `as_record`, as a store gives it back."""
+        design, rows = record["design"], record["design"]["rows"]
         return cls(
             throw=CrankThrow(**record["throw"]),
             factors=tuple(
                 Factor(
-                    name=given["name"],
-                    unit=given["unit"],
-                    lowest=given["lowest"],
-                    highest=given["highest"],
-                    levels=None if given["levels"] is None else tuple(given["levels"]),
-                    labels=tuple(given["labels"]),
+                    **given
+                    | {
+                        "levels": None if given["levels"] is None else tuple(given["levels"]),
+                        "labels": tuple(given["labels"]),
+                    }
                 )
                 for given in record["factors"]
             ),
-            design=DesignChoice(**design),
+            design=DesignChoice(
+                **design | {"rows": None if rows is None else tuple(map(tuple, rows))}
+            ),
             relations=record["relations"],
             constraints=tuple(record["constraints"]),
-            held_out=record["held_out"],
-            seed=record["seed"],
             material=Material(**record["material"]),
-            accuracy=record["accuracy"],
-            stresses=record["stresses"],
+            **{name: record[name] for name in ("held_out", "seed", "accuracy", "stresses")},
         )
 
     @cached_property
@@ -386,12 +309,7 @@ def planned_design(
     throw : dict
         The throw that the study makes of them, as JSON content.
     """
-    inputs = {
-        "throw": throw,
-        "material": plan.material.model_dump(),
-        "accuracy": plan.accuracy,
-        "stresses": plan.stresses,
-    }
+    inputs = {"throw": throw, **plan.settings}
     return PlannedDesign(
         role, values, inputs, content_key(inputs | {"model_version": MODEL_VERSION})
     )

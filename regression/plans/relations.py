@@ -1,4 +1,4 @@
-"""Relations between the dimensions of a study, and constraints on them, as text with units.
+"""Relations between the dimensions of a study, as text with units.
 
 pint calculates them, with their units and for all designs at once; no text is ever run as Python. What
 pint would take loosely ("a b" is a product to it, "1,6" is 16, "410 mm / 2 mm" an area) is refused or
@@ -18,7 +18,7 @@ from crankbase.checks.choices import did_you_mean
 from crankbase.checks.scalars import is_number
 from crankbase.errors import InputError, quoted
 from crankbase.text_limits import LARGEST_POWER, LONGEST_EXPRESSION
-from crankbase.units.quantity import format_quantity, unit_registry
+from crankbase.units.quantity import unit_registry
 
 TOKEN = re.compile(
     r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
@@ -26,11 +26,6 @@ TOKEN = re.compile(
     re.ASCII,
 )
 POWERS = ("^", "**")
-COMPARISON = re.compile(r"(<=|>=|==|!=|=|<|>)")
-# Sides of a constraint that differ by less than this part count as equal: rounding must not exclude a
-# design that lies on it.
-EQUAL_WITHIN = 1e-9
-
 Values = Mapping[str, NDArray[np.float64]]
 Units = Mapping[str, str]
 
@@ -57,21 +52,6 @@ class Expression:
     prepared: str
 
 
-@dataclass(frozen=True)
-class Constraint:
-    """Comparisons that all must hold, such as ``0.2 <= web_thickness / pin_diameter <= 0.6``."""
-
-    field: str
-    text: str
-    sides: tuple[Expression, ...]
-    signs: tuple[str, ...]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Quantities of the study that it uses."""
-        return tuple(dict.fromkeys(name for side in self.sides for name in side.names))
-
-
 def read_expression(text: object, field: str, units: Units) -> Expression:
     """Check the grammar of an expression and its names.
 
@@ -95,7 +75,7 @@ def read_expression(text: object, field: str, units: Units) -> Expression:
         raise InputError(
             f'{field}: given {quoted(text)}; allowed is an expression in quotes, like "1.6 * pin_diameter".'
         )
-    _check_length(text, field)
+    check_length(text, field)
     names: list[str] = []
     pieces: list[str] = []
     depth, operand_next = 0, True
@@ -103,7 +83,8 @@ def read_expression(text: object, field: str, units: Units) -> Expression:
     for place, (kind, token) in enumerate(tokens):
         before = tokens[place - 1] if place else ("", "")
         if kind == "name" and before[0] == "number" and token not in units:
-            _check_unit(token, text, field, units)
+            if not is_unit(token):
+                raise _unknown_name(token, text, field, units)
             pieces[-1] += f"*{token}"
             continue
         operand = kind != "sign" or token == "("
@@ -131,7 +112,13 @@ def read_expression(text: object, field: str, units: Units) -> Expression:
     return Expression(field, text, tuple(names), " ".join(_bracketed(pieces)))
 
 
-def _check_length(text: str, field: str) -> None:
+def check_length(text: str, field: str) -> None:
+    """Refuse a text that is too long for an expression.
+
+    Raises
+    ------
+    InputError
+    """
     if len(text) > LONGEST_EXPRESSION:
         raise InputError(
             f"{field}: given {text!r}, of {len(text)} characters; allowed are {LONGEST_EXPRESSION}, because "
@@ -207,11 +194,6 @@ def _no_grammar(text: str, field: str, before: str, token: str) -> InputError:
     )
 
 
-def _check_unit(token: str, text: str, field: str, units: Units) -> None:
-    if not is_unit(token):
-        raise _unknown_name(token, text, field, units)
-
-
 def _unknown_name(token: str, text: str, field: str, units: Units) -> InputError:
     unit = is_unit(token)
     hint = "a unit stands after a number, like 1 mm; " if unit else did_you_mean(token, units)
@@ -219,36 +201,6 @@ def _unknown_name(token: str, text: str, field: str, units: Units) -> InputError
         f"{field}: given {text!r}, in which {token} is no known quantity; {hint}allowed are the "
         "factors, the fields of [throw] that have a value, and numbers with units."
     )
-
-
-def read_constraint(text: object, field: str, units: Units) -> Constraint:
-    """Check the grammar of a constraint and that its sides are of one kind.
-
-    Raises
-    ------
-    InputError
-        If it is no comparison by <, <=, > or >=, or compares quantities of different kinds.
-    """
-    if isinstance(text, str):
-        _check_length(text, field)
-    pieces = COMPARISON.split(text) if isinstance(text, str) else []
-    sides, signs = pieces[0::2], pieces[1::2]
-    if not signs or not set(signs) <= {"<", "<=", ">", ">="}:
-        raise InputError(
-            f"{field}: given {text!r}; allowed is a comparison by <, <=, > or >=, like "
-            '"web_thickness >= 0.25 * pin_diameter".'
-        )
-    assert isinstance(text, str)
-    read = tuple(read_expression(side, field, units) for side in sides)
-    ones = {name: np.array(1.0) for side in read for name in side.names}
-    first, *others = (_calculated(side, ones, units) for side in read)
-    for other in others:
-        if not _same_kind(first, other):
-            raise InputError(
-                f"{field}: given {text!r}, which compares {_kind_of(first)} with {_kind_of(other)}; "
-                "allowed are sides of one kind."
-            )
-    return Constraint(field, text, read, tuple(signs))
 
 
 def evaluate_expression(
@@ -276,50 +228,17 @@ def evaluate_expression(
     InputError
         If the result is not of that unit.
     """
-    found = _calculated(expression, values, units)
+    found = calculated(expression, values, units)
     wanted = unit_registry().Quantity(1.0, unit)
-    if not _same_kind(found, wanted):
+    if not same_kind(found, wanted):
         raise InputError(
-            f"{expression.field}: given {expression.text!r}, which is {_kind_of(found)}; allowed is "
-            f"{_kind_of(wanted)}."
+            f"{expression.field}: given {expression.text!r}, which is {kind_of(found)}; allowed is "
+            f"{kind_of(wanted)}."
         )
     return np.asarray(found.to(unit).magnitude, dtype=np.float64)
 
 
-def constraint_violations(
-    constraint: Constraint, values: Values, units: Units, count: int
-) -> list[str | None]:
-    """Say for each of `count` designs how it breaks a constraint; None where it does not.
-
-    Sides that differ by less than one part in 1e9 count as equal.
-    """
-    found = [_calculated(side, values, units) for side in constraint.sides]
-    unit = _shown_unit(found[0])
-    sides = np.array(
-        [np.broadcast_to(side.to(unit or "").magnitude, (count,)) for side in found], dtype=float
-    )
-    reasons: list[str | None] = [None] * count
-    for sign, left, right in zip(constraint.signs, sides[:-1], sides[1:], strict=True):
-        holds = _holds(sign, left, right)
-        for place in np.flatnonzero(~holds):
-            if reasons[place] is None:
-                reasons[place] = (
-                    f"the constraint {constraint.text!r} is broken: "
-                    f"{format_quantity(left[place], unit)} is not {sign} "
-                    f"{format_quantity(right[place], unit)}"
-                )
-    return reasons
-
-
-def _holds(sign: str, left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Compare; what is not finite holds nothing."""
-    with np.errstate(invalid="ignore"):
-        margin = EQUAL_WITHIN * np.maximum(np.abs(left), np.abs(right))
-        gap = right - left if sign.startswith("<") else left - right
-        return np.isfinite(gap) & (gap >= -margin if "=" in sign else gap > margin)
-
-
-def _calculated(expression: Expression, values: Values, units: Units) -> Any:
+def calculated(expression: Expression, values: Values, units: Units) -> Any:
     """Let pint calculate; the result is its quantity."""
     registry = unit_registry()
     from pint.errors import PintError
@@ -351,19 +270,21 @@ def _angle(quantity: Any) -> bool:
     return quantity.dimensionless and "radian" in str(quantity.to_root_units().units)
 
 
-def _same_kind(first: Any, second: Any) -> bool:
+def same_kind(first: Any, second: Any) -> bool:
+    """Whether quantities can be compared."""
     return bool(first.check(second.dimensionality)) and _angle(first) == _angle(second)
 
 
-def _kind_of(quantity: Any) -> str:
+def kind_of(quantity: Any) -> str:
+    """Say what a quantity is, such as "a length"."""
     if quantity.dimensionless:
         return "an angle" if _angle(quantity) else "a pure number"
     kinds = {"[length]": "a length", "[length] ** 2": "an area", "[length] ** 3": "a volume"}
     return kinds.get(str(quantity.dimensionality), f"in {quantity.to_base_units().units:~P}")
 
 
-def _shown_unit(quantity: Any) -> str:
-    """SI unit in which to compare and show a quantity."""
+def shown_unit(quantity: Any) -> str:
+    """Return the SI unit in which to compare and show a quantity."""
     if quantity.dimensionless:
         return "rad" if _angle(quantity) else ""
     return "m" if quantity.check("[length]") else f"{quantity.to_base_units().units:~C}"
@@ -396,6 +317,6 @@ def is_unit(name: str) -> bool:
     return "." not in name and name in unit_registry()
 
 
-def used_names(expressions: Iterable[Expression | Constraint]) -> set[str]:
-    """Return all quantities that some expressions or constraints use."""
+def used_names(expressions: Iterable[Expression]) -> set[str]:
+    """Return all quantities that some expressions use."""
     return {name for expression in expressions for name in expression.names}

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
+from regression.plans.constraints import Constraint, constraint_violations, read_constraint
 from regression.plans.factors import (
     FREE_NAME,
     Factor,
@@ -20,13 +21,10 @@ from regression.plans.factors import (
     unknown_field,
 )
 from regression.plans.relations import (
-    Constraint,
     Expression,
-    constraint_violations,
     evaluate_expression,
     evaluation_order,
     is_unit,
-    read_constraint,
     read_expression,
     used_names,
 )
@@ -144,7 +142,9 @@ class Variants:
             for factor, column in zip(self.factors, values.T, strict=True)
             if not factor.categorical
         }
-        used = used_names((*self.relations.values(), *self.constraints))
+        used = used_names(
+            (*self.relations.values(), *(side for one in self.constraints for side in one.sides))
+        )
         base = {
             path: np.array(float(field_value(self.record, path)))
             for path in used
@@ -199,10 +199,7 @@ def _check_factor(
     if found is not None:
         unfit = next((label for label in factor.labels if label not in found.choices), None)
         if unfit is not None or bool(factor.labels) != bool(found.choices):
-            given = (
-                unfit
-                or f"{factor.format_value(factor.lowest)} to {factor.format_value(factor.highest)}"
-            )
+            given = unfit or factor.range_text
             allowed = ", ".join(found.choices) or f"a range or levels in {found.unit or 'no unit'}"
             raise InputError(f"{name}: given {given}; allowed is {allowed}.")
         if factor.unit != found.unit:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.drawing.bars import draw_rows
 from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE
 from crankbase.drawing.legends import legend_inside, write_title
 
@@ -55,27 +56,20 @@ def draw_effects(axes: "Axes", names: Sequence[str], values: Array, label: str, 
     form : str
         For the title.
     """
+    from matplotlib.patches import Patch
+
     shown = values[:BARS]
-    places = np.arange(len(shown))
-    for sign, color, text in ((1.0, BLUE, "positive"), (-1.0, ORANGE, "negative")):
-        drawn = sign * shown >= 0.0
-        if drawn.any():
-            axes.barh(places[drawn], np.abs(shown[drawn]), color=color, label=text)
-    axes.legend(frameon=False, fontsize=8, loc="lower right")
-    for place, value in zip(places, shown, strict=True):
-        axes.annotate(
-            f"{value:+.3g}",
-            (abs(value), place),
-            xytext=(4, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=8,
-        )
-    axes.set_yticks(places, list(names[:BARS]), fontsize=8)
-    axes.invert_yaxis()
-    axes.margins(x=0.12)
-    axes.grid(axis="y", visible=False)
-    axes.set_xlabel(label)
+    draw_rows(
+        axes,
+        names[:BARS],
+        np.abs(shown),
+        label,
+        colors=[BLUE if value >= 0.0 else ORANGE for value in shown],
+        texts=[f"{value:+.3g}" for value in shown],
+    )
+    kinds = (("positive", BLUE, shown >= 0.0), ("negative", ORANGE, shown < 0.0))
+    handles = [Patch(color=color, label=text) for text, color, those in kinds if those.any()]
+    axes.legend(handles=handles, frameon=False, fontsize=8, loc="lower right")
     rest = len(values) - len(shown)
     more = f", {rest} smaller ones left out" if rest > 0 else ""
     write_title(axes, f"{form}: effects{more}", 10)
@@ -95,23 +89,19 @@ def draw_elasticities(
     response : str
         Symbol of the response in mathematics.
     """
-    places = np.arange(len(names))
     sizes = [0.0 if slope is None else slope for slope in slopes]
-    axes.barh(places, sizes, color=[BLUE if size >= 0.0 else ORANGE for size in sizes])
+    draw_rows(
+        axes,
+        names,
+        sizes,
+        f"elasticity: % of {response} per % of the factor",
+        colors=[BLUE if size >= 0.0 else ORANGE for size in sizes],
+        texts=[
+            "a choice" if slope is None else f"{round(slope, 2) + 0.0:+.2f}" for slope in slopes
+        ],
+    )
     axes.axvline(0.0, color=GRAY, linewidth=1.0)
-    for place, (slope, size) in enumerate(zip(slopes, sizes, strict=True)):
-        axes.annotate(
-            "a choice" if slope is None else f"{round(size, 2) + 0.0:+.2f}",
-            (size, place),
-            xytext=(4 if size >= 0.0 else -4, 0),
-            textcoords="offset points",
-            va="center",
-            ha="left" if size >= 0.0 else "right",
-            fontsize=8,
-        )
     axes.margins(x=0.22)
-    axes.set_xlabel(f"elasticity: % of {response} per % of the factor")
-    name_rows(axes, names)
 
 
 def draw_sobol(
@@ -125,11 +115,6 @@ def draw_sobol(
         legend_inside(axes)
         axes.set_xlim(0.0, max(1.0, 1.05 * max(total)))
     axes.set_xlabel("Sobol index: share of the variance")
-    name_rows(axes, names)
-
-
-def name_rows(axes: "Axes", names: Sequence[str]) -> None:
-    """Name lying bars from the top down."""
-    axes.set_yticks(np.arange(len(names)), list(names), fontsize=8)
+    axes.set_yticks(places, list(names), fontsize=8)
     axes.invert_yaxis()
     axes.grid(axis="y", visible=False)

@@ -214,12 +214,9 @@ class _RowReader:
         if value is None or is_in_range(factor, value):
             return
         shown = value if factor.labels else factor.format_value(value)
-        allowed = ", ".join(factor.labels) or (
-            f"{factor.format_value(factor.lowest)} to {factor.format_value(factor.highest)}"
-        )
         raise InputError(
-            f"{headers[factor.name]}: given {shown}; allowed is {allowed}, the study's own range, in a "
-            f"line that is fitted or held out, or the role '{MEASURED}'."
+            f"{headers[factor.name]}: given {shown}; allowed is {factor.range_text}, the study's own range, "
+            f"in a line that is fitted or held out, or the role '{MEASURED}'."
         )
 
     def _check_field(self, where: str, name: str, value: Any, throw: Mapping[str, Any]) -> None:

@@ -1,7 +1,7 @@
 """Write a study's rows to a table that other programs read: CSV or Parquet."""
 
 import csv
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +10,7 @@ from crankbase.errors import InputError, MissingLibraryError
 from crankbase.outputs import atomic_file
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
+from regression.plans.factors import Factor
 from regression.plans.plan import MODEL_VERSION
 from regression.runs.study_table import StudyRow, StudyTable
 from regression.throw_values import field_unit
@@ -21,11 +22,11 @@ ERROR = " error"
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table: its name, SI unit ("" for none), and what it shows of a row."""
+    """A column of a table: its name, SI unit ("" for none), and its cells."""
 
     name: str
     unit: str
-    cell: Callable[[StudyRow], Cell]
+    cells: list[Cell]
 
     @property
     def header(self) -> str:
@@ -36,63 +37,48 @@ class Column:
 def columns(table: StudyTable) -> tuple[Column, ...]:
     """List what a table says of each row: role, factors, dimensions, responses, errors, reason."""
     rows = table.rows
-    factors = [f for f in table.plan.factors if f.name not in CrankThrow.model_fields]
-    shown = {factor.name for factor in factors}
-    found = [
-        Column("role", "", lambda row: row.role),
-        Column("status", "", lambda row: row.status),
-        Column("source", "", lambda row: row.source or None),
-    ]
-    found += [
-        Column(factor.name, factor.unit, _factor(place, factor.name, factor.labels))
+    factors = [
+        (place, factor)
         for place, factor in enumerate(table.plan.factors)
-        if factor in factors
+        if factor.name not in CrankThrow.model_fields
+    ]
+    found = [
+        Column("role", "", [row.role for row in rows]),
+        Column("status", "", [row.status for row in rows]),
+        Column("source", "", [row.source or None for row in rows]),
     ]
     found += [
-        Column(name, field_unit(name) or "", _entry("dimensions", name))
-        for name in _names(row.dimensions for row in rows)
-        if name not in shown
+        Column(factor.name, factor.unit, [_factor_cell(row, place, factor) for row in rows])
+        for place, factor in factors
     ]
+    shown = {factor.name for _, factor in factors}
+    parts: tuple[tuple[str, Callable[[str], str | None], str], ...] = (
+        ("dimensions", field_unit, ""),
+        ("outlines", field_unit, ""),
+        ("responses", lambda name: RESPONSES[name].unit, ""),
+        ("errors", lambda _: "", ERROR),
+    )
+    for part, unit, ending in parts:
+        entries = [getattr(row, part) for row in rows]
+        names = dict.fromkeys(name for entry in entries for name in entry if name not in shown)
+        found += [
+            Column(name + ending, unit(name) or "", [entry.get(name) for entry in entries])
+            for name in names
+        ]
     found += [
-        Column(name, "", _entry("outlines", name))
-        for name in _names(row.outlines for row in rows)
-        if name not in shown
-    ]
-    responses = _names(row.responses for row in rows)
-    found += [Column(name, RESPONSES[name].unit, _entry("responses", name)) for name in responses]
-    found += [
-        Column(name + ERROR, "", _entry("errors", name))
-        for name in _names(row.errors for row in rows)
-    ]
-    found += [
-        Column("seconds", "s", lambda row: row.seconds if not row.source else None),
-        Column("unknowns", "", lambda row: row.unknowns),
-        Column("model_version", "", lambda row: None if row.source else MODEL_VERSION),
-        Column("reason", "", lambda row: row.reason or None),
+        Column("seconds", "s", [None if row.source else row.seconds for row in rows]),
+        Column("unknowns", "", [row.unknowns for row in rows]),
+        Column("model_version", "", [None if row.source else MODEL_VERSION for row in rows]),
+        Column("reason", "", [row.reason or None for row in rows]),
     ]
     return tuple(found)
 
 
-def _names(entries: Iterable[Any]) -> list[str]:
-    return list(dict.fromkeys(name for entry in entries for name in entry))
-
-
-def _entry(part: str, name: str) -> Callable[[StudyRow], Cell]:
-    def cell(row: StudyRow) -> Cell:
-        found: Cell = getattr(row, part).get(name)
-        return found
-
-    return cell
-
-
-def _factor(place: int, name: str, labels: tuple[str, ...]) -> Callable[[StudyRow], Cell]:
-    def cell(row: StudyRow) -> Cell:
-        if row.values is None:
-            return row.dimensions.get(name, row.outlines.get(name))
-        value = row.values[place]
-        return labels[round(value)] if labels else value
-
-    return cell
+def _factor_cell(row: StudyRow, place: int, factor: Factor) -> Cell:
+    if row.values is None:
+        return row.dimensions.get(factor.name, row.outlines.get(factor.name))
+    value = row.values[place]
+    return factor.labels[round(value)] if factor.labels else value
 
 
 def check_export(path: Path) -> None:
@@ -140,13 +126,13 @@ def _write_csv(path: Path, table: StudyTable) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([column.header for column in listed])
         # Python writes a float with all digits that tell it from its neighbors.
-        writer.writerows([column.cell(row) for column in listed] for row in table.rows)
+        writer.writerows(zip(*(column.cells for column in listed), strict=True))
 
 
 def _write_parquet(path: Path, table: StudyTable) -> None:
     pyarrow, parquet = _parquet()
     listed = columns(table)
-    arrays = [pyarrow.array([column.cell(row) for row in table.rows]) for column in listed]
+    arrays = [pyarrow.array(column.cells) for column in listed]
     fields = [
         pyarrow.field(column.header, array.type, metadata={"unit": column.unit})
         for column, array in zip(listed, arrays, strict=True)

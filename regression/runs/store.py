@@ -11,10 +11,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
-import psutil
-
 from crankbase.errors import InputError
 from regression.records import MEASURED, ExtraRow, Outcome, StudyStoppedError, content_key
+from regression.runs.store_file import (
+    DAMAGED,
+    MADE_BY,
+    check_place,
+    damaged_store,
+    error_cause,
+    open_store,
+    transaction,
+)
 from regression.runs.store_rows import (
     CHECKSUM,
     EXTRA,
@@ -25,48 +32,11 @@ from regression.runs.store_rows import (
     read_design,
     read_extra,
 )
-from regression.runs.store_schema import (
-    APPLICATION_ID,
-    CHECKSUMS_SINCE,
-    EXTRA_ROWS_SINCE,
-    SCHEMA_VERSION,
-    missing_parts,
-    prepare,
-    schema_version,
-)
+from regression.runs.store_schema import CHECKSUMS_SINCE, EXTRA_ROWS_SINCE, schema_version
 
-# Seconds to wait for another program that holds the file.
-PATIENCE = 30.0
-DAMAGED = "it is damaged"
-MADE_BY = "allowed is the file in which a study was run"
-# What stops a study though the file is a good store; low bytes of SQLite's result codes.
-CAUSES = {
-    sqlite3.SQLITE_FULL: "the disk is full",
-    sqlite3.SQLITE_IOERR: "the disk reports an error, as it also does when it is full",
-    sqlite3.SQLITE_READONLY: "it is read-only",
-    sqlite3.SQLITE_BUSY: "another program holds it locked",
-    sqlite3.SQLITE_LOCKED: "another program holds it locked",
-    sqlite3.SQLITE_CANTOPEN: "it cannot be opened",
-    sqlite3.SQLITE_CORRUPT: DAMAGED,
-    sqlite3.SQLITE_NOTADB: DAMAGED,
-}
 Row = TypeVar("Row", Outcome, ExtraRow)
 # Digits in which rows from elsewhere are compared: the same number in another unit differs in its last.
 COMPARED = 9
-# Folders of other machines, where a write-ahead log is not safe.
-NETWORK_FOLDERS = (
-    "nfs",
-    "nfs4",
-    "cifs",
-    "smb3",
-    "smbfs",
-    "fuse.sshfs",
-    "afs",
-    "lustre",
-    "beegfs",
-    "ceph",
-    "gpfs",
-)
 
 
 class ResultStore:
@@ -98,11 +68,11 @@ class ResultStore:
 
     def __init__(self, path: str | Path, *, readonly: bool = False) -> None:
         self.path = Path(path)
-        _check_place(self.path, readonly)
+        check_place(self.path, readonly)
         try:
-            self._connection = _open(self.path, readonly)
+            self._connection = open_store(self.path, readonly)
         except (sqlite3.Error, OSError) as error:
-            if self.path.is_file() and _cause(error) not in ("", DAMAGED):
+            if self.path.is_file() and error_cause(error) not in ("", DAMAGED):
                 raise self._stopped(error) from None
             if readonly:
                 raise InputError(
@@ -128,7 +98,7 @@ class ResultStore:
 
     def _stopped(self, error: Exception) -> StudyStoppedError:
         return StudyStoppedError(
-            f"store: {self.path} cannot be used now ({_cause(error) or error}); finished designs are "
+            f"store: {self.path} cannot be used now ({error_cause(error) or error}); finished designs are "
             "kept, and the same command continues when that is mended."
         )
 
@@ -137,17 +107,17 @@ class ResultStore:
         try:
             yield
         except sqlite3.Error as error:
-            if _cause(error) not in ("", DAMAGED):
+            if error_cause(error) not in ("", DAMAGED):
                 raise self._stopped(error) from None
-            raise _damaged(self.path, str(error)) from None
+            raise damaged_store(self.path, str(error)) from None
 
     @contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:
         try:
-            with _transaction(self._connection):
+            with transaction(self._connection):
                 yield self._connection
         except sqlite3.Error as error:
-            if not _cause(error):
+            if not error_cause(error):
                 raise
             raise self._stopped(error) from None
 
@@ -305,13 +275,6 @@ def _plan(text: object) -> dict[str, Any] | None:
     return found if isinstance(found, dict) else None
 
 
-def _damaged(path: Path, why: str) -> InputError:
-    return InputError(
-        f"store: given {str(path)!r}, which is damaged ({why}); allowed is a store as a study leaves it, "
-        "so use a copy of it, or give a new file name."
-    )
-
-
 def _overwritten(columns: Iterable[str]) -> str:
     return ", ".join(f"{name} = excluded.{name}" for name in columns)
 
@@ -331,106 +294,3 @@ def _extra_key(row: ExtraRow) -> str:
 def _rounded(value: float) -> str:
     # Adding zero makes a negative zero positive.
     return f"{value + 0.0:.{COMPARED - 1}e}"
-
-
-@contextmanager
-def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
-    connection.execute("BEGIN IMMEDIATE")
-    try:
-        yield
-        connection.execute("COMMIT")
-    except BaseException:
-        # On a full disk SQLite has rolled back by itself.
-        if connection.in_transaction:
-            connection.execute("ROLLBACK")
-        raise
-
-
-def _cause(error: Exception) -> str:
-    """Say what keeps a good store from being written; empty if the error is of another kind."""
-    code = getattr(error, "sqlite_errorcode", None)
-    return "" if code is None else CAUSES.get(code & 0xFF, "")
-
-
-def _open(path: Path, readonly: bool) -> sqlite3.Connection:
-    if readonly or (path.exists() and path.stat().st_size > 0):
-        connection = sqlite3.connect(
-            f"{path.absolute().as_uri()}?mode=ro", uri=True, timeout=PATIENCE
-        )
-        try:
-            connection.text_factory = _text
-            _check_ours(connection, path, readonly)
-        except BaseException:
-            connection.close()
-            raise
-        if readonly:
-            return connection
-        connection.close()
-    connection = sqlite3.connect(path, timeout=PATIENCE, isolation_level=None)
-    try:
-        connection.text_factory = _text
-        connection.execute(f"PRAGMA journal_mode={'DELETE' if _on_network(path) else 'WAL'}")
-        with _transaction(connection):
-            prepare(connection)
-    except BaseException:
-        connection.close()
-        raise
-    return connection
-
-
-def _text(raw: bytes) -> str:
-    """Read a text; one that is none is damaged, and must not keep other rows from being read."""
-    return raw.decode("utf-8", "surrogateescape")
-
-
-def _check_ours(connection: sqlite3.Connection, path: Path, readonly: bool) -> None:
-    """Refuse a database of another program, or of a later release, before anything is written."""
-    (mark,) = connection.execute("PRAGMA application_id").fetchone()
-    (tables,) = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
-    version = schema_version(connection)
-    if mark == APPLICATION_ID and version <= SCHEMA_VERSION:
-        missing = missing_parts(connection)
-        if missing:
-            raise _damaged(path, f"it has no {missing[0]}")
-        return
-    if not tables and not readonly:  # its maker died before it became a store
-        return
-    if mark == APPLICATION_ID:
-        raise InputError(
-            f"store: given {str(path)!r}, whose layout {version} is of a later release; allowed is "
-            f"layout {SCHEMA_VERSION} or earlier, so "
-            f"{'use that release' if readonly else 'give a new file name'}."
-        )
-    raise InputError(
-        f"store: given {str(path)!r}, which is no result store but the file of another program; "
-        f"{MADE_BY if readonly else 'give a new file name'}."
-    )
-
-
-def _check_place(path: Path, readonly: bool) -> None:
-    """Refuse what is no file, or cannot become one."""
-    if path.is_dir():
-        raise InputError(
-            f"store: given {str(path)!r}, which is a folder; allowed is a file, like "
-            f"{path / 'runs.sqlite'}."
-        )
-    if readonly and not path.is_file():
-        raise InputError(f"store: given {str(path)!r}; there is no such file.")
-    if not path.absolute().parent.is_dir():
-        raise InputError(f"store: given {str(path)!r}; there is no folder {path.parent}.")
-
-
-def is_database(path: Path) -> bool:
-    """Whether a file is an SQLite database, of whatever program."""
-    with path.open("rb") as file:
-        return file.read(16) == b"SQLite format 3\0"
-
-
-def _on_network(path: Path) -> bool:
-    """Whether a file lies on a folder of another machine."""
-    folder = path.absolute().resolve().parent
-    mounts = {place.mountpoint: place.fstype for place in psutil.disk_partitions(all=True)}
-    for place in (folder, *folder.parents):
-        if str(place) in mounts:
-            return mounts[str(place)] in NETWORK_FOLDERS
-    return False

@@ -87,12 +87,8 @@ def read_store(store: ResultStore, plan: StudyPlan, keys: Iterable[str]) -> Stor
 def _row_of(outcome: Outcome, role: str, plan: StudyPlan, source: str) -> ExtraRow | None:
     """Make a row of another study's result, if the study could have such a design."""
     inputs: Mapping[str, Any] = outcome.inputs
-    settings = {
-        "material": plan.material.model_dump(),
-        "accuracy": plan.accuracy,
-        "stresses": plan.stresses,
-    }
-    if outcome.responses is None or any(inputs.get(n) != value for n, value in settings.items()):
+    same = all(inputs.get(name) == value for name, value in plan.settings.items())
+    if outcome.responses is None or not same:
         return None
     try:
         given = {name: field_value(inputs["throw"], name) for name in plan.names}

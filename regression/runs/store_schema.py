@@ -1,6 +1,7 @@
 """The tables of a result store, and how files of earlier releases become such."""
 
 import sqlite3
+from contextlib import closing
 
 from fem.responses import RESPONSES
 from regression.runs.store_rows import (
@@ -87,19 +88,6 @@ TABLES = (
 )
 # Those of the first release.
 FIRST_TABLES = ("designs", "study_designs", "studies")
-# What tables of earlier releases lack.
-ADDED_COLUMNS = {
-    "designs": (
-        "errors TEXT",
-        "unknowns INTEGER",
-        "model_version INTEGER",
-        "worker TEXT",
-        "attempts INTEGER",
-        "checksum TEXT",
-    ),
-    "study_designs": ("factors TEXT",),
-    "extra_rows": ("checksum TEXT",),
-}
 # Its designs do not tell their model version; the studies that hold them do.
 FILL_MODEL_VERSION = """
     UPDATE designs SET model_version = (
@@ -129,30 +117,32 @@ def _extract(column: str, name: str) -> str:
 
 def missing_parts(connection: sqlite3.Connection) -> list[str]:
     """Name the tables and columns that a file of ours lacks, which somebody took away."""
-    version = schema_version(connection)
-    wanted = sqlite3.connect(":memory:")
-    try:
+    version, wanted = schema_version(connection), _wanted_columns()
+    missing = []
+    for table in FIRST_TABLES if version < CHECKSUMS_SINCE else wanted:
+        columns = _columns(connection, table)
+        if not columns:
+            missing.append(f"table {table}")
+        elif version == SCHEMA_VERSION:
+            lacking = [name for name in wanted[table] if name not in columns]
+            missing += [f"column {name} in the table {table}" for name in lacking]
+    return missing
+
+
+def _wanted_columns() -> dict[str, dict[str, str]]:
+    """Columns that each table has in this release, with their types."""
+    with closing(sqlite3.connect(":memory:")) as made:
         for statement in TABLES:
-            wanted.execute(statement)
-        missing = []
-        for table in FIRST_TABLES if version < CHECKSUMS_SINCE else _tables(wanted):
-            columns = _columns(connection, table)
-            if not columns:
-                missing.append(f"table {table}")
-            elif version == SCHEMA_VERSION:
-                lacking = [name for name in _columns(wanted, table) if name not in columns]
-                missing += [f"column {name} in the table {table}" for name in lacking]
-        return missing
-    finally:
-        wanted.close()
+            made.execute(statement)
+        return {table: _columns(made, table) for table in _tables(made)}
 
 
 def _tables(connection: sqlite3.Connection) -> list[str]:
     return [n for (n,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")]
 
 
-def _columns(connection: sqlite3.Connection, table: str) -> list[str]:
-    return [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
+def _columns(connection: sqlite3.Connection, table: str) -> dict[str, str]:
+    return {row[1]: row[2] for row in connection.execute(f"PRAGMA table_info({table})")}
 
 
 def _add_checksums(connection: sqlite3.Connection) -> None:
@@ -178,17 +168,18 @@ def prepare(connection: sqlite3.Connection) -> None:
 
     To be called within a transaction.
     """
-    tables = _tables(connection)
-    if schema_version(connection) == SCHEMA_VERSION:
+    version, tables = schema_version(connection), _tables(connection)
+    view = connection.execute("SELECT sql FROM sqlite_master WHERE name = 'results'").fetchone()
+    if version == SCHEMA_VERSION and view == (results_view(),):
         return
     for statement in TABLES:
         connection.execute(statement)
-    for table, columns in ADDED_COLUMNS.items():
+    for table, columns in _wanted_columns().items():
         present = _columns(connection, table)
-        for column in columns:
-            if column.split()[0] not in present:
-                connection.execute(f"ALTER TABLE {table} ADD COLUMN {column}")
-    if "designs" in tables:
+        for name, kind in columns.items():
+            if name not in present:
+                connection.execute(f"ALTER TABLE {table} ADD COLUMN {name} {kind}")
+    if "designs" in tables and version < SCHEMA_VERSION:
         connection.execute(FILL_MODEL_VERSION)
         _add_checksums(connection)
     connection.execute("DROP VIEW IF EXISTS results")

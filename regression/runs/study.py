@@ -19,8 +19,9 @@ from regression.plans.plan import (
 )
 from regression.records import HELD_OUT, MEASURED, RUN, ExtraRow, Outcome, content_key
 from regression.runs.exchange import read_rows
-from regression.runs.store import ResultStore, is_database
-from regression.runs.store_results import read_store
+from regression.runs.store import ResultStore
+from regression.runs.store_file import is_database
+from regression.runs.store_results import StoreResults, factor_value, read_store
 from regression.runs.store_rows import damaged_rows_warning
 from regression.runs.study_table import StudyTable, study_table
 from regression.runs.supervised import design_limits
@@ -216,9 +217,7 @@ def _described(results: ResultStore, plan: StudyPlan) -> str:
     """Tell a study from others in a few words."""
     roles = [role for role, _, _ in results.study_designs(plan.key)]
     factors = [
-        f"{factor.name} {' or '.join(factor.labels)}"
-        if factor.labels
-        else f"{factor.name} {factor.format_value(factor.lowest)} to {factor.format_value(factor.highest)}"
+        f"{factor.name} {' or '.join(factor.labels) or factor.range_text}"
         for factor in plan.factors
     ]
     return f"{plan.design.kind} of {roles.count(RUN)} runs: {', '.join(factors)}"
@@ -278,15 +277,13 @@ def import_results(plan: StudyPlan, store: str | Path, file: str | Path) -> Impo
     if not path.is_file():
         raise InputError(f"import: given {str(path)!r}; there is no such file.")
     planned = plan.planned
-    if not is_database(path):
-        rows = read_rows(path, plan)
-        with ResultStore(store) as results:
-            _register(results, plan, planned)
-            coinciding = _coinciding(results, planned, rows)
-            return ImportSummary(0, results.add_extra_rows(plan.key, rows), 0, coinciding)
-    with ResultStore(path, readonly=True) as other:
-        found = read_store(other, plan, {design.key for design in planned.designs})
-        damaged = damaged_rows_warning(other.damaged, path) if other.damaged else ""
+    found, damaged = StoreResults((), (), 0), ""
+    if is_database(path):
+        with ResultStore(path, readonly=True) as other:
+            found = read_store(other, plan, {design.key for design in planned.designs})
+            damaged = damaged_rows_warning(other.damaged, path) if other.damaged else ""
+    else:
+        found = replace(found, rows=read_rows(path, plan))
     with ResultStore(store) as results:
         _register(results, plan, planned)
         known = results.outcomes(one.key for one in found.finished)
@@ -302,17 +299,10 @@ def _coinciding(results: ResultStore, planned: PlannedStudy, rows: Iterable[Extr
     """Count the computed rows at which the study has, or will have, a result of its own."""
     outcomes = results.outcomes(design.key for design in planned.designs)
     failed = {key for key, found in outcomes.items() if found.status == "failed"}
-    own = np.array([design.values for design in planned.designs if design.key not in failed])
+    own = np.array([d.values for d in planned.designs if d.key not in failed])
+    own = own.reshape(-1, len(planned.plan.factors))
     return sum(
-        bool(len(own))
-        and bool(
-            np.any(
-                np.all(
-                    np.abs(own - row.values) <= SAME * np.maximum(np.abs(own), np.abs(row.values)),
-                    axis=1,
-                )
-            )
-        )
+        bool(np.isclose(own, row.values, rtol=SAME, atol=0.0).all(axis=1).any())
         for row in rows
         if row.role != MEASURED and row.values is not None
     )
@@ -339,10 +329,7 @@ def _as_registered(results: ResultStore, plan: StudyPlan) -> PlannedStudy:
         return planned
     try:
         values = [
-            tuple(
-                float(f.labels.index(shown[f.name]) if f.labels else shown[f.name])
-                for f in plan.factors
-            )
+            tuple(factor_value(factor, shown[factor.name]) for factor in plan.factors)
             for _, _, shown in registered
         ]
     except (KeyError, TypeError, ValueError):  # the list is damaged

@@ -145,8 +145,8 @@ class StudyTable:
             If the study has no such response or factor.
         """
         column = _one_of("response", response, list(self.responses))
-        name = _one_of("factor", factor, [one.name for one in self.plan.factors])
-        place = [one.name for one in self.plan.factors].index(name)
+        names = list(self.plan.names)
+        place = names.index(_one_of("factor", factor, names))
         chosen = self.plan.factors[place]
         kind = RESPONSES.get(column)
         symbol, unit = (column.replace("_", " "), "") if kind is None else (kind.symbol, kind.unit)
@@ -263,7 +263,7 @@ def study_table(
             if any(_equal(row.values, values) for values in taken):
                 continue
             taken.append(row.values)
-        imported.append(_imported_row(row))
+        imported.append(StudyRow(status=DONE, **vars(row)))
     rows = (*own, *imported)
     good = [row for row in rows if row.status == DONE and row.role != MEASURED]
     return StudyTable(
@@ -290,7 +290,8 @@ def _own_row(
     design: PlannedDesign, outcome: Outcome | None, damaged: Mapping[str, str]
 ) -> StudyRow:
     throw = design.inputs["throw"]
-    reason = NOT_COMPUTED if outcome is None else outcome.reason
+    known = outcome or Outcome(design.key, design.inputs, None, NOT_COMPUTED, 0.0)
+    reason = known.reason or ""
     if design.key in damaged:
         reason = f"its row in the store is damaged ({damaged[design.key]}): the next run computes it again"
     return StudyRow(
@@ -299,24 +300,11 @@ def _own_row(
         values=design.values,
         dimensions=throw_dimensions(throw),
         outlines=throw_outlines(throw),
-        responses={} if outcome is None else outcome.responses or {},
-        errors={} if outcome is None else outcome.errors,
-        seconds=0.0 if outcome is None else outcome.seconds,
-        unknowns=None if outcome is None else outcome.unknowns,
-        reason=reason or "",
-    )
-
-
-def _imported_row(row: ExtraRow) -> StudyRow:
-    return StudyRow(
-        role=row.role,
-        status=DONE,
-        values=row.values,
-        dimensions=row.dimensions,
-        outlines=row.outlines,
-        responses=row.responses,
-        errors=row.errors,
-        source=row.source,
+        responses=known.responses or {},
+        errors=known.errors,
+        seconds=known.seconds,
+        unknowns=known.unknowns,
+        reason=reason,
     )
 
 

@@ -13,7 +13,7 @@ from crankbase.text_limits import LARGEST_TABLE_FILE, check_file_size
 from crankbase.units.quantity import parse_quantity
 from fem.responses import RESPONSES
 from regression.plans.plan import StudyPlan
-from regression.records import is_positive_response
+from regression.response_kinds import is_positive_response
 
 # Columns that say something of a row as a whole.
 ABOUT = ("role", "source", "status", "model_version")

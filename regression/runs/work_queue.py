@@ -37,17 +37,14 @@ class WorkQueue:
 
     def outcome(self, answer: Mapping[str, Any], worker: str) -> Outcome:
         """Make the outcome of a worker's answer."""
-        key = answer["key"]
-        return Outcome(
-            key=key,
-            inputs=self._inputs[key],
+        return self._outcome(
+            answer["key"],
             responses=answer.get("responses"),
             reason=answer.get("reason"),
             seconds=answer["seconds"],
             errors=answer.get("errors") or {},
             unknowns=answer.get("unknowns"),
             worker=worker,
-            attempts=self._tries[key],
         )
 
     def lost(self, key: str, reason: str, seconds: float, worker: str) -> Outcome | None:
@@ -55,13 +52,9 @@ class WorkQueue:
         if self._tries[key] < TRIES:
             self._waiting.append(key)
             return None
-        return Outcome(
-            key=key,
-            inputs=self._inputs[key],
-            responses=None,
-            reason=reason,
-            seconds=seconds,
-            lost=True,
-            worker=worker,
-            attempts=self._tries[key],
+        return self._outcome(
+            key, responses=None, reason=reason, seconds=seconds, lost=True, worker=worker
         )
+
+    def _outcome(self, key: str, **found: Any) -> Outcome:
+        return Outcome(key=key, inputs=self._inputs[key], attempts=self._tries[key], **found)

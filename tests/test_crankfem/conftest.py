@@ -16,11 +16,12 @@ from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.reading.data_files import input_path
 from fem.analysis import analyze_throw
 from geometry.throw import CrankThrow
+from plans import plan_of_levels
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 from regression.plans.designs import full_factorial
-from regression.plans.plan import MODEL_VERSION, StudyPlan, plan_designs
+from regression.plans.plan import MODEL_VERSION, plan_designs
 from regression.records import Outcome
 from regression.runs.store import ResultStore
 from regression.runs.study import run_plan
@@ -269,7 +270,7 @@ def model_file(tmp_path):
 @pytest.fixture
 def store(tmp_path):
     """A store whose results are calculated, not computed by finite elements."""
-    plan = StudyPlan.from_levels(THROW, LEVELS, held_out=5)
+    plan = plan_of_levels(THROW, LEVELS, held_out=5)
     path = tmp_path / "runs.sqlite"
     with ResultStore(path) as results:
         for design in plan_designs(plan).designs:

@@ -16,7 +16,7 @@ from crankfem.cli.console import progress_text
 from fem.responses import RESPONSES
 from puppets import PRELUDE, puppet
 from regression.records import StudyStoppedError
-from regression.runs import store as store_module
+from regression.runs import store_file as store_module
 from regression.runs import supervised
 from regression.runs.store import ResultStore
 

@@ -10,19 +10,14 @@ import pytest
 from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.study.fit_records import comparisons, study_record, warnings_of
-from crankfem.analyses.study.fitting import (
-    compliance_model,
-    dimensions_at,
-    fit_study,
-    nominal_points,
-    predicted,
-    response_name,
-    sensitivities,
-    surface,
-)
+from crankfem.analyses.study.fitting import fit_study, response_name
+from crankfem.analyses.study.nominal_throw import nominal_points, sensitivities
 from crankfem.analyses.study.plots.fit_plots import plot_fits
+from crankfem.analyses.study.response_fits import dimensions_at, predicted, surface
+from crankfem.analyses.study.study_model import compliance_model
 from crankfem.cli.tables.fit_tables import print_comparisons, print_fits
 from geometry.throw import CrankThrow
+from plans import plan_of_levels
 from regression.plans.design_choice import DesignChoice
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
@@ -97,7 +92,7 @@ def puppet_table(plan, extra=()):
 
 @pytest.fixture(scope="module")
 def table():
-    return puppet_table(StudyPlan.from_levels(THROW, LEVELS, held_out=12))
+    return puppet_table(plan_of_levels(THROW, LEVELS, held_out=12))
 
 
 @pytest.fixture(scope="module")
@@ -252,7 +247,7 @@ def test_dimensions_follow_from_relations(family):
 def test_groups_are_not_offered_where_a_part_keeps_its_size():
     throw = THROW.model_copy(update={"left_web": None})
     heavy = CrankThrow(**throw.model_dump() | {"left_web": {"thickness": 0.05}})
-    plan = StudyPlan.from_levels(heavy, {"pin_diameter": (0.17, 0.18, 0.19)}, held_out=3)
+    plan = plan_of_levels(heavy, {"pin_diameter": (0.17, 0.18, 0.19)}, held_out=3)
     found = fit_study(puppet_table(plan))["axial_compliance"]
     assert all(fit.basis == "factors" for fit in found.fits)
     assert any("the part does not grow with the throw" in text for text in found.skipped)
@@ -338,7 +333,7 @@ def test_a_fixed_dimension_does_not_follow_its_base(name, value, base, ends):
 
 def test_groups_know_a_dimension_that_is_spelled_out():
     throw = CrankThrow(**THROW.model_dump() | {"pin_fillet_radius": 0.012})
-    table = puppet_table(StudyPlan.from_levels(throw, LEVELS, held_out=5))
+    table = puppet_table(plan_of_levels(throw, LEVELS, held_out=5))
     model = compliance_model(table, fit_study(table), "group quadratic")
     # Whether it is spelled out or follows, the throw is the same.
     values = [model.of_throw(one)["mass"].value for one in (throw, THROW)]
@@ -411,7 +406,7 @@ def test_tables(table, fits, capsys):
 
 
 def test_measured_values_are_compared(tmp_path, capsys):
-    plan = StudyPlan.from_levels(THROW, LEVELS, held_out=5)
+    plan = plan_of_levels(THROW, LEVELS, held_out=5)
     path = tmp_path / "measured.csv"
     path.write_text(
         "source,web_width [mm],crank_radius [mm],mass [kg],tilt_stiffness_ratio\n"

@@ -19,7 +19,8 @@ from matplotlib.figure import Figure
 from comparing import close
 from crankbase.drawing.curves import ON_PAPER, draw_curves
 from crankbase.errors import InputError
-from crankfem.analyses.study.fitting import fit_study, predicted
+from crankfem.analyses.study.fitting import fit_study
+from crankfem.analyses.study.response_fits import predicted
 from crankfem.report.interactive.angles import formulas_over_angle
 from crankfem.report.interactive.campbell import campbell
 from crankfem.report.interactive.curve_decimation import visible_points

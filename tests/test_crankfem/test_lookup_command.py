@@ -20,7 +20,7 @@ from crankfem.files.engine.throw_file import load_throw
 from crankfem.files.reading.data_files import input_path
 from dynamics.chains.engine_chains import axial_chain
 from regression.fits.fits import fit_form
-from regression.models import optimum as optimum_search
+from regression.models import optimum_search
 from regression.models.compliance_model import ComplianceModel
 from regression.models.response_model import ResponseModel
 

@@ -17,7 +17,7 @@ from comparing import close
 from crankbase.errors import InputError
 from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.mechanism.mechanism_run import run_mechanism
-from crankfem.analyses.study.fitting import predicted
+from crankfem.analyses.study.response_fits import predicted
 from crankfem.analyses.study.studies import fitted
 from crankfem.analyses.throw.formula_diagrams import (
     plot_formulas,
@@ -33,9 +33,10 @@ from crankfem.files.hinge.hinge_file import load_hinge
 from crankfem.files.reading.data_files import data_folder, input_path
 from crankfem.report.interactive.vibration import VIBRATION
 from geometry.mass import MassProperties
+from plans import plan_of_levels
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.formula_value import FormulaValue
-from regression.plans.plan import StudyPlan, plan_designs
+from regression.plans.plan import plan_designs
 from regression.records import Outcome
 from regression.runs.study_table import study_table
 
@@ -139,7 +140,7 @@ def compliance(width, thickness):
 def study(dimensions):
     """A study with a power law instead of finite elements."""
     levels = {"web_width": (0.27, 0.30, 0.33), "web_thickness": (0.05, 0.07, 0.09)}
-    plan = StudyPlan.from_levels(cf.CrankThrow(**dimensions), levels, held_out=3)
+    plan = plan_of_levels(cf.CrankThrow(**dimensions), levels, held_out=3)
     planned = plan_designs(plan)
     outcomes = {}
     for design in planned.designs:

@@ -4,6 +4,7 @@ import json
 import re
 import tomllib
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
@@ -13,13 +14,15 @@ from crankfem.analyses.study.studies import run_study, study_key
 from crankfem.cli import console
 from crankfem.cli.tables.design_tables import plan_record, print_plan
 from crankfem.files.reading.toml_file import read_toml
+from crankfem.files.sections.study_section import StudySection
 from crankfem.files.study.design_file import read_design
-from crankfem.files.study.study_file import FIELDS, study_plan
+from crankfem.files.study.study_file import study_plan
 from fem.material import STEEL
 from geometry.throw import CrankThrow
-from regression.plans.design_choice import OPTIONS, DesignChoice
+from plans import plan_of_levels
+from regression.plans.design_choice import DesignChoice, DesignKind
 from regression.plans.factors import Factor
-from regression.plans.plan import StudyPlan, plan_designs
+from regression.plans.plan import plan_designs
 from regression.records import StudyStoppedError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -63,7 +66,7 @@ def test_a_file_of_levels_is_a_full_factorial(read):
     text = study(
         "held_out = 8\nseed = 3\naccuracy = 0.02", f'{WIDTH}\npin_length = ["12 cm", "0.158 m"]'
     )
-    assert read(text) == StudyPlan.from_levels(
+    assert read(text) == plan_of_levels(
         THROW,
         {"web_width": (0.27, 0.30, 0.33), "pin_length": (0.12, 0.158)},
         held_out=8,
@@ -181,9 +184,9 @@ ERRORS = [
         study("helt_out = 8"),
         "study.helt_out: unknown field; did you mean held_out? allowed are design, ",
     ),
-    (study('design = "taguchi"'), "study.design: given 'taguchi'; allowed are full factorial, "),
-    (study("design = 3"), "study.design: given 3; allowed are"),
-    (study("held_out = 0"), "study.held_out: given 0; allowed are the whole numbers 1 to 1000"),
+    (study('design = "taguchi"'), "study.design: given 'taguchi'; allowed is full factorial, "),
+    (study("design = 3"), "study.design: given 3; allowed is"),
+    (study("held_out = 0"), "study.held_out: given 0; allowed is 1 to 1000 for number"),
     (study("held_out = 2.5"), "study.held_out: given 2.5"),
     (study("held_out = true"), "study.held_out: given True"),
     (study("generators = 3"), "study.generators: given 3"),
@@ -192,23 +195,36 @@ ERRORS = [
         "study.generators: given 3; allowed",
     ),
     (study("seed = -1"), "study.seed: given -1"),
-    (study("accuracy = 1"), "study.accuracy: given 1; allowed is a number from 0.001 to 0.1"),
+    (study("accuracy = 1"), "study.accuracy: given 1; allowed is 0.001 to 0.1"),
     (study('accuracy = "1 %"'), "study.accuracy: given '1 %'"),
-    (study('stresses = "yes"'), "study.stresses: given 'yes'; allowed are true and false"),
+    (study('stresses = "yes"'), "study.stresses: given 'yes'; allowed is true or false"),
     (study('constraints = "a < b"'), "study.constraints: given 'a < b'; allowed is a list"),
     (study('constraints = ["web_width < 3"]'), "study.constraints[0]: given 'web_width < 3'"),
     (study("constraints = [3]"), "study.constraints[0]: given 3; allowed is a comparison"),
     (study("runs = 20"), "study.runs: given 20 with the design 'full factorial'"),
-    (study('design = "sobol"'), "study.runs: missing; allowed with 'sobol'"),
-    (study('resolution = "IV"'), "study.resolution: given 4 with the design 'full factorial'"),
+    *(
+        (study(f'design = "sobol"\nruns = {runs}'), f"study.runs: given {shown}")
+        for runs, shown in ((0, 0), (2.5, 2.5), ("true", True), (20_001, 20001))
+    ),
+    (study('design = "box-behnken"\nface = "faced"'), "study.face: given 'faced' with the design"),
+    (
+        study('design = "fractional factorial"\nresolution = "IV"\ngenerators = "a b c ab"'),
+        "study.generators: given beside study.resolution",
+    ),
+    (study('design = "file"'), "study.file: missing; the design 'file' needs the CSV file"),
+    (study('design = "sobol"'), "study.runs: missing; the design 'sobol' needs the number"),
+    (study('resolution = "IV"'), "study.resolution: given 'IV' with the design 'full factorial'"),
     (
         study('design = "fractional factorial"\nresolution = 4'),
-        "study.resolution: given 4; allowed are III, IV, V, VI, VII, VIII, in quotes",
+        "study.resolution: given 4; allowed is III, IV, V, VI, VII or VIII",
     ),
-    (study('design = "central composite"\nface = 1'), "study.face: given 1; allowed are faced, "),
+    (study('design = "central composite"\nface = 1'), "study.face: given 1; allowed is faced, "),
     (study('file = "a.csv"'), "study.file: given 'a.csv' with the design 'full factorial'"),
-    ("[study]\nfactors = 3\n", "study.factors: given 3; allowed is a section [study.factors]"),
-    ("[study]\nrelations = 3\n", "study.relations: given 3; allowed is a section"),
+    (
+        "[study]\nfactors = 3\n",
+        "study.factors: given 3; allowed is a table for section [study.factors]",
+    ),
+    ("[study]\nrelations = 3\n", "study.relations: given 3; allowed is a table"),
     ("[study]\n", "study.factors: given none; allowed is at least one"),
     (study(factors="web_width = 0.3"), "study.factors.web_width: given 0.3; allowed is a list"),
     (study(factors='web_width = "300 mm"'), "study.factors.web_width: given '300 mm'; allowed is"),
@@ -458,7 +474,7 @@ def test_the_page_names_every_field_and_design():
         "file",
         "full factorial",
     }
-    for name in (*FIELDS, *OPTIONS):
+    for name in (*StudySection.model_fields, *get_args(DesignKind)):
         assert re.search(rf"`[^`]*\b{name}\b[^`]*`", PAGE)
 
 

@@ -18,8 +18,8 @@ import pytest
 from crankbase.calls import Limits
 from crankbase.errors import InputError, MissingLibraryError
 from geometry.throw import CrankThrow
+from plans import plan_of_levels
 from puppets import puppet
-from regression.plans.plan import StudyPlan
 from regression.records import StudyStoppedError
 from regression.runs import cluster as cluster_module
 from regression.runs import process_pool as shelf_module
@@ -452,7 +452,7 @@ def local_cluster():
         yield cluster
 
 
-STUDY = StudyPlan.from_levels(
+STUDY = plan_of_levels(
     THROW,
     {"web_width": (0.27, 0.28, 0.29, 0.30), "pin_length": (0.12, 0.13, 0.14, 0.15)},
     held_out=4,

@@ -13,6 +13,7 @@ from crankbase.errors import InputError, MissingLibraryError
 from fem.responses import RESPONSES
 from geometry.throw import CrankThrow
 from geometry.throw_dimensions import Counterweight
+from plans import plan_of_levels
 from puppets import puppet
 from regression.plans.factors import Factor
 from regression.plans.plan import StudyPlan, plan_designs
@@ -50,7 +51,7 @@ for request in requests():
         found["unknowns"] = 14000
     answer(found)
 """
-PLAN = StudyPlan.from_levels(
+PLAN = plan_of_levels(
     THROW, {"web_width": (0.270, 0.300), "pin_length": (0.130, 0.150)}, held_out=2
 )
 RATIO = StudyPlan(
@@ -91,7 +92,7 @@ def table_of(path, *lines):
 
 
 def test_an_exported_table_tells_everything_with_units(store, tmp_path):
-    plan = StudyPlan.from_levels(THROW, {"web_width": (0.270, 0.280)}, held_out=1)
+    plan = plan_of_levels(THROW, {"web_width": (0.270, 0.280)}, held_out=1)
     table = run_plan(plan, store)
     assert export_table(table, tmp_path / "runs.csv") == 3
     rows = read(tmp_path / "runs.csv")
@@ -310,7 +311,7 @@ def test_ratios_beyond_their_range_are_not_fitted(store, tmp_path):
 
 
 def test_designs_of_another_study_beyond_the_ranges_are_left_out(store, tmp_path):
-    wider = StudyPlan.from_levels(
+    wider = plan_of_levels(
         THROW, {"web_width": (0.250, 0.285, 0.310), "pin_length": (0.140, 0.145)}, held_out=1
     )
     inside = len([d for d in plan_designs(wider).designs if 0.270 <= d.values[0] <= 0.300])
@@ -436,7 +437,7 @@ WEIGHTED = THROW.model_copy(
 @pytest.mark.parametrize("factors", [("web_width",), ("web_width", "counterweight.thickness")])
 def test_measured_dimensions_of_parts_are_kept(store, tmp_path, factors):
     ranges = {"web_width": (0.270, 0.300), "counterweight.thickness": (0.04, 0.06)}
-    plan = StudyPlan.from_levels(WEIGHTED, {name: ranges[name] for name in factors}, held_out=1)
+    plan = plan_of_levels(WEIGHTED, {name: ranges[name] for name in factors}, held_out=1)
     head = "web_width [mm],counterweight.thickness [mm],axial_compliance_pinned [m/N]"
     table = table_of(tmp_path / "a.csv", head, "280,45,1e-9", ",45,2e-9", "280,,3e-9")
     assert import_results(plan, store, table).rows == 3
@@ -518,7 +519,7 @@ def test_what_is_no_table_is_refused(store, tmp_path, name, content, message):
 
 def test_designs_of_another_store_that_are_the_studys_own_need_no_computing(store, tmp_path):
     other = tmp_path / "other.sqlite"
-    part = StudyPlan.from_levels(
+    part = plan_of_levels(
         THROW, {"web_width": (0.270, 0.300), "pin_length": (0.130, 0.145)}, held_out=2
     )
     run_plan(part, other)
@@ -540,8 +541,8 @@ def test_designs_of_another_store_that_are_the_studys_own_need_no_computing(stor
 @pytest.mark.parametrize(
     "other",
     [
-        StudyPlan.from_levels(THROW, {"crank_radius": (0.165, 0.168)}, held_out=1),
-        StudyPlan.from_levels(THROW, {"web_width": (0.290, 0.310)}, held_out=1, accuracy=0.02),
+        plan_of_levels(THROW, {"crank_radius": (0.165, 0.168)}, held_out=1),
+        plan_of_levels(THROW, {"web_width": (0.290, 0.310)}, held_out=1, accuracy=0.02),
     ],
     ids=["throw", "accuracy"],
 )
@@ -555,7 +556,7 @@ def test_results_of_an_earlier_model_are_left_out(store, tmp_path, monkeypatch):
     other = tmp_path / "other.sqlite"
     with monkeypatch.context() as earlier:
         earlier.setattr(study_module, "MODEL_VERSION", 3)
-        run_plan(StudyPlan.from_levels(THROW, {"web_width": (0.260, 0.310)}, held_out=1), other)
+        run_plan(plan_of_levels(THROW, {"web_width": (0.260, 0.310)}, held_out=1), other)
     with pytest.raises(
         InputError, match=r"in which 3 results are of another throw, .*model version"
     ):

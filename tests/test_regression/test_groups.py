@@ -11,9 +11,9 @@ from regression.fits.groups import (
     group_names,
     group_values,
     independent_groups,
-    response_scale,
 )
 from regression.plans.factors import Factor
+from regression.response_kinds import response_scale
 
 MAIN = {
     "crank_radius": 0.170,

@@ -14,8 +14,8 @@ from comparing import close
 from crankbase.errors import InputError
 from regression.fits.fits import fit_form
 from regression.models.compliance_model import ComplianceModel
-from regression.models.optimum import find_optimum
-from regression.models.optimum_limits import Limit, Points, limit_values
+from regression.models.optimum_limits import Limit, Points, worst_values
+from regression.models.optimum_search import find_optimum
 from regression.models.response_model import ResponseModel
 
 BOX = {
@@ -74,7 +74,7 @@ def test_lightest_throw_against_a_grid(model):
     x = grid(BOX, points)
     rows = Points(model, dict(zip(BOX, x.T, strict=True)))
     weights = rows.band("mass")[0]
-    kept = limit_values(limit, rows, margins=True).worst <= 1.1e-9
+    kept = worst_values(limit, rows, margins=True) <= 1.1e-9
     assert 0 < kept.sum() < len(x)
     best = weights[kept].min()
     assert found.value <= best * (1.0 + 1e-9)

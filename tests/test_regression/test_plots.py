@@ -12,7 +12,7 @@ from geometry.throw import CrankThrow
 from regression.factor_labels import factor_text, term_text
 from regression.fits.fits import fit_form
 from regression.formulas.axial_formulas import axial_formulas
-from regression.formulas.formula_frames import formulas_to_pandas
+from regression.formulas.formula_value import formulas_to_pandas
 from regression.models.compliance_model import ComplianceModel
 from regression.models.optimum import LimitCheck, Optimum
 from regression.models.optimum_limits import Limit

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
 from regression.records import ExtraRow, Outcome, StudyStoppedError, content_key
-from regression.runs import store as store_module
+from regression.runs import store_file as store_module
 from regression.runs import store_schema
 from regression.runs.store import ResultStore
 

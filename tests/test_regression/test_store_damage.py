@@ -6,8 +6,9 @@ import pytest
 
 from crankbase.errors import InputError
 from geometry.throw import CrankThrow
+from plans import plan_of_levels
 from puppets import puppet
-from regression.plans.plan import StudyPlan, plan_designs
+from regression.plans.plan import plan_designs
 from regression.records import ExtraRow, Outcome
 from regression.runs import store_schema, supervised
 from regression.runs.store import ResultStore
@@ -177,7 +178,7 @@ SHARP = CrankThrow(
     web_width=0.285,
     web_thickness=0.068,
 )
-PLAN = StudyPlan.from_levels(SHARP, {"web_width": (0.280, 0.300)}, held_out=2, accuracy=0.1)
+PLAN = plan_of_levels(SHARP, {"web_width": (0.280, 0.300)}, held_out=2, accuracy=0.1)
 FIRST = plan_designs(PLAN).designs[0].key
 # A worker that does no finite elements.
 QUICK = """

@@ -17,6 +17,7 @@ from crankbase.errors import InputError
 from fem.material import STEEL
 from fem.responses import evaluate_throw
 from geometry.throw import CrankThrow
+from plans import plan_of_levels
 from puppets import puppet
 from regression.plans import plan as plan_module
 from regression.plans.design_choice import DesignChoice
@@ -47,7 +48,7 @@ THREE = {
     "pin_length": (0.120, 0.139, 0.158),
 }
 TWO = {"web_width": (0.280, 0.300), "pin_length": (0.130, 0.150)}
-SMALL = StudyPlan.from_levels(SHARP, TWO, held_out=1, accuracy=0.1)
+SMALL = plan_of_levels(SHARP, TWO, held_out=1, accuracy=0.1)
 
 # A worker that does no finite elements, or none at all.
 QUICK = """
@@ -152,7 +153,7 @@ def test_a_finer_study_takes_over_what_is_known(small_run, tmp_path):
         source.backup(target)
     source.close()
     target.close()
-    finer = StudyPlan.from_levels(
+    finer = plan_of_levels(
         SHARP, TWO | {"web_width": (0.280, 0.290, 0.300)}, held_out=1, accuracy=0.1
     )
     assert run_plan(finer, copy, 1).computed == 2
@@ -281,7 +282,7 @@ def test_stores_without_a_study(tmp_path):
 
 def test_several_studies_in_one_store_are_told_apart(tmp_path):
     plans = [
-        StudyPlan.from_levels(THROW, {"web_width": levels}, held_out=1)
+        plan_of_levels(THROW, {"web_width": levels}, held_out=1)
         for levels in ((0.27, 0.28), (0.27, 0.28, 0.29))
     ]
     store = tmp_path / "runs.sqlite"
@@ -315,22 +316,20 @@ def stored_versions(store):
     [
         # Two new runs at 0.310, and the held-out design moves with the range.
         (
-            StudyPlan.from_levels(
-                SHARP, TWO | {"web_width": (0.280, 0.310)}, held_out=1, accuracy=0.1
-            ),
+            plan_of_levels(SHARP, TWO | {"web_width": (0.280, 0.310)}, held_out=1, accuracy=0.1),
             3,
         ),
         # Another factor: the four corners at the old web thickness are there, four more are not.
         (
-            StudyPlan.from_levels(
+            plan_of_levels(
                 SHARP, TWO | {"web_thickness": (0.060, 0.068)}, held_out=1, accuracy=0.1
             ),
             5,
         ),
-        (StudyPlan.from_levels(SHARP, TWO, held_out=1, accuracy=0.05), 5),
-        (StudyPlan.from_levels(THROW, TWO, held_out=1, accuracy=0.1), 5),
+        (plan_of_levels(SHARP, TWO, held_out=1, accuracy=0.05), 5),
+        (plan_of_levels(THROW, TWO, held_out=1, accuracy=0.1), 5),
         (
-            StudyPlan.from_levels(
+            plan_of_levels(
                 SHARP,
                 TWO,
                 held_out=1,
@@ -339,8 +338,8 @@ def stored_versions(store):
             ),
             5,
         ),
-        (StudyPlan.from_levels(SHARP, TWO, held_out=1, accuracy=0.1, stresses=True), 5),
-        (StudyPlan.from_levels(SHARP, TWO, held_out=1, accuracy=0.1, seed=2), 1),
+        (plan_of_levels(SHARP, TWO, held_out=1, accuracy=0.1, stresses=True), 5),
+        (plan_of_levels(SHARP, TWO, held_out=1, accuracy=0.1, seed=2), 1),
     ],
     ids=["range", "factor", "accuracy", "throw", "material", "stresses", "seed"],
 )
@@ -444,7 +443,7 @@ print(run_plan(plan, sys.argv[2], 2).computed)
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="needs /proc")
 def test_a_killed_study_repeats_no_finished_design_and_finishes_the_rest(tmp_path):
     two_levels = {"web_width": (0.300, 0.330), "pin_length": (0.130, 0.150)}
-    plan = StudyPlan.from_levels(SHARP, THREE | two_levels, held_out=2, accuracy=0.1)
+    plan = plan_of_levels(SHARP, THREE | two_levels, held_out=2, accuracy=0.1)
     total = len(plan_designs(plan).designs)
     store, mark = tmp_path / "runs.sqlite", f"CRANKFEM_TEST={uuid.uuid4()}"
     name, value = mark.split("=")

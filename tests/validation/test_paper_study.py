@@ -24,9 +24,10 @@ from fem.responses import evaluate_throw
 from geometry.throw import CrankThrow
 from regression.fits.fits import fit_form
 from regression.fits.forms import FORMS
-from regression.fits.groups import group_names, group_values, response_scale
+from regression.fits.groups import group_names, group_values
 from regression.fits.selection import choose
 from regression.fits.terms import code, design_matrix
+from regression.response_kinds import response_scale
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 FACTORS = ("web_width", "web_thickness", "pin_length")

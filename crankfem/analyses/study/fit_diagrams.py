@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 from crankbase.drawing.diagram_style import math_symbol
 from crankbase.drawing.legends import display_unit, write_title
-from crankfem.analyses.study.fitting import ResponseFits, Sensitivities, predicted
-from crankfem.analyses.study.nominal_section import factor_sweep
+from crankfem.analyses.study.nominal_throw import Sensitivities, factor_sweep
+from crankfem.analyses.study.response_fits import ResponseFits, predicted
 from regression.factor_labels import factor_text
 from regression.fits.fits import Fit
 from regression.plots.equations import (

@@ -7,12 +7,13 @@ import numpy as np
 
 from crankbase.errors import InputError
 from crankfem.analyses.record import Record
-from crankfem.analyses.study.fitting import ResponseFits, Sensitivities, sensitivities
+from crankfem.analyses.study.nominal_throw import Sensitivities, sensitivities
+from crankfem.analyses.study.response_fits import ResponseFits
 from geometry.throw import CrankThrow
 from regression.fits.equation_text import term_symbols
 from regression.fits.fits import Fit
 from regression.models.compliance_model import ComplianceModel
-from regression.plans.factors import Factor, changed_record
+from regression.plans.factors import changed_record
 from regression.plans.plan import StudyPlan
 from regression.records import MEASURED, ExtraRow
 from regression.runs.study_table import StudyTable
@@ -21,6 +22,20 @@ LACK_OF_FIT = (
     "Finite elements repeat exactly and have no replication noise: R2, standard errors, t and F "
     "measure how well the form follows them (lack of fit), not chance."
 )
+# What records say of a factor, of a form and of its statistics, under the names that they have there.
+FACTOR = ("unit", "lowest", "highest", "levels", "labels")
+FORM = (
+    "form",
+    "basis",
+    "coefficient_count",
+    "r_squared",
+    "adjusted_r_squared",
+    "q_squared",
+    "coefficients",
+    "undetermined",
+    "dropped",
+)
+STATISTICS = ("f_value", "aic", "bic", "condition_number")
 # Above these a coefficient is poorly told from the others, a run decides nearly alone.
 LARGEST_VIF = 10.0
 LARGEST_LEVERAGE = 0.95
@@ -43,7 +58,9 @@ def study_record(
     return {
         "key": plan.key,
         "design": plan.design.kind,
-        "factors": {factor.name: _factor_record(factor) for factor in plan.factors},
+        "factors": {
+            factor.name: {name: getattr(factor, name) for name in FACTOR} for factor in plan.factors
+        },
         "relations": dict(plan.relations),
         "constraints": list(plan.constraints),
         "runs": int(np.sum(~table.held_out)),
@@ -73,16 +90,6 @@ def study_record(
     }
 
 
-def _factor_record(factor: Factor) -> Record:
-    return {
-        "unit": factor.unit,
-        "lowest": factor.lowest,
-        "highest": factor.highest,
-        "levels": None if factor.levels is None else list(factor.levels),
-        "labels": list(factor.labels),
-    }
-
-
 def fits_record(table: StudyTable, found: ResponseFits) -> Record:
     """All forms fitted to one response, and what its chosen equation says of the factors."""
     return {
@@ -107,28 +114,17 @@ def form_record(found: ResponseFits, fit: Fit) -> Record:
     statistics = fit.statistics
     errors, t_values = statistics.standard_errors, statistics.t_values
     inflation = fit.variance_inflation
-    natural = fit.coefficients
-    natural_errors = fit.natural_standard_errors
     return {
-        "form": fit.form,
-        "basis": fit.basis,
+        **{name: getattr(fit, name) for name in FORM},
+        **{name: getattr(statistics, name) for name in STATISTICS},
         "equation": found.equation(fit),
-        "coefficient_count": fit.coefficient_count,
-        "r_squared": fit.r_squared,
-        "adjusted_r_squared": fit.adjusted_r_squared,
-        "q_squared": fit.q_squared,
         "largest_error_at_runs": fit.largest_error,
         "mean_error_at_runs": fit.mean_error,
         "largest_error_held_out": fit.largest_heldout_error,
         "mean_error_held_out": fit.mean_heldout_error,
-        "f_value": statistics.f_value,
-        "aic": statistics.aic,
-        "bic": statistics.bic,
-        "condition_number": statistics.condition_number,
         "largest_variance_inflation": max(inflation.values(), default=None),
         "largest_leverage": float(np.max(statistics.leverage)),
-        "coefficients": natural,
-        "standard_errors": natural_errors,
+        "standard_errors": fit.natural_standard_errors,
         "coded": [
             {
                 "term": name,
@@ -142,8 +138,6 @@ def form_record(found: ResponseFits, fit: Fit) -> Record:
                 zip(fit.coded_coefficients.items(), term_symbols(fit.fitted), strict=True)
             )
         ],
-        "undetermined": list(fit.undetermined),
-        "dropped": list(fit.dropped),
         "warnings": warnings_of(fit),
     }
 

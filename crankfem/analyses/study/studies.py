@@ -17,7 +17,10 @@ from crankfem.analyses.study.fit_diagrams import (
     draw_over_factor,
     fe_axis_label,
 )
-from crankfem.analyses.study.fitting import ResponseFits, compliance_model, fit_study, sensitivities
+from crankfem.analyses.study.fitting import fit_study
+from crankfem.analyses.study.nominal_throw import sensitivities
+from crankfem.analyses.study.response_fits import ResponseFits
+from crankfem.analyses.study.study_model import compliance_model
 from crankfem.files.engine.throw_file import load_study
 from regression.factor_labels import factor_text
 from regression.models.compliance_model import ComplianceModel
@@ -93,7 +96,7 @@ class StudyResult:
             check_not_given("form", form, show, "it shows no single form")
         if show != "response":
             check_not_given("factor", factor, show, "only a response is drawn over one")
-        found, factors = self.fits[name], [one.name for one in self.table.plan.factors]
+        found, factors = self.fits[name], self.table.plan.names
         fit = found.chosen if form is None else found.fit_named(form)
         if show == "effects":
             return found.plot(axes, show="effects", form=form)

@@ -42,7 +42,7 @@ def sections(incomplete: str) -> list[str]:
     """Sections of engine files."""
     from crankfem.files.engine.engine_file import SECTIONS
 
-    return [name for name, one in SECTIONS.items() if one.model and name.startswith(incomplete)]
+    return [name for name in SECTIONS if name.startswith(incomplete)]
 
 
 def dimensions(ctx: typer.Context, incomplete: str) -> list[str]:

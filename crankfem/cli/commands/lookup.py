@@ -71,7 +71,7 @@ def _lookups(
     model: "ComplianceModel", asked: dict[str, Any], gamma: float | None, strict: bool
 ) -> tuple[dict[str, "Lookup"], dict[str, str]]:
     """Look all responses up; tell which cannot be, as long as any can."""
-    from regression.models.compliance_model import ANGLE_LAWS
+    from regression.response_kinds import ANGLE_LAWS
 
     answers: dict[str, Lookup] = {}
     refused: dict[str, str] = {}
@@ -120,7 +120,7 @@ def _print_lookups(
     units: "OutputUnits",
 ) -> None:
     """Print a line for each response, those that depend on the angle first, then what all share."""
-    from regression.models.compliance_model import ANGLE_LAWS
+    from regression.response_kinds import ANGLE_LAWS
 
     between = [name for name in answers if with_angle and name in ANGLE_LAWS]
     others = [name for name in answers if name not in between]

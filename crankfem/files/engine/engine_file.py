@@ -54,6 +54,7 @@ from crankfem.files.sections.engine_sections import (
 from crankfem.files.sections.excitation_sections import GasMap, Misfire, PropellerForcesSection
 from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
+from crankfem.files.sections.study_section import StudySection
 from crankfem.files.sections.vibration_sections import (
     Bearings,
     Damping,
@@ -70,9 +71,9 @@ from regression.plans.plan import StudyPlan
 
 @dataclass(frozen=True)
 class EngineSection:
-    """A section: its model, None for a study; for what it is needed; whether a whole engine needs it."""
+    """A section: its model; for what it is needed; whether a whole engine needs it."""
 
-    model: type[InputModel] | None
+    model: type[InputModel]
     need: str = "optional"
     required: bool = False
 
@@ -109,7 +110,7 @@ SECTIONS = {
     "vibration": EngineSection(VibrationSettings),
     "torque": EngineSection(TorqueTable),
     "two_mass_check": EngineSection(TwoMassInput),
-    "study": EngineSection(None),
+    "study": EngineSection(StudySection),
 }
 # What is taken for a section that is not there.
 DEFAULTS = {"material": STEEL, "shaft_ends": ShaftEnds(), "vibration": VibrationSettings()}

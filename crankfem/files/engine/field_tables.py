@@ -47,13 +47,12 @@ def section_tables(section: str | None = None) -> list[SectionTable]:
     InputError
         If there is no such section.
     """
-    described = {name: one for name, one in SECTIONS.items() if one.model is not None}
-    if section is not None and section not in described:
-        raise InputError(f"section: given {section!r}; allowed are {', '.join(described)}.")
+    if section is not None and section not in SECTIONS:
+        raise InputError(f"section: given {section!r}; allowed are {', '.join(SECTIONS)}.")
     return [
         table
-        for name, one in described.items()
-        if section in (None, name) and one.model is not None
+        for name, one in SECTIONS.items()
+        if section in (None, name)
         for table in _tables(one.model, TITLES.get(name, f"[{name}]"), one.need)
     ]
 
@@ -69,7 +68,7 @@ def _tables(model: type[InputModel], title: str, need: str) -> Iterator[SectionT
         place = f"{title.strip('[]')}.{name}"
         place = f"[[{place}]]" if field_extra(info, "many") else f"[{place}]"
         rows.append(FieldRow(name, "", f"a table {place}", info.description or ""))
-        inner.setdefault(kind, place)  # tables of one kind are described once
+        inner.setdefault(kind, place)  # tables of one kind are SECTIONS once
     yield SectionTable(title, need, tuple(rows))
     for kind, place in inner.items():
         yield from _tables(kind, place, "optional")

@@ -12,7 +12,7 @@ from regression.plans.factors import Factor, ThrowField, throw_fields, unknown_f
 
 
 def read_design(
-    folder: Path, given: object, factors: tuple[Factor, ...], throw: CrankThrow
+    folder: Path, given: str, factors: tuple[Factor, ...], throw: CrankThrow
 ) -> tuple[tuple[Factor, ...], tuple[tuple[float, ...], ...]]:
     """Read the runs of a CSV file, and the factors from its columns if the study names none.
 
@@ -41,11 +41,6 @@ def read_design(
     InputError
         If the file cannot be read or does not fit the factors; the message names the line.
     """
-    if not isinstance(given, str):
-        raise InputError(
-            f"study.file: given {given!r}; allowed with the design 'file' is the name of a CSV file "
-            "beside the study file."
-        )
     header, lines = _read_csv(folder / given)
     names = [_column(cell)[0] for cell in header]
     for name in names:

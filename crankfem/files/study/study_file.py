@@ -1,13 +1,13 @@
 """The section [study] of a file: what varies, over which ranges, by which design."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from crankbase.checks.choices import allowed_names
 from crankbase.errors import InputError
 from crankbase.units.quantity import parse_quantity
 from crankfem.files.reading.toml_file import TomlFile
 from crankfem.files.sections.crank_throws import Throws, throw_of_name
+from crankfem.files.sections.study_section import StudySection
 from crankfem.files.study.design_file import read_design
 from fem.material import Material
 from geometry.throw import CrankThrow
@@ -16,25 +16,8 @@ from regression.plans.designs_factorial import ROMAN
 from regression.plans.factors import Factor, ThrowField, throw_fields, unknown_field
 from regression.plans.plan import StudyPlan
 
-FIELDS = (
-    "design",
-    "runs",
-    "resolution",
-    "generators",
-    "face",
-    "file",
-    "held_out",
-    "seed",
-    "accuracy",
-    "stresses",
-    "constraints",
-    "factors",
-    "relations",
-    "throw",
-)
-# What the plan takes and checks as the file says it.
-PLAIN_FIELDS = ("held_out", "seed", "accuracy", "stresses", "constraints")
 RANGE_KEYS = ("from", "to", "levels", "spacing")
+RESOLUTIONS = {roman: number for number, roman in ROMAN.items()}
 
 
 def study_plan(
@@ -60,66 +43,52 @@ def study_plan(
     values = content.sections.get("study")
     if values is None:
         return None
-    for name in values:
-        if name not in FIELDS:
-            raise InputError(f"study.{name}: unknown field; {allowed_names(name, FIELDS)}.")
-    throw = throw_of_name(throws, values.get("throw"), "study.throw", default)
-    kind = values.get("design", DesignChoice.kind)
-    kind = kind.casefold() if isinstance(kind, str) else kind
-    factors = _factors(_table(values, "factors"), throw)
-    rows = None
-    if kind == "file":
-        factors, rows = read_design(content.path.parent, values.get("file"), factors, throw)
-    elif "file" in values:
-        raise InputError(
-            f"study.file: given {values['file']!r} with the design {kind!r}; allowed is it with 'file' "
-            "only."
-        )
+    given = StudySection.from_text(values)
+    throw = throw_of_name(throws, given.throw, "study.throw", default)
+    factors, rows = _factors(given.factors, throw), None
+    if given.file is not None:
+        factors, rows = read_design(content.path.parent, given.file, factors, throw)
     return StudyPlan(
         throw=throw,
         factors=factors,
         design=DesignChoice(
-            kind=kind,
-            runs=values.get("runs"),
-            resolution=_resolution(values.get("resolution")),
-            generators=values.get("generators"),
-            face=values.get("face"),
+            kind=given.design,
+            runs=given.runs,
+            resolution=RESOLUTIONS[given.resolution] if given.resolution else None,
+            generators=given.generators,
+            face=given.face,
             rows=rows,
         ),
-        relations=_relations(_table(values, "relations")),
+        relations=dict(_paths(given.relations)),
+        constraints=given.constraints,
+        held_out=given.held_out,
+        seed=given.seed,
         material=material,
-        **{name: values[name] for name in PLAIN_FIELDS if name in values},
+        accuracy=given.accuracy,
+        stresses=given.stresses,
     )
-
-
-def _table(values: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    given = values.get(name, {})
-    if not isinstance(given, dict):
-        example = {
-            "factors": 'web_width = ["270 mm", "300 mm", "330 mm"]',
-            "relations": 'web_width = "1.6 * pin_diameter"',
-        }[name]
-        raise InputError(
-            f"study.{name}: given {given!r}; allowed is a section [study.{name}] with lines like "
-            f"{example}."
-        )
-    return given
 
 
 def _factors(table: Mapping[str, Any], throw: CrankThrow) -> tuple[Factor, ...]:
     fields = throw_fields(throw)
-    return tuple(_factor(path, given, fields, throw) for path, given in _paths(table, fields, ""))
+
+    def is_range(path: str, given: Mapping[str, Any]) -> bool:
+        part = any(known.startswith(f"{path}.") for known in fields)
+        return not given or (not part and bool(set(given) & set(RANGE_KEYS)))
+
+    return tuple(_factor(path, given, fields, throw) for path, given in _paths(table, is_range))
 
 
 def _paths(
-    table: Mapping[str, Any], fields: Mapping[str, ThrowField], prefix: str
+    table: Mapping[str, Any],
+    ends_at: Callable[[str, Mapping[str, Any]], bool] | None = None,
+    prefix: str = "",
 ) -> Iterator[tuple[str, Any]]:
-    """Take what varies out of tables of parts, such as [study.factors.counterweight]."""
+    """Take entries out of tables of parts, such as [study.factors.counterweight]."""
     for name, given in table.items():
         path = prefix + name
-        part = any(known.startswith(f"{path}.") for known in fields)
-        if isinstance(given, dict) and (part or not set(given) & set(RANGE_KEYS)) and given:
-            yield from _paths(given, fields, f"{path}.")
+        if isinstance(given, dict) and not (ends_at and ends_at(path, given)):
+            yield from _paths(given, ends_at, f"{path}.")
         else:
             yield path, given
 
@@ -176,25 +145,3 @@ def _range(path: str, given: Mapping[str, Any], unit: str) -> Factor:
             "spreads over the range."
         )
     return Factor(path, unit, low, high)
-
-
-def _resolution(given: object) -> int | None:
-    if given is None:
-        return None
-    found = next((number for number, roman in ROMAN.items() if roman == given), None)
-    if found is None:
-        raise InputError(
-            f"study.resolution: given {given!r}; allowed are {', '.join(ROMAN.values())}, in quotes."
-        )
-    return found
-
-
-def _relations(table: Mapping[str, Any]) -> dict[str, str]:
-    """Take relations out of tables of parts."""
-    found: dict[str, str] = {}
-    for name, given in table.items():
-        if isinstance(given, dict):
-            found |= {f"{name}.{path}": text for path, text in _relations(given).items()}
-        else:
-            found[name] = given
-    return found

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE
-from crankfem.analyses.study.fitting import ResponseFits, predicted
-from crankfem.analyses.study.nominal_section import factor_sweep
+from crankfem.analyses.study.nominal_throw import factor_sweep
+from crankfem.analyses.study.response_fits import ResponseFits, predicted
 from crankfem.report.interactive.labels import (
     choice_labels,
     design_texts,

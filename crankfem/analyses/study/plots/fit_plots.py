@@ -17,7 +17,8 @@ from crankfem.analyses.study.fit_diagrams import (
     draw_over_factor,
     forms_drawn,
 )
-from crankfem.analyses.study.fitting import ResponseFits, sensitivities
+from crankfem.analyses.study.nominal_throw import sensitivities
+from crankfem.analyses.study.response_fits import ResponseFits
 from regression.fits.fits import Fit
 from regression.plots.equations import BARS
 from regression.plots.factor_axis import response_text

@@ -1,19 +1,74 @@
-"""Sections through the factors of a study: one factor moves, the others stay at the nominal throw."""
+"""Equations around the nominal throw: sections along one factor, elasticities, Sobol indices."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.analyses.study.fitting import ResponseFits, nominal_points, predicted, surface
+from crankfem.analyses.study.response_fits import ResponseFits, predicted, surface
 from regression.fits.fits import Fit
+from regression.fits.sensitivity import SobolIndices, elasticities, nominal_values, sobol_indices
+from regression.plans.factors import Factor, field_value
+from regression.plans.plan import StudyPlan
 from regression.runs.study_table import StudyTable
 
 Array = NDArray[np.float64]
 
 # Of a factor's range: designs nearer to each other are the same.
 SAME = 1e-6
+
+
+@dataclass(frozen=True)
+class Sensitivities:
+    """How much each factor moves a response, by its chosen equation.
+
+    Attributes
+    ----------
+    nominal : dict
+        Factor to the value [SI] at which the elasticities hold; of a category its label.
+    elasticity : dict
+        Factor that is a number to d ln y / d ln p.
+    sobol : SobolIndices or None
+        Over the ranges; None for a response that does not vary.
+    """
+
+    nominal: dict[str, float | str]
+    elasticity: dict[str, float]
+    sobol: SobolIndices | None
+
+
+def sensitivities(table: StudyTable, found: ResponseFits) -> Sensitivities:
+    """Elasticities at the nominal throw and Sobol indices over the ranges, by the chosen equation."""
+    plan = table.plan
+    model = surface(plan, found, found.chosen)
+    nominal = nominal_points(plan)
+    numbers = [factor.name for factor in plan.factors if not factor.labels]
+    slopes = elasticities(model, plan.factors, nominal)
+    return Sensitivities(
+        nominal={
+            factor.name: factor.labels[round(value)] if factor.labels else value
+            for factor, value in zip(plan.factors, nominal, strict=True)
+        },
+        elasticity=dict(zip(numbers, slopes, strict=True)),
+        sobol=sobol_indices(model, plan.factors),
+    )
+
+
+def nominal_points(plan: StudyPlan) -> list[float]:
+    """Return the base throw's values of the factors, the middle of the range where it has none."""
+    record = plan.throw.model_dump(mode="json")
+    return nominal_values(plan.factors, [_base_value(record, factor) for factor in plan.factors])
+
+
+def _base_value(record: Mapping[str, object], factor: Factor) -> float | None:
+    try:
+        value = field_value(record, factor.name)
+    except (AttributeError, IndexError, KeyError, ValueError):
+        return None  # a free name, or a field of a part that the base throw does not have
+    if factor.labels:
+        return float(factor.labels.index(value)) if value in factor.labels else None
+    return float(value) if isinstance(value, int | float) else None
 
 
 def nominal_section(table: StudyTable) -> Array:

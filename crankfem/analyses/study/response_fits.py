@@ -1,0 +1,266 @@
+"""All forms fitted to one response of a study, and their values at designs and between them."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crankbase.checks.choices import check_choice, check_not_given
+from crankbase.drawing.bars import draw_rows
+from crankbase.drawing.diagram_style import math_symbol, new_axes
+from crankbase.drawing.legends import display_unit, write_title
+from crankbase.errors import InputError
+from crankbase.summaries import summarized
+from crankbase.tables.frames import table as frame
+from fem.responses import RESPONSES
+from regression.fits.columns import Encoding
+from regression.fits.equation_text import equation_text, term_effects
+from regression.fits.fits import Fit
+from regression.fits.groups import group_named
+from regression.plans.factors import field_value
+from regression.plans.plan import StudyPlan
+from regression.plans.relations import evaluate_expression
+from regression.plots.equations import draw_effects
+from regression.response_kinds import response_scale
+from regression.runs.study_table import StudyTable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+# What a table of the forms says of each.
+ERRORS = (
+    "r_squared",
+    "q_squared",
+    "largest_error",
+    "largest_heldout_error",
+    "mean_heldout_error",
+)
+
+
+@summarized(
+    "response",
+    "unit",
+    "support",
+    "chosen.form",
+    "chosen.largest_error",
+    "chosen.largest_heldout_error",
+    "fits",
+    "reason",
+)
+@dataclass(frozen=True, eq=False)
+class ResponseFits:
+    """All forms fitted to one response, and the one chosen by the held-out error.
+
+    Attributes
+    ----------
+    response : str
+        Its name in the model: pinned responses are called without their support.
+    column : str
+        Its name in the study's table.
+    symbol, unit, support : str
+        The support is empty for a response without one, such as the mass.
+    fits : tuple of Fit
+    chosen : Fit
+    reason : str
+        Why that one, in a sentence.
+    skipped : tuple of str
+        Forms that could not be fitted, with the reason.
+    twins : mapping
+        Form that is not among the fits, because selection left it the terms of another one, to that
+        one.
+    fe_error : float or None
+        Largest estimate of the finite elements' own relative error; None if not known.
+    fe_scatter : float
+        Standard deviation of that estimate over the designs: what is common to all designs no form
+        can see, what differs from design to design looks like scatter.
+    encodings : mapping
+        Basis ("factors" or "groups") to what the columns of its equations are.
+    unfitted : mapping
+        Other responses of the study that have no equation, by their name in the table, to the reason;
+        the same for all responses.
+    """
+
+    response: str
+    column: str
+    symbol: str
+    unit: str
+    support: str
+    fits: tuple[Fit, ...]
+    chosen: Fit
+    reason: str
+    skipped: tuple[str, ...]
+    twins: Mapping[str, str]
+    fe_error: float | None
+    fe_scatter: float
+    encodings: Mapping[str, Encoding]
+    unfitted: Mapping[str, str] = field(default_factory=dict)
+
+    def form_text(self, fit: Fit) -> str:
+        """Return the name of a fit's form, and whether it is the chosen one."""
+        return f"{fit.form} (chosen)" if fit is self.chosen else fit.form
+
+    def equation(self, fit: Fit) -> str:
+        """Equation of a fit in the units of the field."""
+        return equation_text(fit.fitted, symbol=self.symbol, unit=self.unit, basis=fit.basis)
+
+    def fit_named(self, form: str) -> Fit:
+        """Return the fit of a form, or of its twin of the same terms.
+
+        Raises
+        ------
+        InputError
+            If that form was not fitted.
+        """
+        wanted = self.twins.get(form, form)
+        for fit in self.fits:
+            if fit.form == wanted:
+                return fit
+        why = next((text for text in self.skipped if text.startswith(f"{form}: ")), "")
+        raise InputError(
+            f"form: given {form!r}; allowed are "
+            f"{', '.join((*(fit.form for fit in self.fits), *self.twins))}, the "
+            f"forms that were fitted to {self.response}"
+            + (f" ({why.rstrip('.')})." if why else ".")
+        )
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        show: Literal["errors", "effects"] = "errors",
+        form: str | None = None,
+    ) -> "Axes":
+        """Draw the held-out error of every form, or the effects of one.
+
+        What needs the designs too, such as parity, `StudyResult.plot` draws.
+
+        Parameters
+        ----------
+        axes : matplotlib.axes.Axes, optional
+            New ones by default.
+        show : {"errors", "effects"}
+        form : str, optional
+            Whose effects, the chosen one's by default; errors are those of all forms.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            If `show` is neither, the form was not fitted, or one is given with "errors".
+        """
+        check_choice("show", show, ("errors", "effects"), "these need the fits alone")
+        if show == "effects":
+            fit = self.chosen if form is None else self.fit_named(form)
+            axes = new_axes(axes)
+            self._draw_effects(axes, fit)
+            return axes
+        check_not_given("form", form, show, "all forms are shown beside each other")
+        judged = [fit for fit in self.fits if fit.largest_heldout_error is not None]
+        axes = new_axes(axes)
+        draw_rows(
+            axes,
+            [self.form_text(fit) for fit in judged],
+            [100.0 * (fit.largest_heldout_error or 0.0) for fit in judged],
+            "largest error at held-out designs [%]",
+        )
+        write_title(axes, f"Forms fitted to {self.response.replace('_', ' ')}")
+        return axes
+
+    def _draw_effects(self, axes: "Axes", fit: Fit) -> None:
+        """Draw the coded coefficients of a fit in the order of their size (Pareto)."""
+        names, values = term_effects(fit.fitted)
+        if fit.fitted.logarithmic:
+            unit, size, of = "%", 0.01, "ln "
+        elif fit.basis == "groups":
+            unit, size, of = "1", 1.0, ""
+        else:
+            (unit, size), of = display_unit(self.unit), ""
+        label = f"coded coefficient of {of}{math_symbol(self.symbol)} [{unit}]"
+        draw_effects(axes, names, values / size, label, fit.form)
+
+    def to_pandas(self) -> Any:
+        """Return a table of the forms and their errors; what is not known is missing.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        columns: dict[str, tuple[Any, str]] = {
+            "form": ([fit.form for fit in self.fits], ""),
+            "chosen": ([fit is self.chosen for fit in self.fits], ""),
+            "coefficients": ([fit.coefficient_count for fit in self.fits], "1"),
+        }
+        for name in ERRORS:
+            columns[name] = ([getattr(fit, name) for fit in self.fits], "1")
+        columns["equation"] = ([self.equation(fit) for fit in self.fits], "")
+        return frame(columns)
+
+
+def predicted(table: StudyTable, found: ResponseFits, fit: Fit) -> Array:
+    """Evaluate a fit at all designs of the table, (n,) in the response's unit."""
+    return _values(table.plan, found, fit, table.values, table.dimensions)
+
+
+def surface(plan: StudyPlan, found: ResponseFits, fit: Fit) -> Callable[[Array], Array]:
+    """Return a fit as a function of factor values (n, k), also between the designs.
+
+    On groups, the dimensions follow from the factors by the study's relations; constraints are not
+    regarded.
+    """
+    needed: list[str] = []
+    if fit.basis == "groups":
+        names = [name for name in found.encodings["groups"].names if "=" not in name]
+        groups = [group_named(name) for name in names]
+        needed = ["pin_diameter", *(name for group in groups for name in group.dimensions)]
+    return lambda values: _values(plan, found, fit, values, dimensions_at(plan, values, needed))
+
+
+def _values(
+    plan: StudyPlan, found: ResponseFits, fit: Fit, values: Array, dimensions: Mapping[str, Array]
+) -> Array:
+    x = found.encodings[fit.basis].columns(plan.factors, values, dimensions)
+    scaled: Array = fit_scale(plan, found.column, fit.basis, dimensions) * fit.predict(x)
+    return scaled
+
+
+def fit_scale(
+    plan: StudyPlan, column: str, basis: str, dimensions: Mapping[str, Array]
+) -> float | Array:
+    """Return what a fit's value is multiplied with to give the response of a table's column."""
+    if basis == "factors":
+        return 1.0
+    scale: float | Array = response_scale(RESPONSES[column].unit, dimensions, plan.material)
+    return scale
+
+
+def dimensions_at(plan: StudyPlan, values: Array, names: list[str]) -> dict[str, Array]:
+    """Return dimensions of the throws that factor values (n, k) make, whether they can be built or not."""
+    if not names:
+        return {}
+    variants = plan.variants()
+    known = {
+        path: np.full(len(values), float(base))
+        for path in variants.units
+        if isinstance(base := field_value(variants.record, path), int | float)
+    } | {
+        factor.name: values[:, place]
+        for place, factor in enumerate(plan.factors)
+        if not factor.labels
+    }
+    for path, expression in variants.relations.items():
+        found = evaluate_expression(expression, known, variants.units, variants.units[path])
+        known[path] = np.array(np.broadcast_to(found, (len(values),)))
+    return {name: known[name] for name in names}

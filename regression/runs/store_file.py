@@ -1,0 +1,171 @@
+"""The file of a result store: opened if it is one, made if it can become one, refused otherwise."""
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import psutil
+
+from crankbase.errors import InputError
+from regression.runs.store_schema import (
+    APPLICATION_ID,
+    SCHEMA_VERSION,
+    missing_parts,
+    prepare,
+    schema_version,
+)
+
+# Seconds to wait for another program that holds the file.
+PATIENCE = 30.0
+DAMAGED = "it is damaged"
+MADE_BY = "allowed is the file in which a study was run"
+# What stops a study though the file is a good store; low bytes of SQLite's result codes.
+CAUSES = {
+    sqlite3.SQLITE_FULL: "the disk is full",
+    sqlite3.SQLITE_IOERR: "the disk reports an error, as it also does when it is full",
+    sqlite3.SQLITE_READONLY: "it is read-only",
+    sqlite3.SQLITE_BUSY: "another program holds it locked",
+    sqlite3.SQLITE_LOCKED: "another program holds it locked",
+    sqlite3.SQLITE_CANTOPEN: "it cannot be opened",
+    sqlite3.SQLITE_CORRUPT: DAMAGED,
+    sqlite3.SQLITE_NOTADB: DAMAGED,
+}
+# Folders of other machines, where a write-ahead log is not safe.
+NETWORK_FOLDERS = (
+    "nfs",
+    "nfs4",
+    "cifs",
+    "smb3",
+    "smbfs",
+    "fuse.sshfs",
+    "afs",
+    "lustre",
+    "beegfs",
+    "ceph",
+    "gpfs",
+)
+
+
+def damaged_store(path: Path, why: str) -> InputError:
+    """Return the error that says what is wrong with a store."""
+    return InputError(
+        f"store: given {str(path)!r}, which is damaged ({why}); allowed is a store as a study leaves it, "
+        "so use a copy of it, or give a new file name."
+    )
+
+
+@contextmanager
+def transaction(connection: sqlite3.Connection) -> Iterator[None]:
+    """Write all of a block, or nothing."""
+    connection.execute("BEGIN IMMEDIATE")
+    try:
+        yield
+        connection.execute("COMMIT")
+    except BaseException:
+        # On a full disk SQLite has rolled back by itself.
+        if connection.in_transaction:
+            connection.execute("ROLLBACK")
+        raise
+
+
+def error_cause(error: Exception) -> str:
+    """Say what keeps a good store from being written; empty if the error is of another kind."""
+    code = getattr(error, "sqlite_errorcode", None)
+    return "" if code is None else CAUSES.get(code & 0xFF, "")
+
+
+def open_store(path: Path, readonly: bool) -> sqlite3.Connection:
+    """Open a store, made or brought up to date if it is to be written.
+
+    Raises
+    ------
+    InputError
+        If the file is that of another program, of a later release, or lacks a part.
+    """
+    if readonly or (path.exists() and path.stat().st_size > 0):
+        connection = sqlite3.connect(
+            f"{path.absolute().as_uri()}?mode=ro", uri=True, timeout=PATIENCE
+        )
+        try:
+            connection.text_factory = _text
+            _check_ours(connection, path, readonly)
+        except BaseException:
+            connection.close()
+            raise
+        if readonly:
+            return connection
+        connection.close()
+    connection = sqlite3.connect(path, timeout=PATIENCE, isolation_level=None)
+    try:
+        connection.text_factory = _text
+        connection.execute(f"PRAGMA journal_mode={'DELETE' if _on_network(path) else 'WAL'}")
+        with transaction(connection):
+            prepare(connection)
+    except BaseException:
+        connection.close()
+        raise
+    return connection
+
+
+def _text(raw: bytes) -> str:
+    """Read a text; one that is none is damaged, and must not keep other rows from being read."""
+    return raw.decode("utf-8", "surrogateescape")
+
+
+def _check_ours(connection: sqlite3.Connection, path: Path, readonly: bool) -> None:
+    """Refuse a database of another program, or of a later release, before anything is written."""
+    (mark,) = connection.execute("PRAGMA application_id").fetchone()
+    (tables,) = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
+    version = schema_version(connection)
+    if mark == APPLICATION_ID and version <= SCHEMA_VERSION:
+        missing = missing_parts(connection)
+        if missing:
+            raise damaged_store(path, f"it has no {missing[0]}")
+        return
+    if not tables and not readonly:  # its maker died before it became a store
+        return
+    if mark == APPLICATION_ID:
+        raise InputError(
+            f"store: given {str(path)!r}, whose layout {version} is of a later release; allowed is "
+            f"layout {SCHEMA_VERSION} or earlier, so "
+            f"{'use that release' if readonly else 'give a new file name'}."
+        )
+    raise InputError(
+        f"store: given {str(path)!r}, which is no result store but the file of another program; "
+        f"{MADE_BY if readonly else 'give a new file name'}."
+    )
+
+
+def check_place(path: Path, readonly: bool) -> None:
+    """Refuse what is no file, or cannot become one.
+
+    Raises
+    ------
+    InputError
+    """
+    if path.is_dir():
+        raise InputError(
+            f"store: given {str(path)!r}, which is a folder; allowed is a file, like "
+            f"{path / 'runs.sqlite'}."
+        )
+    if readonly and not path.is_file():
+        raise InputError(f"store: given {str(path)!r}; there is no such file.")
+    if not path.absolute().parent.is_dir():
+        raise InputError(f"store: given {str(path)!r}; there is no folder {path.parent}.")
+
+
+def is_database(path: Path) -> bool:
+    """Whether a file is an SQLite database, of whatever program."""
+    with path.open("rb") as file:
+        return file.read(16) == b"SQLite format 3\0"
+
+
+def _on_network(path: Path) -> bool:
+    """Whether a file lies on a folder of another machine."""
+    folder = path.absolute().resolve().parent
+    mounts = {place.mountpoint: place.fstype for place in psutil.disk_partitions(all=True)}
+    for place in (folder, *folder.parents):
+        if str(place) in mounts:
+            return mounts[str(place)] in NETWORK_FOLDERS
+    return False
