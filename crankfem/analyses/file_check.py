@@ -8,7 +8,7 @@ import numpy as np
 
 from crankbase.model import field_extra
 from crankbase.units.units import RPM
-from crankfem.analyses.record import Record, input_records
+from crankfem.analyses.record import Record, attributes, input_records
 from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, load_any, mechanism_of
@@ -117,12 +117,9 @@ def _throws_record(checked: CheckedFile) -> Record:
 def shape_record(throw: CrankThrow) -> Record:
     """What the dimensions make: sizes that follow, and how much of the throw must be solved."""
     return {
-        "length": throw.length,
-        "overlap": throw.overlap,
-        "volume": throw.volume,
+        **attributes(throw, "length", "overlap", "volume", "remarks"),
         "pins": len(throw.parts.pins),
         "solved_part": throw.symmetry,
-        "remarks": list(throw.remarks),
     }
 
 
@@ -266,11 +263,7 @@ def _arrangement(engine: Engine) -> Record:
 
     firing = degrees(engine.firing_angles)
     return {
-        "cylinders": engine.cylinders,
-        "strokes": engine.strokes,
-        "bore": engine.bore,
-        "stroke": engine.stroke,
-        "firing_order": list(engine.firing_order),
+        **attributes(engine, "cylinders", "strokes", "bore", "stroke", "firing_order"),
         "firing_angles_deg": [firing[number - 1] for number in engine.firing_order],
         "crank_angles_deg": degrees(engine.crank_angles),
         "bank_angles_deg": None if engine.bank_angles is None else degrees(engine.bank_angles),
