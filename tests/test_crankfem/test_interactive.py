@@ -31,9 +31,8 @@ from crankfem.report.interactive.mechanism import (
 )
 from crankfem.report.interactive.mechanism_plots import MECHANISM
 from crankfem.report.interactive.mesh_decimation import decimate_triangles
-from crankfem.report.interactive.over_speed import Curve, amplitudes_over_speed
 from crankfem.report.interactive.rounding import rounded
-from crankfem.report.interactive.shaft import axial_split, shaft_modes
+from crankfem.report.interactive.shaft import shaft_modes
 from crankfem.report.interactive.shapes import mode_shapes
 from crankfem.report.interactive.study import parity, response_over_factors
 from crankfem.report.interactive.throw_view import (
@@ -42,7 +41,7 @@ from crankfem.report.interactive.throw_view import (
     throw_view,
 )
 from crankfem.report.interactive.triangles import TriangleSurface, polylines
-from crankfem.report.interactive.vibration import VIBRATION
+from crankfem.report.interactive.vibration import VIBRATION, amplitudes_over_speed, axial_split
 from crankfem.report.interactive.writing import write_figure
 from crankfem.report.plots import ANGLES, STUDY, TORQUE
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
@@ -161,7 +160,7 @@ def test_every_order_over_speed(series):
         LimitCurve(lambda speeds: 2.0 * permitted(speeds), 0.0, 50.0),
     )
     barred = [(25.0, 30.0), (40.0, 44.0)]
-    traces, layout = amplitudes_over_speed(Curve(series, 0, "twist", limit), barred, "x")
+    traces, layout = figure_of(amplitudes_over_speed(series, 0, "twist", limit, barred), "x")
     assert layout["yaxis"]["title"]["text"] == "amplitude [mrad]"
     assert layout["xaxis"]["title"]["text"] == "crankshaft speed [1/min]"
     orders = [trace for trace in traces if trace["name"].startswith("order ")]
@@ -215,7 +214,7 @@ def test_units_over_speed(series, quantity, title, factor):
     limit = VibrationLimit(
         "amplitude", "free end", "rad", LimitCurve(lambda speeds: 2e-4 + 0.0 * speeds), "here"
     )
-    traces, layout = amplitudes_over_speed(Curve(series, 0, quantity, limit), (), "x")
+    traces, layout = figure_of(amplitudes_over_speed(series, 0, quantity, limit, ()), "x")
     assert layout["yaxis"]["title"]["text"] == title
     unit = title.partition("[")[2].removesuffix("]")
     assert all(trace["hovertemplate"].endswith(f"}} {unit}<extra></extra>") for trace in traces)
@@ -278,7 +277,9 @@ def test_what_excites_the_axial_vibration():
         tangential_sum=curves[1],
         radial_sum=curves[2],
     )
-    traces, layout = axial_split(SimpleNamespace(speeds=speeds, split=lambda _: split), "x")
+    traces, layout = figure_of(
+        axial_split(SimpleNamespace(speeds=speeds, split=lambda _: split)), "x"
+    )
     assert layout["yaxis"]["title"]["text"] == "axial amplitude of the free end [µm]"
     for name, values in (
         ("all forces", split.both_sum),

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from comparing import close
-from crankfem.analyses.vibration import vibration_pictures
+from crankfem.analyses.vibration import run as vibration_run
 from crankfem.jobs import pipeline, run_drawing
 from crankfem.report.interactive import mechanism_plots
 from crankfem.report.interactive import vibration as interactive_vibration
@@ -383,7 +383,7 @@ def test_what_cannot_be_drawn_costs_no_other_result(
     def fail(*_, **__):
         raise ValueError("no such picture")
 
-    monkeypatch.setattr(vibration_pictures, "plot_response_campbell", fail)
+    monkeypatch.setattr(vibration_run, "draw_campbell", fail)
     monkeypatch.setattr(mechanism_plots, "polar_load", fail)
     monkeypatch.setattr(run_drawing, "write_vtu", fail)
     answer = call("run", one_cylinder("Engine SECOND"), "--json")

@@ -28,6 +28,7 @@ from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.chain_modes import Modes
 from dynamics.chains.engine_chains import EngineChain
 from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, vector_sums
+from dynamics.plots.mode_shapes import draw_chain_shapes
 from fem.shaft import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
@@ -82,22 +83,41 @@ class SourceResult:
         InputError
             If the count is not 1 or more.
         """
-        from crankfem.analyses.vibration.plots.vibration_panels import draw_modes
-
         most = whole_number("count", count, 1, "a diagram shows some modes")
         modes = self.modes
         shown = slice(modes.rigid, min(modes.rigid + most, len(modes.frequencies)))
+        positions = modes.node_positions[shown]
         axes = new_axes(axes)
-        draw_modes(
+        draw_chain_shapes(
             axes,
-            modes.frequencies[shown],
             modes.shapes[:, shown],
-            modes.node_positions[shown],
+            [
+                mode_label(frequency, still)
+                for frequency, still in zip(modes.frequencies[shown], positions, strict=True)
+            ],
+            positions,
             self.chain.chain.connections,
-            self.chain.nodes,
+            [short_name(name) for name in self.chain.nodes],
             MOTION[self.chain.kind].quantity,
         )
         return axes
+
+
+def mode_label(frequency: float, nodes: Sequence[float]) -> str:
+    """Return what the legend says of a mode shape: its frequency [Hz] and how many nodes it has."""
+    return f"{frequency:.1f} Hz, {len(nodes)} node{'s' if len(nodes) != 1 else ''}"
+
+
+def short_name(name: str) -> str:
+    """Return a node's name as it stands below an axis."""
+    return (
+        name.replace("cylinder ", "cyl. ")
+        .replace("section ", "")
+        .replace(", flywheel", "\nflywheel")
+        .replace(", thrust bearing", "\nthrust")
+        .replace("driven machine", "driven\nmachine")
+        .replace("damper ring", "damper\nring")
+    )
 
 
 @dataclass(frozen=True)
