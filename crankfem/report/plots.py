@@ -97,16 +97,6 @@ THROW: tuple[Plot[None], ...] = (
         "The throw as it was described, to scale.",
     ),
     Plot(
-        "mesh",
-        "Finite element mesh of the crank throw",
-        "Mesh of second-order tetrahedra, mirrored where the throw is symmetric.",
-    ),
-    Plot(
-        "deformed",
-        "Crank throw deformed by an axial force",
-        "Lengthened by an axial force, ends free to tilt (pinned); the lines show the throw at rest.",
-    ),
-    Plot(
         "stress_radial",
         "Equivalent stress of the crank throw under a radial force on the pin",
         "Under a radial force on the pin; the ring marks the largest stress at a fillet.",

@@ -75,8 +75,6 @@ def test_the_folder_holds_everything(finished_run):
     assert {"response", "parity", "formulas", "axial_modes", "torsional_campbell"} <= set(pictures)
     for name in pictures.values():
         assert (finished_run.folder / "pictures" / name).stat().st_size > 1000
-    drawn = {"mesh", "deformed"} <= set(pictures)
-    assert drawn == (finished_run.results["picture_note"] is None)
 
 
 def test_the_throw(finished_run):
