@@ -6,17 +6,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.drawing.curves import Curves, Dots, Series
+from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE
 from crankfem.analyses.mechanism.plots.plots import plot_torque
 from crankfem.analyses.study.fitting import ResponseFits
 from crankfem.analyses.study.plots import fit_plots
-from crankfem.analyses.throw.pictures.formula_plots import plot_formulas
-from crankfem.report.interactive.angles import formulas_over_angle
+from crankfem.analyses.throw.formula_diagrams import run_formulas_over_angle
+from crankfem.report.interactive.curves import figure_of
 from crankfem.report.interactive.mechanism_plots import MECHANISM
-from crankfem.report.interactive.plot import Plot, Plots
+from crankfem.report.interactive.plot import Plot, Plots, plot_of_curves
+from crankfem.report.interactive.rounding import rounded
 from crankfem.report.interactive.study import parity, response_over_factors
-from crankfem.report.interactive.torque import torque_and_harmonics
+from crankfem.report.interactive.style import Figure, axis
 from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.harmonics import Harmonics
+from dynamics.plots.bars import ORDER_LABEL, bar_width
+from dynamics.plots.sampled_torque import ANGLE_LABEL, TORQUE_LABEL, over_cycle
 from regression.runs.study_table import StudyTable
 
 Array = NDArray[np.float64]
@@ -47,31 +52,57 @@ STUDY: Plots[tuple[StudyTable, ResponseFits]] = Plots(
 )
 
 
-def _over_angle(
-    record: Mapping[str, Any],
-) -> tuple[Array, Array, dict[str, Array], dict[str, float]]:
-    """Angles, finite elements, formulas, and finite elements guided and pinned, from a run's results."""
-    law, supports = record["angle_law"], record["throw"]["supports"]
-    # None becomes nan.
-    formulas = {
-        name: np.array(values, dtype=np.float64) for name, values in law["formulas"].items()
-    }
-    bounds = {name: supports[name]["axial_compliance"] for name in ("guided", "pinned")}
-    return np.array(law["gamma_deg"]), np.array(law["fe"]), formulas, bounds
-
-
 ANGLES: Plots[Mapping[str, Any]] = Plots(
     (
-        Plot(
+        plot_of_curves(
             "formulas",
             "Axial compliance over the angle between neighboring cranks",
             "Axial compliance over the angle between neighboring cranks: finite elements in a helix of equal "
             "throws, and the formulas. Formulas without an angle are level lines.",
-            lambda path, record: plot_formulas(path, *_over_angle(record)),
-            lambda record: formulas_over_angle(*_over_angle(record)),
+            run_formulas_over_angle,
+            lambda _: "Axial compliance, finite elements and formulas",
         ),
     )
 )
+
+
+def torque_and_harmonics(samples: Array, found: Harmonics) -> Figure:
+    """Draw torque samples with the sum of all harmonics above, and the amplitudes by order below."""
+    degrees, sums, sampled = over_cycle(samples, found)
+    mean = Series("mean", np.full(len(degrees), found.mean), color=GREEN, dash="dash")
+    curves = Curves(
+        degrees,
+        (Series("sum of harmonics", sums, color=BLUE), mean),
+        ANGLE_LABEL,
+        TORQUE_LABEL,
+        signed=True,
+        x_step=90.0,
+        dots=(Dots(sampled, samples, "table", ORANGE),),
+    )
+    traces, layout = figure_of(curves, "Torque of one throw and its harmonics")
+    bars = {
+        "type": "bar",
+        "x": rounded(found.orders),
+        "y": rounded(found.amplitude),
+        "width": bar_width(found.orders),
+        "name": "amplitude of an order",
+        "marker": {"color": BLUE},
+        "customdata": rounded(np.rad2deg(found.phase)),
+        "hovertemplate": (
+            "<b>order %{x:g}</b><br>amplitude %{y:.4g} N m<br>phase %{customdata:.4g} deg<extra></extra>"
+        ),
+        "xaxis": "x2",
+        "yaxis": "y2",
+        "showlegend": False,
+    }
+    layout["yaxis"] |= {"domain": [0.58, 1.0]}
+    lower = {
+        "xaxis2": axis(ORDER_LABEL, anchor="y2"),
+        "yaxis2": axis("amplitude M<sub>k</sub> [N m]", domain=[0.0, 0.4], anchor="x2"),
+    }
+    return [*traces, bars], layout | {"height": 620} | lower
+
+
 TORQUE: Plots[tuple[Array, Harmonics]] = Plots(
     (
         Plot(

@@ -20,7 +20,7 @@ from comparing import close
 from crankbase.drawing.curves import ON_PAPER, draw_curves
 from crankbase.errors import InputError
 from crankfem.analyses.study.fitting import fit_study, predicted
-from crankfem.report.interactive.angles import formulas_over_angle
+from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
 from crankfem.report.interactive.campbell import campbell
 from crankfem.report.interactive.curve_decimation import visible_points
 from crankfem.report.interactive.curves import UNSEEN, figure_of
@@ -329,8 +329,8 @@ def test_names_are_no_markup(load, studied):
         campbell("axial", np.array([31.4]), np.ones(1), (4.0, 8.0), [resonance()], SHARP_NAME),
         shaft_modes(shaft(), 0.2, SHARP_NAME),
         polar_load(own, "crank", SHARP_NAME),
-        developed_load(own, SHARP_NAME),
-        formulas_over_angle(np.array(record["gamma_deg"]), fe, {SHARP_NAME: fe}, {}),
+        figure_of(developed_load(own), SHARP_NAME),
+        figure_of(formulas_over_angle(np.array(record["gamma_deg"]), {SHARP_NAME: fe}, fe), "x"),
         ({"text": design_texts((choice,), np.array([[0.0], [1.0]]))}, {}),
     ]
     for figure in figures:
@@ -421,9 +421,10 @@ def test_formulas_over_the_angle(tmp_path, strict):
     assert [path.name for path in made] == ["formulas.json"]
     formulas = read(made[0], strict)
     assert units_told(formulas)
-    fe, ours = formulas["data"]
+    ours, fe, *bounds = formulas["data"]
     assert floats(fe["y"]) == close(1e9 * np.array(record["angle_law"]["fe"]), rel=FIVE_DIGITS)
     assert ours["y"] == [None, *[2] * 6]
+    assert [{*bound["y"]} for bound in bounds] == [{0.3}, {1.3}]
 
 
 def test_torque_table(tmp_path, strict):
@@ -473,7 +474,7 @@ def test_polar_load(load, frame):
 
 
 def test_developed_load(load):
-    traces, layout = developed_load(load, "x")
+    traces, layout = figure_of(developed_load(load), "x")
     assert layout["yaxis"]["title"]["text"] == "force [kN]"
     assert max(traces[0]["y"]) == close(1e-3 * load.maximum, rel=FIVE_DIGITS)
     assert traces[1]["y"][0] == close(1e-3 * load.mean, rel=FIVE_DIGITS)

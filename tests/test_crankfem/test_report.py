@@ -295,7 +295,11 @@ def test_pictures_that_cannot_be_read_are_left_out_and_named(results, tmp_path):
     (tmp_path / "a.svg").write_text(SQUARE, encoding="utf-8")
     (tmp_path / "cut.png").write_bytes(b"\x89PNG")
     (tmp_path / "cut.json").write_text('{"data": [', encoding="utf-8")
-    results["pictures"] = {"drawing": "a.svg", "stress_radial": "gone.png", "stress_torsion": "cut.png"}
+    results["pictures"] = {
+        "drawing": "a.svg",
+        "stress_radial": "gone.png",
+        "stress_torsion": "cut.png",
+    }
     results["interactive"] = {"drawing": "cut.json"}
     text, note = render_report(results, tmp_path)
     assert note == "Left out, because they cannot be read: cut.json, gone.png, cut.png."
