@@ -54,9 +54,9 @@ class CheckedFile:
     sections: tuple[str, ...]
     commands: tuple[str, ...]
     inputs: tuple[InputRecord, ...]
-    throw: CrankThrow | None
-    engine: Record | None
-    remarks: tuple[str, ...]
+    throw: CrankThrow | None = None
+    engine: Record | None = None
+    remarks: tuple[str, ...] = ()
     throws: dict[str, CrankThrow] = field(default_factory=dict)
 
 
@@ -90,28 +90,22 @@ def check_file(given: str) -> CheckedFile:
 
 def check_record(checked: CheckedFile) -> Record:
     """Return a checked file as plain JSON content in SI units, angles in degrees."""
+    throws = {name: _throw_record(throw) for name, throw in checked.throws.items()}
     return {
         "engine": checked.name,
-        "kind": checked.kind,
         "valid": True,
         "file": str(checked.path),
-        "sections": list(checked.sections),
-        "commands": list(checked.commands),
+        **attributes(checked, "kind", "sections", "commands", "remarks"),
         "arrangement": checked.engine,
-        "shape": None if checked.throw is None else shape_record(checked.throw),
-        "dimensions": None if checked.throw is None else _dimensions(checked.throw),
-        "remarks": list(checked.remarks),
+        **_throw_record(checked.throw),
         "inputs": input_records(checked.inputs),
-    } | _throws_record(checked)
+    } | ({"throws": throws} if throws else {})
 
 
-def _throws_record(checked: CheckedFile) -> Record:
-    """The throws by name, where they have some."""
-    throws = {
-        name: {"shape": shape_record(throw), "dimensions": _dimensions(throw)}
-        for name, throw in checked.throws.items()
-    }
-    return {"throws": throws} if throws else {}
+def _throw_record(throw: CrankThrow | None) -> Record:
+    if throw is None:
+        return {"shape": None, "dimensions": None}
+    return {"shape": shape_record(throw), "dimensions": _dimensions(throw)}
 
 
 def shape_record(throw: CrankThrow) -> Record:
@@ -147,9 +141,6 @@ def _hinge(read: HingeFile, content: TomlFile) -> CheckedFile:
         tuple(name for name in HINGE_SECTIONS if name in content.sections),
         ("hinge",),
         read.records,
-        None,
-        None,
-        (),
     )
 
 
@@ -162,9 +153,7 @@ def _chain(read: ChainFile) -> CheckedFile:
         ("chain",),
         ("vibration",),
         read.records,
-        None,
-        None,
-        (
+        remarks=(
             f"a {read.kind} chain of {len(chain.names)} nodes and {len(chain.elements)} elements, from "
             f"{chain.names[0]} to {chain.names[-1]}",
         ),
@@ -181,9 +170,7 @@ def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
         (*THROW_COMMANDS, *study),
         read.records,
         read.throw,
-        None,
-        (),
-        {} if PLAIN in read.throws else read.throws,
+        throws={} if PLAIN in read.throws else read.throws,
     )
 
 

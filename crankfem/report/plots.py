@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from crankbase.drawing.curves import Curves, Dots, Series
 from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE
-from crankfem.analyses.mechanism.plots.plots import plot_torque
+from crankfem.analyses.mechanism.plots.torque_plots import plot_torque
 from crankfem.analyses.study.fitting import ResponseFits
 from crankfem.analyses.study.plots import fit_plots
 from crankfem.analyses.throw.formula_diagrams import run_formulas_over_angle
