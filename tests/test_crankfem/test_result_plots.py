@@ -24,7 +24,6 @@ from crankfem.analyses.throw.formula_diagrams import (
     plot_formulas_over_angle,
     plot_run_formulas,
 )
-from crankfem.analyses.throw.formula_spread import EngineSpread, Ratio
 from crankfem.analyses.vibration import run as vibration_run
 from crankfem.analyses.vibration.modes import short_name
 from crankfem.analyses.vibration.run_up import run_up
@@ -255,15 +254,6 @@ def test_a_runs_formulas():
     assert axes.lines[1].get_ydata() == close([0.3, 1.2])
     with pytest.raises(InputError, match="results: given some without angle_law and throw"):
         plot_run_formulas({})
-
-
-def test_the_spread_of_formulas():
-    ratios = {"axial": {"one": Ratio(1.5, True), "two": Ratio(2.0, False)}, "torsional": {}}
-    spread = EngineSpread("engine", 0.1, {"axial": 1e-9, "torsional": 1e-8}, 0.01, ratios)
-    axes = spread.plot()
-    assert [bar.get_width() for bar in axes.patches] == [1.5, 2.0]
-    assert len({bar.get_facecolor() for bar in axes.patches}) == 2
-    assert spread.to_pandas()["valid"].tolist() == [True, False]
 
 
 # --------------------------------------------------------------------------------- mechanism
