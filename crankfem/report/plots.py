@@ -6,22 +6,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.drawing.curves import Curves, Dots, Series
-from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE
 from crankfem.analyses.mechanism.plots.torque_plots import plot_torque
 from crankfem.analyses.study.fitting import ResponseFits
 from crankfem.analyses.study.plots import fit_plots
 from crankfem.analyses.throw.formula_diagrams import run_formulas_over_angle
-from crankfem.report.interactive.curves import figure_of
 from crankfem.report.interactive.mechanism_plots import MECHANISM
 from crankfem.report.interactive.plot import Plot, Plots, plot_of_curves
-from crankfem.report.interactive.rounding import rounded
 from crankfem.report.interactive.study import parity, response_over_factors
-from crankfem.report.interactive.style import Figure, axis
 from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.harmonics import Harmonics
-from dynamics.plots.bars import ORDER_LABEL, bar_width
-from dynamics.plots.sampled_torque import ANGLE_LABEL, TORQUE_LABEL, over_cycle
 from regression.runs.study_table import StudyTable
 
 Array = NDArray[np.float64]
@@ -66,43 +59,6 @@ ANGLES: Plots[Mapping[str, Any]] = Plots(
 )
 
 
-def torque_and_harmonics(samples: Array, found: Harmonics) -> Figure:
-    """Draw torque samples with the sum of all harmonics above, and the amplitudes by order below."""
-    degrees, sums, sampled = over_cycle(samples, found)
-    mean = Series("mean", np.full(len(degrees), found.mean), color=GREEN, dash="dash")
-    curves = Curves(
-        degrees,
-        (Series("sum of harmonics", sums, color=BLUE), mean),
-        ANGLE_LABEL,
-        TORQUE_LABEL,
-        signed=True,
-        x_step=90.0,
-        dots=(Dots(sampled, samples, "table", ORANGE),),
-    )
-    traces, layout = figure_of(curves, "Torque of one throw and its harmonics")
-    bars = {
-        "type": "bar",
-        "x": rounded(found.orders),
-        "y": rounded(found.amplitude),
-        "width": bar_width(found.orders),
-        "name": "amplitude of an order",
-        "marker": {"color": BLUE},
-        "customdata": rounded(np.rad2deg(found.phase)),
-        "hovertemplate": (
-            "<b>order %{x:g}</b><br>amplitude %{y:.4g} N m<br>phase %{customdata:.4g} deg<extra></extra>"
-        ),
-        "xaxis": "x2",
-        "yaxis": "y2",
-        "showlegend": False,
-    }
-    layout["yaxis"] |= {"domain": [0.58, 1.0]}
-    lower = {
-        "xaxis2": axis(ORDER_LABEL, anchor="y2"),
-        "yaxis2": axis("amplitude M<sub>k</sub> [N m]", domain=[0.0, 0.4], anchor="x2"),
-    }
-    return [*traces, bars], layout | {"height": 620} | lower
-
-
 TORQUE: Plots[tuple[Array, Harmonics]] = Plots(
     (
         Plot(
@@ -110,7 +66,6 @@ TORQUE: Plots[tuple[Array, Harmonics]] = Plots(
             "Torque over a cycle and its harmonics",
             "Torque of one throw with the sum of its harmonics, and the amplitude of each order.",
             lambda path, torque: plot_torque(path, *torque),
-            lambda torque: torque_and_harmonics(*torque),
         ),
     )
 )

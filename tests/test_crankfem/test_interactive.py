@@ -43,10 +43,9 @@ from crankfem.report.interactive.throw_view import (
 from crankfem.report.interactive.triangles import TriangleSurface, polylines
 from crankfem.report.interactive.vibration import VIBRATION, amplitudes_over_speed, axial_split
 from crankfem.report.interactive.writing import write_figure
-from crankfem.report.plots import ANGLES, STUDY, TORQUE
+from crankfem.report.plots import ANGLES, STUDY
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
 from dynamics.engine.loads import LoadDiagram
-from dynamics.harmonics import harmonics
 from dynamics.plots.quantities import quantity_display
 from dynamics.response.resonance import Resonance
 from dynamics.response.series import OrderSeries
@@ -425,21 +424,6 @@ def test_formulas_over_the_angle(tmp_path, strict):
     assert floats(fe["y"]) == close(1e9 * np.array(record["angle_law"]["fe"]), rel=FIVE_DIGITS)
     assert ours["y"] == [None, *[2] * 6]
     assert [{*bound["y"]} for bound in bounds] == [{0.3}, {1.3}]
-
-
-def test_torque_table(tmp_path, strict):
-    samples = 100.0 + 50.0 * np.sin(np.linspace(0.0, 4.0 * np.pi, 24, endpoint=False) + 0.3)
-    found = harmonics(samples, strokes=4)
-    (path,) = written(TORQUE, tmp_path, (samples, found))
-    figure = read(path, strict)
-    assert path.name == "torque.json"
-    assert units_told(figure)
-    bars = figure["data"][-1]
-    assert bars["x"] == found.orders.tolist()
-    assert floats(bars["customdata"]) == close(180.0 / math.pi * found.phase, rel=5e-5)
-    assert "phase %{customdata:.4g} deg" in bars["hovertemplate"]
-    assert floats(bars["y"]) == close(found.amplitude, rel=FIVE_DIGITS, abs=1e-12)
-    assert floats(named(figure["data"], "table")["y"]) == close(samples, rel=FIVE_DIGITS)
 
 
 # ------------------------------------------------------------------------------------- mechanism

@@ -584,7 +584,8 @@ AS_STORED = [
 
 CHANGED = [
     ("balance", "static unbalance 14.95 kg m, dynamic unbalance about its middle 3.250 kg m²."),
-    ("balance", "[kN m] 1 44.15 balanced 2 balanced 2.070 4 balanced balanced"),
+    ("balance", "across (x) [kN] 1 44.15 0.000 9.430 with shaft 0.000 0.000 2 balanced 4 balanced"),
+    ("balance", "about x [kN m] 1 balanced 2 2.070 0.000 90.00 line 0.000 0.000 4 balanced"),
     ("torque", "720 samples over one cycle resolve orders up to 12. Mean torque 123.46 N m."),
     ("torque", "0.5 -214.25 179.78 279.68 -129.84 1 10.00 0.00 10.00 90.00"),
     (

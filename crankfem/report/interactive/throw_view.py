@@ -1,6 +1,7 @@
 """The throw in three dimensions, to turn: its solid, its mesh, how it deforms, stress at fillets."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -15,10 +16,10 @@ from crankfem.analyses.throw.pictures.surface import stressed_surface, stretched
 from crankfem.report.interactive.mesh_decimation import decimate_triangles
 from crankfem.report.interactive.rounding import rounded
 from crankfem.report.interactive.style import (
-    QUIET_COLOR,
     Figure,
     Part,
     choice,
+    note,
     number,
     plain_layout,
 )
@@ -182,30 +183,17 @@ def _layout(traces: list[Part], views: list[_View], points: Array) -> Part:
         "scene": {
             **axes,
             "aspectmode": "manual",
-            "aspectratio": dict(zip("xyz", np.round(lengths, 5).tolist(), strict=True)),
+            "aspectratio": _xyz(np.round(lengths, 5).tolist()),
             "dragmode": "orbit",
             "camera": {
-                "eye": dict(
-                    zip("xyz", np.round(EYE_DISTANCE * eye.towards, 4).tolist(), strict=True)
-                ),
-                "up": {"x": 0, "y": 1, "z": 0},
-                "center": {"x": 0, "y": 0, "z": 0},
+                "eye": _xyz(np.round(EYE_DISTANCE * eye.towards, 4).tolist()),
+                "up": _xyz((0, 1, 0)),
+                "center": _xyz((0, 0, 0)),
                 "projection": {"type": "orthographic"},
             },
         },
         "annotations": [
-            {
-                "text": views[0].told,
-                "showarrow": False,
-                "xref": "paper",
-                "yref": "paper",
-                "x": 0.5,
-                "y": 0.0,
-                "yshift": -8,
-                "xanchor": "center",
-                "yanchor": "top",
-                "font": {"size": 12, "color": QUIET_COLOR},
-            }
+            note(views[0].told, x=0.5, y=0.0, yshift=-8, xref="paper", yref="paper", yanchor="top")
         ],
         "updatemenus": [
             menu | {"type": "buttons", "direction": "right", "x": 0.0, "xanchor": "left"}
@@ -291,8 +279,6 @@ def _solid(
     hover: str = PLACE,
 ) -> Part:
     """Return a shaded surface, of one color or of the colors that its values will have."""
-    x, y, z = _coordinates(points, size)
-    i, j, k = triangles.T.tolist()
     colored: Part = (
         {"color": color}
         if color
@@ -313,12 +299,8 @@ def _solid(
     return {
         "type": "mesh3d",
         "name": name,
-        "x": x,
-        "y": y,
-        "z": z,
-        "i": i,
-        "j": j,
-        "k": k,
+        **_coordinates(points, size),
+        **dict(zip("ijk", triangles.T.tolist(), strict=True)),
         "flatshading": False,
         "lighting": LIGHTING,
         "lightposition": LIGHT,
@@ -335,29 +317,32 @@ def _lines(
         drawn = np.concatenate([part for stroke in strokes for part in (points[stroke], gap)])[:-1]
     else:
         drawn = np.empty((0, 3))
-    x, y, z = _coordinates(drawn, size)
     return {
         "type": "scatter3d",
         "mode": "lines",
         "name": name,
-        "x": x,
-        "y": y,
-        "z": z,
+        **_coordinates(drawn, size),
         "line": {"color": color, "width": width},
         "hoverinfo": "skip",
     }
 
 
-def _coordinates(points: Array, size: float) -> list[list[float | int | None]]:
+def _coordinates(points: Array, size: float) -> Part:
     """Return x, y and z to a ten thousandth of the size's power of ten [mm]."""
     decimals = 4 - math.floor(math.log10(size))
-    return [
+    return _xyz(
         [
-            None if math.isnan(value) else int(value) if value.is_integer() else value
-            for value in row
+            [
+                None if math.isnan(value) else int(value) if value.is_integer() else value
+                for value in row
+            ]
+            for row in np.round(points.T, max(0, decimals)).tolist()
         ]
-        for row in np.round(points.T, max(0, decimals)).tolist()
-    ]
+    )
+
+
+def _xyz(values: Sequence[object]) -> Part:
+    return dict(zip("xyz", values, strict=True))
 
 
 def _middles(edges: Integers, points: Array, beside: float) -> dict[tuple[int, int], int]:
