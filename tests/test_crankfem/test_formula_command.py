@@ -6,10 +6,12 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
-from crankfem.analyses.throw.pictures.formula_plots import plot_formulas
 
 from comparing import close
+from crankbase.drawing.curves import draw_curves
+from crankbase.drawing.diagram_style import figure
 from crankfem.analyses.throw import formula_spread
+from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
 from crankfem.analyses.throw.formula_records import fe_axial
 from crankfem.analyses.throw.formula_spread import EngineSpread, Ratio, formula_spreads
 from crankfem.files.engine.throw_file import load_throw
@@ -217,8 +219,10 @@ def test_pictures_of_the_angle(tmp_path):
     throw, _ = load_throw("6chn25-34")
     tables = [axial_formulas(throw, gamma) for gamma in gammas]
     values = {name: np.array([t[name].value for t in tables]) for name in AXIAL_FORMULA_NAMES}
-    plot_formulas(
-        tmp_path / "formulas.svg", gammas, law * 1e-9, values, {"guided": 0.2e-9, "pinned": 1e-9}
-    )
+    bounds = {"guided": 0.2e-9, "pinned": 1e-9}
+    curves = formulas_over_angle(gammas, values, law * 1e-9, bounds)
+    with figure(tmp_path / "formulas.svg") as axes:
+        draw_curves(axes, curves)
+        axes.legend()
     shown = texts(tmp_path / "formulas.svg")
-    assert {*AXIAL_FORMULA_NAMES, "finite elements", "guided", "pinned"} <= set(shown)
+    assert {*AXIAL_FORMULA_NAMES, "finite elements", "FE guided: 0.2", "FE pinned: 1"} <= set(shown)
