@@ -24,7 +24,7 @@ from regression.plans.plan import MODEL_VERSION, StudyPlan, plan_designs
 from regression.records import Outcome
 from regression.runs.store import ResultStore
 from regression.runs.study import run_plan
-from stand_ins import draw_nothing, lighten
+from stand_ins import analyze_coarsely, draw_nothing, lighten
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]
@@ -152,6 +152,12 @@ def unseen(lightly, monkeypatch):
     draw_nothing(monkeypatch)
 
 
+@pytest.fixture
+def coarsely(unseen, monkeypatch):
+    """The same with throws analyzed as coarsely as may be."""
+    analyze_coarsely(monkeypatch)
+
+
 @pytest.fixture(scope="session")
 def coarse_throw():
     """Read a shipped engine and analyze its throw as coarsely as may be: (engine file, analysis)."""
@@ -215,6 +221,19 @@ def quick_four():
     text = engine_path("yamz-5340").read_text(encoding="utf-8")
     levels = '["23 mm", "25 mm", "27 mm"]'
     return edited(text, QUICK_STUDY | {"study.factors.web_thickness": levels})
+
+
+@pytest.fixture(scope="session")
+def least_engine(six_cylinders):
+    """The six-cylinder engine with one crank and the least of inputs."""
+    gone = ("material", "free_end", "gas", "vibration", "study", "study.factors")
+    changes = {f"[{name}]": None for name in gone} | {
+        "engine.cylinders": "1",
+        "engine.crank_angles": '["0 deg"]',
+        "engine.firing_order": "[1]",
+        "thrust_bearing.bearing": "1",
+    }
+    return edited(six_cylinders, changes)
 
 
 @dataclass(frozen=True)
