@@ -300,6 +300,7 @@ def alike(one, other):
         assert one == other
 
 
+@pytest.mark.slow
 def test_one_throw_by_name_gives_the_vibration_of_a_plain_file(both, lightly):
     from crankfem.analyses.vibration.records import run_record
 

@@ -10,8 +10,8 @@ import pytest
 import crankfem as cf
 from crankbase.drawing.diagram_style import figure
 from crankbase.outputs import LISTED
-from crankfem.analyses.throw.pictures import stress_picture
 from crankfem.analyses.hinge.hinge_run import run_hinge
+from crankfem.analyses.throw.pictures import stress_picture
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.hinge.hinge_file import load_hinge
 from crankfem.files.reading.data_files import data_folder, engine_path, hinge_path
