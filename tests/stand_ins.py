@@ -11,6 +11,7 @@ import crankfem as cf
 from crankbase.errors import MissingLibraryError
 from fem import fillet_stress
 from fem.analysis import analyze_throw
+from fem.craig_bampton import dynamic_superelement
 
 # Constants of fem.fillet_stress with which meshes are as coarse as can be.
 COARSE_STRESSES = {"BULK": 2.5, "COARSE": 1.0, "COARSEST": 0.5, "FINE": 1.5, "MOST_MESHES": 2}
@@ -18,6 +19,16 @@ PACKAGES = ("crankfem", "geometry", "fem", "regression", "dynamics")
 
 analyzed = cache(analyze_throw)
 stressed = cache(fillet_stress.fillet_stresses)
+condensed = {}  # by mesh and frequency, beside the mesh, which has no hash
+
+
+def condensed_once(mesh, material, classes, highest_frequency, **options):
+    """Return the dynamic superelement of an analysis, the same one whenever it is asked for."""
+    key = (id(mesh), material, highest_frequency, *sorted(options.items()))
+    if key not in condensed:
+        found = dynamic_superelement(mesh, material, classes, highest_frequency, **options)
+        condensed[key] = mesh, found
+    return condensed[key][1]
 
 
 class NotRendered:
@@ -53,10 +64,16 @@ def lighten(monkeypatch):
     offscreen = importlib.import_module("crankfem.analyses.throw.pictures.offscreen")
     put_everywhere(monkeypatch, analyze_throw, analyzed)
     put_everywhere(monkeypatch, fillet_stress.fillet_stresses, stressed)
+    put_everywhere(monkeypatch, dynamic_superelement, condensed_once)
     for kind in offscreen.OffscreenProcess.__subclasses__():
         put_everywhere(monkeypatch, kind, NotRendered)
     for name, value in COARSE_STRESSES.items():
         monkeypatch.setattr(fillet_stress, name, value)
+
+
+def analyze_coarsely(monkeypatch):
+    """Let light runs analyze their throws as coarsely as may be."""
+    put_everywhere(monkeypatch, analyzed, lambda throw, material: analyzed(throw, material, 0.1))
 
 
 def draw_nothing(monkeypatch):

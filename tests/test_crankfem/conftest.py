@@ -3,7 +3,8 @@ import os
 import re
 import subprocess
 import sys
-from dataclasses import dataclass
+import time
+from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 
@@ -25,7 +26,7 @@ from regression.plans.plan import MODEL_VERSION, plan_designs
 from regression.records import Outcome
 from regression.runs.store import ResultStore
 from regression.runs.study import run_plan
-from stand_ins import draw_nothing, lighten
+from stand_ins import analyze_coarsely, draw_nothing, lighten
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRY = [sys.executable, "-c", "from crankfem.cli.entry import main; main()"]
@@ -153,6 +154,12 @@ def unseen(lightly, monkeypatch):
     draw_nothing(monkeypatch)
 
 
+@pytest.fixture
+def coarsely(unseen, monkeypatch):
+    """The same with throws analyzed as coarsely as may be."""
+    analyze_coarsely(monkeypatch)
+
+
 @pytest.fixture(scope="session")
 def coarse_throw():
     """Read a shipped engine and analyze its throw as coarsely as may be: (engine file, analysis)."""
@@ -218,6 +225,19 @@ def quick_four():
     return edited(text, QUICK_STUDY | {"study.factors.web_thickness": levels})
 
 
+@pytest.fixture(scope="session")
+def least_engine(six_cylinders):
+    """The six-cylinder engine with one crank and the least of inputs."""
+    gone = ("material", "free_end", "gas", "vibration", "study", "study.factors")
+    changes = {f"[{name}]": None for name in gone} | {
+        "engine.cylinders": "1",
+        "engine.crank_angles": '["0 deg"]',
+        "engine.firing_order": "[1]",
+        "thrust_bearing.bearing": "1",
+    }
+    return edited(six_cylinders, changes)
+
+
 @dataclass(frozen=True)
 class Run:
     """A finished run from the command line."""
@@ -227,11 +247,36 @@ class Run:
     results: dict
 
 
+def made_once(tmp_path_factory, name, make):
+    """Return a folder that one of the processes that share the tests fills, while the others wait."""
+    root = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        root = root.parent
+    folder, done = root / name, root / f"{name}-done"
+    try:
+        folder.mkdir()
+    except FileExistsError:
+        deadline = time.monotonic() + 600.0
+        while not done.exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+        return folder
+    try:
+        make(folder)
+    finally:
+        done.touch()
+    return folder
+
+
 @pytest.fixture(scope="session")
 def finished_run(tmp_path_factory, quick_six):
-    folder = tmp_path_factory.mktemp("run")
-    (folder / "quick.toml").write_text(quick_six, encoding="utf-8")
-    answer = spawn_in(folder, "run", "quick.toml", "--json")
+    def run(folder):
+        (folder / "quick.toml").write_text(quick_six, encoding="utf-8")
+        given = asdict(spawn_in(folder, "run", "quick.toml", "--json"))
+        (folder / "answer.json").write_text(json.dumps(given), encoding="utf-8")
+
+    folder = made_once(tmp_path_factory, "finished-run", run)
+    answer = Answer(**json.loads((folder / "answer.json").read_text(encoding="utf-8")))
     assert answer.code == 0, answer.err
     text = (folder / "quick-results" / "results.json").read_text(encoding="utf-8")
     return Run(folder / "quick-results", answer, strict_json(text))

@@ -144,6 +144,7 @@ THROWS = {
     "small": (SMALL, "R 50; L_km/2 12.5; r_km 2.5; r_shm 3; h 18"),
 }
 ENGINES = sorted(path.stem for path in (data_folder() / "engines").glob("*.toml"))
+DRAWN = [*THROWS, *(pytest.param(name, marks=pytest.mark.slow) for name in ENGINES)]
 
 
 def throw_of(name):
@@ -171,9 +172,7 @@ def test_every_dimension_is_written(name):
     assert [text for text in THROWS[name][1].split("; ") if text not in lines] == []
 
 
-@pytest.mark.parametrize(
-    "name", [*THROWS, *(pytest.param(name, marks=pytest.mark.slow) for name in ENGINES)]
-)
+@pytest.mark.parametrize("name", DRAWN)
 def test_texts_stand_clear_of_each_other_and_on_the_sheet(name):
     figure = drawing_of(name)
     renderer = figure.canvas.get_renderer()
@@ -197,7 +196,7 @@ def test_texts_stand_clear_of_each_other_and_on_the_sheet(name):
     assert outside == []
 
 
-@pytest.mark.parametrize("name", [*THROWS, *ENGINES])
+@pytest.mark.parametrize("name", DRAWN)
 def test_both_views_have_the_scale_that_is_written(name):
     figure = drawing_of(name)
     views = figure.axes[:2]

@@ -5,16 +5,19 @@ from pathlib import Path
 
 import pytest
 
-STRESS = pytest.param(("stress", "vw-tdi", "--pictures", "made"), marks=pytest.mark.slow)
+DRAW = ("draw", "vw-tdi", "--shaft", "shaft.png")
+EXPORT = ("export", "vw-tdi", "throw.step")
+STRESS = ("stress", "vw-tdi", "--pictures", "made")
 
 
-@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
 @pytest.mark.parametrize(
-    "command",
+    ("command", "number"),
     [
-        ("draw", "vw-tdi", "--shaft", "shaft.png"),
-        ("export", "vw-tdi", "throw.step"),
-        STRESS,
+        (EXPORT, "SIGINT"),
+        (EXPORT, "SIGTERM"),
+        pytest.param(DRAW, "SIGINT", marks=pytest.mark.slow),
+        pytest.param(DRAW, "SIGTERM", marks=pytest.mark.slow),
+        pytest.param(STRESS, "SIGTERM", marks=pytest.mark.slow),
     ],
 )
 def test_a_command_that_is_ended_leaves_nothing_behind(own, command, number):

@@ -300,7 +300,8 @@ def alike(one, other):
         assert one == other
 
 
-def test_one_throw_by_name_gives_the_vibration_of_a_plain_file(both):
+@pytest.mark.slow
+def test_one_throw_by_name_gives_the_vibration_of_a_plain_file(both, lightly):
     from crankfem.analyses.vibration.records import run_record
 
     plain, named, analysis = both
@@ -469,7 +470,7 @@ def test_a_report_shows_each_throw(tmp_path):
 
 
 @pytest.mark.slow
-def test_an_engine_of_two_throws_runs_to_a_report(call, tmp_path):
+def test_an_engine_of_two_throws_runs_to_a_report(coarsely, call, tmp_path):
     answer = call("run", UNEQUAL, "--output", tmp_path / "out", "--json")
     assert answer.code == 0, answer.err
     results = answer.json()

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ import pytest
 from comparing import close
 from crankfem.analyses.vibration import run as vibration_run
 from crankfem.jobs import pipeline, run_drawing
+from crankfem.jobs.run_files import PICTURED
 from crankfem.report.interactive import mechanism_plots
 from crankfem.report.interactive import vibration as interactive_vibration
 from fem.solver import SolveError
@@ -75,6 +77,12 @@ def test_the_folder_holds_everything(finished_run):
     assert {"response", "parity", "formulas", "axial_modes", "torsional_campbell"} <= set(pictures)
     for name in pictures.values():
         assert (finished_run.folder / "pictures" / name).stat().st_size > 1000
+
+
+def test_every_picture_of_a_run_is_seen_in_its_way(finished_run):
+    results = finished_run.results
+    named = {*results["pictures"].values(), *results["interactive"].values()}
+    assert {Path(name).stem for name in named} <= PICTURED
 
 
 def test_the_throw(finished_run):
@@ -305,7 +313,9 @@ def test_another_choice_of_sources_repeats_no_design(
         assert modes[:3] == close(expected["first_frequencies"], rel=1e-6)
 
 
-def test_an_engine_with_torque_table_and_two_mass_check(unseen, quick_four, call, tmp_path, strict):
+def test_an_engine_with_torque_table_and_two_mass_check(
+    coarsely, quick_four, call, tmp_path, strict
+):
     (tmp_path / "four.toml").write_text(quick_four, encoding="utf-8")
     answer = call("run", "four.toml", "--output", "a/b", "--workers", "1", "--json")
     assert answer.code == 0, answer.err
@@ -324,18 +334,11 @@ def test_an_engine_with_torque_table_and_two_mass_check(unseen, quick_four, call
 
 
 def test_an_engine_of_one_cylinder_with_the_least_of_inputs(
-    lightly, six_cylinders, edit, call, tmp_path
+    lightly, least_engine, edit, call, tmp_path
 ):
-    gone = ("material", "free_end", "gas", "vibration", "study", "study.factors")
-    changes = {f"[{name}]": None for name in gone} | {
-        # Tags, markup of the terminal, and what matplotlib takes for mathematics.
-        "engine.name": '"<b>one</b> & [bold]only[/] é $A_{$ 5"',
-        "engine.cylinders": "1",
-        "engine.crank_angles": '["0 deg"]',
-        "engine.firing_order": "[1]",
-        "thrust_bearing.bearing": "1",
-    }
-    (tmp_path / "one.toml").write_text(edit(six_cylinders, changes), encoding="utf-8")
+    # Tags, markup of the terminal, and what matplotlib takes for mathematics.
+    changes = {"engine.name": '"<b>one</b> & [bold]only[/] é $A_{$ 5"'}
+    (tmp_path / "one.toml").write_text(edit(least_engine, changes), encoding="utf-8")
     answer = call("run", "one.toml", "--json")
     assert answer.code == 0, answer.err
     results = answer.json()
@@ -371,7 +374,7 @@ def one_cylinder(six_cylinders, edit, tmp_path):
 
 
 def test_what_cannot_be_drawn_costs_no_other_result(
-    unseen, one_cylinder, call, tmp_path, monkeypatch
+    coarsely, one_cylinder, call, tmp_path, monkeypatch
 ):
     folder = tmp_path / "one-results"
     assert call("run", one_cylinder("Engine FIRST")).code == 0
@@ -404,7 +407,7 @@ def test_what_cannot_be_drawn_costs_no_other_result(
 
 
 def test_a_run_that_fails_leaves_the_last_one_whole(
-    unseen, one_cylinder, call, tmp_path, monkeypatch
+    coarsely, one_cylinder, call, tmp_path, monkeypatch
 ):
     assert call("run", one_cylinder("Engine FIRST")).code == 0
     folder = tmp_path / "one-results"

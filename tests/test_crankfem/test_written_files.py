@@ -3,15 +3,20 @@
 import os
 import shutil
 from dataclasses import dataclass
+from functools import cache
 
 import pytest
 
 import crankfem as cf
 from crankbase.drawing.diagram_style import figure
 from crankbase.outputs import LISTED
+from crankfem.analyses.hinge.hinge_run import run_hinge
 from crankfem.analyses.throw.pictures import stress_picture
+from crankfem.analyses.vibration.run import engine_vibration
+from crankfem.files.hinge.hinge_file import load_hinge
 from crankfem.files.reading.data_files import data_folder, input_path
 from regression.models.compliance_model import ComplianceModel
+from stand_ins import put_everywhere
 
 TORQUE = data_folder() / "tables" / "yamz5340_torque_one_throw.csv"
 SIX = input_path("6chn25-34")
@@ -84,8 +89,30 @@ COMMANDS = {
 }
 
 
+@cache
+def hinge_as_run():
+    return run_hinge(load_hinge("crosshead-30-100"))
+
+
+@pytest.fixture(scope="module")
+def vibration_as_run(coarse_throw):
+    @cache
+    def run():
+        engine, analysis = coarse_throw("6chn25-34")
+        return engine_vibration(engine, analysis=analysis)
+
+    return run
+
+
+@pytest.fixture
+def calculated(lightly_stressed, monkeypatch, vibration_as_run):
+    """Let commands give what was calculated once: files are what is looked at."""
+    put_everywhere(monkeypatch, run_hinge, lambda *_: hinge_as_run())
+    put_everywhere(monkeypatch, engine_vibration, lambda *_, **__: vibration_as_run())
+
+
 @pytest.fixture(params=COMMANDS)
-def line(request, tmp_path, monkeypatch, lightly_stressed):
+def line(request, tmp_path, calculated):
     """A command line with its input, and the path of its output."""
     command = COMMANDS[request.param]
     if command.source is None:
@@ -100,7 +127,7 @@ def line(request, tmp_path, monkeypatch, lightly_stressed):
 
 
 @pytest.fixture
-def lightly_stressed(lightly, monkeypatch):
+def lightly_stressed(coarsely, monkeypatch):
     """Pictures of stresses that show nothing, in no time."""
 
     class Empty:
@@ -267,17 +294,8 @@ def test_a_run_refuses_what_is_in_its_way_before_it_computes(
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_a_run_in_the_folder_of_its_file_leaves_the_rest(
-    lightly, call, tmp_path, edit, six_cylinders
-):
-    gone = ("material", "free_end", "gas", "vibration", "study", "study.factors")
-    changes = {f"[{name}]": None for name in gone} | {
-        "engine.cylinders": "1",
-        "engine.crank_angles": '["0 deg"]',
-        "engine.firing_order": "[1]",
-        "thrust_bearing.bearing": "1",
-    }
-    (tmp_path / "mine.toml").write_text(edit(six_cylinders, changes), encoding="utf-8")
+def test_a_run_in_the_folder_of_its_file_leaves_the_rest(coarsely, call, tmp_path, least_engine):
+    (tmp_path / "mine.toml").write_text(least_engine, encoding="utf-8")
     # The file that fit writes by default; a run without a study writes none.
     (tmp_path / "model.json").write_text("precious", encoding="utf-8")
     (tmp_path / "report.html").write_text("precious", encoding="utf-8")

@@ -250,9 +250,9 @@ def described_from_its_other_end(found, last_angle):
 @pytest.mark.parametrize(
     ("name", "part", "last_angle", "size_factor"),
     [
-        ("unequal", "half", 0.0, 1.4),
+        ("unequal", "half", 0.0, 1.6),
         ("opposite", "half", math.pi, 1.2),
-        ("split", "full", math.pi / 6.0, 1.4),
+        ("split", "full", math.pi / 6.0, 1.6),
     ],
 )
 def test_reversed_throw_is_turned(request, of_throw, name, part, last_angle, size_factor):

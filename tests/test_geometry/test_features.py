@@ -84,7 +84,7 @@ meshed = cache(mesh_throw)
 def test_the_solid_and_the_mesh_are_what_is_described(build, feature):
     throw = build(**FEATURES[feature])
     assert throw.symmetry == SYMMETRY.get(feature, "quarter")
-    mesh = meshed(throw, 2.0)
+    mesh = meshed(throw, 3.0)
     assert mesh.part == throw.symmetry
     assert PARTS[mesh.part] * mesh.solid.volume == close(throw.volume, rel=1e-6)
     solid, elements = mass_properties(mesh, 7850.0), mesh_mass_properties(mesh, 7850.0)
@@ -127,7 +127,7 @@ def test_described_from_the_other_end_it_is_the_same_part(build, feature):
     other = throw.reversed()
     assert other.volume == close(throw.volume, rel=1e-9)
     assert other.length == close(throw.length, rel=1e-12)
-    first, second = (mass_properties(meshed(t, 2.0), 1.0) for t in (throw, other))
+    first, second = (mass_properties(meshed(t, 3.0), 1.0) for t in (throw, other))
     # The new first pin stands at +y: turn the old last one there.
     last = throw.further_pins[-1].angle if throw.further_pins else 0.0
     turned = first.moved(-last, 0.0)
@@ -186,7 +186,7 @@ def test_units_make_no_difference():
         CrankThrow.from_text({name: text[unit] for name, text in texts.items()})
         for unit in range(3)
     ]
-    meshes = [mesh_throw(throw, 2.0) for throw in throws]
+    meshes = [mesh_throw(throw, 3.0) for throw in throws]
     for throw, mesh in zip(throws[1:], meshes[1:], strict=True):
         assert throw.volume == close(throws[0].volume, rel=1e-14)
         assert mesh.solid.volume == close(meshes[0].solid.volume, rel=1e-12)

@@ -80,12 +80,12 @@ def test_a_disturbed_call_leaves_no_answer_behind(dimensions, process, disturban
     with pytest.raises(disturbance):
         process.call(
             "geometry.mesh:mesh_throw",
-            large, 2.0, "auto", None, (),
+            large, 3.0, "auto", None, (),
             time_limit=60.0,
             on_remark=disturb,
         )  # fmt: skip
     throw = CrankThrow(**dimensions)
-    assert same(mesh_isolated(throw, 2.0, process=process), mesh_throw(throw, 2.0))
+    assert same(mesh_isolated(throw, 3.0, process=process), mesh_throw(throw, 3.0))
     with pytest.raises((TypeError, AttributeError)):
         process.call("operator:add", lambda: 0, 1, time_limit=10.0)
     assert process.call("operator:add", 1, 2, time_limit=10.0) == 3

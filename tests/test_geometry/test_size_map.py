@@ -94,9 +94,9 @@ def test_expected_unknowns_do_not_depend_on_the_order_of_corners(coarse_mesh):
     ("part", "size"),
     [
         ("quarter", 0.040),
-        ("quarter", 0.015),
-        ("half", 0.020),
-        ("full", 0.030),
+        ("quarter", 0.018),
+        ("half", 0.025),
+        ("full", 0.040),
     ],
 )
 def test_expected_unknowns_are_about_those_made(throw, part, size):

@@ -4,7 +4,7 @@ import sqlite3
 from dataclasses import replace
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from crankbase.errors import InputError
@@ -31,6 +31,7 @@ numbers = st.floats(allow_nan=False, allow_infinity=False)
 records = st.dictionaries(st.text(), st.one_of(numbers, st.text(), st.lists(numbers)), max_size=6)
 
 
+@settings(max_examples=40)
 @given(records)
 def test_keys_do_not_depend_on_the_order_of_fields(record):
     turned = dict(reversed(record.items()))
@@ -38,6 +39,7 @@ def test_keys_do_not_depend_on_the_order_of_fields(record):
     assert content_key({"in": turned}) == content_key({"in": record})
 
 
+@settings(max_examples=40)
 @given(records, records)
 def test_keys_differ_with_the_content(first, second):
     same = json.dumps(first, sort_keys=True) == json.dumps(second, sort_keys=True)
