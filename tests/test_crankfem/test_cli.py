@@ -204,7 +204,7 @@ def test_names_and_files_are_completed(tmp_path, model_file):
     assert completion.engines("nowhere/") == []
     assert "mwm-six" in completion.engines_and_chains("m")
     assert completion.sections("tors") == ["torsional_damper"]
-    assert set(completion.sections("")) == set(SECTIONS) - {"study"}
+    assert set(completion.sections("")) == set(SECTIONS)
     context = SimpleNamespace(params={"model": model_file})
     assert completion.dimensions(context, "web_w") == ["web_width="]
     assert completion.dimensions(context, "web_width=3") == []
