@@ -118,7 +118,7 @@ def test_in_free_journals_every_throw_is_pinned(uneven_shaft, angles):
 
 def test_soft_bearings_tend_to_none_and_stiff_ones_to_rigid(uneven_shaft):
     rigid = shaft_compliances(uneven_shaft, UNEVEN)
-    for stiffness, limit in ((1e3, 0.0), (1e15, np.inf)):
+    for stiffness, limit in ((1e2, 0.0), (1e15, np.inf)):
         near = shaft_compliances(uneven_shaft, UNEVEN, stiffness)
         wanted = shaft_compliances(uneven_shaft, UNEVEN, limit)
         for name in ("axial", "torsional", "influence", "tangential", "through"):
