@@ -122,7 +122,9 @@ def test_soft_bearings_tend_to_none_and_stiff_ones_to_rigid(uneven_shaft):
         near = shaft_compliances(uneven_shaft, UNEVEN, stiffness)
         wanted = shaft_compliances(uneven_shaft, UNEVEN, limit)
         for name in ("axial", "torsional", "influence", "tangential", "through"):
-            size = np.abs(getattr(rigid, name)).max()  # no torque lengthens a shaft in free journals
+            size = np.abs(
+                getattr(rigid, name)
+            ).max()  # no torque lengthens a shaft in free journals
             assert getattr(near, name) == close(getattr(wanted, name), abs=1e-4 * size)
 
 
@@ -154,9 +156,7 @@ def test_a_bearing_only_stiffens(superelement):
         assert (np.diff([getattr(one, name).sum() for one in found]) <= 1e-20).all()
 
 
-@pytest.mark.parametrize(
-    "bearings", [-1.0, np.nan, [1e9] * 2, [0.0, 0.0, 1e9], [1e9, np.nan, 1e9]]
-)
+@pytest.mark.parametrize("bearings", [-1.0, np.nan, [1e9] * 2, [0.0, 0.0, 1e9], [1e9, np.nan, 1e9]])
 def test_bearings_that_cannot_be(superelement, bearings):
     with pytest.raises(InputError, match=r"^bearing_stiffness: given "):
         shaft_compliances([superelement] * 2, [0.0, 1.0], bearings)
