@@ -226,14 +226,14 @@ def _lateral_stiffness(given: ArrayLike, sections: int) -> Array:
     lateral = np.asarray(given, dtype=np.float64)
     if lateral.shape not in ((), (sections,)):
         raise InputError(
-            f"bearing_stiffness: given an array of shape {lateral.shape}; allowed is one number for all, or one "
-            f"for each of the {sections} sections, because throws side by side share a bearing."
+            f"bearing_stiffness: given an array of shape {lateral.shape}; allowed is one number for all, or "
+            f"one for each of the {sections} sections, because throws side by side share a bearing."
         )
     lateral = np.broadcast_to(lateral, sections)
     if not np.all(lateral >= 0.0) or np.count_nonzero(lateral) == 1:
         raise InputError(
-            f"bearing_stiffness: given {lateral.tolist()}; allowed are numbers of zero or more (infinite: rigid), "
-            "two of them above zero or none, because a shaft in one bearing swings about it."
+            f"bearing_stiffness: given {lateral.tolist()}; allowed are numbers of zero or more (infinite: "
+            "rigid), two of them above zero or none, because a shaft in one bearing swings about it."
         )
     return lateral
 

@@ -5,6 +5,7 @@ constant. Coriolis' and the centrifugal forces of vibration in this frame are le
 `rotation_ratio`.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -49,6 +50,8 @@ class AssembledShaft:
         Rotation of damper ring and driven machine, as far as they are there.
     added_inertia : (a,) array
         [kg m^2]
+    added_springs : (a, u) array
+        Rows whose squares are twice the strain energy of damper spring and coupling.
     dashpots : (d, u) array
         Directions in which dashpots act.
     positions : (n + 1,) array
@@ -70,6 +73,7 @@ class AssembledShaft:
     stations: Stations = field(repr=False)
     added: FloatArray = field(repr=False)
     added_inertia: FloatArray
+    added_springs: FloatArray = field(repr=False)
     dashpots: FloatArray = field(repr=False)
     positions: FloatArray
     pin_throws: tuple[int, ...]
@@ -157,12 +161,13 @@ def assemble_crankshaft(
         *_hold_laterally(springs, around, count, unit),
         *_hold_axially(springs, around.axial_supports, count, unit),
     ]
+    added_springs = np.zeros((len(rings), size))
     for number, (ring, section) in enumerate(rings_of(around, count)):
         row = size - len(rings) + number
         mass[row, row] += ring.inertia
-        springs.add(
-            unit[row] - unit[6 * section + RZ], ring.stiffness, ring.damping, ring.loss_factor
-        )
+        twist = unit[row] - unit[6 * section + RZ]
+        springs.add(twist, ring.stiffness, ring.damping, ring.loss_factor)
+        added_springs[number] = math.sqrt(ring.stiffness) * twist
 
     kept = np.setdiff1d(np.arange(size), held)
     free = np.ix_(kept, kept)
@@ -181,6 +186,7 @@ def assemble_crankshaft(
         stations=stations.of(kept),
         added=unit[size - len(rings) :, kept],
         added_inertia=np.array([ring.inertia for ring in rings]),
+        added_springs=added_springs[:, kept],
         dashpots=np.array(springs.dashpots).reshape(-1, size)[:, kept],
         positions=starts,
         pin_throws=tuple(

@@ -15,7 +15,7 @@ from crankbase.tables.frames import Row, table, table_of
 from dynamics.chains.engine_chains import EngineChain, Kind
 from dynamics.crankshaft.assembly import AssembledShaft
 from dynamics.crankshaft.coupled_response import CoupledResponse
-from dynamics.crankshaft.shaft_modes import ShaftModes
+from dynamics.crankshaft.shaft_modes import CRANKSHAFT_MODE, ShaftModes
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.crankshaft.shaft_throw import RZ, UZ
 from dynamics.crankshaft.stations import CLASSES
@@ -214,7 +214,10 @@ class ChainVerdict:
 def matching_modes(
     crankshaft: CrankshaftSystem, chain: EngineChain, highest_frequency: float
 ) -> tuple[ModeMatch, ...]:
-    """Find for each elastic mode of a chain the mode of the whole shaft that is most like it.
+    """Find for each mode of the crankshaft in a chain the mode of the whole shaft that is most like it.
+
+    Modes of a coupling, a damper's ring or a shaft line, in whose elements more than half of the strain
+    energy is, say nothing of the crankshaft and are left out.
 
     Parameters
     ----------
@@ -236,7 +239,8 @@ def matching_modes(
     """
     positive_number("highest_frequency", highest_frequency, "Hz", "modes are compared up to it")
     modes = chain.chain.modes()
-    wanted = np.flatnonzero(modes.frequencies <= highest_frequency)
+    own = chain.crankshaft_shares(modes) >= CRANKSHAFT_MODE
+    wanted = np.flatnonzero(own & (modes.frequencies <= highest_frequency))
     wanted = wanted[wanted >= modes.rigid].tolist()
     return match_modes(crankshaft.shaft, crankshaft.modes, chain, wanted)
 
