@@ -1,11 +1,12 @@
 """Superelements in a row: a crankshaft, or a throw between its neighbors."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.choices import check_choice
 from crankbase.drawing.bars import draw_groups, draw_matrix
@@ -37,8 +38,8 @@ SHOWN: Mapping[str, tuple[str, str]] = {
 class ShaftCompliances:
     """What each throw contributes at its place in a shaft.
 
-    The sections at the main bearings are held laterally and tilt freely; the first one also axially
-    and against rotation; forces act along the whole shaft.
+    Each section stands in its main bearing, laterally rigid or elastic, and tilts freely; the first one is
+    held axially and against rotation; forces act along the whole shaft.
 
     Attributes
     ----------
@@ -164,17 +165,83 @@ def free_unknowns(sections: int) -> NDArray[np.int64]:
     return np.flatnonzero(~blocked.ravel())
 
 
-def solve_shaft(throws: Sequence[Superelement], loads: Array) -> Array:
-    """Section motions (6 (n + 1), k) of a laterally held shaft under loads of that shape."""
+def solve_shaft(
+    throws: Sequence[Superelement], loads: Array, bearing_stiffness: ArrayLike = math.inf
+) -> Array:
+    """Solve for the section motions of a shaft in its main bearings.
+
+    Parameters
+    ----------
+    throws : sequence of n Superelement
+        Each already turned to its crank angle.
+    loads : (6 (n + 1), k) array
+        Forces and moments on the sections. The first section is held axially and against rotation.
+    bearing_stiffness : float or (n + 1,) array_like, optional
+        Lateral, of each main bearing or of all [N/m]; ``math.inf`` for rigid ones. Zero for all is the limit
+        of ever softer equal bearings, which share what the loads do not balance themselves.
+
+    Returns
+    -------
+    (6 (n + 1), k) array
+        Motions; of a shaft without bearings relative to its first and last section.
+
+    Raises
+    ------
+    InputError
+        If a stiffness is negative or no number, there is not one for each section, or just one is above
+        zero, about which the shaft would swing.
+    """
+    sections = len(throws) + 1
+    lateral = _lateral_stiffness(bearing_stiffness, sections)
     stiffness = assemble_shaft(throws)
-    free = free_unknowns(len(throws) + 1)
-    motions = np.zeros_like(loads)
-    motions[free] = np.linalg.solve(stiffness[np.ix_(free, free)], loads[free])
+    across = 6 * np.arange(sections)[:, None] + [UX, UY]
+    blocked = np.zeros(6 * sections, dtype=bool)
+    blocked[[UZ, RZ]] = True
+    if np.any(lateral > 0.0):
+        elastic = np.isfinite(lateral)
+        blocked[across[~elastic]] = True
+        stiffness[across[elastic], across[elastic]] += lateral[elastic, None]
+        return _solve(stiffness, loads, blocked)
+    # The shaft is held at its ends, where no force is left once equal bearings have balanced the loads.
+    ends = across[[0, -1]].ravel()
+    blocked[ends] = True
+    rigid = np.zeros((6 * sections, 4))
+    rigid[ends] = np.eye(4)
+    rigid[~blocked] = -np.linalg.solve(
+        stiffness[np.ix_(~blocked, ~blocked)], stiffness[np.ix_(~blocked, ends)]
+    )
+    held = rigid[across.ravel()]
+    balanced = np.array(loads, dtype=np.float64)
+    balanced[across.ravel()] -= held @ np.linalg.solve(held.T @ held, rigid.T @ loads)
+    return _solve(stiffness, balanced, blocked)
+
+
+def _solve(stiffness: Array, loads: Array, blocked: NDArray[np.bool_]) -> Array:
+    motions = np.zeros_like(loads, dtype=np.float64)
+    motions[~blocked] = np.linalg.solve(stiffness[np.ix_(~blocked, ~blocked)], loads[~blocked])
     return motions
 
 
+def _lateral_stiffness(given: ArrayLike, sections: int) -> Array:
+    lateral = np.asarray(given, dtype=np.float64)
+    if lateral.shape not in ((), (sections,)):
+        raise InputError(
+            f"bearing_stiffness: given an array of shape {lateral.shape}; allowed is one number for all, or "
+            f"one for each of the {sections} sections, because throws side by side share a bearing."
+        )
+    lateral = np.broadcast_to(lateral, sections)
+    if not np.all(lateral >= 0.0) or np.count_nonzero(lateral) == 1:
+        raise InputError(
+            f"bearing_stiffness: given {lateral.tolist()}; allowed are numbers of zero or more (infinite: "
+            "rigid), two of them above zero or none, because a shaft in one bearing swings about it."
+        )
+    return lateral
+
+
 def shaft_compliances(
-    throws: Sequence[Superelement], crank_angles: Sequence[float]
+    throws: Sequence[Superelement],
+    crank_angles: Sequence[float],
+    bearing_stiffness: ArrayLike = math.inf,
 ) -> ShaftCompliances:
     """Compliances of each throw of a crankshaft at its place.
 
@@ -184,6 +251,8 @@ def shaft_compliances(
         From the free end, each in its own throw frame.
     crank_angles : sequence of n float
         Angle of each crank about +z [rad].
+    bearing_stiffness : float or (n + 1,) array_like, optional
+        Lateral, of the main bearings; see `solve_shaft`.
 
     Returns
     -------
@@ -192,7 +261,15 @@ def shaft_compliances(
     Raises
     ------
     InputError
-        If there is not one angle for each throw.
+        If there is not one angle for each throw, or as `solve_shaft` for the bearings.
+
+    Notes
+    -----
+    Without lateral restraint (zero) every throw has its pinned compliances, axial and torsional, whatever the
+    angles to its neighbors: an axial force through the section centers and a torque about their line load
+    each throw by themselves alone, so the common journal carries no bending moment and no lateral force, and
+    tilts and moves as either throw wants it to. Only bearings that hold the journals on one line
+    join the throws.
     """
     if not throws or len(throws) != len(crank_angles):
         raise InputError(
@@ -214,7 +291,7 @@ def shaft_compliances(
         )
     )
     loads = np.hstack([pulls, *radial, *tangential])
-    motions = solve_shaft(turned, loads)
+    motions = solve_shaft(turned, loads, bearing_stiffness)
     stretch = np.diff(motions[UZ::6], axis=0)
     twist = np.diff(motions[RZ::6], axis=0)
     by_radial, by_tangential = np.split(stretch[:, 2:], 2, axis=1)

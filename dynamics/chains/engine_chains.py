@@ -19,6 +19,7 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.attachments import DrivenMachine
 from dynamics.chains.chain import Chain
+from dynamics.chains.chain_modes import Modes
 from dynamics.chains.dampers import (
     AxialDamper,
     TorsionalDamper,
@@ -66,6 +67,20 @@ class EngineChain:
     def throws(self) -> int:
         """Number of throws of the crankshaft."""
         return len(self.throw_nodes) if self.kind == "torsional" else len(self.sections) - 1
+
+    @property
+    def crank_elements(self) -> int:
+        """Number of elements of the crankshaft itself, free end to flywheel: the first of the chain."""
+        return self.throws if self.kind == "axial" else self.throw_nodes[-1] + 1
+
+    def crankshaft_shares(self, modes: Modes) -> FloatArray:
+        """Return the share of each mode's strain energy in crankshaft and thrust bearing, (q,).
+
+        The rest is in damper, coupling or shaft line. 1 for rigid motions.
+        """
+        elements = np.arange(len(modes.strain_shares))
+        others = (elements >= self.crank_elements) & (elements < len(modes.connections))
+        return np.asarray(1.0 - modes.strain_shares[others].sum(axis=0))
 
     def with_chain(self, chain: Chain) -> "EngineChain":
         """Return the same engine with its chain changed by the functions that edit chains.

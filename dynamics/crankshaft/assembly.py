@@ -5,6 +5,7 @@ constant. Coriolis' and the centrifugal forces of vibration in this frame are le
 `rotation_ratio`.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -49,6 +50,8 @@ class AssembledShaft:
         Rotation of damper ring and driven machine, as far as they are there.
     added_inertia : (a,) array
         [kg m^2]
+    added_springs : (a, u) array
+        Rows whose squares are twice the strain energy of damper spring and coupling.
     dashpots : (d, u) array
         Directions in which dashpots act.
     positions : (n + 1,) array
@@ -70,6 +73,7 @@ class AssembledShaft:
     stations: Stations = field(repr=False)
     added: FloatArray = field(repr=False)
     added_inertia: FloatArray
+    added_springs: FloatArray = field(repr=False)
     dashpots: FloatArray = field(repr=False)
     positions: FloatArray
     pin_throws: tuple[int, ...]
@@ -169,10 +173,13 @@ def assemble_crankshaft(
             held.append(place)
         else:
             join(unit[place], spring, dashpot)
-    for row, (_, ring, section) in enumerate(rings, start=size - len(rings)):
+    added_springs = np.zeros((len(rings), size))
+    for number, (_, ring, section) in enumerate(rings):
+        row = size - len(rings) + number
         mass[row, row] += ring.inertia
-        turned = unit[row] - unit[6 * section + RZ]
-        join(turned, ring.stiffness, ring.damping, ring.loss_factor)
+        twist = unit[row] - unit[6 * section + RZ]
+        join(twist, ring.stiffness, ring.damping, ring.loss_factor)
+        added_springs[number] = math.sqrt(ring.stiffness) * twist
 
     kept = np.setdiff1d(np.arange(size), held)
     free = np.ix_(kept, kept)
@@ -197,6 +204,7 @@ def assemble_crankshaft(
         stations=stations.of(kept),
         added=unit[size - len(rings) :, kept],
         added_inertia=np.array([ring.inertia for _, ring, _ in rings]),
+        added_springs=added_springs[:, kept],
         dashpots=np.array(dashpots).reshape(-1, size)[:, kept],
         positions=starts,
         pin_throws=tuple(

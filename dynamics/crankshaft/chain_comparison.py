@@ -11,7 +11,9 @@ from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table, table_of
 from dynamics.chains.engine_chains import EngineChain, Kind
+from dynamics.crankshaft.assembly import AssembledShaft
 from dynamics.crankshaft.coupled_response import CoupledResponse
+from dynamics.crankshaft.shaft_modes import CRANKSHAFT_MODE, ShaftModes
 from dynamics.crankshaft.shaft_system import CrankshaftSystem
 from dynamics.crankshaft.shaft_throw import RZ, UZ
 from dynamics.crankshaft.stations import CLASSES
@@ -204,7 +206,10 @@ class ChainVerdict:
 def matching_modes(
     crankshaft: CrankshaftSystem, chain: EngineChain, highest_frequency: float
 ) -> tuple[ModeMatch, ...]:
-    """Find for each elastic mode of a chain the mode of the whole shaft that is most like it.
+    """Find for each mode of the crankshaft in a chain the mode of the whole shaft that is most like it.
+
+    Modes of a coupling, a damper's ring or a shaft line, in whose elements more than half of the strain
+    energy is, say nothing of the crankshaft and are left out.
 
     Parameters
     ----------
@@ -225,23 +230,51 @@ def matching_modes(
         If the chain has another number of throws, or the frequency is not above zero.
     """
     positive_number("highest_frequency", highest_frequency, "Hz", "modes are compared up to it")
-    shaft, modes = crankshaft.shaft, crankshaft.modes
+    modes = chain.chain.modes()
+    own = chain.crankshaft_shares(modes) >= CRANKSHAFT_MODE
+    wanted = np.flatnonzero(own & (modes.frequencies <= highest_frequency))
+    wanted = wanted[wanted >= modes.rigid].tolist()
+    return match_modes(crankshaft.shaft, crankshaft.modes, chain, wanted)
+
+
+def match_modes(
+    shaft: AssembledShaft, modes: ShaftModes, chain: EngineChain, wanted: Sequence[int]
+) -> tuple[ModeMatch, ...]:
+    """Find for some modes of a chain those of the whole shaft that are most like them.
+
+    Parameters
+    ----------
+    shaft : AssembledShaft
+    modes : ShaftModes
+        Of that shaft.
+    chain : EngineChain
+    wanted : sequence of int
+        Modes of the chain, rigid ones counted.
+
+    Returns
+    -------
+    tuple of ModeMatch
+
+    Raises
+    ------
+    InputError
+        If the chain has another number of throws.
+    """
     if chain.throws != shaft.section_count - 1:
         raise InputError(
             f"chain: given one of {chain.throws} throws; allowed is one of {shaft.section_count - 1}, "
             "because the shaft has so many."
         )
     nodes = list(chain.sections if chain.kind == "axial" else chain.throw_nodes)
-    moved = _motion_of_nodes(crankshaft, chain.kind)
+    moved = _motion_of_nodes(shaft, modes, chain.kind)
     share = modes.shares[CLASSES.index(chain.kind)]
     weight = chain.chain.inertia[nodes]
     sizes = weight @ moved**2
     chain_modes = chain.chain.modes()
     rigid = chain_modes.rigid, modes.rigid
     found = []
-    for number, frequency in enumerate(chain_modes.frequencies.tolist()):
-        if number < chain_modes.rigid or frequency > highest_frequency:
-            continue
+    for number in wanted:
+        frequency = float(chain_modes.frequencies[number])
         shape = chain_modes.shapes[nodes, number]
         likeness = (weight * shape) @ moved
         likeness = likeness**2 / np.where(sizes > 0.0, sizes, 1.0) / (weight @ shape**2)
@@ -356,9 +389,9 @@ def chain_verdict(
     return ChainVerdict(kind, not reasons, tuple(reasons), tuple(modes), response)
 
 
-def _motion_of_nodes(crankshaft: CrankshaftSystem, kind: Kind) -> FloatArray:
+def _motion_of_nodes(shaft: AssembledShaft, modes: ShaftModes, kind: Kind) -> FloatArray:
     """Return how each mode moves the sections along the shaft, or turns the throws, (nodes, q)."""
-    shaft, motions = crankshaft.shaft, crankshaft.modes.motions
+    motions = modes.motions
     sections = shaft.section_count
     if kind == "axial":
         return np.asarray(motions[:sections, UZ])

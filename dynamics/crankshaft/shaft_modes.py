@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
+from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
@@ -20,6 +21,8 @@ from dynamics.response.linear_system import natural_modes
 
 # A mode is called pure above this share of one class.
 PURE = 0.95
+# Of a mode of the crankshaft itself, the least share of its strain energy outside coupling and damper.
+CRANKSHAFT_MODE = 0.5
 
 
 @summarized("frequencies [Hz]", "rigid", "names")
@@ -39,6 +42,9 @@ class ShaftModes:
         What rigid motion it is; "mode 1" and so on for elastic ones.
     shares : (3, q) array
         Axial, torsional and bending share of the energy, of sum 1; see `Stations.energy_shares`.
+    crankshaft_shares : (q,) array
+        Share of the strain energy outside the damper's spring and the coupling of a driven machine; 1 for
+        rigid motions.
     motions : (s, 6, q) array
         Of the stations: displacements, rotations, in the shaft's frame.
     positions : (s,) array
@@ -50,6 +56,7 @@ class ShaftModes:
     rigid: int
     names: tuple[str, ...]
     shares: FloatArray
+    crankshaft_shares: FloatArray
     motions: FloatArray = field(repr=False)
     positions: FloatArray = field(repr=False)
 
@@ -69,17 +76,21 @@ class ShaftModes:
         shown = (kind for kind in np.argsort(-shares) if shares[kind] >= 1.0 - PURE)
         return ", ".join(f"{CLASSES[kind]} {100.0 * shares[kind]:.0f} %" for kind in shown)
 
-    def first(self, kind: str) -> int:
-        """Return the lowest elastic mode in which a class has the largest share.
+    def first(self, kind: str) -> int | None:
+        """Return the lowest elastic mode of the crankshaft itself in which a class has the largest share.
+
+        Modes of a coupling or a damper's ring, in whose springs more than half of the strain energy is, are
+        passed over. None if there is no other.
 
         Raises
         ------
-        ValueError
+        InputError
             If there is no such class.
         """
-        if kind not in CLASSES:
-            raise ValueError(f"{kind!r} is none of {', '.join(CLASSES)}")
-        return self.kinds.index(kind, self.rigid)
+        check_choice("kind", kind, CLASSES, "modes are of these kinds")
+        own = self.crankshaft_shares[self.rigid :] >= CRANKSHAFT_MODE
+        found = np.flatnonzero(own & (np.array(self.kinds[self.rigid :]) == kind))
+        return self.rigid + int(found[0]) if found.size else None
 
     def plot(
         self,
@@ -193,12 +204,15 @@ def crankshaft_modes(shaft: AssembledShaft) -> ShaftModes:
     # Of rigid motions any combinations are modes; the plain ones have names.
     shapes = np.column_stack((shaft.rigid, shapes[:, rigid:]))
     elastic = natural.size - rigid
+    beside = np.sum((shaft.added_springs @ shapes) ** 2, axis=0)
+    beside[rigid:] /= natural[rigid:] ** 2  # elastic modes are of unit modal mass
     return ShaftModes(
         angular_frequencies=natural,
         shapes=shapes,
         rigid=rigid,
         names=(*shaft.rigid_names, *(f"mode {number + 1}" for number in range(elastic))),
         shares=shaft.stations.energy_shares(shapes, shaft.added, shaft.added_inertia),
+        crankshaft_shares=1.0 - beside,
         motions=np.einsum("siu,uk->sik", shaft.stations.motions, shapes),
         positions=shaft.stations.positions,
     )

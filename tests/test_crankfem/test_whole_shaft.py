@@ -85,14 +85,20 @@ def test_whole_shaft_of_an_engine(engine, coupled_vibration, tmp_path):
     assert about @ whole.crankshaft.shaft.mass @ about == close(
         torsional.chain.inertia.sum() + own, rel=1e-3
     )
-    held = whole_shaft(engine_file, analysis, bearings=MainBearings(math.inf))
-    twist = lengthening(held.crankshaft, "section {} rz", held.crankshaft.point("section 0 rz"))
-    stretch = lengthening(held.crankshaft, "section {} uz", held.crankshaft.point("section 0 uz"))
-    # The static assembly of the same superelement, by another way; residuals of the solver are 1e-9.
-    assert twist == close(shaft.torsional.sum(), rel=1e-6)
-    assert stretch == close(shaft.axial.sum(), rel=1e-6)
-    by_pin = lengthening(held.crankshaft, "section {} uz", held.crankshaft.point("pin 2 radial"))
-    assert by_pin == close(shaft.influence[:, 1].sum(), rel=1e-6)
+    # In the same bearings: those assumed for both, and rigid ones.
+    rigid = whole_shaft(engine_file, analysis, bearings=MainBearings(math.inf))
+    for held, static in (
+        (whole, shaft),
+        (rigid, compliances_in_shaft(engine_file, analysis, math.inf)),
+    ):
+        system = held.crankshaft
+        twist = lengthening(system, "section {} rz", system.point("section 0 rz"))
+        stretch = lengthening(system, "section {} uz", system.point("section 0 uz"))
+        # The static assembly of the same superelement, by another way; residuals of the solver are 1e-9.
+        assert twist == close(static.torsional.sum(), rel=1e-6)
+        assert stretch == close(static.axial.sum(), rel=1e-6)
+        by_pin = lengthening(system, "section {} uz", system.point("pin 2 radial"))
+        assert by_pin == close(static.influence[:, 1].sum(), rel=1e-6)
     assert any("assumed" in remark for remark in whole.remarks) == (engine_file.bearings is None)
     assert np.all(whole.rotation_ratios[:3] > 0.01)
     # Everything at once: forces of the engine, whole shaft, chains, pictures.

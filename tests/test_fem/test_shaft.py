@@ -105,3 +105,58 @@ def test_influences_of_equal_throws_are_symmetric(superelement):
 def test_as_many_angles_as_throws(superelement, throws):
     with pytest.raises(InputError, match=r"^crank_angles: given "):
         shaft_compliances([superelement] * throws, [0.0])
+
+
+@pytest.mark.parametrize("angles", [UNEVEN, np.zeros(5), np.radians([0.0, 180.0, 0.0, 180.0, 0.0])])
+def test_in_free_journals_every_throw_is_pinned(uneven_shaft, angles):
+    """Each throw is loaded by itself alone, so no neighbor hinders it, in pull or in twist."""
+    found = shaft_compliances(uneven_shaft, angles, bearing_stiffness=0.0)
+    alone = [support_throw(throw, "pinned") for throw in uneven_shaft]
+    assert found.axial == close([one.axial for one in alone], rel=1e-8)
+    assert found.torsional == close([one.torsional for one in alone], rel=1e-8)
+
+
+def test_soft_bearings_tend_to_none_and_stiff_ones_to_rigid(uneven_shaft):
+    rigid = shaft_compliances(uneven_shaft, UNEVEN)
+    for stiffness, limit in ((1e2, 0.0), (1e15, np.inf)):
+        near = shaft_compliances(uneven_shaft, UNEVEN, stiffness)
+        wanted = shaft_compliances(uneven_shaft, UNEVEN, limit)
+        for name in ("axial", "torsional", "influence", "tangential", "through"):
+            size = np.abs(
+                getattr(rigid, name)
+            ).max()  # no torque lengthens a shaft in free journals
+            assert getattr(near, name) == close(getattr(wanted, name), abs=1e-4 * size)
+
+
+@settings(max_examples=15, deadline=None)
+@given(exponents=st.lists(st.floats(6.0, 12.0), min_size=6, max_size=6))
+def test_compliances_on_elastic_bearings_are_those_of_the_assembled_shaft(uneven_shaft, exponents):
+    """Each bearing another: the sums of stretch and twist against the inverse of the whole stiffness."""
+    bearings = 10.0 ** np.array(exponents)
+    found = shaft_compliances(uneven_shaft, UNEVEN, bearings)
+    turned = [part.turned(angle) for part, angle in zip(uneven_shaft, UNEVEN, strict=True)]
+    stiffness = assemble_shaft(turned)
+    springs = np.zeros((6, 6))
+    springs[:, :2] = bearings[:, None]
+    stiffness += np.diag(springs.ravel())
+    free = np.setdiff1d(np.arange(36), [UZ, RZ])
+    flexibility = np.linalg.inv(stiffness[np.ix_(free, free)])
+    last = [int(np.flatnonzero(free == 30 + unknown)[0]) for unknown in (UZ, RZ)]
+    assert found.axial.sum() == close(flexibility[last[0], last[0]], rel=1e-9)
+    assert found.torsional.sum() == close(flexibility[last[1], last[1]], rel=1e-9)
+    assert found.through.sum() == close(flexibility[last[0], last[1]], abs=1e-9 * found.axial.sum())
+
+
+def test_a_bearing_only_stiffens(superelement):
+    """Of the whole shaft, by Rayleigh; a single throw may gain what another one loses."""
+    found = [
+        shaft_compliances([superelement] * 6, ANGLES, k) for k in (0.0, 1e7, 1e8, 1e9, 1e10, np.inf)
+    ]
+    for name in ("axial", "torsional"):
+        assert (np.diff([getattr(one, name).sum() for one in found]) <= 1e-20).all()
+
+
+@pytest.mark.parametrize("bearings", [-1.0, np.nan, [1e9] * 2, [0.0, 0.0, 1e9], [1e9, np.nan, 1e9]])
+def test_bearings_that_cannot_be(superelement, bearings):
+    with pytest.raises(InputError, match=r"^bearing_stiffness: given "):
+        shaft_compliances([superelement] * 2, [0.0, 1.0], bearings)

@@ -5,6 +5,7 @@ from dataclasses import asdict
 import numpy as np
 
 from crankbase.units.quantity import format_quantity
+from crankfem.analyses.shaft.bearings import bearing_stiffness
 from crankfem.analyses.shaft.chains import engine_throw_inertias
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.engine.engine_file import EngineFile
@@ -16,11 +17,6 @@ from dynamics.crankshaft.surroundings import (
     TorsionalRing,
 )
 from geometry.mass import cylinder_mass_properties
-
-# Lateral stiffness of a main bearing (oil film, cap and wall) per journal diameter, where the file gives
-# none. An assumption of the order of magnitude, no measurement: it makes 0.5e9 N/m of a journal of 50 mm
-# and 2e9 N/m of one of 200 mm.
-ASSUMED_BEARING_STIFFNESS = 1e10  # N/m per m
 
 Remarks = tuple[str, ...]
 
@@ -69,14 +65,15 @@ def shaft_surroundings(
 
 
 def _bearings(engine_file: EngineFile, throws: int) -> tuple[MainBearings, Remarks]:
-    given = engine_file.bearings
-    if given is not None:
-        each = throws + 1
-        return MainBearings([given.stiffness] * each, [given.damping] * each), ()
-    assumed = ASSUMED_BEARING_STIFFNESS * engine_file.throw.main_journal_diameter
-    return MainBearings(assumed), (
-        f"main bearings are assumed to have a lateral stiffness of {assumed / 1e9:.3g}e9 N/m each, 1e10 N/m "
-        "per m of journal diameter, and no damping; give the section [bearings]",
+    held, given = bearing_stiffness(engine_file), engine_file.bearings
+    damping = 0.0 if given is None else given.damping
+    return MainBearings([held.nominal] * (throws + 1), [damping] * (throws + 1)), (
+        (
+            f"main bearings are assumed to have a {held.describe()}, 1e10 N/m per m of journal diameter, "
+            "and no damping; give the section [bearings]",
+        )
+        if held.assumed
+        else ()
     )
 
 

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.errors import InputError
+from crankfem.analyses.shaft.bearings import bearing_stiffness
 from crankfem.analyses.shaft.throw_analyses import Analyses, crank_analyses
 from crankfem.files.engine.engine_file import EngineFile
 from fem.shaft import ShaftCompliances, shaft_compliances
@@ -21,10 +22,23 @@ NO_NEIGHBOR_DEG = 180.0
 Sources = dict[str, tuple[NDArray[np.float64], str]]
 
 
-def compliances_in_shaft(engine_file: EngineFile, analysis: Analyses) -> ShaftCompliances:
-    """FE compliances of each throw at its place among the engine's cranks."""
+def compliances_in_shaft(
+    engine_file: EngineFile, analysis: Analyses, stiffness: float | None = None
+) -> ShaftCompliances:
+    """Find the FE compliances of each throw at its place among the engine's cranks.
+
+    Parameters
+    ----------
+    engine_file : EngineFile
+    analysis : ThrowAnalysis or mapping
+        Of the engine's throw, or of each throw by its name.
+    stiffness : float, optional
+        Lateral, of each main bearing [N/m], ``math.inf`` for rigid ones; that of `bearing_stiffness` by
+        default.
+    """
     throws = [own.superelement for own in crank_analyses(engine_file, analysis)]
-    return shaft_compliances(throws, engine_file.throw_angles)
+    held = bearing_stiffness(engine_file).nominal if stiffness is None else stiffness
+    return shaft_compliances(throws, engine_file.throw_angles, held)
 
 
 def axial_sources(
@@ -60,10 +74,11 @@ def _fitted_sources(
     each = crank_analyses(engine_file, analysis)
     pinned = np.array([getattr(own, quantity)("pinned") for own in each])
     found: Sources = {
-        FE: (in_shaft, "superelements assembled at the crank angles"),
+        FE: (in_shaft, "superelements assembled at the crank angles, in elastic main bearings"),
         FE_PINNED: (
             pinned,
-            "a single throw with ends free to tilt; too soft beside neighbors that hinder the tilt",
+            "a single throw with ends free to tilt: what every throw has in journals that move sideways "
+            "freely; bearings stiffen it",
         ),
     }
     if model is not None:

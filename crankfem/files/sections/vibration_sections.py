@@ -66,7 +66,26 @@ class Bearings(InputModel):
     section: ClassVar[str] = "bearings"
 
     stiffness: float = quantity_field("lateral stiffness", "N/m", 1e5, 1e13)
+    lowest_stiffness: float | None = quantity_field(
+        "lowest lateral stiffness that is possible", "N/m", 1e5, 1e13, default=None
+    )
+    highest_stiffness: float | None = quantity_field(
+        "highest lateral stiffness that is possible", "N/m", 1e5, 1e13, default=None
+    )
     damping: float = quantity_field("lateral damping", "N s/m", 0.0, 1e10, default=0.0)
+
+    @model_validator(mode="after")
+    def _range_holds_the_stiffness(self) -> Self:
+        for name, given, outside in (
+            ("lowest_stiffness", self.lowest_stiffness, float.__gt__),
+            ("highest_stiffness", self.highest_stiffness, float.__lt__),
+        ):
+            if given is not None and outside(given, self.stiffness):
+                raise InputError(
+                    f"bearings.{name}: given {given:g} N/m; allowed is a range that holds the stiffness of "
+                    f"{self.stiffness:g} N/m, because that is its nominal value."
+                )
+        return self
 
 
 class ShaftLineFiles(InputModel):

@@ -1,0 +1,141 @@
+"""What makes the frequencies of a whole crankshaft differ from those of its chain, cause by cause."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from crankbase.checks.arrays import FloatArray
+from crankbase.errors import InputError
+from crankbase.summaries import summarized
+from dynamics.chains.engine_chains import EngineChain
+from dynamics.crankshaft.assembly import AssembledShaft
+from dynamics.crankshaft.chain_comparison import match_modes
+from dynamics.crankshaft.shaft_modes import crankshaft_modes
+from dynamics.crankshaft.stations import Stations
+
+# Share of the shaft's own mass matrix that stays in every step: without any mass a motion has no frequency.
+RESIDUAL = 1e-6
+CAUSES = ("bearings", "mass distribution", "flywheel tilt", "lateral inertia", "eccentric masses")
+
+
+@summarized("kind", "rigid_chain [Hz]", "chain [Hz]", "shaft [Hz]", "causes")
+@dataclass(frozen=True)
+class FrequencyDifference:
+    """A mode's frequency in the chain and in the whole crankshaft, and the steps from one to the other.
+
+    Attributes
+    ----------
+    kind : {"axial", "torsional"}
+    mode : int
+        Elastic mode of the chain, from 1.
+    rigid_chain : float
+        Frequency of the chain in laterally rigid bearings [Hz].
+    chain, shaft : float
+        In the engine's bearings: of the chain, and of the whole crankshaft [Hz].
+    causes : dict of str to float
+        What each adds to the frequency [Hz]; from `rigid_chain` their sum leads to `shaft`. "bearings": the
+        journals move sideways. "mass distribution": inertia along each throw in place of lumps, and
+        inertia loads within the shaft, which the journals' reactions carry from throw to throw.
+        "flywheel tilt": mass and diametral inertia of the end bodies resist the tilting of their sections.
+        "lateral inertia": that of the throws as if centered on the axis. "eccentric masses": the throws'
+        centers of mass beside the axis.
+    """
+
+    kind: str
+    mode: int
+    rigid_chain: float
+    chain: float
+    shaft: float
+    causes: dict[str, float]
+
+    @property
+    def largest(self) -> str:
+        """Cause that moves the frequency most."""
+        return max(self.causes, key=lambda name: abs(self.causes[name]))
+
+
+def frequency_difference(
+    shaft: AssembledShaft, chain: EngineChain, rigid_chain: EngineChain, mode: int = 1
+) -> FrequencyDifference:
+    """Split the difference between a chain's frequency and that of the whole crankshaft.
+
+    Parameters
+    ----------
+    shaft : AssembledShaft
+    chain : EngineChain
+        With the throws' compliances in the same bearings.
+    rigid_chain : EngineChain
+        With those in laterally rigid bearings.
+    mode : int
+        Elastic mode of the chain, from 1.
+
+    Returns
+    -------
+    FrequencyDifference
+
+    Raises
+    ------
+    InputError
+        If the chain has no such mode, or the whole crankshaft none like it.
+
+    Notes
+    -----
+    Masses are added one kind after another, and the mode most like the chain's is followed. The share of a
+    cause depends on the order of the steps; the sum does not.
+    """
+    frequencies = [_elastic(rigid_chain, mode), _elastic(chain, mode)]
+    for tilt, lateral in ((False, False), (True, False), (True, True)):
+        on_axis = (1.0 - RESIDUAL) * _centered_mass(shaft, tilt=tilt, lateral=lateral)
+        changed = replace(shaft, mass=on_axis + RESIDUAL * shaft.mass)
+        frequencies.append(_matched(changed, chain, mode))
+    frequencies.append(_matched(shaft, chain, mode))
+    return FrequencyDifference(
+        kind=chain.kind,
+        mode=mode,
+        rigid_chain=frequencies[0],
+        chain=frequencies[1],
+        shaft=frequencies[-1],
+        causes=dict(zip(CAUSES, np.diff(frequencies).tolist(), strict=True)),
+    )
+
+
+def _elastic(chain: EngineChain, mode: int) -> float:
+    found = chain.chain.modes().elastic_frequencies
+    if not 1 <= mode <= len(found):
+        raise InputError(
+            f"mode: given {mode}; allowed is 1 to {len(found)}, because the chain has so many elastic modes."
+        )
+    return float(found[mode - 1])
+
+
+def _matched(shaft: AssembledShaft, chain: EngineChain, mode: int) -> float:
+    modes = chain.chain.modes()
+    number = modes.rigid + mode - 1
+    match = match_modes(shaft, crankshaft_modes(shaft), chain, [number])[0]
+    if match.shaft_frequency is None:
+        raise InputError(
+            f"mode: given {mode}, {match.chain_frequency:.1f} Hz; allowed is one that the whole crankshaft "
+            "has too, and none of its modes is like it."
+        )
+    return match.shaft_frequency
+
+
+def _centered_mass(shaft: AssembledShaft, *, tilt: bool, lateral: bool) -> FloatArray:
+    """Mass matrix with all mass on the shaft axis: along and about it, and as wanted across it."""
+    stations: Stations = shaft.stations
+    count = len(stations.axial_mass)
+    bodies = np.arange(count) >= shaft.section_count + len(shaft.pin_throws)
+    across = np.where(bodies, tilt, lateral)
+    diagonal = np.column_stack(
+        (
+            across * stations.lateral_mass,
+            across * stations.lateral_mass,
+            stations.axial_mass,
+            across * stations.diametral,
+            across * stations.diametral,
+            stations.polar,
+        )
+    )
+    centered = np.einsum("siu,si,siv->uv", stations.motions, diagonal, stations.motions)
+    added = shaft.added.T * shaft.added_inertia @ shaft.added
+    return np.asarray(centered + added)
