@@ -223,7 +223,7 @@ def forced_response(
         If the excitation has another number of nodes, both magnifier and modal damping are given,
         or one of them is out of range.
     """
-    chain, system = _chain_and_system(chain_or_system)
+    chain, system = chain_and_system(chain_or_system)
     check_one_of(magnifier, modal_damping)
     if magnifier is not None:
         system = system.with_magnifier(magnifier)
@@ -257,9 +257,10 @@ def forced_response(
     )
 
 
-def _chain_and_system(
+def chain_and_system(
     given: Chain | LinearSystem | DampedChain,
 ) -> tuple[Chain | None, LinearSystem]:
+    """Return the chain, if it is one, and its linear system."""
     if isinstance(given, LinearSystem):
         return None, given
     if isinstance(given, DampedChain):

@@ -96,7 +96,7 @@ def harmonic_response(
             f"{(frequencies.size, len(system.mass))}, because every unknown has a force at each "
             "frequency."
         )
-    modal = _DampedModes.of(system)
+    modal = DampedModes.of(system)
     singular, unbounded = modal.undamped_resonance(frequencies, forces)
     if np.any(unbounded):
         forces = np.where(unbounded[:, np.newaxis], 0.0, forces)
@@ -143,8 +143,8 @@ def _residuals(
 
 
 @dataclass(frozen=True, eq=False)
-class _DampedModes:
-    """Damped modes of a system, and undamped ones for what damping does not reach."""
+class DampedModes:
+    """Damped modes of a system in the state space, and undamped ones for what damping does not reach."""
 
     eigenvalues: ComplexArray  # (s,)
     inputs: ComplexArray  # (s, q): force to amplitude of each damped mode
@@ -155,7 +155,8 @@ class _DampedModes:
     alone_shapes: FloatArray
 
     @classmethod
-    def of(cls, system: LinearSystem) -> "_DampedModes":
+    def of(cls, system: LinearSystem) -> "DampedModes":
+        """Find all of a system."""
         natural, shapes, rigid = system.natural, system.shapes, system.rigid.shape[1]
         damping = shapes.T @ system.damping @ shapes
         loss = shapes.T @ system.loss @ shapes
