@@ -18,11 +18,14 @@ from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import harmonic_response
 from dynamics.response.linear_system import LinearSystem
 from dynamics.response.loads import chain_of
+from dynamics.response.over_speed import OverSpeed
 from dynamics.response.speed_grid import refined_speeds
 from dynamics.running_limits import within
 
 # Maxima below this share of the largest one are round-off of orders that nothing excites.
 LEAST_SHARE = 1e-9
+# Share of a mode's largest magnifier down to which a peak is that of the mode: 1.7 half bandwidths.
+BAND = 0.5
 # Steps of the golden section: a bracket becomes a millionth of what it was.
 SECTION, STEPS = 0.5 * (np.sqrt(5.0) - 1.0), 29
 
@@ -47,6 +50,9 @@ class DampedCritical:
         Element or node that has it; empty without a maximum.
     share : float or None
         Part of the amplitude that this mode makes; others may work against it.
+    in_band : bool
+        Whether the peak lies where the mode's magnifier is half of its largest or more. Elsewhere the
+        exciting forces have a peak, as axial ones have where torsional vibration is large.
     frequency : float
         Damped natural frequency of the mode [Hz]; nan where it creeps and does not vibrate.
     damping_ratio : float
@@ -63,6 +69,7 @@ class DampedCritical:
     amplitude: float | None
     place: str
     share: float | None
+    in_band: bool
     frequency: float
     damping_ratio: float
     undamped_speed: float
@@ -83,6 +90,8 @@ class DampedCritical:
                 f"{self.locked_speed * RPM:.4g} 1/min with it locked"
             )
         found = "no peak" if self.speed is None else f"peak at {self.speed * RPM:.4g} 1/min"
+        if self.speed is not None and not self.in_band:
+            found += ", where its forces are largest"
         return f"Order {self.order:g}, mode {self.mode}: {found} ({beside})."
 
     def row(self) -> Row:
@@ -98,6 +107,7 @@ class DampedCritical:
             "amplitude": (number(self.amplitude), "SI"),
             "place": (self.place, ""),
             "share": (number(self.share), "1"),
+            "in_band": (self.in_band, ""),
             "frequency": (self.frequency, "Hz"),
             "damping_ratio": (self.damping_ratio, "1"),
             "undamped_speed": (self.undamped_speed, "rad/s"),
@@ -146,15 +156,17 @@ def damped_criticals(
     Each order is calculated at the speeds of the response and about each damped frequency, an eighth
     of its half bandwidth apart. Between the neighbors of each maximum a golden section finds the
     speed to a millionth of their distance. The peak belongs to the mode that gives the largest part
-    of the amplitude in phase with it (`ComplexModes.contributions`).
+    of the amplitude in phase with it (`ComplexModes.contributions`). It counts as that mode's own if it
+    is `in_band`.
     """
     rows, names = _looked_at(response, elements, node)
     modes = complex_modes(response) if modes is None else modes
     ends = _checked_ends(response, speed_range)
-    peaks = _Vibration(response, modes, rows).peaks()
+    forces = OverSpeed.of(response.speeds, response.excitation.forces)
+    peaks = _Vibration(response, modes, rows, forces).peaks()
     largest = max((own.amplitude for own in peaks if np.isfinite(own.amplitude)), default=0.0)
     kept = [own for own in peaks if own.amplitude > LEAST_SHARE * largest]
-    met = {(own.order, own.number) for own in kept}
+    met = {(own.order, own.number) for own in kept if own.in_band}
     found = [
         _critical(modes, own.order, own.number, own, names)
         for own in kept
@@ -168,7 +180,7 @@ def damped_criticals(
 
 
 class _Peak(NamedTuple):
-    """A maximum of an order: speed, amplitude, row of the place, number and share of the mode."""
+    """A maximum of an order: speed, amplitude, row of the place; number and share of its mode."""
 
     order: float
     speed: float
@@ -176,6 +188,7 @@ class _Peak(NamedTuple):
     row: int
     number: int
     share: float
+    in_band: bool
 
 
 def _looked_at(
@@ -233,13 +246,14 @@ class _Vibration:
     response: ForcedResponse
     modes: ComplexModes
     rows: FloatArray
+    forces: OverSpeed
 
     def answer(
         self, places: NDArray[np.intp], speeds: FloatArray
     ) -> tuple[ComplexArray, NDArray[np.bool_], ComplexArray]:
         """Return values of the rows (m, p), where unbounded (m,), and forces on the unknowns (m, q)."""
         system = self.response.system
-        forces = self.response.excitation.interpolated(places, speeds) @ system.expand
+        forces = self.forces.at(places, speeds) @ system.expand
         answer = harmonic_response(system, self.response.orders[places] * speeds, forces)
         return answer.motion @ self.rows.T, answer.unbounded, forces
 
@@ -281,6 +295,8 @@ class _Vibration:
         shares = np.where(unbounded[:, np.newaxis], alone, shares)
         most = np.argmax(shares, axis=1)
         numbers = np.append(self.modes.numbers, 0)
+        reached = self.modes.magnifiers(orders * speeds) >= BAND * self.modes.largest_magnifiers
+        in_band = np.column_stack((reached, np.zeros(speeds.size, dtype=bool)))
         return [
             _Peak(
                 float(orders[row]),
@@ -289,6 +305,7 @@ class _Vibration:
                 int(best[row]),
                 int(numbers[most[row]]),
                 float(shares[row, most[row]]),
+                bool(in_band[row, most[row]] or unbounded[row]),
             )
             for row in range(speeds.size)
         ]
@@ -332,6 +349,7 @@ def _critical(
         amplitude=None if peak is None else peak.amplitude,
         place="" if peak is None else names[peak.row],
         share=None if peak is None else peak.share,
+        in_band=peak is not None and peak.in_band,
         frequency=float(modes.frequencies[places[0]]) if places.size else none,
         damping_ratio=float(modes.damping_ratios[places[0]]) if places.size else none,
         undamped_speed=met(modes.undamped),
