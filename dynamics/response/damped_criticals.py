@@ -40,7 +40,8 @@ class DampedCritical:
     order : float
         In cycles per crankshaft revolution.
     mode : int
-        Number of the elastic mode that makes most of the amplitude there, 1 the lowest.
+        Number of the elastic mode that makes most of the amplitude there, 1 the lowest; 0 where
+        that is a motion so damped that it creeps.
     speed : float or None
         Where the amplitude has its maximum [rad/s]; None where it has none near this mode's
         frequencies: too much damping, or forces that cancel on the mode.
@@ -83,6 +84,8 @@ class DampedCritical:
     @property
     def sentence(self) -> str:
         """Where the peak is, beside the speeds without damping."""
+        if not self.mode:
+            return f"Order {self.order:g}: peak at {self.speed_rpm:.4g} 1/min, of no mode's own."
         beside = f"{self.undamped_speed * RPM:.4g} 1/min undamped"
         if self.locked_speed is not None:
             beside = (
@@ -267,8 +270,13 @@ class _Vibration:
         order, known = float(self.response.orders[place]), self.response.speeds
         ends = (float(known[0]), float(known[-1]))
         about = refined_speeds(self.modes.frequencies, self.modes.damping_ratios, [order], ends)
-        grid = np.union1d(known, about)
-        found = self.amplitudes(np.full(grid.size, place), grid)
+        added = np.setdiff1d(about, known)
+        grid = np.concatenate((known, added))
+        values = np.max(np.abs(self.response.unknowns[place] @ self.rows.T), axis=1)
+        values = np.where(self.response.unbounded[place], np.inf, values)
+        found = np.append(values, self.amplitudes(np.full(added.size, place), added))
+        ascending = np.argsort(grid)
+        grid, found = grid[ascending], found[ascending]
         tops = 1 + np.flatnonzero((found[1:-1] > found[:-2]) & (found[1:-1] >= found[2:]))
         beside = np.isfinite(found[tops]).astype(np.intp)  # an unbounded one is where it is
         return np.column_stack((grid[tops - beside], grid[tops + beside]))

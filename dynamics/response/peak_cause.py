@@ -1,6 +1,6 @@
 """What makes a peak: the part of each order in it, and whether a resonance makes that order large."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -14,7 +14,7 @@ from dynamics.indices import index_of_name
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.damped_criticals import BAND, elastic_row
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.order_excitation import checked_speed_index
+from dynamics.response.order_excitation import OrderExcitation, checked_speed_index
 from dynamics.response.series import OrderSeries
 from dynamics.response.synthesis import extreme_angles
 
@@ -56,6 +56,8 @@ class OrderPart:
         Dynamic magnifier of this mode at the order's frequency.
     detuning : float
         Frequency of the order over that of the mode, less 1.
+    kind : str
+        Of the vibration that the mode belongs to, "torsional" or "axial"; may be empty.
     """
 
     order: float
@@ -66,6 +68,7 @@ class OrderPart:
     mode_share: float
     magnifier: float
     detuning: float
+    kind: str = ""
 
     def row(self) -> Row:
         """Return what a table of orders shows, each value with its unit; see `table_of`."""
@@ -74,6 +77,7 @@ class OrderPart:
             "contribution": (self.contribution, "SI"),
             "amplitude": (self.amplitude, "SI"),
             "state": (self.state, ""),
+            "kind": (self.kind, ""),
             "mode": (self.mode, "1"),
             "mode_share": (self.mode_share, "1"),
             "magnifier": (self.magnifier, "1"),
@@ -137,7 +141,7 @@ class PeakCause:
         """The orders that make the amplitude, with their shares, the largest first."""
         if np.isinf(self.amplitude):
             return "; ".join(
-                f"order {one.order:g} excites {self._mode(one.mode)}, which nothing damps"
+                f"order {one.order:g} excites {_mode(one)}, which nothing damps"
                 for one in self.parts
                 if np.isinf(one.amplitude)
             )
@@ -155,9 +159,9 @@ class PeakCause:
 
     def _together(self) -> list[Orders]:
         """Return the orders that are told together: those of one resonance, and all that are forced."""
-        found: dict[tuple[str, int], list[OrderPart]] = {}
+        found: dict[tuple[str, str], list[OrderPart]] = {}
         for one in self.parts:
-            key = (one.state, 0 if one.state == "forced" else one.mode)
+            key = (one.state, "" if one.state == "forced" else _mode(one))
             found.setdefault(key, []).append(one)
         return [tuple(own) for own in found.values()]
 
@@ -181,8 +185,8 @@ class PeakCause:
     def _group(self, runs: tuple[Orders, ...]) -> str:
         total, first = _total(runs), runs[0][0]
         where = {
-            "at resonance": f"at the resonance of {self._mode(first.mode)}",
-            "near resonance": f"near the resonance of {self._mode(first.mode)}",
+            "at resonance": f"at the resonance of {_mode(first)}",
+            "near resonance": f"near the resonance of {_mode(first)}",
             "forced": "forced without resonance",
         }[first.state]
         parts = [one for run in runs for one in run]
@@ -198,11 +202,8 @@ class PeakCause:
         )
         most = max(parts, key=lambda one: one.contribution)
         if many and most.contribution >= 0.5 * total > 0.0:
-            text += f", most of it by order {most.order:g}"
+            text += f", {self._quantity(most.contribution)} of it by order {most.order:g}"
         return text
-
-    def _mode(self, number: int) -> str:
-        return f"{self.kind} mode {number}".strip()
 
     def _quantity(self, value: float) -> str:
         return "unbounded" if np.isinf(value) else format_quantity(value, self.unit, 3)
@@ -221,6 +222,7 @@ def peak_cause(
     unit: str = "rad or m",
     kind: str = "",
     modes: ComplexModes | None = None,
+    driven: tuple[OrderExcitation, PeakCause] | None = None,
 ) -> PeakCause:
     """Find what makes a vibration as large as it is at one speed.
 
@@ -239,6 +241,9 @@ def peak_cause(
         "torsional" or "axial", for the names of modes in the text.
     modes : ComplexModes, optional
         Of the response's system, where they are known.
+    driven : tuple of OrderExcitation and PeakCause, optional
+        The part of the excitation that another vibration brings, as torques do in a shaft that
+        lengthens when it is twisted, and the cause of that vibration at the same speed.
 
     Returns
     -------
@@ -264,7 +269,9 @@ def peak_cause(
       near a lightly damped resonance, within 1.7 half bandwidths of it.
 
     It is near the resonance if in place of the last the frequencies are within 10 %, the usual margin
-    of critical speeds. Otherwise it is forced: its size is that of its forces.
+    of critical speeds. Otherwise it is forced: its size is that of its forces. Where more than half of
+    these, by what they bring about, come from another vibration whose order is at a resonance or near
+    one, that resonance is named.
     """
     number = index_of_name("place", place, series.names, "the series", "a peak is that of a place")
     index = checked_speed_index(speed_index, series.speeds)
@@ -284,25 +291,45 @@ def peak_cause(
     size = np.where(whole == 0.0, 1.0, np.abs(whole))
     shares = (given / size * np.conj(whole / size)).real[:, :-1]
     magnifiers, largest = modes.magnifiers(w), modes.largest_magnifiers
+    brought = np.zeros(w.size)
+    if driven is not None:
+        other = driven[0].forces[:, index] @ response.system.expand
+        through = np.sum(modes.contributions(w, other, rows), axis=1, keepdims=True)
+        brought = (through / size * np.conj(whole / size)).real[:, 0]
     parts = []
     for at, order in enumerate(series.orders.tolist()):
         own = np.abs(modes.eigenvalues.imag - w[at]) if endless[at] else -shares[at]
         most = int(np.argmin(own)) if own.size else -1
-        state: State = "forced"
-        mode, share, magnifier, detuning = 0, 0.0, 1.0, 0.0
-        if most >= 0 and (endless[at] or shares[at, most] > DOMINATES):
-            mode, magnifier = int(modes.numbers[most]), float(magnifiers[at, most])
-            detuning = float(w[at] / np.abs(modes.eigenvalues[most])) - 1.0
-            share = 1.0 if endless[at] else float(shares[at, most])
-            state = _state(magnifier, float(largest[most]), detuning)
-        amplitude = float("inf") if endless[at] else float(np.abs(phasors[at]))
-        parts.append(
-            OrderPart(
-                order, float(contributions[at]), amplitude, state, mode, share, magnifier, detuning
-            )
+        part = OrderPart(
+            order, float(contributions[at]), float(np.abs(phasors[at])), "forced", 0, 0.0, 1.0, 0.0
         )
+        if most >= 0 and (endless[at] or shares[at, most] > DOMINATES):
+            magnifier = float(magnifiers[at, most])
+            detuning = float(w[at] / np.abs(modes.eigenvalues[most])) - 1.0
+            part = replace(
+                part,
+                amplitude=float("inf") if endless[at] else part.amplitude,
+                state=_state(magnifier, float(largest[most]), detuning),
+                mode=int(modes.numbers[most]),
+                mode_share=1.0 if endless[at] else float(shares[at, most]),
+                magnifier=magnifier,
+                detuning=detuning,
+                kind=kind,
+            )
+        if driven is not None and part.state == "forced" and brought[at] > DOMINATES:
+            part = _resonance_of(part, driven[1])
+        parts.append(part)
     total = float("inf") if np.any(endless) else float(np.sum(contributions))
     return PeakCause(series.names[number], kind, unit, speed, total, tuple(parts))
+
+
+def _resonance_of(part: OrderPart, other: PeakCause) -> OrderPart:
+    """Return a part with the resonance of the same order of another vibration, if it has one."""
+    for one in other.parts:
+        if one.order == part.order and one.state != "forced":
+            own = {name: getattr(part, name) for name in ("contribution", "amplitude")}
+            return replace(one, **own)
+    return part
 
 
 def _state(magnifier: float, largest: float, detuning: float) -> State:
@@ -324,6 +351,10 @@ def _row_of(response: ForcedResponse, name: str) -> FloatArray:
         f"place: given {name!r}; allowed are elements and nodes of the response, because modes tell how "
         "these move."
     )
+
+
+def _mode(part: OrderPart) -> str:
+    return f"{part.kind} mode {part.mode}".strip()
 
 
 def _total(runs: tuple[Orders, ...]) -> float:
