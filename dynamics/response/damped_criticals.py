@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,7 @@ SECTION, STEPS = 0.5 * (np.sqrt(5.0) - 1.0), 29
 @summarized("order", "mode", "speed_rpm [1/min]", "amplitude", "place", "damping_ratio")
 @dataclass(frozen=True)
 class DampedCritical:
-    """The speed at which one order alone makes a quantity largest, near one mode.
+    """The speed at which one order alone makes a quantity largest, and the mode that does it.
 
     Parameters
     ----------
@@ -49,12 +49,12 @@ class DampedCritical:
         Of this order there, all modes together; inf where nothing damps.
     place : str
         Element or node that has it; empty without a maximum.
-    share : float or None
+    mode_share : float or None
         Part of the amplitude that this mode makes; others may work against it.
     in_band : bool
         Whether the peak lies where the mode's magnifier is half of its largest or more. Elsewhere the
         exciting forces have a peak, as axial ones have where torsional vibration is large.
-    frequency : float
+    mode_frequency : float
         Damped natural frequency of the mode [Hz]; nan where it creeps and does not vibrate.
     damping_ratio : float
         Share of critical damping of the mode; nan where it creeps.
@@ -62,6 +62,12 @@ class DampedCritical:
         Where the order meets the frequency without damping, the ring of a viscous damper free [rad/s].
     locked_speed : float or None
         The same with that ring locked to its housing [rad/s].
+    severity : float
+        Amplitude over the largest bounded one of all; 1 for an unbounded one, 0 without a maximum.
+    kind : {"major", "minor"}
+        Whether all cylinders act in phase at this order, where it is known.
+    in_running_range : bool
+        Whether the engine runs at that speed, where it is known; limits may hold at higher ones too.
     """
 
     order: float
@@ -69,12 +75,27 @@ class DampedCritical:
     speed: float | None
     amplitude: float | None
     place: str
-    share: float | None
+    mode_share: float | None
     in_band: bool
-    frequency: float
+    mode_frequency: float
     damping_ratio: float
     undamped_speed: float
     locked_speed: float | None
+    severity: float
+    kind: Literal["major", "minor"] = "minor"
+    in_running_range: bool = True
+
+    @property
+    def unbounded(self) -> bool:
+        """Whether nothing damps it."""
+        return self.amplitude is not None and bool(np.isinf(self.amplitude))
+
+    @property
+    def frequency(self) -> float:
+        """Frequency of the order at the peak [Hz]; that of the mode without a peak."""
+        if self.speed is None:
+            return self.mode_frequency
+        return self.order * self.speed / (2.0 * np.pi)
 
     @property
     def speed_rpm(self) -> float | None:
@@ -109,12 +130,15 @@ class DampedCritical:
             "speed": (number(self.speed), "rad/s"),
             "amplitude": (number(self.amplitude), "SI"),
             "place": (self.place, ""),
-            "share": (number(self.share), "1"),
+            "mode_share": (number(self.mode_share), "1"),
             "in_band": (self.in_band, ""),
-            "frequency": (self.frequency, "Hz"),
+            "mode_frequency": (self.mode_frequency, "Hz"),
             "damping_ratio": (self.damping_ratio, "1"),
             "undamped_speed": (self.undamped_speed, "rad/s"),
             "locked_speed": (number(self.locked_speed), "rad/s"),
+            "severity": (self.severity, "1"),
+            "kind": (self.kind, ""),
+            "in_running_range": (self.in_running_range, ""),
         }
 
 
@@ -169,16 +193,18 @@ def damped_criticals(
     peaks = _Vibration(response, modes, rows, forces).peaks()
     largest = max((own.amplitude for own in peaks if np.isfinite(own.amplitude)), default=0.0)
     kept = [own for own in peaks if own.amplitude > LEAST_SHARE * largest]
+    bounded = (own.amplitude for own in kept if within(own.speed, *ends))
+    worst = max((size for size in bounded if np.isfinite(size)), default=0.0)
     met = {(own.order, own.number) for own in kept if own.in_band}
     found = [
-        _critical(modes, own.order, own.number, own, names)
+        _critical(modes, own.order, own.number, names, own, worst)
         for own in kept
         if within(own.speed, *ends)
     ]
     for order in response.orders.tolist():
         for number in range(1, modes.undamped.size + 1):
             if (order, number) not in met and _meets(modes, order, number, ends):
-                found.append(_critical(modes, order, number, None, names))
+                found.append(_critical(modes, order, number, names))
     return tuple(sorted(found, key=lambda own: (own.order, own.mode, own.speed or 0.0)))
 
 
@@ -341,7 +367,12 @@ def _meets(modes: ComplexModes, order: float, number: int, ends: tuple[float, fl
 
 
 def _critical(
-    modes: ComplexModes, order: float, number: int, peak: _Peak | None, names: tuple[str, ...]
+    modes: ComplexModes,
+    order: float,
+    number: int,
+    names: tuple[str, ...],
+    peak: _Peak | None = None,
+    worst: float = 0.0,
 ) -> DampedCritical:
     """Describe a peak, or that a mode has none, with the frequencies of the mode."""
     places = np.flatnonzero(modes.numbers == number)
@@ -356,10 +387,11 @@ def _critical(
         speed=None if peak is None else peak.speed,
         amplitude=None if peak is None else peak.amplitude,
         place="" if peak is None else names[peak.row],
-        share=None if peak is None else peak.share,
+        mode_share=None if peak is None else peak.share,
         in_band=peak is not None and peak.in_band,
-        frequency=float(modes.frequencies[places[0]]) if places.size else none,
+        mode_frequency=float(modes.frequencies[places[0]]) if places.size else none,
         damping_ratio=float(modes.damping_ratios[places[0]]) if places.size else none,
         undamped_speed=met(modes.undamped),
         locked_speed=None if modes.locked is None else met(modes.locked),
+        severity=0.0 if peak is None else min(peak.amplitude / worst, 1.0) if worst else 1.0,
     )

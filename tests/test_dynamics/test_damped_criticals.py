@@ -49,7 +49,7 @@ def test_a_mode_that_creeps_is_none():
     assert modes.eigenvalues.size == 0
     found = damped_criticals(response(damped(MAIN, modal_damping=1.5)), node=0)
     assert [(one.order, one.mode, one.speed) for one in found] == [(1.0, 1, None), (2.0, 1, None)]
-    assert np.isnan(found[0].frequency)
+    assert np.isnan(found[0].mode_frequency)
     assert found[0].sentence.startswith("Order 1, mode 1: no peak (954.9 1/min undamped).")
 
 
@@ -64,8 +64,11 @@ def test_the_peak_of_one_mass(ratio):
     assert two.amplitude == close(1e-3 * 0.5 / (ratio * np.sqrt(1.0 - ratio**2)), rel=1e-9)
     assert two.undamped_speed == close(50.0)
     assert (two.mode, two.place, two.in_band) == (1, "main", True)
-    assert two.share == close(1.0, rel=1e-9)
+    assert two.mode_share == close(1.0, rel=1e-9)
     assert two.damping_ratio == close(ratio)
+    assert two.frequency == close(two.speed / np.pi)
+    assert max(one.severity, two.severity) == 1.0
+    assert not two.unbounded
     assert one.speed == close(peak, rel=1e-6)
 
 
@@ -80,7 +83,8 @@ def test_without_damping():
     assert {one.amplitude for one in found} == {float("inf")}
     for one in found:
         assert one.speed == close(one.undamped_speed, rel=1e-9)
-        assert one.share == 1.0
+        assert one.mode_share == one.severity == 1.0
+        assert one.unbounded
     assert complex_modes(ROW).sources == ({}, {})
 
 
