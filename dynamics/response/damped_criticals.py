@@ -288,6 +288,8 @@ class _Vibration:
 
     def amplitudes(self, places: NDArray[np.intp], speeds: FloatArray) -> FloatArray:
         """Return the largest amplitude of any row, (m,)."""
+        if not speeds.size:
+            return np.empty(0)
         values, unbounded, _ = self.answer(places, speeds)
         return np.where(unbounded, np.inf, np.max(np.abs(values), axis=1))
 

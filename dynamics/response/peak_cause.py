@@ -206,7 +206,10 @@ class PeakCause:
         return text
 
     def _quantity(self, value: float) -> str:
-        return "unbounded" if np.isinf(value) else format_quantity(value, self.unit, 3)
+        if np.isinf(value):
+            return "unbounded"
+        text = format_quantity(value, self.unit, 3)
+        return format_quantity(value, self.unit, 4) if "e+" in text else text
 
     @property
     def _speed(self) -> str:

@@ -16,6 +16,7 @@ from dynamics.response.damping import damped
 from dynamics.response.forced import forced_response
 from dynamics.response.linear_system import chain_system
 from dynamics.response.order_excitation import OrderExcitation
+from dynamics.response.speed_grid import refined_speeds
 
 SPEEDS = np.linspace(40.0, 200.0, 30)
 ROW = Chain([1.0, 1.0, 4.0], [4e4, 4e4])
@@ -70,6 +71,13 @@ def test_the_peak_of_one_mass(ratio):
     assert max(one.severity, two.severity) == 1.0
     assert not two.unbounded
     assert one.speed == close(peak, rel=1e-6)
+
+
+def test_at_speeds_that_hold_all_that_are_looked_at():
+    chain = damped(MAIN, modal_damping=0.02)
+    speeds = refined_speeds([100.0 / (2.0 * np.pi)], 0.02, [1.0], (40.0, 200.0))
+    (own,) = damped_criticals(response(chain, orders=(1.0,), speeds=speeds), node=0)
+    assert own.speed == close(100.0 * np.sqrt(1.0 - 2.0 * 0.02**2), rel=1e-6)
 
 
 def test_no_peak_with_much_damping():
