@@ -55,7 +55,7 @@ class Series:
         From 0 among those of its role.
     main : bool
         Others are left out on paper, and wait in the legend on a screen.
-    color : str
+    color, dash : str
         Of a curve that has a role nowhere else.
     """
 
@@ -65,6 +65,7 @@ class Series:
     number: int = 0
     main: bool = True
     color: str = ""
+    dash: Dash = "solid"
 
     @property
     def line_style(self) -> LineStyle:
@@ -77,7 +78,7 @@ class Series:
             return LineStyle(RED, LIMIT_DASHES[self.number % len(LIMIT_DASHES)], 1.4)
         if self.role == "order":
             return order_line_style(self.number)
-        return LineStyle(self.color or order_line_style(self.number).color, "solid", 1.5)
+        return LineStyle(self.color or order_line_style(self.number).color, self.dash, 1.5)
 
 
 class Band(NamedTuple):
@@ -87,6 +88,15 @@ class Band(NamedTuple):
     high: float
     color: str
     name: str
+
+
+class Dots(NamedTuple):
+    """Single points, such as those of a table."""
+
+    x: Array
+    y: Array
+    name: str
+    color: str
 
 
 class Mark(NamedTuple):
@@ -111,6 +121,11 @@ class Curves:
         With their units in brackets.
     top : float or None
         Where the upright axis ends, which begins at zero; by the curves if None.
+    signed : bool
+        Whether the upright axis goes below zero, by the curves, with a line at zero.
+    x_step : float or None
+        Between the ticks of the lying axis.
+    dots : tuple of Dots
     bands : tuple of Band
     marks : tuple of Mark
         Of bands and marks the first of a name stands in the legend.
@@ -121,6 +136,9 @@ class Curves:
     x_label: str
     y_label: str
     top: float | None = None
+    signed: bool = False
+    x_step: float | None = None
+    dots: tuple[Dots, ...] = ()
     bands: tuple[Band, ...] = ()
     marks: tuple[Mark, ...] = ()
 
@@ -150,6 +168,8 @@ def draw_curves(axes: "Axes", curves: Curves) -> None:
     """Draw a diagram on axes; the legend is left to the caller."""
     draw_bands(axes, curves.bands)
     draw_lines(axes, curves.x, curves.series)
+    for x, y, name, color in curves.dots:
+        axes.plot(x, y, "o", color=color, markersize=4.0, label=name)
     named: set[str] = set()
     for place, name, color in curves.marks:
         label = None if name in named else name
@@ -158,7 +178,12 @@ def draw_curves(axes: "Axes", curves: Curves) -> None:
     axes.set_xlabel(curves.x_label)
     if curves.x_range is not None:
         axes.set_xlim(*curves.x_range)
-    if curves.top is None:
+    if curves.x_step is not None:
+        first = np.ceil(curves.x[0] / curves.x_step)
+        axes.set_xticks(np.arange(first * curves.x_step, curves.x[-1] + 1e-6, curves.x_step))
+    if curves.signed:
+        axes.axhline(0.0, color=GRAY, linewidth=0.8)
+    elif curves.top is None:
         axes.set_ylim(bottom=0.0)
     else:
         axes.set_ylim(0.0, curves.top)

@@ -32,19 +32,6 @@ STYLE: dict[Any, Any] = {
 }
 BLUE, ORANGE, GREEN, RED, GRAY = "#1f5f99", "#d9822b", "#3a8f5c", "#b63b3b", "#7b8794"
 COLORS = (BLUE, ORANGE, GREEN, RED, "#7a5ba6", GRAY)
-# Looks of many curves: colors that stay apart for every kind of color vision (M. Okabe, K. Ito, Color
-# Universal Design, 2008), and dashes that keep them apart in print without color.
-CURVES = (
-    ("#0072B2", "solid"),
-    ("#E69F00", "dash"),
-    ("#009E73", "dashdot"),
-    ("#CC79A7", "dot"),
-    ("#D55E00", "longdashdot"),
-    ("#56B4E9", "solid"),
-    ("#8C6D1F", "dash"),
-    ("#5E3C99", "dashdot"),
-    ("#767676", "dot"),
-)
 
 
 @contextmanager

@@ -8,7 +8,7 @@ import numpy as np
 
 from crankbase.model import field_extra
 from crankbase.units.units import RPM
-from crankfem.analyses.record import Record, input_records
+from crankfem.analyses.record import Record, attributes, input_records
 from crankfem.files.chain.chain_file import ChainFile, load_chain
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import MechanismFile, load_any, mechanism_of
@@ -54,9 +54,9 @@ class CheckedFile:
     sections: tuple[str, ...]
     commands: tuple[str, ...]
     inputs: tuple[InputRecord, ...]
-    throw: CrankThrow | None
-    engine: Record | None
-    remarks: tuple[str, ...]
+    throw: CrankThrow | None = None
+    engine: Record | None = None
+    remarks: tuple[str, ...] = ()
     throws: dict[str, CrankThrow] = field(default_factory=dict)
 
 
@@ -90,39 +90,30 @@ def check_file(given: str) -> CheckedFile:
 
 def check_record(checked: CheckedFile) -> Record:
     """Return a checked file as plain JSON content in SI units, angles in degrees."""
+    throws = {name: _throw_record(throw) for name, throw in checked.throws.items()}
     return {
         "engine": checked.name,
-        "kind": checked.kind,
         "valid": True,
         "file": str(checked.path),
-        "sections": list(checked.sections),
-        "commands": list(checked.commands),
+        **attributes(checked, "kind", "sections", "commands", "remarks"),
         "arrangement": checked.engine,
-        "shape": None if checked.throw is None else shape_record(checked.throw),
-        "dimensions": None if checked.throw is None else _dimensions(checked.throw),
-        "remarks": list(checked.remarks),
+        **_throw_record(checked.throw),
         "inputs": input_records(checked.inputs),
-    } | _throws_record(checked)
+    } | ({"throws": throws} if throws else {})
 
 
-def _throws_record(checked: CheckedFile) -> Record:
-    """The throws by name, where they have some."""
-    throws = {
-        name: {"shape": shape_record(throw), "dimensions": _dimensions(throw)}
-        for name, throw in checked.throws.items()
-    }
-    return {"throws": throws} if throws else {}
+def _throw_record(throw: CrankThrow | None) -> Record:
+    if throw is None:
+        return {"shape": None, "dimensions": None}
+    return {"shape": shape_record(throw), "dimensions": _dimensions(throw)}
 
 
 def shape_record(throw: CrankThrow) -> Record:
     """What the dimensions make: sizes that follow, and how much of the throw must be solved."""
     return {
-        "length": throw.length,
-        "overlap": throw.overlap,
-        "volume": throw.volume,
+        **attributes(throw, "length", "overlap", "volume", "remarks"),
         "pins": len(throw.parts.pins),
         "solved_part": throw.symmetry,
-        "remarks": list(throw.remarks),
     }
 
 
@@ -150,9 +141,6 @@ def _hinge(read: HingeFile, content: TomlFile) -> CheckedFile:
         tuple(name for name in HINGE_SECTIONS if name in content.sections),
         ("hinge",),
         read.records,
-        None,
-        None,
-        (),
     )
 
 
@@ -165,9 +153,7 @@ def _chain(read: ChainFile) -> CheckedFile:
         ("chain",),
         ("vibration",),
         read.records,
-        None,
-        None,
-        (
+        remarks=(
             f"a {read.kind} chain of {len(chain.names)} nodes and {len(chain.elements)} elements, from "
             f"{chain.names[0]} to {chain.names[-1]}",
         ),
@@ -184,9 +170,7 @@ def _throw(read: ThrowFile, content: TomlFile) -> CheckedFile:
         (*THROW_COMMANDS, *study),
         read.records,
         read.throw,
-        None,
-        (),
-        {} if PLAIN in read.throws else read.throws,
+        throws={} if PLAIN in read.throws else read.throws,
     )
 
 
@@ -266,11 +250,7 @@ def _arrangement(engine: Engine) -> Record:
 
     firing = degrees(engine.firing_angles)
     return {
-        "cylinders": engine.cylinders,
-        "strokes": engine.strokes,
-        "bore": engine.bore,
-        "stroke": engine.stroke,
-        "firing_order": list(engine.firing_order),
+        **attributes(engine, "cylinders", "strokes", "bore", "stroke", "firing_order"),
         "firing_angles_deg": [firing[number - 1] for number in engine.firing_order],
         "crank_angles_deg": degrees(engine.crank_angles),
         "bank_angles_deg": None if engine.bank_angles is None else degrees(engine.bank_angles),

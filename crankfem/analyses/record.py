@@ -1,6 +1,7 @@
 """What all records for JSON and tables share."""
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -24,19 +25,39 @@ def assumed_values(records: Iterable[InputRecord]) -> list[Record]:
 
 def input_records(records: Iterable[InputRecord]) -> list[Record]:
     """Every input with its source."""
-    return [
-        {
-            "field": record.field,
-            "given": record.given,
-            "meaning": record.meaning,
-            "symbol": record.symbol,
-            "source": record.source,
-            "assumed": record.assumed,
-        }
-        for record in records
-    ]
+    names = ("field", "given", "meaning", "symbol", "source", "assumed")
+    return [attributes(record, *names) for record in records]
 
 
-def finite_or_none(value: float) -> float | None:
-    """Return a number that JSON can hold; None stands for an unbounded one."""
-    return value if np.isfinite(value) else None
+def attributes(source: object, *names: str) -> Record:
+    """Return attributes of an object by their names, as plain JSON content.
+
+    Examples
+    --------
+    >>> attributes(2.0 + 1.0j, "real", "imag")
+    {'real': 2.0, 'imag': 1.0}
+    """
+    return {name: _plain(getattr(source, name)) for name in names}
+
+
+def plain(content: Mapping[str, Any]) -> Record:
+    """Return content as JSON holds it: arrays and tuples as lists, what is not finite as None.
+
+    Examples
+    --------
+    >>> plain({"orders": np.array([0.5, 1.0]), "peak": np.inf})
+    {'orders': [0.5, 1.0], 'peak': None}
+    """
+    return {name: _plain(value) for name, value in content.items()}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return plain(value)
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

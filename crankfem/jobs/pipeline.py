@@ -13,10 +13,12 @@ from crankfem.analyses.mechanism.mechanism_run import run_mechanism
 from crankfem.analyses.provenance import repeat_record
 from crankfem.analyses.shaft.throw_analyses import analyze_throws
 from crankfem.analyses.study.studies import fitted
-from crankfem.analyses.throw.fillets import StressRendering, shown_loads, stress_files
-from crankfem.analyses.throw.pictures.render import DEFORMED, MESH, Rendering
-from crankfem.analyses.throw.pictures.surface import stretched_surface
-from crankfem.analyses.throw.run_fillets import stresses_or_reason
+from crankfem.analyses.throw.fillets import (
+    StressRendering,
+    shown_loads,
+    stress_files,
+    stresses_or_reason,
+)
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.jobs.run_computation import RunComputation, ThrowComputation
@@ -149,7 +151,6 @@ def _compute(
     )
     analyses = analyze_throws(engine_file)
     first, *_ = names = tuple(dict.fromkeys(engine_file.throw_names))
-    _render_throw(renderings, analyses[first])
 
     told.step("Calculating stresses at the fillets")
     throws = {name: _with_stresses(engine_file, analyses[name], name, told) for name in names}
@@ -185,14 +186,6 @@ def _with_stresses(
         of_throw = f" of throw {name}" if engine_file.throws_by_name else ""
         told.note(f"No stresses at the fillets{of_throw}: {reason}")
     return ThrowComputation(analysis, stresses, reason)
-
-
-def _render_throw(renderings: Renderings, analysis: ThrowAnalysis) -> None:
-    renderings.start(
-        "picture of the mesh and of the deformed throw",
-        {"mesh": MESH, "deformed": DEFORMED},
-        lambda folder: Rendering(stretched_surface(analysis), folder),
-    )
 
 
 def _render_stresses(renderings: Renderings, stresses: FilletStresses) -> None:

@@ -5,8 +5,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from crankfem.analyses.throw.export import write_vtu
 from crankfem.analyses.throw.pictures.drawing import write_drawing
+from crankfem.analyses.throw.pictures.surface import write_vtu
 from crankfem.jobs.run_computation import RunComputation
 from crankfem.jobs.run_files import MESH_FILE, PICTURES
 from crankfem.jobs.run_pictures import Pictures, Renderings

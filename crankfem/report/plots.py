@@ -6,15 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.analyses.mechanism.plots.plots import plot_torque
+from crankfem.analyses.mechanism.plots.torque_plots import plot_torque
 from crankfem.analyses.study.fitting import ResponseFits
 from crankfem.analyses.study.plots import fit_plots
-from crankfem.analyses.throw.pictures.formula_plots import plot_formulas
-from crankfem.report.interactive.angles import formulas_over_angle
+from crankfem.analyses.throw.formula_diagrams import run_formulas_over_angle
 from crankfem.report.interactive.mechanism_plots import MECHANISM
-from crankfem.report.interactive.plot import Plot, Plots
+from crankfem.report.interactive.plot import Plot, Plots, plot_of_curves
 from crankfem.report.interactive.study import parity, response_over_factors
-from crankfem.report.interactive.torque import torque_and_harmonics
 from crankfem.report.interactive.vibration import VIBRATION
 from dynamics.harmonics import Harmonics
 from regression.runs.study_table import StudyTable
@@ -47,31 +45,20 @@ STUDY: Plots[tuple[StudyTable, ResponseFits]] = Plots(
 )
 
 
-def _over_angle(
-    record: Mapping[str, Any],
-) -> tuple[Array, Array, dict[str, Array], dict[str, float]]:
-    """Angles, finite elements, formulas, and finite elements guided and pinned, from a run's results."""
-    law, supports = record["angle_law"], record["throw"]["supports"]
-    # None becomes nan.
-    formulas = {
-        name: np.array(values, dtype=np.float64) for name, values in law["formulas"].items()
-    }
-    bounds = {name: supports[name]["axial_compliance"] for name in ("guided", "pinned")}
-    return np.array(law["gamma_deg"]), np.array(law["fe"]), formulas, bounds
-
-
 ANGLES: Plots[Mapping[str, Any]] = Plots(
     (
-        Plot(
+        plot_of_curves(
             "formulas",
             "Axial compliance over the angle between neighboring cranks",
             "Axial compliance over the angle between neighboring cranks: finite elements in a helix of equal "
             "throws, and the formulas. Formulas without an angle are level lines.",
-            lambda path, record: plot_formulas(path, *_over_angle(record)),
-            lambda record: formulas_over_angle(*_over_angle(record)),
+            run_formulas_over_angle,
+            lambda _: "Axial compliance, finite elements and formulas",
         ),
     )
 )
+
+
 TORQUE: Plots[tuple[Array, Harmonics]] = Plots(
     (
         Plot(
@@ -79,7 +66,6 @@ TORQUE: Plots[tuple[Array, Harmonics]] = Plots(
             "Torque over a cycle and its harmonics",
             "Torque of one throw with the sum of its harmonics, and the amplitude of each order.",
             lambda path, torque: plot_torque(path, *torque),
-            lambda torque: torque_and_harmonics(*torque),
         ),
     )
 )
@@ -95,16 +81,6 @@ THROW: tuple[Plot[None], ...] = (
         "drawing",
         "Dimensioned drawing of the crank throw: side view and view from the left end",
         "The throw as it was described, to scale.",
-    ),
-    Plot(
-        "mesh",
-        "Finite element mesh of the crank throw",
-        "Mesh of second-order tetrahedra, mirrored where the throw is symmetric.",
-    ),
-    Plot(
-        "deformed",
-        "Crank throw deformed by an axial force",
-        "Lengthened by an axial force, ends free to tilt (pinned); the lines show the throw at rest.",
     ),
     Plot(
         "stress_radial",

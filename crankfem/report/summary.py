@@ -113,46 +113,37 @@ def _assessed_above(forced: Mapping[str, Any]) -> float | None:
 
 def _resonances(forced: Mapping[str, Any]) -> list[Record]:
     """The most severe resonances of each kind."""
-    found = []
-    for kind in KINDS:
-        severe = sorted(
-            (one for one in forced[kind]["resonances"] if one["severity"] >= LEAST_SEVERITY),
-            key=lambda one: -float(one["severity"]),
-        )
-        found += [
-            {
-                "kind": kind,
-                "speed_rpm": one["speed_rpm"],
-                "order": one["order"],
-                "strength": motion(one["amplitude"], kind),
-                "major": one["kind"] == "major",
-                "above": not one.get("in_running_range", True),
-            }
-            for one in severe[:SPEEDS_SHOWN]
-        ]
-    return found
+    return [
+        _speed(kind, one, motion(one["amplitude"], kind), major=one["kind"] == "major")
+        for kind in KINDS
+        for one in _largest(forced[kind]["resonances"], "severity", LEAST_SEVERITY)
+    ]
 
 
 def _critical_speeds(vibration: Mapping[str, Any]) -> list[Record]:
     """Critical speeds at which the cylinders act together, the strongest of each kind."""
-    found = []
-    for kind in KINDS:
-        together = sorted(
-            (one for one in vibration[kind]["criticals"] if one["phase_sum"] >= TOGETHER),
-            key=lambda one: -float(one["phase_sum"]),
-        )
-        found += [
-            {
-                "kind": kind,
-                "speed_rpm": one["speed_rpm"],
-                "order": one["order"],
-                "strength": fixed(one["phase_sum"], 2),
-                "major": one["phase_sum"] > 0.9,
-                "above": not one.get("in_running_range", True),
-            }
-            for one in together[:SPEEDS_SHOWN]
-        ]
-    return found
+    return [
+        _speed(kind, one, fixed(one["phase_sum"], 2), major=one["phase_sum"] > 0.9)
+        for kind in KINDS
+        for one in _largest(vibration[kind]["criticals"], "phase_sum", TOGETHER)
+    ]
+
+
+def _largest(records: Iterable[Record], by: str, least: float) -> list[Record]:
+    """The largest by a value that is at least so large."""
+    found = (one for one in records if one[by] >= least)
+    return sorted(found, key=lambda one: -float(one[by]))[:SPEEDS_SHOWN]
+
+
+def _speed(kind: str, record: Record, strength: str, *, major: bool) -> Record:
+    return {
+        "kind": kind,
+        "speed_rpm": record["speed_rpm"],
+        "order": record["order"],
+        "strength": strength,
+        "major": major,
+        "above": not record.get("in_running_range", True),
+    }
 
 
 def _worst_of_each(checks: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:

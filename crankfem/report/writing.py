@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from crankbase.outputs import recording_run_files, write_text
+from crankfem.analyses.mechanism.balance_records import balance_table
 from crankfem.analyses.mechanism.harmonics_record import harmonics_table
 from crankfem.analyses.mechanism.load_tables import bearing_table
 from crankfem.analyses.throw.compliances import compliance_tables, further_compliances
@@ -48,6 +49,7 @@ LATER: dict[str, Any] = {
 LATER_ABOUT: dict[str, Any] = {"python": None, "platform": None, "processors": None, "packages": {}}
 # What makes tables of the results.
 TABLES = (
+    balance_table,
     bearing_table,
     critical_table,
     element_table,

@@ -15,7 +15,8 @@ import pytest
 from plotly.offline import get_plotlyjs
 
 from comparing import close
-from crankfem.report.interactive.angles import formulas_over_angle
+from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
+from crankfem.report.interactive.curves import figure_of
 from crankfem.report.interactive.mechanism import polar_load
 from dynamics.engine.loads import LoadDiagram
 
@@ -157,8 +158,8 @@ def test_names_are_no_markup_in_the_browser(open_page, tmp_path):
             "crank",
             name,
         ),
-        "angles": formulas_over_angle(
-            np.arange(0.0, 181.0, 60.0), np.full(4, 1e-10), {name: np.full(4, 1e-9)}, {}
+        "angles": figure_of(
+            formulas_over_angle(np.arange(0.0, 181.0, 60.0), {name: np.full(4, 1e-9)}), "angles"
         ),
     }
     drawn = "".join(

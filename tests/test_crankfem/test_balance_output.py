@@ -11,7 +11,6 @@ from crankfem.analyses.mechanism.plots.balance_plots import (
     plot_accelerations,
     plot_balance,
     plot_hinged_rods,
-    plot_hodographs,
 )
 from crankfem.cli import console
 from crankfem.cli.tables import balance_tables
@@ -92,7 +91,5 @@ def test_pictures(tmp_path):
         file.read_text(encoding="utf-8").rstrip().endswith("</svg>")
         for file in tmp_path.glob("*.svg")
     )
-    with pytest.raises(InputError, match="panels: given none"):
-        plot_hodographs(again, [])
     with pytest.raises(InputError, match="cylinder: given 7"):
         plot_accelerations(again, engine, SPEED, {7: "none"})

@@ -20,7 +20,7 @@ from comparing import close
 from crankbase.drawing.curves import ON_PAPER, draw_curves
 from crankbase.errors import InputError
 from crankfem.analyses.study.fitting import fit_study, predicted
-from crankfem.report.interactive.angles import formulas_over_angle
+from crankfem.analyses.throw.formula_diagrams import formulas_over_angle
 from crankfem.report.interactive.campbell import campbell
 from crankfem.report.interactive.curve_decimation import visible_points
 from crankfem.report.interactive.curves import UNSEEN, figure_of
@@ -31,9 +31,8 @@ from crankfem.report.interactive.mechanism import (
 )
 from crankfem.report.interactive.mechanism_plots import MECHANISM
 from crankfem.report.interactive.mesh_decimation import decimate_triangles
-from crankfem.report.interactive.over_speed import Curve, amplitudes_over_speed
 from crankfem.report.interactive.rounding import rounded
-from crankfem.report.interactive.shaft import axial_split, shaft_modes
+from crankfem.report.interactive.shaft import shaft_modes
 from crankfem.report.interactive.shapes import mode_shapes
 from crankfem.report.interactive.study import parity, response_over_factors
 from crankfem.report.interactive.throw_view import (
@@ -42,12 +41,11 @@ from crankfem.report.interactive.throw_view import (
     throw_view,
 )
 from crankfem.report.interactive.triangles import TriangleSurface, polylines
-from crankfem.report.interactive.vibration import VIBRATION
+from crankfem.report.interactive.vibration import VIBRATION, amplitudes_over_speed, axial_split
 from crankfem.report.interactive.writing import write_figure
-from crankfem.report.plots import ANGLES, STUDY, TORQUE
+from crankfem.report.plots import ANGLES, STUDY
 from dynamics.assessment.limits import LimitCurve, VibrationLimit
 from dynamics.engine.loads import LoadDiagram
-from dynamics.harmonics import harmonics
 from dynamics.plots.quantities import quantity_display
 from dynamics.response.resonance import Resonance
 from dynamics.response.series import OrderSeries
@@ -161,7 +159,7 @@ def test_every_order_over_speed(series):
         LimitCurve(lambda speeds: 2.0 * permitted(speeds), 0.0, 50.0),
     )
     barred = [(25.0, 30.0), (40.0, 44.0)]
-    traces, layout = amplitudes_over_speed(Curve(series, 0, "twist", limit), barred, "x")
+    traces, layout = figure_of(amplitudes_over_speed(series, 0, "twist", limit, barred), "x")
     assert layout["yaxis"]["title"]["text"] == "amplitude [mrad]"
     assert layout["xaxis"]["title"]["text"] == "crankshaft speed [1/min]"
     orders = [trace for trace in traces if trace["name"].startswith("order ")]
@@ -215,7 +213,7 @@ def test_units_over_speed(series, quantity, title, factor):
     limit = VibrationLimit(
         "amplitude", "free end", "rad", LimitCurve(lambda speeds: 2e-4 + 0.0 * speeds), "here"
     )
-    traces, layout = amplitudes_over_speed(Curve(series, 0, quantity, limit), (), "x")
+    traces, layout = figure_of(amplitudes_over_speed(series, 0, quantity, limit, ()), "x")
     assert layout["yaxis"]["title"]["text"] == title
     unit = title.partition("[")[2].removesuffix("]")
     assert all(trace["hovertemplate"].endswith(f"}} {unit}<extra></extra>") for trace in traces)
@@ -278,7 +276,9 @@ def test_what_excites_the_axial_vibration():
         tangential_sum=curves[1],
         radial_sum=curves[2],
     )
-    traces, layout = axial_split(SimpleNamespace(speeds=speeds, split=lambda _: split), "x")
+    traces, layout = figure_of(
+        axial_split(SimpleNamespace(speeds=speeds, split=lambda _: split)), "x"
+    )
     assert layout["yaxis"]["title"]["text"] == "axial amplitude of the free end [µm]"
     for name, values in (
         ("all forces", split.both_sum),
@@ -328,8 +328,8 @@ def test_names_are_no_markup(load, studied):
         campbell("axial", np.array([31.4]), np.ones(1), (4.0, 8.0), [resonance()], SHARP_NAME),
         shaft_modes(shaft(), 0.2, SHARP_NAME),
         polar_load(own, "crank", SHARP_NAME),
-        developed_load(own, SHARP_NAME),
-        formulas_over_angle(np.array(record["gamma_deg"]), fe, {SHARP_NAME: fe}, {}),
+        figure_of(developed_load(own), SHARP_NAME),
+        figure_of(formulas_over_angle(np.array(record["gamma_deg"]), {SHARP_NAME: fe}, fe), "x"),
         ({"text": design_texts((choice,), np.array([[0.0], [1.0]]))}, {}),
     ]
     for figure in figures:
@@ -420,24 +420,10 @@ def test_formulas_over_the_angle(tmp_path, strict):
     assert [path.name for path in made] == ["formulas.json"]
     formulas = read(made[0], strict)
     assert units_told(formulas)
-    fe, ours = formulas["data"]
+    ours, fe, *bounds = formulas["data"]
     assert floats(fe["y"]) == close(1e9 * np.array(record["angle_law"]["fe"]), rel=FIVE_DIGITS)
     assert ours["y"] == [None, *[2] * 6]
-
-
-def test_torque_table(tmp_path, strict):
-    samples = 100.0 + 50.0 * np.sin(np.linspace(0.0, 4.0 * np.pi, 24, endpoint=False) + 0.3)
-    found = harmonics(samples, strokes=4)
-    (path,) = written(TORQUE, tmp_path, (samples, found))
-    figure = read(path, strict)
-    assert path.name == "torque.json"
-    assert units_told(figure)
-    bars = figure["data"][-1]
-    assert bars["x"] == found.orders.tolist()
-    assert floats(bars["customdata"]) == close(180.0 / math.pi * found.phase, rel=5e-5)
-    assert "phase %{customdata:.4g} deg" in bars["hovertemplate"]
-    assert floats(bars["y"]) == close(found.amplitude, rel=FIVE_DIGITS, abs=1e-12)
-    assert floats(named(figure["data"], "table")["y"]) == close(samples, rel=FIVE_DIGITS)
+    assert [{*bound["y"]} for bound in bounds] == [{0.3}, {1.3}]
 
 
 # ------------------------------------------------------------------------------------- mechanism
@@ -472,7 +458,7 @@ def test_polar_load(load, frame):
 
 
 def test_developed_load(load):
-    traces, layout = developed_load(load, "x")
+    traces, layout = figure_of(developed_load(load), "x")
     assert layout["yaxis"]["title"]["text"] == "force [kN]"
     assert max(traces[0]["y"]) == close(1e-3 * load.maximum, rel=FIVE_DIGITS)
     assert traces[1]["y"][0] == close(1e-3 * load.mean, rel=FIVE_DIGITS)

@@ -295,7 +295,11 @@ def test_pictures_that_cannot_be_read_are_left_out_and_named(results, tmp_path):
     (tmp_path / "a.svg").write_text(SQUARE, encoding="utf-8")
     (tmp_path / "cut.png").write_bytes(b"\x89PNG")
     (tmp_path / "cut.json").write_text('{"data": [', encoding="utf-8")
-    results["pictures"] = {"drawing": "a.svg", "mesh": "gone.png", "deformed": "cut.png"}
+    results["pictures"] = {
+        "drawing": "a.svg",
+        "stress_radial": "gone.png",
+        "stress_torsion": "cut.png",
+    }
     results["interactive"] = {"drawing": "cut.json"}
     text, note = render_report(results, tmp_path)
     assert note == "Left out, because they cannot be read: cut.json, gone.png, cut.png."
@@ -580,7 +584,8 @@ AS_STORED = [
 
 CHANGED = [
     ("balance", "static unbalance 14.95 kg m, dynamic unbalance about its middle 3.250 kg m²."),
-    ("balance", "[kN m] 1 44.15 balanced 2 balanced 2.070 4 balanced balanced"),
+    ("balance", "across (x) [kN] 1 44.15 0.000 9.430 with shaft 0.000 0.000 2 balanced 4 balanced"),
+    ("balance", "about x [kN m] 1 balanced 2 2.070 0.000 90.00 line 0.000 0.000 4 balanced"),
     ("torque", "720 samples over one cycle resolve orders up to 12. Mean torque 123.46 N m."),
     ("torque", "0.5 -214.25 179.78 279.68 -129.84 1 10.00 0.00 10.00 90.00"),
     (

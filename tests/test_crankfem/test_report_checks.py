@@ -13,7 +13,7 @@ import pytest
 
 from comparing import close
 from crankfem.analyses.checks import asymmetry, rigid_body_residual, run_checks, unbalanced_share
-from crankfem.analyses.vibration import forced_records
+from crankfem.analyses.vibration import records
 from crankfem.report.text_filters import check_value_text
 from fem.angle_law import SYMMETRIC
 
@@ -178,7 +178,7 @@ def test_power_is_compared_where_vibration_is_bounded(unbounded, error):
         dashpot_names=(),
     )
     response = SimpleNamespace(speeds=np.array([10.0, 20.0]))
-    found = forced_records._power(SimpleNamespace(power=power, response=response))
+    found = records._power(SimpleNamespace(power=power, response=response))
     assert found["error"] == error
 
 

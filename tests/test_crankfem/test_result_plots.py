@@ -24,9 +24,8 @@ from crankfem.analyses.throw.formula_diagrams import (
     plot_formulas_over_angle,
     plot_run_formulas,
 )
-from crankfem.analyses.throw.formula_spread import EngineSpread, Ratio
-from crankfem.analyses.vibration import vibration_pictures
-from crankfem.analyses.vibration.plots.vibration_panels import short_name
+from crankfem.analyses.vibration import run as vibration_run
+from crankfem.analyses.vibration.modes import short_name
 from crankfem.analyses.vibration.run_up import run_up
 from crankfem.files.engine.mechanism_file import load_mechanism
 from crankfem.files.hinge.hinge_file import load_hinge
@@ -257,15 +256,6 @@ def test_a_runs_formulas():
         plot_run_formulas({})
 
 
-def test_the_spread_of_formulas():
-    ratios = {"axial": {"one": Ratio(1.5, True), "two": Ratio(2.0, False)}, "torsional": {}}
-    spread = EngineSpread("engine", 0.1, {"axial": 1e-9, "torsional": 1e-8}, 0.01, ratios)
-    axes = spread.plot()
-    assert [bar.get_width() for bar in axes.patches] == [1.5, 2.0]
-    assert len({bar.get_facecolor() for bar in axes.patches}) == 2
-    assert spread.to_pandas()["valid"].tolist() == [True, False]
-
-
 # --------------------------------------------------------------------------------- mechanism
 
 
@@ -385,15 +375,17 @@ def test_what_an_engines_vibration_is_made_of(vibration):
 def test_campbell_diagrams_without_gas_have_dots_in_files_too(vibration, tmp_path, monkeypatch):
     drawn = {}
     monkeypatch.setattr(
-        vibration_pictures,
-        "plot_response_campbell",
-        lambda path, *given, **_: drawn.update({path.stem: given[3]}),
+        vibration_run,
+        "draw_campbell",
+        lambda _, frequencies, *given: drawn.update({tuple(frequencies): given[2]}),
     )
     free = replace(vibration, forced_axial=None, forced_torsional=None, assessment=None)
     for one in VIBRATION.of(free):
         if one.name.endswith("campbell"):
             one.draw(tmp_path, free)
-    own = {f"{one.kind}_campbell": one.criticals for one in (free.axial, free.torsional)}
+    own = {
+        tuple(one.chosen.elastic_frequencies): one.criticals for one in (free.axial, free.torsional)
+    }
     assert {name: [dot.frequency for dot in found] for name, found in drawn.items()} == {
         name: [one.critical.frequency for one in found] for name, found in own.items()
     }

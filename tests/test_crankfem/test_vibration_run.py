@@ -13,11 +13,14 @@ from crankfem.analyses.shaft.chains import damped_engine_chain, engine_torsional
 from crankfem.analyses.vibration.assessment import assess
 from crankfem.analyses.vibration.engine_excitation import engine_harmonics
 from crankfem.analyses.vibration.forced import forced_vibrations, nominal_section_modulus
-from crankfem.analyses.vibration.forced_records import forced_columns, forced_record
-from crankfem.analyses.vibration.records import run_record
+from crankfem.analyses.vibration.records import (
+    forced_columns,
+    forced_record,
+    run_record,
+    run_up_record,
+)
 from crankfem.analyses.vibration.run import engine_vibration
 from crankfem.analyses.vibration.run_up import parse_duration, run_up
-from crankfem.analyses.vibration.run_up_records import run_up_record
 from crankfem.cli.column_file import write_columns
 from crankfem.files.engine.engine_file import load_engine
 from crankfem.files.engine.mechanism_file import load_mechanism, mechanism_of
@@ -365,7 +368,7 @@ def test_a_slow_run_up_comes_near_the_steady_amplitudes(run):
     # The run-up passes resonances, where it stays below the steady amplitudes; slowly enough by little.
     assert np.all(found.largest < found.steady * 1.001)
     assert np.all(found.largest > 0.9 * found.steady)
-    record = run_up_record(found, run.forced_torsional)
+    record = run_up_record(found)
     assert json.loads(json.dumps(record, allow_nan=False))["to_rpm"] == close(515.0)
 
 

@@ -27,30 +27,15 @@ def plot_hinge(folder: Path, run: HingeRun) -> list[Path]:
     """
     make_folder(folder)
     made = [folder / "hinge_moment.svg", folder / "hinge_speed.svg"]
-    plot_moments(made[0], run)
-    plot_speeds(made[1], run)
-    if run.compared:
-        made.append(folder / "hinge_guides.svg")
-        plot_guides(made[-1], run)
-    return made
-
-
-def plot_moments(path: Path, run: HingeRun) -> None:
-    """Plot gas force and hinge moment of all running points, and the moments of the same guides."""
-    with figure(path, columns=2, width=9.6, height=4.4) as (left, right):
+    with figure(made[0], columns=2, width=9.6, height=4.4) as (left, right):
         run.plot(left, show="gas force")
         run.plot(right, show="moment")
-
-
-def plot_guides(path: Path, run: HingeRun) -> None:
-    """Plot the rollers' path for all compared springs, one panel for each size."""
-    count = len(run.spring_sizes)
-    with figure(path, columns=count, width=4.6 * count, height=4.9) as found:
-        for size, panel in enumerate(np.atleast_1d(found)):
-            run.plot_guides(panel, size)
-
-
-def plot_speeds(path: Path, run: HingeRun) -> None:
-    """Plot the speed over a turn: with the hinge, with a flywheel, and without either."""
-    with figure(path) as axes:
+    with figure(made[1]) as axes:
         run.plot(axes, show="speed")
+    if run.compared:
+        made.append(folder / "hinge_guides.svg")
+        count = len(run.spring_sizes)
+        with figure(made[2], columns=count, width=4.6 * count, height=4.9) as panels:
+            for size, panel in enumerate(np.atleast_1d(panels)):
+                run.plot_guides(panel, size)
+    return made

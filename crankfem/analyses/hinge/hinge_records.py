@@ -1,13 +1,11 @@
 """Results of an elastic hinge as plain JSON content, and as a table over the turn."""
 
-import math
-
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.units.units import RPM
 from crankfem.analyses.hinge.hinge_run import HingeRun, OtherSpeed
-from crankfem.analyses.record import Record, assumed_values
+from crankfem.analyses.record import Record, assumed_values, attributes
 from dynamics.hinge.moment import HingeMoment
 from dynamics.hinge.profile import HingeProfile
 from dynamics.turning.speed_over_angle import SpeedOverAngle
@@ -15,6 +13,7 @@ from dynamics.turning.speed_over_angle import SpeedOverAngle
 
 def hinge_record(run: HingeRun) -> Record:
     """Return the results as plain numbers in SI units, angles in degrees, speeds in 1/min."""
+    spring = run.profile.spring
     return {
         "engine": run.file.name,
         "speed_rpm": run.point.speed * RPM,
@@ -22,11 +21,8 @@ def hinge_record(run: HingeRun) -> Record:
         "hinge_moment": _moment_record(run.moment),
         "kinematics_deviation": {str(name): share for name, share in run.deviations.items()},
         "spring": {
-            "piston_area": run.profile.spring.piston_area,
-            "height": run.profile.spring.height,
-            "pressure": run.profile.spring.pressure,
-            "exponent": run.profile.spring.exponent,
-            "ambient_pressure": run.profile.spring.ambient,
+            **attributes(spring, "piston_area", "height", "pressure", "exponent"),
+            "ambient_pressure": spring.ambient,
         },
         "profile": profile_record(run.profile),
         "turning": {
@@ -42,9 +38,9 @@ def hinge_record(run: HingeRun) -> Record:
         },
         "other_speeds": [_other_record(other) for other in run.others],
         "compared": [
-            {"height": spring.height, "start_radius": radius, "pressure": spring.pressure}
+            {**attributes(other, "height", "pressure"), "start_radius": radius}
             | ({"refused": made} if isinstance(made, str) else profile_record(made))
-            for spring, radius, made in run.compared
+            for other, radius, made in run.compared
         ],
         "assumed": assumed_values(run.file.records),
     }
@@ -63,14 +59,7 @@ def profile_record(profile: HingeProfile) -> Record:
         "largest_normal_force": float(profile.normal_force.max()),
         "largest_force_angle_deg": float(np.degrees(np.abs(profile.force_angle).max())),
         "checks": [
-            {
-                "name": check.name,
-                "met": check.met,
-                "value": check.value if math.isfinite(check.value) else None,
-                "limit": check.limit,
-                "unit": check.unit,
-                "meaning": check.reason,
-            }
+            {**attributes(check, "name", "met", "value", "limit", "unit"), "meaning": check.reason}
             for check in profile.checks
         ],
         "remarks": list(profile.remarks),
@@ -110,12 +99,10 @@ def _other_record(other: OtherSpeed) -> Record:
     return {
         "speed_rpm": other.point.speed * RPM,
         "hinge_moment": _moment_record(other.point),
+        **attributes(best, "fitted_ratio", "fluctuation", "moment_residual"),
         "best_pressure": best.pressure,
         "best_ratio": best.ratio,
-        "fitted_ratio": best.fitted_ratio,
-        "fluctuation": best.fluctuation,
         "fluctuation_unchanged": best.unchanged,
-        "moment_residual": best.moment_residual,
         "flywheel_without_hinge": other.flywheel,
         "flywheel_with_hinge": other.flywheel_with_hinge,
     }

@@ -23,8 +23,6 @@ from dynamics.turning.speed_over_angle import SpeedOverAngle
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from crankfem.analyses.hinge.plots.hinge_panels import RunningPoint
-
 Shown = Literal["moment", "gas force", "speed", "guides"]
 SHOWN: tuple[Shown, ...] = ("moment", "gas force", "speed", "guides")
 
@@ -111,30 +109,30 @@ class HingeRun:
         InputError
             If `show` is none of these.
         """
-        from crankfem.analyses.hinge.plots.hinge_panels import (
-            Turn,
-            draw_gas_force,
-            draw_moments,
-            draw_speeds,
-        )
+        from crankfem.analyses.hinge.plots import hinge_panels
 
         check_choice("show", show, SHOWN, "these are diagrams of a hinge")
         if show == "guides":
             return self.plot_guides(axes) if self.compared else self.profile.plot(axes)
         axes = new_axes(axes)
+        points = [self.moment, *(other.point for other in self.others)]
         if show == "moment":
-            draw_moments(axes, self._running_points())
-            return axes
-        if show == "gas force":
-            draw_gas_force(axes, self._running_points())
-            return axes
-        without, wheel, hinge = self.without, self.flywheel_turn, self.with_hinge
-        turns = (
-            Turn(without.angle, without.speed, without.mean_speed),
-            Turn(wheel.angles, wheel.speed, wheel.mean_speed),
-            Turn(hinge.angle, hinge.speed, hinge.mean_speed),
-        )
-        draw_speeds(axes, *turns, flywheel=self.flywheel, from_speed=self.point.speed)
+            given = [
+                (self.profile.moment_at(one.point.angles, one.best.pressure), one.best.pressure)
+                for one in self.others
+            ]
+            hinge_panels.draw_moments(axes, points, [None, *given])
+        elif show == "gas force":
+            hinge_panels.draw_gas_force(axes, points)
+        else:
+            hinge_panels.draw_speeds(
+                axes,
+                self.without,
+                self.flywheel_turn,
+                self.with_hinge,
+                flywheel=self.flywheel,
+                from_speed=self.point.speed,
+            )
         return axes
 
     @property
@@ -158,38 +156,17 @@ class HingeRun:
         -------
         matplotlib.axes.Axes
         """
-        from crankfem.analyses.hinge.plots.hinge_panels import RollerPath, draw_guides
+        from crankfem.analyses.hinge.plots.hinge_panels import draw_guides
 
         height, start = self.spring_sizes[size]
-        paths = [
-            RollerPath(spring.pressure)
-            if isinstance(guides, str)
-            else RollerPath(spring.pressure, guides.angles, guides.radius)
+        compared = [
+            (spring.pressure, guides)
             for spring, radius, guides in self.compared
             if (spring.height, radius) == (height, start)
         ]
         axes = new_axes(axes)
-        draw_guides(axes, height, start, paths)
+        draw_guides(axes, height, start, compared)
         return axes
-
-    def _running_points(self) -> "list[RunningPoint]":
-        from crankfem.analyses.hinge.plots.hinge_panels import RunningPoint
-
-        made = self.moment
-        return [
-            RunningPoint(made.speed, made.angles, made.gas, made.moment),
-            *(
-                RunningPoint(
-                    other.point.speed,
-                    other.point.angles,
-                    other.point.gas,
-                    other.point.moment,
-                    self.profile.moment_at(other.point.angles, other.best.pressure),
-                    other.best.pressure,
-                )
-                for other in self.others
-            ),
-        ]
 
     def to_pandas(self) -> Any:
         """Return a table of the other running points with the guides as they are.

@@ -4,7 +4,7 @@ import math
 
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Cell, Column, Table
-from crankfem.analyses.record import Record
+from crankfem.analyses.record import Record, attributes
 from dynamics.balance.balance import Balance, OrderBalance, Resultant
 from dynamics.balance.hinged_rods import HingedRodEffects, hodograph_change
 from dynamics.balance.hodograph import Hodograph
@@ -35,14 +35,11 @@ def balance_record(found: Balance) -> Record:
         `hodograph_record` gives it, whether it is balanced, and the scale of that judgment.
     """
     return {
-        "speed": found.speed,
-        "about": found.about,
-        "model": found.model,
+        **attributes(found, "speed", "about", "model"),
         "masses": [
             {
                 "cylinder": place,
-                "reciprocating": masses.reciprocating,
-                "rotating": masses.rotating,
+                **attributes(masses, "reciprocating", "rotating"),
                 "lateral_static_moment": masses.lateral,
             }
             for place, masses in enumerate(moving_masses(found.engine), start=1)
@@ -53,13 +50,9 @@ def balance_record(found: Balance) -> Record:
 
 def _order_record(row: OrderBalance) -> Record:
     return {
-        "order": row.order,
-        "force": hodograph_record(row.force),
-        "force_balanced": row.force_balanced,
-        "force_scale": row.force_scale,
-        "moment": hodograph_record(row.moment),
-        "moment_balanced": row.moment_balanced,
-        "moment_scale": row.moment_scale,
+        **attributes(row, "order", "force_balanced", "force_scale"),
+        **attributes(row, "moment_balanced", "moment_scale"),
+        **_resultant_record(row),
         "parts": {
             name: _resultant_record(getattr(row, name))
             for name in ("reciprocating", "rotating", "lateral")
@@ -67,11 +60,8 @@ def _order_record(row: OrderBalance) -> Record:
     }
 
 
-def _resultant_record(resultant: Resultant) -> Record:
-    return {
-        "force": hodograph_record(resultant.force),
-        "moment": hodograph_record(resultant.moment),
-    }
+def _resultant_record(resultant: Resultant | OrderBalance) -> Record:
+    return {name: hodograph_record(getattr(resultant, name)) for name in ("force", "moment")}
 
 
 def hodograph_record(hodograph: Hodograph) -> Record:
@@ -85,13 +75,9 @@ def hodograph_record(hodograph: Hodograph) -> Record:
         "forward" and "backward" as [real, imaginary].
     """
     return {
-        "major": hodograph.major,
-        "minor": hodograph.minor,
+        **attributes(hodograph, "major", "minor", "sense", "x", "y"),
         "angle_deg": _degrees(hodograph.angle),
         "largest_at_deg": _degrees(hodograph.largest_at),
-        "sense": hodograph.sense,
-        "x": hodograph.x,
-        "y": hodograph.y,
         "forward": [hodograph.forward.real, hodograph.forward.imag],
         "backward": [hodograph.backward.real, hodograph.backward.imag],
     }
@@ -119,7 +105,7 @@ def _case_record(hodograph: Hodograph, reference: Hodograph) -> Record:
     change = hodograph_change(hodograph, reference)
     return {
         **hodograph_record(hodograph),
-        "change": {"major": change.major, "minor": change.minor, "turn_deg": _degrees(change.turn)},
+        "change": {**attributes(change, "major", "minor"), "turn_deg": _degrees(change.turn)},
     }
 
 

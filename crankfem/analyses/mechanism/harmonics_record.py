@@ -7,7 +7,7 @@ import numpy as np
 from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankbase.tables.table_units import table_unit
-from crankfem.analyses.record import Record
+from crankfem.analyses.record import Record, attributes
 from dynamics.chains.two_mass import TwoMassCheck
 from dynamics.harmonics import Harmonics
 
@@ -16,17 +16,8 @@ COLUMNS = ("orders", "cosine", "sine", "amplitude", "phase_deg")
 
 def harmonics_record(found: Harmonics) -> Record:
     """Mean and harmonics M_k sin(k w t + a_k)."""
-    return {
-        "strokes": found.strokes,
-        "samples": found.samples,
-        "mean": found.mean,
-        "highest_order": found.highest_order,
-        "orders": found.orders.tolist(),
-        "cosine": found.cosine.tolist(),
-        "sine": found.sine.tolist(),
-        "amplitude": found.amplitude.tolist(),
-        "phase_deg": np.rad2deg(found.phase).tolist(),
-    }
+    names = ("strokes", "samples", "mean", "highest_order", *COLUMNS[:-1])
+    return {**attributes(found, *names), "phase_deg": np.rad2deg(found.phase).tolist()}
 
 
 def harmonics_table(record: Record, title: str = "Harmonics", units: OutputUnits = SI) -> Table:
@@ -47,11 +38,7 @@ def harmonics_table(record: Record, title: str = "Harmonics", units: OutputUnits
 def two_mass_record(check: TwoMassCheck) -> Record:
     """The two-mass check."""
     return {
-        "stiffness": check.stiffness,
-        "angular_frequency": check.angular_frequency,
+        **attributes(check, "stiffness", "angular_frequency", "vibrations_per_minute", "order"),
+        **attributes(check, "resonant_speed_rpm", "statement"),
         "frequency": check.angular_frequency / (2.0 * math.pi),
-        "vibrations_per_minute": check.vibrations_per_minute,
-        "order": check.order,
-        "resonant_speed_rpm": check.resonant_speed_rpm,
-        "statement": check.statement,
     }

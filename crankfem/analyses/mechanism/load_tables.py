@@ -33,9 +33,7 @@ def cylinder_table(record: Record) -> Table:
                 row["peak_pressure"],
                 math.radians(row["peak_angle_deg"]),
                 row["mean_effective_pressure"],
-                row["largest_side_force"],
-                row["largest_piston_pin_force"],
-                row["largest_tangential_force"],
+                *(row[f"largest_{name}_force"] for name in ("side", "piston_pin", "tangential")),
             ]
             for row in record["cylinders"]
         ],

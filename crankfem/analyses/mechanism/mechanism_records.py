@@ -10,7 +10,7 @@ from crankbase.tables.table import format_names
 from crankbase.units.units import RPM
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
 from crankfem.analyses.mechanism.rod_comparison import compare_rod_models
-from crankfem.analyses.record import Record, assumed_values
+from crankfem.analyses.record import Record, assumed_values, attributes
 from crankfem.files.engine.mechanism_file import MechanismFile
 from dynamics.engine.forces import pin_groups
 from dynamics.engine.loads import LoadDiagram
@@ -34,10 +34,9 @@ def mechanism_record(run: MechanismRun) -> Record:
         "cylinders": [
             {
                 "cylinder": place + 1,
-                "peak_pressure": work.peak_pressure,
+                **attributes(work, "peak_pressure", "mean_effective_pressure"),
                 "peak_angle_deg": float(np.degrees(work.peak_angle)),
                 "indicated_work": work.work,
-                "mean_effective_pressure": work.mean_effective_pressure,
                 "largest_side_force": float(np.max(np.abs(forces.side[place]))),
                 "largest_piston_pin_force": float(np.max(np.abs(forces.piston_pin[place]))),
                 "largest_tangential_force": float(np.max(np.abs(forces.tangential[place]))),

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from crankbase.checks.choices import check_choice, check_not_given
 from crankbase.checks.scalars import is_whole
@@ -31,16 +31,7 @@ if TYPE_CHECKING:
 Shown = Literal[
     "torque", "forces", "pressure", "crankpin", "bearing", "force balance", "moment balance"
 ]
-SHOWN: tuple[Shown, ...] = (
-    "torque",
-    "forces",
-    "pressure",
-    "crankpin",
-    "bearing",
-    "force balance",
-    "moment balance",
-)
-
+SHOWN: tuple[Shown, ...] = get_args(Shown)
 BALANCE_ORDERS = (1, 2, 4)
 
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from crankfem.analyses.record import Record
+from crankfem.analyses.record import Record, attributes
 from crankfem.files.engine.engine_file import EngineFile
 from fem.shaft import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
@@ -17,12 +17,9 @@ def shaft_record(shaft: ShaftCompliances, analyses: Sequence[ThrowAnalysis]) -> 
     """Compliances of each throw at its place in the shaft, beside those of the throw alone."""
     axial = np.array([own.axial_compliance("pinned") for own in analyses])
     torsional = np.array([own.torsional_compliance("pinned") for own in analyses])
-    return {
-        "axial": shaft.axial.tolist(),
+    return attributes(shaft, "axial", "torsional", "influence") | {
         "axial_beside_pinned": (shaft.axial / axial).tolist(),
-        "torsional": shaft.torsional.tolist(),
         "torsional_beside_pinned": (shaft.torsional / torsional).tolist(),
-        "influence": shaft.influence.tolist(),
     }
 
 

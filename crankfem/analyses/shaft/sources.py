@@ -34,14 +34,8 @@ def axial_sources(
     model: ComplianceModel | None,
 ) -> Sources:
     """Axial compliance of each throw [m/N] by source; see `crankfem.analyses.vibration.modes`."""
-    each = crank_analyses(engine_file, analysis)
-    pinned = np.array([own.axial_compliance("pinned") for own in each])
-    sources = _fe_sources(shaft.axial, pinned)
-    if model is not None:
-        sources[REGRESSION] = _from_regression(
-            engine_file, model, "axial_compliance", shaft.axial / pinned
-        )
-    return sources | _axial_formula_sources(engine_file)
+    fitted = _fitted_sources(engine_file, analysis, model, "axial_compliance", shaft.axial)
+    return fitted | _axial_formula_sources(engine_file)
 
 
 def torsional_sources(
@@ -51,35 +45,30 @@ def torsional_sources(
     model: ComplianceModel | None,
 ) -> Sources:
     """Torsional compliance of each throw [rad/(N m)] by source."""
+    fitted = _fitted_sources(engine_file, analysis, model, "torsional_compliance", shaft.torsional)
+    return fitted | _torsional_formula_sources(engine_file)
+
+
+def _fitted_sources(
+    engine_file: EngineFile,
+    analysis: Analyses,
+    model: ComplianceModel | None,
+    quantity: str,
+    in_shaft: NDArray[np.float64],
+) -> Sources:
+    """Compliances by finite elements, and by the equation fitted to them."""
     each = crank_analyses(engine_file, analysis)
-    pinned = np.array([own.torsional_compliance("pinned") for own in each])
-    sources = _fe_sources(shaft.torsional, pinned)
-    if model is not None:
-        sources[REGRESSION] = _from_regression(
-            engine_file, model, "torsional_compliance", shaft.torsional / pinned
-        )
-    material = engine_file.material
-    tables = {
-        throw: torsional_formulas(
-            throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
-        )
-        for throw in dict.fromkeys(engine_file.crank_throws)
-    }
-    remark = "the same for every throw" if len(tables) == 1 else "by each throw's own dimensions"
-    for name in tables[engine_file.throw]:
-        values = [tables[throw][name].value for throw in engine_file.crank_throws]
-        sources[name] = (np.array(values), remark)
-    return sources
-
-
-def _fe_sources(in_shaft: NDArray[np.float64], pinned: NDArray[np.float64]) -> Sources:
-    return {
+    pinned = np.array([getattr(own, quantity)("pinned") for own in each])
+    found: Sources = {
         FE: (in_shaft, "superelements assembled at the crank angles"),
         FE_PINNED: (
             pinned,
             "a single throw with ends free to tilt; too soft beside neighbors that hinder the tilt",
         ),
     }
+    if model is not None:
+        found[REGRESSION] = _from_regression(engine_file, model, quantity, in_shaft / pinned)
+    return found
 
 
 def _from_regression(
@@ -136,3 +125,16 @@ def _axial_formula_sources(engine_file: EngineFile) -> Sources:
             remark += f"; does not apply at {', '.join(str(angle) for angle in sorted(wrong))} deg"
         sources[name] = (0.5 * (values[:, 0] + values[:, 1]), remark)
     return sources
+
+
+def _torsional_formula_sources(engine_file: EngineFile) -> Sources:
+    material = engine_file.material
+    tables = {
+        throw: torsional_formulas(
+            throw, youngs_modulus=material.youngs_modulus, poisson_ratio=material.poisson_ratio
+        )
+        for throw in dict.fromkeys(engine_file.crank_throws)
+    }
+    remark = "the same for every throw" if len(tables) == 1 else "by each throw's own dimensions"
+    each = [tables[throw] for throw in engine_file.crank_throws]
+    return {name: (np.array([own[name].value for own in each]), remark) for name in each[0]}

@@ -1,16 +1,45 @@
-"""Stresses at the fillets in a run, pictured for the loads that matter."""
+"""Stresses at the fillets in a run, computed coarsely, pictured for the loads that matter."""
 
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from crankbase.errors import InputError, MeshError
 from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
 from crankfem.analyses.throw.pictures.stress_picture import picture_arrays, picture_name
+from fem import fillet_stress
 from fem.fillet_peaks import FilletStresses
+from fem.material import Material
+from fem.solver import SolveError
+from geometry.throw import CrankThrow
 
+# Of the largest stresses: enough to compare fillets and to see which is the weakest.
+ACCURACY = 0.1
 # What loads a throw most in an engine: the rod's force and the torque.
 KINDS_SHOWN = ("radial", "torsion")
+
+
+def stresses_or_reason(
+    throw: CrankThrow, material: Material
+) -> tuple[FilletStresses | None, str | None]:
+    """Compute the stresses at a throw's fillets; a throw for which they cannot be had loses nothing else.
+
+    Parameters
+    ----------
+    throw : CrankThrow
+    material : Material
+
+    Returns
+    -------
+    FilletStresses or None
+    str or None
+        Why there are none.
+    """
+    try:
+        return fillet_stress.fillet_stresses(throw, material, ACCURACY), None
+    except (InputError, MeshError, SolveError) as error:
+        return None, str(error)
 
 
 def shown_loads(stresses: FilletStresses) -> FilletStresses:

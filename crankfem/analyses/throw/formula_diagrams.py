@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crankbase.checks.arrays import positive_number
+from crankbase.checks.arrays import FloatArray, positive_number
+from crankbase.drawing.curves import ALL_ORDERS, Curves, Series, draw_curves, order_line_style
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import display_unit, write_title
 from crankbase.errors import InputError
@@ -15,10 +16,12 @@ from fem.throw_analysis import ThrowAnalysis
 from geometry.throw import CrankThrow
 from regression.formulas.axial_formulas import axial_formulas
 from regression.formulas.formula_value import FormulaValue
-from regression.plots.formula_curves import draw_formula_bars, draw_over_angle
+from regression.plots.formula_curves import draw_formula_bars
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+NANO = 1e9
 
 
 def plot_formulas(
@@ -108,14 +111,12 @@ def plot_formulas_over_angle(
         name: np.array([v if (v := one[name].value) > 0.0 else np.nan for one in tables])
         for name in tables[0]
     }
-    axes = new_axes(axes)
     if analysis is None:
-        draw_over_angle(axes, ANGLES_DEG, curves)
+        described = formulas_over_angle(ANGLES_DEG, curves)
     else:
         bounds = {name: analysis.axial_compliance(name) for name in ("guided", "pinned")}
-        draw_over_angle(axes, ANGLES_DEG, curves, analysis.over_angle(), bounds)
-    write_title(axes, "Published formulas over the angle")
-    return axes
+        described = formulas_over_angle(ANGLES_DEG, curves, analysis.over_angle(), bounds)
+    return _draw(axes, described, "Published formulas over the angle")
 
 
 def plot_run_formulas(results: Mapping[str, Any], axes: "Axes | None" = None) -> "Axes":
@@ -142,14 +143,60 @@ def plot_run_formulas(results: Mapping[str, Any], axes: "Axes | None" = None) ->
             "results: given some without angle_law and throw; allowed is the content of a run's "
             "results.json, because these hold what is drawn."
         )
-    law, supports = results["angle_law"], results["throw"]["supports"]
-    # Where a formula gives no compliance above zero, there is null.
-    curves = {
-        name: np.array([np.nan if value is None else value for value in column])
-        for name, column in law["formulas"].items()
-    }
-    bounds = {name: supports[name]["axial_compliance"] for name in ("guided", "pinned")}
+    return _draw(axes, run_formulas_over_angle(results), "Axial compliance over the angle")
+
+
+def _draw(axes: "Axes | None", described: Curves, title: str) -> "Axes":
     axes = new_axes(axes)
-    draw_over_angle(axes, np.array(law["gamma_deg"]), curves, np.array(law["fe"]), bounds)
-    write_title(axes, "Axial compliance over the angle")
+    draw_curves(axes, described)
+    axes.legend(
+        frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=3.2
+    )
+    write_title(axes, title)
     return axes
+
+
+def run_formulas_over_angle(results: Mapping[str, Any]) -> Curves:
+    """Describe finite elements and formulas over the angle, from the results of a run."""
+    law, supports = results["angle_law"], results["throw"]["supports"]
+    # Where a formula gives no compliance above zero, there is null, which becomes nan.
+    curves = {name: np.array(values, dtype=np.float64) for name, values in law["formulas"].items()}
+    bounds = {name: supports[name]["axial_compliance"] for name in ("guided", "pinned")}
+    return formulas_over_angle(np.array(law["gamma_deg"]), curves, np.array(law["fe"]), bounds)
+
+
+def formulas_over_angle(
+    gammas: FloatArray,
+    formulas: Mapping[str, FloatArray],
+    fe: FloatArray | None = None,
+    bounds: Mapping[str, float] | None = None,
+) -> Curves:
+    """Describe the axial compliance over the angle between neighboring cranks.
+
+    Parameters
+    ----------
+    gammas : (g,) array
+        [deg]
+    formulas : mapping
+        Formula name to (g,) values [m/N], nan where it does not apply.
+    fe : (g,) array, optional
+        By finite elements in a helix of that angle [m/N].
+    bounds : mapping of str to float, optional
+        Support to its value by finite elements [m/N].
+    """
+    series = []
+    for number, (name, values) in enumerate(formulas.items()):
+        color, dash, _ = order_line_style(number)
+        series.append(Series(name, NANO * values, color=color, dash=dash))
+    if fe is not None:
+        series.append(Series("finite elements", NANO * fe, "total"))
+    for name, value in (bounds or {}).items():
+        level = np.full(len(gammas), NANO * value)
+        series.append(Series(f"FE {name}: {NANO * value:.4g}", level, color=ALL_ORDERS, dash="dot"))
+    return Curves(
+        gammas,
+        tuple(series),
+        "angle between neighboring cranks γ [deg]",
+        "axial compliance [10⁻⁹ m/N]",
+        x_step=30.0,
+    )

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from crankfem.analyses.record import Record
+from crankfem.analyses.record import Record, attributes
 from fem.angle_law import is_symmetric
 from fem.material import Material
 from fem.supports import Neighbors
@@ -53,22 +53,15 @@ def formula_records(
     )
     faults = axial_formula_faults(throw, variant) if variant in ("printed", "corrected") else {}
     return {
-        "axial": [_record(name, value) for name, value in axial.items()],
-        "torsional": [_record(name, value) for name, value in torsional.items()],
+        "axial": _records(axial),
+        "torsional": _records(torsional),
         "left_out": [{"name": name, "reason": reason} for name, reason in faults.items()],
     }
 
 
-def _record(name: str, value: FormulaValue) -> Record:
-    return {
-        "name": name,
-        "value": value.value,
-        "unit": value.unit,
-        "valid": value.valid,
-        "variant": value.variant,
-        "remarks": list(value.remarks),
-        "source": value.source,
-    }
+def _records(values: Mapping[str, FormulaValue]) -> list[Record]:
+    names = ("value", "unit", "valid", "variant", "remarks", "source")
+    return [{"name": name, **attributes(own, *names)} for name, own in values.items()]
 
 
 def fe_axial(analysis: ThrowAnalysis, gamma_deg: float) -> float:

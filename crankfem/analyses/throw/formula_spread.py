@@ -3,21 +3,12 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
-from crankbase.checks.choices import check_choice
-from crankbase.drawing.bars import PALE, draw_rows
-from crankbase.drawing.diagram_style import BLUE, new_axes
-from crankbase.drawing.legends import write_title
-from crankbase.tables.frames import table
 from crankfem.analyses.record import Record
 from crankfem.analyses.throw.formula_records import fe_record, formula_records
 from fem.analysis import analyze_throw
 from fem.material import Material
 from geometry.throw import CrankThrow
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 # Formulas differ by factors: finite elements within 2 % are far more than enough beside them.
 ACCURACY = 0.02
@@ -53,66 +44,6 @@ class EngineSpread:
     fe: Mapping[str, float]
     error_estimate: float
     ratios: Mapping[str, Mapping[str, Ratio]]
-
-    def plot(self, axes: "Axes | None" = None, *, kind: str = "axial") -> "Axes":
-        """Draw each formula beside finite elements, pale where it does not apply to the throw.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            New ones by default.
-        kind : {"axial", "torsional"}
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            If the kind is neither.
-        """
-        check_choice("kind", kind, self.ratios, "there are formulas for these")
-        found = self.ratios[kind]
-        axes = new_axes(axes)
-        draw_rows(
-            axes,
-            list(found),
-            [ratio.value for ratio in found.values()],
-            "formula / finite elements [1]",
-            colors=[BLUE if ratio.valid else PALE for ratio in found.values()],
-        )
-        axes.axvline(1.0, color="black", linewidth=1.2)
-        write_title(axes, f"{self.engine}, {kind} compliance")
-        return axes
-
-    def to_pandas(self) -> Any:
-        """Return a table with a row for each formula.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units are in ``frame.attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
-        rows = [
-            (kind, name, ratio.value, ratio.valid)
-            for kind, ratios in self.ratios.items()
-            for name, ratio in ratios.items()
-        ]
-        kinds, names, values, valid = zip(*rows, strict=True)
-        return table(
-            {
-                "kind": (kinds, ""),
-                "formula": (names, ""),
-                "ratio": (values, "1"),
-                "valid": (valid, ""),
-            }
-        )
 
 
 @dataclass(frozen=True)

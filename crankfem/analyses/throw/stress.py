@@ -2,7 +2,7 @@
 
 from crankbase.tables.output_units import SI, OutputUnit, OutputUnits
 from crankbase.tables.table import Column, Table
-from crankfem.analyses.record import Record
+from crankfem.analyses.record import Record, attributes
 from fem.fillet_peaks import FilletPeak, FilletStresses
 
 # Stresses are printed for loads of 1 kN and 1 kN m, or of so many of the user's own units.
@@ -27,10 +27,7 @@ def stress_record(stresses: FilletStresses) -> Record:
             }
             for load in stresses.loaded.loads
         ],
-        "sharp_corners": list(stresses.sharp_corners),
-        "error_estimate": stresses.error_estimate,
-        "accuracy": stresses.accuracy,
-        "accuracy_met": stresses.accuracy_met,
+        **attributes(stresses, "sharp_corners", "error_estimate", "accuracy", "accuracy_met"),
         "elements_across_fillets": stresses.fineness,
         "unknowns": mesh.unknowns,
         "solved_part": mesh.part,
@@ -45,15 +42,11 @@ def _peak_record(peak: FilletPeak) -> Record:
     return {
         "fillet": peak.fillet.name,
         "radius": peak.fillet.radius,
-        "principal": peak.principal,
-        "principal_place": peak.principal_place.tolist(),
-        "principals": peak.principals.tolist(),
-        "von_mises": peak.von_mises,
-        "von_mises_place": peak.von_mises_place.tolist(),
-        "nominal": peak.nominal,
-        "factor": peak.factor,
-        "von_mises_factor": peak.von_mises_factor,
-        "error_estimate": peak.error_estimate,
+        **attributes(
+            peak,
+            *("principal", "principal_place", "principals", "von_mises", "von_mises_place"),
+            *("nominal", "factor", "von_mises_factor", "error_estimate"),
+        ),
     }
 
 

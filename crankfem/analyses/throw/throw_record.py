@@ -1,7 +1,7 @@
 """A throw's compliances, reactions and masses as plain JSON content."""
 
 from crankfem.analyses.checks import asymmetry
-from crankfem.analyses.record import Record
+from crankfem.analyses.record import Record, attributes
 from fem.modes import ThrowModes
 from fem.reciprocity import superelement_of_end_forces
 from fem.supports import Support, reactions
@@ -22,7 +22,7 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
     radial_force : float
         Z for which reactions are given [N].
     """
-    supports = {}
+    supports, mesh = {}, analysis.mesh
     for support in SUPPORTS:
         answer = analysis.supported(support)
         found = analysis.reactions((0.0, -radial_force, 0.0), support)
@@ -32,8 +32,8 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
             "influence_coefficient": answer.influence,
             "axial_force_per_radial": answer.influence / answer.axial,
             "reactions": {
-                side: {"force": reaction.force.tolist(), "moment": reaction.moment.tolist()}
-                for side, reaction in (("left", found.left), ("right", found.right))
+                side: attributes(getattr(found, side), "force", "moment")
+                for side in ("left", "right")
             },
         }
     return {
@@ -41,22 +41,17 @@ def throw_record(analysis: ThrowAnalysis, radial_force: float) -> Record:
         "material": analysis.material.model_dump(),
         "supports": supports,
         "radial_force": radial_force,
-        "mass": analysis.mass,
-        "center_of_mass": analysis.center_of_mass.tolist(),
-        "inertia": analysis.inertia.tolist(),
+        **attributes(analysis, "mass", "center_of_mass", "inertia", "stiffness"),
         "inertia_about_shaft": analysis.masses.inertia_about_shaft,
-        "unbalance": _unbalance(analysis),
-        "stiffness": analysis.stiffness.tolist(),
-        "error_estimate": analysis.error_estimate,
-        "accuracy": analysis.accuracy,
-        "accuracy_met": analysis.accuracy_met,
-        "unknowns": analysis.mesh.unknowns,
-        "model": f"{analysis.mesh.part}, second-order tetrahedra, end sections {analysis.end_sections}",
+        "unbalance": attributes(
+            unbalance(analysis.masses, analysis.throw.length / 2.0), "static", "dynamic"
+        ),
+        **attributes(analysis, "error_estimate", "accuracy", "accuracy_met", "solver", "seconds"),
+        "unknowns": mesh.unknowns,
+        "model": f"{mesh.part}, second-order tetrahedra, end sections {analysis.end_sections}",
         "remarks": list(analysis.throw.remarks),
-        "meshing_attempts": list(analysis.mesh.attempts),
-        "mended_elements": analysis.mesh.mended_elements,
-        "solver": analysis.solver,
-        "seconds": dict(analysis.seconds),
+        "meshing_attempts": list(mesh.attempts),
+        "mended_elements": mesh.mended_elements,
     }
 
 
@@ -108,9 +103,3 @@ def _dimensions(throw: Throw) -> Record:
         "main_journal_diameters": [2.0 * radius for radius in throw.journal_radii],
         "remarks": list(throw.remarks),
     }
-
-
-def _unbalance(analysis: ThrowAnalysis) -> Record:
-    """Static unbalance [kg m] and, about the throw's middle, the dynamic one [kg m^2]."""
-    found = unbalance(analysis.masses, analysis.throw.length / 2.0)
-    return {"static": found.static.tolist(), "dynamic": found.dynamic.tolist()}

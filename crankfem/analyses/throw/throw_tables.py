@@ -4,6 +4,14 @@ from crankbase.tables.output_units import SI, OutputUnits
 from crankbase.tables.table import Column, Table
 from crankfem.analyses.record import Record
 
+# Of a throw on its supports, in the order of the columns.
+ANSWERS = (
+    "axial_compliance",
+    "torsional_compliance",
+    "influence_coefficient",
+    "axial_force_per_radial",
+)
+
 
 def support_table(record: Record) -> Table:
     """Return the compliances of a throw by support of its end sections."""
@@ -16,16 +24,7 @@ def support_table(record: Record) -> Table:
             Column("c", "1e-9 m/N"),
             Column("P/Z"),
         ],
-        [
-            [
-                name,
-                s["axial_compliance"],
-                s["torsional_compliance"],
-                s["influence_coefficient"],
-                s["axial_force_per_radial"],
-            ]
-            for name, s in record["supports"].items()
-        ],
+        [[name, *(answer[key] for key in ANSWERS)] for name, answer in record["supports"].items()],
     )
 
 

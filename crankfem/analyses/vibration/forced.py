@@ -1,6 +1,6 @@
 """Forced vibration of an engine's chains over its speeds, under the forces of its cylinders."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -39,7 +39,6 @@ from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.plots.quantities import Quantity
-from dynamics.response.damping import DampedChain
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.loads import ElementLoads, alternating_stress, element_loads, section_modulus
 from dynamics.response.power import PowerBalance, power_balance
@@ -105,26 +104,12 @@ class ForcedVibration:
     @property
     def free_end(self) -> OrderSeries:
         """Motion of the free end [rad or m], without that of the rigid body, one place."""
-        series = self.response.elastic
-        return OrderSeries(
-            series.orders,
-            series.speeds,
-            series.values[:, :, :1],
-            series.unbounded,
-            series.names[:1],
-        )
+        return _first_places(self.response.elastic, 1)
 
     @property
     def crank_elements(self) -> OrderSeries:
         """Torque or force in the elements of the crankshaft itself, from the free end."""
-        elements = self.loads.elements
-        return OrderSeries(
-            elements.orders,
-            elements.speeds,
-            elements.values[:, :, : _crank_elements(self.engine_chain)],
-            elements.unbounded,
-            elements.names[: _crank_elements(self.engine_chain)],
-        )
+        return _first_places(self.loads.elements, _crank_elements(self.engine_chain))
 
     def plot(
         self,
@@ -218,6 +203,14 @@ class ForcedVibration:
         )
 
 
+# Of the axial and of the torsional chain.
+Answers = tuple[ForcedVibration, ForcedVibration]
+
+
+def _first_places(series: OrderSeries, count: int) -> OrderSeries:
+    return replace(series, values=series.values[:, :, :count], names=series.names[:count])
+
+
 def forced_vibrations(
     engine_file: EngineFile,
     harmonics: CylinderHarmonics,
@@ -250,115 +243,82 @@ def forced_vibrations(
         used. Axial vibration is excited by the radial forces and by the torques of the torsional
         vibration.
     """
-    case = _Case(
-        engine_file=engine_file,
-        harmonics=harmonics,
-        axial=axial,
-        torsional=torsional,
-        shaft=shaft,
-        analysis=analysis,
-        chains=tuple(
-            damped_engine_chain(engine_file, own.chosen.chain) for own in (axial, torsional)
-        ),
-    )
+    engine, ends = engine_file.engine, assessment_end_speeds(engine_file)
+    pulled, cranks = axial.chosen, torsional.chosen.chain
+    chains = tuple(damped_engine_chain(engine_file, one) for one in (pulled.chain, cranks))
+
+    moduli = _sections(engine_file.crank_throws, cranks)
+
+    def responses(speeds: FloatArray) -> Answers:
+        """Axial and torsional vibration at some speeds, resonances left out."""
+        forces = forces_over_speeds(engine_file, harmonics, speeds)
+        twisted = forced_response(
+            chains[1], with_propeller(engine_file, cranks, torque_excitation(forces, cranks))
+        )
+        pressed, remarks = excitation_along_shaft(
+            engine_file, forces, pulled, shaft, cranks, twisted
+        )
+        lengthened = forced_response(chains[0], with_propeller(engine_file, pulled.chain, pressed))
+        compared = compared_axial_forces(engine_file, forces, pulled.compliances, shaft, analysis)
+        found = [
+            ForcedVibration(
+                kind=chain.kind,
+                engine_chain=chain,
+                damping=damped.record,
+                remarks=excitation_remarks(engine_file, chain.kind),
+                forces=forces,
+                response=response,
+                loads=element_loads(response),
+                stress=None,
+                power=power_balance(response),
+                resonances=(),
+                axial_forces=None,
+                running_range=(engine.lowest_speed, engine.highest_speed),
+                judged_range=(ends[0], min(ends[-1], float(speeds[-1]))),
+            )
+            for chain, damped, response in zip(
+                (pulled.chain, cranks), chains, (lengthened, twisted), strict=True
+            )
+        ]
+        return (
+            replace(found[0], remarks=(*found[0].remarks, *remarks), axial_forces=compared),
+            replace(found[1], stress=alternating_stress(found[1].loads, moduli)),
+        )
+
     # The worst speeds are looked for among those of the chains alone, so that what else is to be
     # calculated has no part in them.
-    own = calculated_speeds(engine_file, harmonics.orders, case.chains)
-    worst = _worst_speeds(case, own)
+    own = calculated_speeds(engine_file, harmonics.orders, chains)
+    worst = _worst_speeds(engine_file, responses, own)
     speeds = (
-        calculated_speeds(engine_file, harmonics.orders, case.chains, further)
-        if len(further)
-        else own
+        calculated_speeds(engine_file, harmonics.orders, chains, further) if len(further) else own
     )
-    answers = _responses(case, merged_speeds(speeds, worst))
-    lengthened, twisted = (
-        replace(answer, resonances=_resonances(engine_file, answer)) for answer in answers
-    )
-    return lengthened, twisted
-
-
-@dataclass(frozen=True, eq=False)
-class _Case:
-    """What is calculated, whatever the speeds."""
-
-    engine_file: EngineFile
-    harmonics: CylinderHarmonics
-    axial: Vibration
-    torsional: Vibration
-    shaft: ShaftCompliances
-    analysis: Analyses
-    chains: tuple[DampedChain, ...]
-
-
-def _responses(case: _Case, speeds: FloatArray) -> tuple[ForcedVibration, ForcedVibration]:
-    """Axial and torsional vibration at some speeds, resonances left out."""
-    engine_file, axial, cranks = case.engine_file, case.axial.chosen, case.torsional.chosen.chain
-    engine, ends = engine_file.engine, assessment_end_speeds(engine_file)
-    running = (engine.lowest_speed, engine.highest_speed)
-    judged = (ends[0], min(ends[-1], float(speeds[-1])))
-    forces = forces_over_speeds(engine_file, case.harmonics, speeds)
-    twisted = forced_response(
-        case.chains[1], with_propeller(engine_file, cranks, torque_excitation(forces, cranks))
-    )
-    pressed, remarks = excitation_along_shaft(
-        engine_file, forces, axial, case.shaft, cranks, twisted
-    )
-    lengthened = forced_response(case.chains[0], with_propeller(engine_file, axial.chain, pressed))
-    loads = element_loads(twisted)
+    lengthened, twisted = responses(merged_speeds(speeds, worst))
     return (
-        ForcedVibration(
-            kind="axial",
-            engine_chain=axial.chain,
-            damping=case.chains[0].record,
-            remarks=(*excitation_remarks(engine_file, "axial"), *remarks),
-            forces=forces,
-            response=lengthened,
-            loads=element_loads(lengthened),
-            stress=None,
-            power=power_balance(lengthened),
-            resonances=(),
-            axial_forces=compared_axial_forces(
-                engine_file, forces, axial.compliances, case.shaft, case.analysis
-            ),
-            running_range=running,
-            judged_range=judged,
-        ),
-        ForcedVibration(
-            kind="torsional",
-            engine_chain=cranks,
-            damping=case.chains[1].record,
-            remarks=excitation_remarks(engine_file, "torsional"),
-            forces=forces,
-            response=twisted,
-            loads=loads,
-            stress=alternating_stress(loads, _sections(engine_file.crank_throws, cranks)),
-            power=power_balance(twisted),
-            resonances=(),
-            axial_forces=None,
-            running_range=running,
-            judged_range=judged,
-        ),
+        replace(lengthened, resonances=_resonances(engine_file, lengthened)),
+        replace(twisted, resonances=_resonances(engine_file, twisted)),
     )
 
 
-def _worst_speeds(case: _Case, speeds: FloatArray) -> FloatArray:
+def _worst_speeds(
+    engine_file: EngineFile, responses: Callable[[FloatArray], Answers], speeds: FloatArray
+) -> FloatArray:
     """Speeds at which most of the limits is used, and where free ends move most, closer than the grid."""
     return refined_maxima(
-        lambda some: _limit_usage(case, _responses(case, some)),
+        lambda some: _limit_usage(engine_file, responses(some)),
         speeds,
-        _limit_usage(case, _responses(case, speeds)),
+        _limit_usage(engine_file, responses(speeds)),
         least=1.0,
     )
 
 
-def _limit_usage(case: _Case, answers: tuple[ForcedVibration, ForcedVibration]) -> FloatArray:
+def _limit_usage(engine_file: EngineFile, answers: Answers) -> FloatArray:
     """Used shares of the limits as far as they are judged, (curves, speeds), and free ends' amplitudes."""
-    engine = case.engine_file.engine
+    engine = engine_file.engine
     running = (engine.lowest_speed, engine.highest_speed)
     speeds = answers[0].response.speeds
     used = [
         np.where(speeds <= limit_end_speed(limit, running), usage(limit, curve), 0.0)
-        for limit, curve in limit_findings(case.engine_file, *answers)
+        for limit, curve in limit_findings(engine_file, *answers)
     ]
     # Speeds below the running ones are passed on starting: their maxima are for themselves.
     kept = [np.where(speeds >= engine.lowest_speed, own, 0.0) for own in used]

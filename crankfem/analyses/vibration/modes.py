@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crankbase.checks.arrays import FloatArray
 from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
@@ -27,7 +26,14 @@ from crankfem.analyses.vibration.engine_limits import assessment_end_speeds
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.chains.chain_modes import Modes
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.critical import CriticalSpeed, critical_speeds, engine_orders, vector_sums
+from dynamics.critical import (
+    CriticalSpeed,
+    critical_speeds,
+    engine_orders,
+    major_orders,
+    vector_sums,
+)
+from dynamics.plots.mode_shapes import draw_chain_shapes
 from fem.shaft import ShaftCompliances
 from regression.models.compliance_model import ComplianceModel
 
@@ -82,22 +88,41 @@ class SourceResult:
         InputError
             If the count is not 1 or more.
         """
-        from crankfem.analyses.vibration.plots.vibration_panels import draw_modes
-
         most = whole_number("count", count, 1, "a diagram shows some modes")
         modes = self.modes
         shown = slice(modes.rigid, min(modes.rigid + most, len(modes.frequencies)))
+        positions = modes.node_positions[shown]
         axes = new_axes(axes)
-        draw_modes(
+        draw_chain_shapes(
             axes,
-            modes.frequencies[shown],
             modes.shapes[:, shown],
-            modes.node_positions[shown],
+            [
+                mode_label(frequency, still)
+                for frequency, still in zip(modes.frequencies[shown], positions, strict=True)
+            ],
+            positions,
             self.chain.chain.connections,
-            self.chain.nodes,
+            [short_name(name) for name in self.chain.nodes],
             MOTION[self.chain.kind].quantity,
         )
         return axes
+
+
+def mode_label(frequency: float, nodes: Sequence[float]) -> str:
+    """Return what the legend says of a mode shape: its frequency [Hz] and how many nodes it has."""
+    return f"{frequency:.1f} Hz, {len(nodes)} node{'s' if len(nodes) != 1 else ''}"
+
+
+def short_name(name: str) -> str:
+    """Return a node's name as it stands below an axis."""
+    return (
+        name.replace("cylinder ", "cyl. ")
+        .replace("section ", "")
+        .replace(", flywheel", "\nflywheel")
+        .replace(", thrust bearing", "\nthrust")
+        .replace("driven machine", "driven\nmachine")
+        .replace("damper ring", "damper\nring")
+    )
 
 
 @dataclass(frozen=True)
@@ -112,32 +137,34 @@ class WeightedCritical:
         possible one; 0 to 1.
     in_running_range : bool
         Whether the engine runs at that speed; limits may hold at higher ones too.
+    kind : {"major", "minor"}
+        Of the order.
     """
 
     critical: CriticalSpeed
     phase_sum: float
     in_running_range: bool = True
-
-
-@dataclass(frozen=True)
-class CriticalDot:
-    """A critical speed as a Campbell diagram draws it, its size by its phase sum.
-
-    Attributes
-    ----------
-    frequency : float
-        [Hz]
-    speed_rpm : float
-    severity : float
-    kind : str
-    unbounded : bool
-    """
-
-    frequency: float
-    speed_rpm: float
-    severity: float
     kind: str = "major"
-    unbounded: bool = False
+
+    @property
+    def frequency(self) -> float:
+        """Of the mode [Hz]."""
+        return self.critical.frequency
+
+    @property
+    def speed_rpm(self) -> float:
+        """Where the order meets the mode [1/min]."""
+        return self.critical.speed_rpm
+
+    @property
+    def severity(self) -> float:
+        """Size of the dot of a Campbell diagram."""
+        return self.phase_sum
+
+    @property
+    def unbounded(self) -> bool:
+        """Not known without what excites and damps it."""
+        return False
 
 
 @summarized("kind", "chosen.elastic_frequencies [Hz]", "criticals", "unusable")
@@ -163,18 +190,6 @@ class Vibration:
     others: tuple[SourceResult, ...]
     unusable: tuple[str, ...]
     criticals: tuple[WeightedCritical, ...]
-
-    def critical_dots(self, majors: FloatArray) -> list[CriticalDot]:
-        """Return the dots of the critical speeds; `majors` are the major orders."""
-        return [
-            CriticalDot(
-                one.critical.frequency,
-                one.critical.speed_rpm,
-                one.phase_sum,
-                "major" if np.any(np.isclose(one.critical.order, majors)) else "minor",
-            )
-            for one in self.criticals
-        ]
 
     def plot(
         self,
@@ -335,6 +350,7 @@ def _criticals(
     ends = assessment_end_speeds(engine_file)
     found = critical_speeds(result.elastic_frequencies, orders, (ends[0], ends[-1]))
     shapes = result.modes.shapes[:, result.modes.rigid :]
+    majors = major_orders(orders, engine.firing_angles)
     return tuple(
         WeightedCritical(
             critical,
@@ -344,6 +360,7 @@ def _criticals(
                 engine.firing_angles,
             ),
             critical.speed <= engine.highest_speed,
+            "major" if np.any(np.isclose(critical.order, majors)) else "minor",
         )
         for critical in found
     )

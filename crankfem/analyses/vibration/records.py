@@ -1,11 +1,30 @@
-"""All of an engine's vibration as plain numbers."""
+"""An engine's vibration as plain numbers in SI units, and the columns of its files."""
 
-from crankfem.analyses.record import Record
+from collections.abc import Sequence
+
+import numpy as np
+
+from crankbase.checks.arrays import FloatArray
+from crankbase.units.units import RPM
+from crankfem.analyses.record import ASSUMED, Record, attributes, plain
+from crankfem.analyses.shaft.motion import MOTION
 from crankfem.analyses.shaft.whole_records import whole_record
-from crankfem.analyses.vibration.assessment_records import assessment_record
-from crankfem.analyses.vibration.forced_records import forced_record
-from crankfem.analyses.vibration.modes_record import vibration_record
+from crankfem.analyses.vibration.assessment import Assessment, Uncertainty
+from crankfem.analyses.vibration.forced import ForcedVibration
+from crankfem.analyses.vibration.modes import SourceResult, Vibration
 from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.analyses.vibration.run_up import RunUp
+from dynamics.assessment.barred_ranges import BarredRange, limit_end_speed
+from dynamics.assessment.verdict import LimitCheck
+from dynamics.excitation.axial_comparison import AxialForceComparison
+from dynamics.response.resonance import Resonance
+from dynamics.response.series import OrderSeries
+
+# SI units of loads in records.
+LOAD_UNIT = {"torsional": "N m", "axial": "N"}
+
+# Shares below this are round-off: the cylinders cancel.
+ROUND_OFF = 1e-12
 
 
 def run_record(run: EngineVibration) -> Record:
@@ -17,3 +36,286 @@ def run_record(run: EngineVibration) -> Record:
         "assessment": None if run.assessment is None else assessment_record(run.assessment),
         "whole": None if run.whole is None else whole_record(run.whole, run.comparison),
     }
+
+
+def vibration_record(vibration: Vibration) -> Record:
+    """Modes and critical speeds with the chosen compliances, first frequencies with all."""
+    chosen = vibration.chosen
+    return {
+        "kind": vibration.kind,
+        "source": chosen.source,
+        "nodes": list(chosen.chain.nodes),
+        **attributes(chosen.chain.chain, "inertia", "stiffness", "ground"),
+        "modes": _mode_records(chosen),
+        "criticals": [
+            {
+                **attributes(found.critical, "speed_rpm", "order", "frequency"),
+                "mode": found.critical.mode + 1,
+                **attributes(found, "phase_sum", "in_running_range"),
+            }
+            for found in vibration.criticals
+        ],
+        "sources": [
+            {
+                "source": result.source,
+                "first_frequencies": result.elastic_frequencies[:3].tolist(),
+                "beside_chosen": float(
+                    result.elastic_frequencies[0] / chosen.elastic_frequencies[0]
+                ),
+                "mean_compliance": float(result.compliances.mean()),
+                "remark": result.remark,
+            }
+            for result in vibration.others
+        ],
+        "unusable": list(vibration.unusable),
+    }
+
+
+def _mode_records(result: SourceResult) -> list[Record]:
+    modes = result.modes
+    return [
+        plain(
+            {
+                "number": mode + 1 - modes.rigid,
+                "frequency": modes.frequencies[mode],
+                "rigid": mode < modes.rigid,
+                "node_positions": modes.node_positions[mode],
+                "shape": modes.shapes[:, mode],
+            }
+        )
+        for mode in range(len(modes.frequencies))
+    ]
+
+
+def forced_record(forced: ForcedVibration) -> Record:
+    """Return curves and peaks of a forced vibration in SI units; null where it is unbounded."""
+    free_end, compared = forced.free_end, forced.axial_forces
+    return plain(
+        {
+            "kind": forced.kind,
+            "damping": forced.damping,
+            "remarks": [*_gas_remarks(forced), *forced.remarks],
+            "method": forced.response.method,
+            "orders": forced.response.orders,
+            "speeds_rpm": forced.response.speeds * RPM,
+            "free_end": {
+                "node": free_end.names[0],
+                "unit": MOTION[forced.kind].si,
+                "synthesis": free_end.synthesis.amplitude[:, 0],
+                "plain_sum": free_end.synthesis.plain_sum[:, 0],
+                "orders": _order_peaks(free_end),
+            },
+            "loads": _peaks(forced.loads.elements, LOAD_UNIT[forced.kind]),
+            "stress": None if forced.stress is None else _peaks(forced.stress, "Pa"),
+            "power": _power(forced),
+            "running_rpm": _rpm(forced.running_range),
+            "judged_rpm": _rpm(forced.judged_range),
+            "resonances": [_resonance(one) for one in forced.resonances],
+            "axial_forces": None if compared is None else _axial_forces(compared, forced),
+        }
+    )
+
+
+def _rpm(speeds: Sequence[float]) -> list[float]:
+    return [speed * RPM for speed in speeds]
+
+
+def _resonance(found: Resonance) -> Record:
+    record = attributes(
+        found,
+        *("mode", "frequency", "order", "speed_rpm", "amplitude", "estimate", "magnifier"),
+        *("share", "severity", "kind", "unbounded", "in_running_range"),
+    )
+    return record if found.severity > ROUND_OFF else record | {"amplitude": 0.0, "estimate": 0.0}
+
+
+def forced_columns(forced: ForcedVibration) -> tuple[dict[str, FloatArray], str]:
+    """Return the amplitudes over the speed, of the free end by order and of loads, and what they are."""
+    free_end, loads = forced.free_end, forced.loads.elements
+    unit = MOTION[forced.kind].si
+    load = "Nm" if forced.kind == "torsional" else "N"
+    columns = {
+        "speed_rpm": forced.response.speeds * RPM,
+        f"free_end_synthesis_{unit}": free_end.synthesis.amplitude[:, 0],
+        f"free_end_plain_sum_{unit}": free_end.synthesis.plain_sum[:, 0],
+    }
+    for place, order in enumerate(free_end.orders.tolist()):
+        columns[f"free_end_order_{order:g}_{unit}"] = free_end.amplitude[place, :, 0]
+    for place, name in enumerate(loads.names):
+        columns[f"{name} [{load}]"] = loads.synthesis.amplitude[:, place]
+    return columns, f"{forced.kind} vibration, amplitudes; inf is unbounded"
+
+
+def _peaks(series: OrderSeries, unit: str) -> list[Record]:
+    """Largest value over the speeds of each place, all orders together."""
+    summed = series.synthesis
+    worst = np.argmax(summed.amplitude, axis=0)
+    return [
+        {
+            "element": name,
+            "unit": unit,
+            "peak": summed.amplitude[worst[place], place],
+            "speed_rpm": series.speeds[worst[place]] * RPM,
+            "plain_sum_peak": np.max(summed.plain_sum[:, place]),
+        }
+        for place, name in enumerate(series.names)
+    ]
+
+
+def _order_peaks(series: OrderSeries) -> list[Record]:
+    """Largest amplitude of each order at the first place, and its speed."""
+    amplitude = series.amplitude[:, :, 0]
+    return [
+        {"order": order, "amplitude": own.max(), "speed_rpm": series.speeds[own.argmax()] * RPM}
+        for order, own in zip(series.orders, amplitude, strict=True)
+    ]
+
+
+def _power(forced: ForcedVibration) -> Record:
+    """Where most heat arises, and how well the balance of power holds."""
+    power = forced.power
+    bounded = ~np.any(power.unbounded, axis=0)
+    total = power.dissipated.sum(axis=0, where=~power.unbounded)
+    worst = int(np.argmax(np.where(bounded, total, -1.0)))
+    dampers = {
+        name: float(power.dashpots[:, worst, place].sum())
+        for place, name in enumerate(power.dashpot_names)
+        if bounded[worst]
+    }
+    return {
+        "unit": "W",
+        # At no speed is there anything to compare, where vibration is unbounded at all of them.
+        "error": power.error if np.any(bounded) else None,
+        "largest": float(total[worst]),
+        "speed_rpm": float(forced.response.speeds[worst] * RPM),
+        "dampers": dampers,
+    }
+
+
+def _axial_forces(compared: AxialForceComparison, forced: ForcedVibration) -> list[Record]:
+    """Largest axial force of any throw at the highest speed, two ways, by order."""
+    alone, in_shaft = (
+        np.abs(forces[:, -1]).max(axis=1) for forces in (compared.alone, compared.in_shaft)
+    )
+    none = alone <= ROUND_OFF * alone.max()
+    alone[none] = in_shaft[none] = 0.0
+    difference = np.where(none, 0.0, compared.difference[:, -1])
+    return [
+        {
+            "order": order,
+            "unit": "N",
+            "alone": alone[place],
+            "in_shaft": in_shaft[place],
+            "difference": difference[place],
+        }
+        for place, order in enumerate(forced.response.orders)
+    ]
+
+
+def _gas_remarks(forced: ForcedVibration) -> list[str]:
+    """What the forces tell beside the gas model's own assumptions, which the mechanism reports."""
+    return [text for text in forced.forces.remarks if not text.startswith((ASSUMED, "Solved"))]
+
+
+def assessment_record(assessment: Assessment) -> Record:
+    """Return verdict, limits and uncertainty in SI units; null where vibration is unbounded."""
+    verdict = assessment.verdict
+    running = verdict.running_range
+    return {
+        **attributes(verdict, "status", "sentence"),
+        "running_rpm": _rpm(running),
+        "checks": [_check(check, running[1]) for check in verdict.checks],
+        "barred": [_range(one) for one in verdict.barred],
+        "started_through": [_range(one) for one in verdict.started_through],
+        "remarks": [*assessment.remarks, *verdict.remarks],
+        "beside": list(assessment.beside),
+        "limits": [
+            attributes(limit, "name", "unit", "source", "assumed", "remark")
+            | {"judged_to_rpm": limit_end_speed(limit, running) * RPM}
+            for limit in assessment.limits.values()
+        ],
+        "uncertainty": {
+            one.kind: _uncertainty(one) for one in (assessment.axial, assessment.torsional)
+        },
+    }
+
+
+def _check(check: LimitCheck, highest_speed: float) -> Record:
+    return plain(
+        {
+            "limit": check.limit.name,
+            "place": check.curve.name,
+            "speed_rpm": check.worst_speed * RPM,
+            "near": check.near or None,
+            "in_running_range": check.worst_speed <= highest_speed,
+            "value": check.worst_value,
+            **attributes(check, "permitted", "used", "passed"),
+            **attributes(check.limit, "unit", "source", "assumed"),
+        }
+    )
+
+
+def _range(found: BarredRange) -> Record:
+    return {
+        **attributes(found, "shown", "limits", "allowed", "refusals", "remarks", "ends"),
+        "low_rpm": found.low * RPM,
+        "high_rpm": found.high * RPM,
+    }
+
+
+def _uncertainty(uncertain: Uncertainty) -> Record:
+    amplitudes = uncertain.amplitudes
+    frequencies = zip(uncertain.lowest, uncertain.nominal, uncertain.highest, strict=True)
+    return plain(
+        {
+            "spreads": [
+                attributes(one, "name", "kind", "low", "high") for one in uncertain.spreads
+            ],
+            "frequencies": [
+                {"mode": mode, "low": low, "nominal": nominal, "high": high}
+                for mode, (low, nominal, high) in enumerate(frequencies, start=1)
+            ],
+            "critical": [
+                {
+                    **attributes(one, "mode", "order", "margin"),
+                    "speed_rpm": one.nominal * RPM,
+                    "low_rpm": one.low * RPM,
+                    "high_rpm": one.high * RPM,
+                }
+                for one in uncertain.critical
+            ],
+            "amplitudes": None
+            if amplitudes is None
+            else {
+                "samples": len(amplitudes.values),
+                "nominal": amplitudes.nominal,
+                "percentile_5": amplitudes.percentile(5.0),
+                "percentile_95": amplitudes.percentile(95.0),
+                "highest": amplitudes.highest,
+            },
+        }
+    )
+
+
+def run_up_record(found: RunUp) -> Record:
+    """Return the largest torques beside those at constant speeds, in SI units."""
+    motion, envelope = found.motion, found.envelope
+    worst = np.argmax(envelope.torque, axis=0)
+    return plain(
+        {
+            "duration": found.duration,
+            "complete": motion.complete,
+            "from_rpm": motion.shaft_speed[0] * RPM,
+            "to_rpm": motion.shaft_speed[-1] * RPM,
+            "notes": motion.notes,
+            "elements": [
+                {
+                    "element": name,
+                    "largest": found.largest[place],
+                    "at_rpm": envelope.speed[worst[place]] * RPM,
+                    "steady": found.steady[place],
+                }
+                for place, name in enumerate(found.elements)
+            ],
+        }
+    )

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
@@ -30,7 +30,7 @@ from crankfem.files.engine.engine_file import EngineFile, load_engine
 from crankfem.files.engine.mechanism_file import MechanismFile, layout_of, mechanism_of
 from dynamics.assessment.verdict import LimitCheck
 from dynamics.chains.chain import Chain
-from dynamics.critical import engine_orders, major_orders
+from dynamics.critical import engine_orders
 from dynamics.plots.campbell import draw_campbell
 from fem.shaft import ShaftCompliances
 from fem.throw_analysis import ThrowAnalysis
@@ -41,16 +41,7 @@ if TYPE_CHECKING:
 
 Kind = Literal["axial", "torsional"]
 Shown = Literal["campbell", "modes", "amplitude", "stress", "load", "power", "limits", "shaft"]
-SHOWN: tuple[Shown, ...] = (
-    "campbell",
-    "modes",
-    "amplitude",
-    "stress",
-    "load",
-    "power",
-    "limits",
-    "shaft",
-)
+SHOWN: tuple[Shown, ...] = get_args(Shown)
 # Limits of an engine file by what they are drawn into.
 LIMITS = {"amplitude": "{kind}_amplitude", "stress": "crankshaft_stress"}
 
@@ -211,13 +202,12 @@ class EngineVibration:
     ) -> None:
         engine = self.engine_file.engine
         orders = engine_orders(engine.strokes, self.engine_file.vibration.highest_order)
-        majors = major_orders(orders, engine.firing_angles)
         draw_campbell(
             axes,
             vibration.chosen.elastic_frequencies,
             orders,
             (engine.lowest_speed, engine.highest_speed),
-            vibration.critical_dots(majors) if forced is None else forced.resonances,
+            vibration.criticals if forced is None else forced.resonances,
         )
         write_title(axes, f"{engine.name}, {vibration.kind}")
 

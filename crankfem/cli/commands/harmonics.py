@@ -109,7 +109,7 @@ def _names_engine(source: str) -> bool:
 
 def _torque_table_harmonics(source: str, asked: _Request) -> dict[str, Any]:
     from crankfem.analyses.mechanism.harmonics_record import harmonics_record
-    from crankfem.analyses.mechanism.plots.plots import plot_torque
+    from crankfem.analyses.mechanism.plots.torque_plots import plot_torque
     from crankfem.files.reading.data_files import torque_path
     from crankfem.jobs.outputs import check_outputs
     from dynamics.torque_table import read_torque_table

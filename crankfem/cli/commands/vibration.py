@@ -72,13 +72,11 @@ def vibration(
     from crankbase.drawing.diagram_style import make_folder
     from crankbase.outputs import check_output, protect
     from crankfem.analyses.shaft.motion import MOTION
-    from crankfem.analyses.vibration.forced_records import forced_columns
-    from crankfem.analyses.vibration.records import run_record
+    from crankfem.analyses.vibration.plots.transient_plots import picture_run_up
+    from crankfem.analyses.vibration.records import forced_columns, run_record, run_up_record
     from crankfem.analyses.vibration.run import engine_vibration
     from crankfem.analyses.vibration.run_up import parse_duration
     from crankfem.analyses.vibration.run_up import run_up as turned_up
-    from crankfem.analyses.vibration.run_up_records import run_up_record
-    from crankfem.analyses.vibration.vibration_pictures import picture_run_up
     from crankfem.cli.column_file import write_columns
     from crankfem.cli.tables.vibration_tables import print_run, print_run_up
     from crankfem.files.engine.engine_file import load_engine
@@ -124,8 +122,8 @@ def vibration(
             written.append(folders[1] / "run_up.svg")
             picture_run_up(written[-1], run, found)
     record = run_record(run)
-    if found is not None and run.forced_torsional is not None:
-        record["run_up"] = run_up_record(found, run.forced_torsional)
+    if found is not None:
+        record["run_up"] = run_up_record(found)
     if json:
         print_json(record | {"files": [str(path) for path in written]})
     else:

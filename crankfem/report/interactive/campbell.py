@@ -16,6 +16,7 @@ from crankfem.report.interactive.style import (
     dots,
     layout,
     line,
+    note,
     number,
 )
 from dynamics.plots.campbell import (
@@ -80,15 +81,14 @@ def campbell(
             traces.append(_dots(kind, f"{name} order", own, color))
     notes = [_order_label(order, frame) for order in orders.tolist() if frame.has_label(order)]
     notes += [
-        {
-            "x": left,
-            "y": frequency,
-            "text": mode_text(place, frequency),
-            "showarrow": False,
-            "xanchor": "left",
-            "yanchor": "bottom",
-            "font": {"size": 12, "color": COLORS[place % len(COLORS)]},
-        }
+        note(
+            mode_text(place, frequency),
+            color=COLORS[place % len(COLORS)],
+            x=left,
+            y=frequency,
+            xanchor="left",
+            yanchor="bottom",
+        )
         for place, frequency in enumerate(frame.natural.tolist())
     ]
     made = layout(
@@ -121,15 +121,8 @@ def _order_line(order: float, frame: CampbellFrame, *, first: bool) -> Part:
 
 def _order_label(order: float, frame: CampbellFrame) -> Part:
     speed, frequency, over = frame.line_end(order)
-    return {
-        "x": speed,
-        "y": frequency,
-        "text": f"{order:g}",
-        "showarrow": False,
-        "xanchor": "center" if over else "left",
-        "yanchor": "bottom" if over else "middle",
-        "font": {"size": 11, "color": TEXT_COLOR},
-    }
+    side = {"xanchor": "center", "yanchor": "bottom"} if over else {"xanchor": "left"}
+    return note(f"{order:g}", size=11, color=TEXT_COLOR, x=speed, y=frequency, **side)
 
 
 def _mode_line(place: int, frequency: float, left: float, right: float) -> Part:

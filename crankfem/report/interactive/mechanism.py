@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from crankbase.drawing.curves import Curves, Dash, Dots, Series
 from crankbase.drawing.diagram_style import BLUE, GRAY, GREEN, ORANGE
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun
-from crankfem.report.interactive.curve_decimation import visible_points
 from crankfem.report.interactive.style import (
     QUIET_COLOR,
     Figure,
@@ -19,16 +19,13 @@ from crankfem.report.interactive.style import (
     number,
 )
 from dynamics.engine.loads import LoadDiagram
+from dynamics.plots.load_diagrams import OUTLINE, Frame, on_paper, square_round
+from dynamics.plots.quantities import KILO
 
 Array = NDArray[np.float64]
 
-KILO = 1e-3
 # A point of a polar diagram for every so many degrees of shaft angle, and a mark.
 POINT_STEP, MARK_STEP = 1.0, 30.0
-# The outline of the journal is a symbol, its radius this share of the diagram's width.
-OUTLINE, MARGIN = 0.045, 0.08
-# Share of the height that a thinned curve may miss, and the longest way without a point [deg].
-UNSEEN, HOVER_STEP = 5e-4, 4.0
 SQUARE = 560  # pixels
 AXES = {
     "crank": (
@@ -41,7 +38,7 @@ AXES = {
 }
 
 
-def polar_load(load: LoadDiagram, frame: str, title: str) -> Figure:
+def polar_load(load: LoadDiagram, frame: Frame, title: str) -> Figure:
     """Draw the locus of a bearing's force vector.
 
     Parameters
@@ -58,23 +55,19 @@ def polar_load(load: LoadDiagram, frame: str, title: str) -> Figure:
         The curve, then marks at whole steps of shaft angle.
     layout : dict
     """
-    # Up are -Z, outwards along the crank, and y; to the right T, and -x as seen from the free end.
-    force = KILO * (load.in_crank_frame if frame == "crank" else load.force)
+    force = on_paper(load, frame)
     degrees = degrees_of(load.angles)
     step = degrees[1] - degrees[0]
     kept = np.arange(0, len(degrees), max(1, round(POINT_STEP / step)))
     closed = np.append(kept, 0)
-    across, up = force.imag, force.real
+    across, up = force.real, force.imag
     right_title, up_title, right_name, up_name = AXES[frame]
     hover = (
         "shaft angle %{customdata[0]:.4g} deg<br><b>%{customdata[1]:.4g} kN</b><br>"
         f"{right_name} %{{x:.4g}} kN, {up_name} %{{y:.4g}} kN"
     )
-    span = 1.0 + 2.0 * MARGIN
-    points = np.concatenate([force, [0.0]])
-    low = np.array([points.imag.min(), points.real.min()])
-    high = np.array([points.imag.max(), points.real.max()])
-    middle, half = 0.5 * (low + high), 0.5 * span * float((high - low).max())
+    low, high = square_round([force])
+    half = 0.5 * (high[0] - low[0])
     marks = np.flatnonzero(np.abs((degrees + 1e-6) % MARK_STEP) < 0.5 * step)
     traces = [
         line(
@@ -102,10 +95,9 @@ def polar_load(load: LoadDiagram, frame: str, title: str) -> Figure:
             textfont={"size": 11, "color": QUIET_COLOR},
         ),
     ]
-    ranges = [[float(one - half), float(one + half)] for one in middle]
     return traces, layout(
-        axis(right_title, range=ranges[0], constrain="domain"),
-        axis(up_title, range=ranges[1], scaleanchor="x", constrain="domain"),
+        axis(right_title, range=[low[0], high[0]], constrain="domain"),
+        axis(up_title, range=[low[1], high[1]], scaleanchor="x", constrain="domain"),
         title=title,
         height=SQUARE,
         showlegend=False,
@@ -117,68 +109,53 @@ def polar_load(load: LoadDiagram, frame: str, title: str) -> Figure:
     )
 
 
-def developed_load(load: LoadDiagram, title: str) -> Figure:
-    """Draw the size of a bearing's force over the shaft angle, with its mean and maximum."""
-    degrees = degrees_of(load.angles)
-    size = KILO * load.magnitude
-    x, y = np.append(degrees, 2.0 * degrees[-1] - degrees[-2]), np.append(size, size[0])
-    kept = visible_points(x, y, UNSEEN * float(y.max()), HOVER_STEP)
+def developed_load(load: LoadDiagram) -> Curves:
+    """Describe the size of a bearing's force over the shaft angle, with its mean and maximum."""
+    degrees, size = degrees_of(load.angles), KILO * load.magnitude
     mean, most = KILO * load.mean, KILO * load.maximum
-    told = "shaft angle %{x:.4g} deg<br>%{y:.4g} kN"
-    traces = [
-        line(x[kept], y[kept], "force", BLUE, told, width=1.8),
-        line(
-            np.linspace(x[0], x[-1], 25),
-            np.full(25, mean),
-            f"mean {number(mean)} kN",
-            BLUE,
-            f"mean {number(mean)} kN",
-            width=1.2,
-            dash="dash",
+    x = np.append(degrees, 2.0 * degrees[-1] - degrees[-2])
+    level = np.full(len(x), mean)
+    return Curves(
+        x,
+        (
+            Series("force", np.append(size, size[0]), color=BLUE),
+            Series(f"mean {number(mean)} kN", level, color=BLUE, dash="dash"),
         ),
-        dots(
-            [float(np.degrees(load.maximum_angle))],
-            [most],
-            f"maximum {number(most)} kN",
-            ORANGE,
-            f"maximum<br>{told}",
-            size=9,
+        "shaft angle [deg]",
+        "force [kN]",
+        x_step=90.0,
+        dots=(
+            Dots(
+                degrees_of([load.maximum_angle]),
+                np.array([most]),
+                f"maximum {number(most)} kN",
+                ORANGE,
+            ),
         ),
-    ]
-    return traces, layout(
-        _angle_axis("shaft angle [deg]", x),
-        axis("force [kN]", rangemode="tozero"),
-        title=title,
     )
 
 
-def piston_forces(run: MechanismRun, cylinder: int, title: str) -> Figure:
-    """Draw gas force, side force and tangential force of a cylinder over the cycle."""
+def piston_forces(run: MechanismRun, cylinder: int) -> Curves:
+    """Describe gas force, side force and tangential force of a cylinder over the cycle."""
     forces, firing = run.forces, run.layout.firing[cylinder - 1]
     degrees = degrees_of((forces.shaft_angles - firing) % run.layout.cycle)
     order = np.argsort(degrees)
-    x = degrees[order]
-    traces = []
-    for values, color, dash, label in (
+    looks: tuple[tuple[Array, str, Dash, str], ...] = (
         (forces.gas, BLUE, "solid", "gas, towards the shaft"),
         (forces.tangential, ORANGE, "dash", "tangential, T"),
         (forces.side, GREEN, "dashdot", "side, N"),
-    ):
-        y = KILO * values[cylinder - 1][order]
-        kept = visible_points(x, y, UNSEEN * float(np.ptp(y)), HOVER_STEP)
-        told = f"{label}<br>%{{x:.4g}} deg after the firing top<br>%{{y:.4g}} kN"
-        traces.append(line(x[kept], y[kept], label, color, told, width=1.8, dash=dash))
-    cycle = float(np.degrees(run.layout.cycle))
-    return traces, layout(
-        _angle_axis("crank angle from the firing top [deg]", np.array([0.0, cycle])),
-        axis("force [kN]"),
-        title=title,
-        shapes=[level(0.0)],
     )
-
-
-def _angle_axis(title: str, x: Array) -> Part:
-    return axis(title, range=[float(x[0]), float(x[-1])], dtick=90, tick0=0)
+    return Curves(
+        degrees[order],
+        tuple(
+            Series(name, KILO * values[cylinder - 1][order], color=color, dash=dash)
+            for values, color, dash, name in looks
+        ),
+        "crank angle from the firing top [deg]",
+        "force [kN]",
+        signed=True,
+        x_step=90.0,
+    )
 
 
 def _hover_values(
@@ -207,9 +184,9 @@ def _spaced_labels(degrees: Array, force: NDArray[np.complex128], room: float) -
 def _side(point: complex, middle: complex) -> str:
     """Say on which side of a point its label stands: away from the middle."""
     away = point - middle
-    if abs(away.imag) > abs(away.real):
-        return "middle right" if away.imag > 0.0 else "middle left"
-    return "top center" if away.real > 0.0 else "bottom center"
+    if abs(away.real) > abs(away.imag):
+        return "middle right" if away.real > 0.0 else "middle left"
+    return "top center" if away.imag > 0.0 else "bottom center"
 
 
 def _journal(frame: str, radius: float) -> list[Part]:

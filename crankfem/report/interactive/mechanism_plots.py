@@ -2,11 +2,10 @@
 
 from crankfem.analyses.mechanism.mechanism_run import MechanismRun, hinged_group
 from crankfem.analyses.mechanism.plots.balance_plots import plot_balance, plot_hinged_rods
-from crankfem.analyses.mechanism.plots.load_plots import plot_developed_loads, plot_polar_loads
-from crankfem.analyses.mechanism.plots.mechanism_pictures import plot_piston_forces
+from crankfem.analyses.mechanism.plots.load_plots import plot_polar_loads
 from crankfem.analyses.titles import at_speed
 from crankfem.report.interactive.mechanism import developed_load, piston_forces, polar_load
-from crankfem.report.interactive.plot import Plot, Plots
+from crankfem.report.interactive.plot import Plot, Plots, plot_of_curves
 from dynamics.engine.loads import LoadDiagram
 from dynamics.plots.load_diagrams import Frame
 
@@ -37,11 +36,8 @@ def _of_bearing(
             ),
             lambda run: polar_load(load(run), frame, title(run)),
         ),
-        Plot(
-            f"{name}_developed",
-            *developed,
-            lambda path, run: plot_developed_loads(path, [load(run)], title=title(run)),
-            lambda run: developed_load(load(run), title(run)),
+        plot_of_curves(
+            f"{name}_developed", *developed, lambda run: developed_load(load(run)), title
         ),
     )
 
@@ -78,12 +74,12 @@ MECHANISM: Plots[MechanismRun] = Plots(
                 "The same of the main bearing.",
             ),
         ),
-        Plot(
+        plot_of_curves(
             "piston_forces",
             "Gas, tangential and side force of one cylinder over the cycle",
             "Forces of the first cylinder over its cycle.",
-            plot_piston_forces,
-            lambda run: piston_forces(run, 1, f"cylinder 1, {_engine(run)}"),
+            lambda run: piston_forces(run, 1),
+            lambda run: f"cylinder 1, {_engine(run)}",
         ),
         Plot(
             "balance",

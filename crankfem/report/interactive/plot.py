@@ -3,14 +3,22 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
-from crankbase.drawing.diagram_style import make_folder
+from crankbase.drawing.curves import Curves, draw_curves
+from crankbase.drawing.diagram_style import figure, make_folder
+from crankbase.drawing.legends import legend_below
 from crankbase.outputs import check_output
+from crankfem.analyses.titles import add_title
+from crankfem.report.interactive.curves import figure_of
 from crankfem.report.interactive.style import Figure
 from crankfem.report.interactive.writing import write_figure
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 Run = TypeVar("Run")
+LEGEND_COLUMNS = 4
 
 
 @dataclass(frozen=True)
@@ -49,6 +57,47 @@ class Plot(Generic[Run]):
         """Write it for a screen; errors as of `write_figure`."""
         assert self.interactive is not None
         return write_figure(folder / f"{self.name}.json", *self.interactive(run))
+
+
+def plot_of_curves(
+    name: str,
+    alt: str,
+    caption: str,
+    describe: Callable[[Run], Curves],
+    title: Callable[[Run], str],
+    needs: str = "",
+) -> Plot[Run]:
+    """Return a plot whose curves are described once, for paper and for a screen."""
+
+    def draw(axes: "Axes", run: Run) -> None:
+        draw_curves(axes, describe(run))
+        legend_below(axes, LEGEND_COLUMNS)
+
+    return Plot(
+        name,
+        alt,
+        caption,
+        picture(draw, title),
+        lambda run: figure_of(describe(run), title(run)),
+        needs,
+    )
+
+
+def picture(
+    draw: Callable[["Axes", Run], object],
+    title: Callable[[Run], str],
+    width: float = 7.2,
+    height: float = 4.4,
+) -> Callable[[Path, Run], None]:
+    """Return what draws a picture of a run into a file, with a title above all."""
+
+    def write(path: Path, run: Run) -> None:
+        with figure(path, width=width, height=height) as axes:
+            draw(axes, run)
+            axes.set_title("", loc="left")
+            add_title(axes, title(run))
+
+    return write
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,9 @@
-"""The whole crankshaft: its modes, and what excites its axial vibration."""
+"""The modes of the whole crankshaft."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.drawing.diagram_style import BLUE, GREEN, ORANGE
-from crankfem.analyses.shaft.motion import MOTION
-from crankfem.report.interactive.curves import figure_of
 from crankfem.report.interactive.style import (
     Figure,
     Part,
@@ -16,15 +14,12 @@ from crankfem.report.interactive.style import (
     line,
     visibility_by_choice,
 )
-from dynamics.crankshaft.coupled_response import CoupledResponse, split_curves
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.crankshaft.shaft_throw import RZ, UX, UY, UZ
-from dynamics.plots.quantities import in_unit
 
 Array = NDArray[np.float64]
 
 MODES_SHOWN = 10
-AXIAL = MOTION["axial"]
 
 
 def shaft_modes(modes: ShaftModes, radius: float, title: str) -> Figure:
@@ -87,26 +82,3 @@ def shaft_modes(modes: ShaftModes, radius: float, title: str) -> Figure:
         shapes=[level(0.0)],
         updatemenus=[choice("mode", labels, [[{"visible": turn}] for turn in turns])],
     )
-
-
-def axial_split(response: CoupledResponse, title: str) -> Figure:
-    """Draw the free end's axial amplitude by tangential forces, by radial forces and by both.
-
-    Parameters
-    ----------
-    response : CoupledResponse
-    title : str
-
-    Returns
-    -------
-    traces : list of dict
-    layout : dict
-    """
-    split = response.split("section 0 uz")
-    curves = split_curves(
-        response.speeds,
-        (split.both_sum, split.tangential_sum, split.radial_sum),
-        in_unit(AXIAL.si).factor,
-        f"axial amplitude of the free end [{AXIAL.unit}]",
-    )
-    return figure_of(curves, title)

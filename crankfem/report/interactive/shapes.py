@@ -4,7 +4,7 @@ import numpy as np
 
 from crankbase.drawing.diagram_style import GRAY
 from crankfem.analyses.shaft.motion import MOTION
-from crankfem.analyses.vibration.modes import SourceResult
+from crankfem.analyses.vibration.modes import SourceResult, mode_label, short_name
 from crankfem.report.interactive.style import (
     Figure,
     Part,
@@ -43,8 +43,7 @@ def mode_shapes(result: SourceResult, title: str) -> Figure:
     last = min(modes.rigid + SHAPES, len(modes.frequencies))
     for shown, mode in enumerate(range(modes.rigid, last)):
         shape, still = modes.shapes[:, mode], modes.node_positions[mode]
-        count = f"{len(still)} node{'s' if len(still) != 1 else ''}"
-        label = f"mode {shown + 1}: {modes.frequencies[mode]:.1f} Hz, {count}"
+        label = f"mode {shown + 1}: {mode_label(modes.frequencies[mode], still)}"
         color = line_style(shown)["color"]
         shared: Part = {
             "legendgroup": f"mode {shown + 1}",
@@ -74,7 +73,7 @@ def mode_shapes(result: SourceResult, title: str) -> Figure:
         axis(
             "",
             tickvals=ticks,
-            ticktext=[_short(name) for name in names],
+            ticktext=[short_name(name).replace("\n", "<br>") for name in names],
             range=[-0.4, len(names) - 0.6],
         ),
         axis(f"relative {moved} [1]", range=[-1.1, 1.1]),
@@ -109,14 +108,3 @@ def _on_axis(positions: tuple[float, ...], pairs: tuple[tuple[int, int], ...]) -
         left, right = pairs[element]
         found.append(left + (position - element) * (right - left))
     return found
-
-
-def _short(name: str) -> str:
-    return (
-        name.replace("cylinder ", "cyl. ")
-        .replace("section ", "")
-        .replace(", flywheel", ", fly-<br>wheel")
-        .replace(", thrust bearing", ",<br>thrust")
-        .replace("driven machine", "driven<br>machine")
-        .replace("damper ring", "damper<br>ring")
-    )

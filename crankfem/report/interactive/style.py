@@ -173,6 +173,11 @@ def level(value: float, color: str = GRAY, **more: Any) -> Part:
     } | more
 
 
+def note(text: str, *, size: int = 12, color: str = QUIET_COLOR, **place: Any) -> Part:
+    """Return a text at a place, without an arrow."""
+    return {"text": text, "showarrow": False, "font": {"size": size, "color": color}} | place
+
+
 def choice(name: str, labels: Sequence[str], changes: Sequence[list[Any]]) -> Part:
     """Return a menu; each label comes with the arguments of plotly's update."""
     buttons = [

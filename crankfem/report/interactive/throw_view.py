@@ -1,6 +1,7 @@
 """The throw in three dimensions, to turn: its solid, its mesh, how it deforms, stress at fillets."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -9,37 +10,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.units.units import UNITS
-from crankfem.analyses.throw.pictures.surface import stretched_surface
+from crankfem.analyses.throw.pictures.scene import eye_at
+from crankfem.analyses.throw.pictures.stress_picture import COLORS, STRESS_SHOWN, load_title
+from crankfem.analyses.throw.pictures.surface import stressed_surface, stretched_surface
 from crankfem.report.interactive.mesh_decimation import decimate_triangles
 from crankfem.report.interactive.rounding import rounded
 from crankfem.report.interactive.style import (
-    QUIET_COLOR,
     Figure,
     Part,
     choice,
+    note,
     number,
     plain_layout,
 )
 from crankfem.report.interactive.triangles import TriangleSurface, polylines
 from crankfem.report.interactive.writing import write_figure
 from fem.fillet_peaks import FilletStresses
-from fem.principal import von_mises
 from fem.throw_analysis import ThrowAnalysis
-from fem.unit_loads import UnitLoad, whole_facets, whole_nodes
-from geometry.facets import six_node_triangles
-from geometry.solid import CRANK_PLANE, MIDDLE_PLANE
+from fem.unit_loads import whole_nodes
+from geometry.facets import SUBTRIANGLES
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 MILLI = 1e3
-# Displacements are shown for 1 kN in µm, stresses for 1 kN or 1 kN m in MPa.
+# Displacements are shown for 1 kN in µm.
 DISPLACEMENT_SHOWN = UNITS["kN"][1] / UNITS["um"][1]
-STRESS_SHOWN = UNITS["kN"][1] / UNITS["MPa"][1]
 # The largest displacement is drawn as this share of the throw's length.
 DRAWN_DISPLACEMENT = 0.06
 STEEL_COLOR, FEATURE_COLOR, MESH_COLOR = "#b9c4d0", "#2a3644", "#33475b"
-STRESS_COLORS = ("#eef1f4", "#d3dde6", "#f6e3ae", "#f4b266", "#e26a3c", "#b01f2e", "#560a1f")
+# The edges of a six-node triangle: corner, middle, corner.
+EDGE_PATHS = ((0, 3, 1), (1, 4, 2), (2, 5, 0))
 # Loads whose stresses can be chosen.
 STRESS_LOADS = ("radial", "torsion")
 # What a file of 1.5 MB has room for.
@@ -117,13 +118,9 @@ def throw_figure(analysis: ThrowAnalysis, stresses: FilletStresses | None = None
         Each array is in the file once: colors come with the menu's choice.
     """
     given = stretched_surface(analysis)
-    whole = whole_nodes(analysis.mesh)
-    # Nodes of the mirror images that lie on a cut become one.
-    places = whole.numbers.ravel()
-    points = np.empty((int(places.max()) + 1, 3))
-    displacement = np.empty_like(points)
-    points[places], displacement[places] = MILLI * given.points, given.displacement
-    surface = TriangleSurface(points, places[given.triangles])
+    points, displacement = MILLI * given.points, given.values
+    flat = [given.facets[:, list(corners)] for corners in SUBTRIANGLES]
+    surface = TriangleSurface(points, np.concatenate(flat))
     sizes = np.linalg.norm(displacement, axis=1)
     size = float(np.ptp(points, axis=0).max())
     lifted = points + LIFT * size * surface.point_normals
@@ -131,7 +128,8 @@ def throw_figure(analysis: ThrowAnalysis, stresses: FilletStresses | None = None
     sources, triangles = decimate_triangles(surface, sizes, MOST_TRIANGLES).split_at_sharp_edges()
     scale = DRAWN_DISPLACEMENT * float(np.ptp(points[:, 2])) / float(sizes[sources].max())
     moved = points + scale * displacement
-    middles = _middles(places[given.edges], points, BENT * size)
+    edges = np.concatenate([given.facets[:, list(path)] for path in EDGE_PATHS])
+    middles = _middles(edges, points, BENT * size)
     traces = [
         _solid(points[sources], triangles, size, name="solid", color=STEEL_COLOR),
         _lines(lifted, features, size, FEATURE_COLOR, 3.0, "sharp edges"),
@@ -165,10 +163,8 @@ def throw_figure(analysis: ThrowAnalysis, stresses: FilletStresses | None = None
 
 def _layout(traces: list[Part], views: list[_View], points: Array) -> Part:
     """Return the layout, with a menu of all views and room for all points."""
-    towards = EYE / math.sqrt(float(EYE @ EYE))
-    across = np.cross((0.0, 1.0, 0.0), towards)
-    across /= np.linalg.norm(across)
-    seen = points @ np.column_stack([across, np.cross(towards, across)])
+    eye = eye_at(EYE)
+    seen = points @ eye.plane
     # What lies beyond the ends of axes is cut off, lines above faces too.
     room = MARGIN * float(np.ptp(points, axis=0).max())
     low, high = points.min(axis=0) - room, points.max(axis=0) + room
@@ -187,28 +183,17 @@ def _layout(traces: list[Part], views: list[_View], points: Array) -> Part:
         "scene": {
             **axes,
             "aspectmode": "manual",
-            "aspectratio": dict(zip("xyz", np.round(lengths, 5).tolist(), strict=True)),
+            "aspectratio": _xyz(np.round(lengths, 5).tolist()),
             "dragmode": "orbit",
             "camera": {
-                "eye": dict(zip("xyz", np.round(EYE_DISTANCE * towards, 4).tolist(), strict=True)),
-                "up": {"x": 0, "y": 1, "z": 0},
-                "center": {"x": 0, "y": 0, "z": 0},
+                "eye": _xyz(np.round(EYE_DISTANCE * eye.towards, 4).tolist()),
+                "up": _xyz((0, 1, 0)),
+                "center": _xyz((0, 0, 0)),
                 "projection": {"type": "orthographic"},
             },
         },
         "annotations": [
-            {
-                "text": views[0].told,
-                "showarrow": False,
-                "xref": "paper",
-                "yref": "paper",
-                "x": 0.5,
-                "y": 0.0,
-                "yshift": -8,
-                "xanchor": "center",
-                "yanchor": "top",
-                "font": {"size": 12, "color": QUIET_COLOR},
-            }
+            note(views[0].told, x=0.5, y=0.0, yshift=-8, xref="paper", yref="paper", yanchor="top")
         ],
         "updatemenus": [
             menu | {"type": "buttons", "direction": "right", "x": 0.0, "xanchor": "left"}
@@ -241,20 +226,15 @@ def _mesh_text(analysis: ThrowAnalysis) -> str:
 
 def _stress_views(stresses: FilletStresses, place: int) -> tuple[Part, list[_View]]:
     """Return the surface of the mesh that was made for the fillets, and a view for each load."""
-    loaded = stresses.loaded
-    mesh = loaded.mesh
-    whole = whole_nodes(mesh)
-    outside = [name for name in mesh.surfaces if name not in (CRANK_PLANE, MIDDLE_PLANE)]
-    facets = six_node_triangles(mesh, np.concatenate([mesh.surfaces[name] for name in outside]))
+    given = stressed_surface(stresses)
     # Elements are small here: straight edges do.
-    corners = whole_facets(whole, facets)[:, :3]
-    equivalent = whole.collect([von_mises(part) for part in loaded.stresses(whole.images)])
-    # Where it is known better.
-    equivalent[stresses.surface.nodes] = von_mises(stresses.surface.stress)
-    points = MILLI * whole.collect([image.points(mesh.points) for image in whole.images])
+    corners = given.facets[:, :3]
+    points, equivalent = MILLI * given.points, given.values
     size = float(np.ptp(points, axis=0).max())
     chosen = [
-        (column, load) for column, load in enumerate(loaded.loads) if load.kind in STRESS_LOADS
+        (column, load)
+        for column, load in enumerate(stresses.loaded.loads)
+        if load.kind in STRESS_LOADS
     ]
     # What is largest under any of the loads shall stay.
     relative = equivalent[:, [column for column, _ in chosen]]
@@ -268,8 +248,8 @@ def _stress_views(stresses: FilletStresses, place: int) -> tuple[Part, list[_Vie
         name="fillet stress",
         hover=f"%{{intensity:.3g}} MPa<br>{PLACE}",
     )
-    shares = np.linspace(0.0, 1.0, len(STRESS_COLORS)).tolist()
-    trace["colorscale"] = [list(pair) for pair in zip(shares, STRESS_COLORS, strict=True)]
+    shares = np.linspace(0.0, 1.0, len(COLORS)).tolist()
+    trace["colorscale"] = [list(pair) for pair in zip(shares, COLORS, strict=True)]
     views = []
     # The radial force first.
     for column, load in sorted(chosen, key=lambda pair: STRESS_LOADS.index(pair[1].kind)):
@@ -279,7 +259,7 @@ def _stress_views(stresses: FilletStresses, place: int) -> tuple[Part, list[_Vie
             _View(
                 f"stress, {load.name}",
                 (place,),
-                f"{_capital(load)}, 1 k{load.unit}, ends pinned; largest at a fillet "
+                f"{load_title(load)}; largest at a fillet "
                 f"{largest:.3g} MPa, estimated error {100.0 * stresses.error_estimate:.2g} %",
                 rounded(shown, 4),
                 float(largest),
@@ -287,10 +267,6 @@ def _stress_views(stresses: FilletStresses, place: int) -> tuple[Part, list[_Vie
             )
         )
     return trace, views
-
-
-def _capital(load: UnitLoad) -> str:
-    return load.name[0].upper() + load.name[1:]
 
 
 def _solid(
@@ -303,8 +279,6 @@ def _solid(
     hover: str = PLACE,
 ) -> Part:
     """Return a shaded surface, of one color or of the colors that its values will have."""
-    x, y, z = _coordinates(points, size)
-    i, j, k = triangles.T.tolist()
     colored: Part = (
         {"color": color}
         if color
@@ -325,12 +299,8 @@ def _solid(
     return {
         "type": "mesh3d",
         "name": name,
-        "x": x,
-        "y": y,
-        "z": z,
-        "i": i,
-        "j": j,
-        "k": k,
+        **_coordinates(points, size),
+        **dict(zip("ijk", triangles.T.tolist(), strict=True)),
         "flatshading": False,
         "lighting": LIGHTING,
         "lightposition": LIGHT,
@@ -347,29 +317,32 @@ def _lines(
         drawn = np.concatenate([part for stroke in strokes for part in (points[stroke], gap)])[:-1]
     else:
         drawn = np.empty((0, 3))
-    x, y, z = _coordinates(drawn, size)
     return {
         "type": "scatter3d",
         "mode": "lines",
         "name": name,
-        "x": x,
-        "y": y,
-        "z": z,
+        **_coordinates(drawn, size),
         "line": {"color": color, "width": width},
         "hoverinfo": "skip",
     }
 
 
-def _coordinates(points: Array, size: float) -> list[list[float | int | None]]:
+def _coordinates(points: Array, size: float) -> Part:
     """Return x, y and z to a ten thousandth of the size's power of ten [mm]."""
     decimals = 4 - math.floor(math.log10(size))
-    return [
+    return _xyz(
         [
-            None if math.isnan(value) else int(value) if value.is_integer() else value
-            for value in row
+            [
+                None if math.isnan(value) else int(value) if value.is_integer() else value
+                for value in row
+            ]
+            for row in np.round(points.T, max(0, decimals)).tolist()
         ]
-        for row in np.round(points.T, max(0, decimals)).tolist()
-    ]
+    )
+
+
+def _xyz(values: Sequence[object]) -> Part:
+    return dict(zip("xyz", values, strict=True))
 
 
 def _middles(edges: Integers, points: Array, beside: float) -> dict[tuple[int, int], int]:

@@ -1,62 +1,67 @@
 """The plots of an engine's vibration: mode shapes, Campbell diagrams, amplitudes over speed."""
 
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from crankbase.drawing.curves import Curves
 from crankfem.analyses.shaft.motion import MOTION
-from crankfem.analyses.shaft.plots.shaft_mode_plots import plot_axial_split, plot_shaft_modes
+from crankfem.analyses.shaft.plots.shaft_mode_plots import plot_shaft_modes
 from crankfem.analyses.vibration.modes import Vibration
-from crankfem.analyses.vibration.plots.vibration_panels import free_end_title, stress_title
-from crankfem.analyses.vibration.run import EngineVibration
-from crankfem.analyses.vibration.vibration_pictures import (
-    plot_campbell,
-    plot_free_end,
-    plot_mode_shapes,
-    plot_stress,
-)
+from crankfem.analyses.vibration.run import EngineVibration, Kind
 from crankfem.report.interactive.campbell import campbell
-from crankfem.report.interactive.over_speed import Curve, amplitudes_over_speed
-from crankfem.report.interactive.plot import Plot, Plots
-from crankfem.report.interactive.shaft import axial_split, shaft_modes
+from crankfem.report.interactive.plot import Plot, Plots, picture, plot_of_curves
+from crankfem.report.interactive.shaft import shaft_modes
 from crankfem.report.interactive.shapes import mode_shapes
 from crankfem.report.interactive.style import Figure
-from dynamics.crankshaft.coupled_response import CoupledResponse
+from dynamics.assessment.limits import VibrationLimit
+from dynamics.crankshaft.coupled_response import CoupledResponse, split_curves
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.critical import engine_orders
+from dynamics.plots.quantities import Quantity, in_unit, quantity_display
+from dynamics.response.series import OrderSeries
+
+AXIAL = MOTION["axial"]
 
 
-def _of_kind(kind: str) -> tuple[Plot[EngineVibration], ...]:
+def _title(what: str) -> Callable[[EngineVibration], str]:
+    return lambda run: f"{run.engine_file.engine.name}, {what}"
+
+
+def _of_kind(kind: Kind) -> tuple[Plot[EngineVibration], ...]:
     def own(run: EngineVibration) -> Vibration:
         return run.axial if kind == "axial" else run.torsional
 
+    shapes, itself = _title(f"{kind} mode shapes"), _title(kind)
     return (
         Plot(
             f"{kind}_modes",
             f"First {kind} mode shapes",
             f"{kind.capitalize()}: first mode shapes; crosses mark the nodes.",
-            lambda path, run: plot_mode_shapes(path, own(run).chosen),
-            lambda run: mode_shapes(
-                own(run).chosen, f"{run.engine_file.engine.name}, {kind} mode shapes"
-            ),
+            picture(lambda axes, run: run.plot(axes, kind=kind, show="modes"), shapes, height=3.6),
+            lambda run: mode_shapes(own(run).chosen, shapes(run)),
         ),
         Plot(
             f"{kind}_campbell",
             f"Campbell diagram, {kind}",
             f"{kind.capitalize()}: running range shaded; dots mark resonances and, where gas pressure is "
             "known, grow with their amplitude.",
-            lambda path, run: plot_campbell(path, run, own(run)),
-            lambda run: _campbell(run, own(run)),
+            picture(lambda axes, run: run.plot(axes, kind=kind), itself, height=4.8),
+            lambda run: _campbell(run, own(run), itself(run)),
         ),
-        Plot(
+        plot_of_curves(
             f"{kind}_amplitude",
             f"Amplitude of the free end over the speed, {kind}",
             "Amplitude of the free end over the speed: main orders, all orders over the cycle, and the "
             "plain sum of amplitudes.",
-            lambda path, run: plot_free_end(path, run, kind),
             lambda run: _free_end(run, kind),
+            _title(f"{kind} vibration of the free end"),
             needs="forced",
         ),
     )
 
 
-def _campbell(run: EngineVibration, vibration: Vibration) -> Figure:
+def _campbell(run: EngineVibration, vibration: Vibration, title: str) -> Figure:
     engine, forced = run.engine_file.engine, run.forced(vibration.kind)
     return campbell(
         vibration.kind,
@@ -64,33 +69,89 @@ def _campbell(run: EngineVibration, vibration: Vibration) -> Figure:
         engine_orders(engine.strokes, run.engine_file.vibration.highest_order),
         (engine.lowest_speed, engine.highest_speed),
         () if forced is None else forced.resonances,
-        f"{engine.name}, {vibration.kind}",
+        title,
     )
 
 
-def _free_end(run: EngineVibration, kind: str) -> Figure:
+def _free_end(run: EngineVibration, kind: str) -> Curves:
     forced, assessment = run.forced(kind), run.assessment
     assert forced is not None
     assert assessment is not None
-    limit = assessment.limits.get(f"{kind}_amplitude")
     return amplitudes_over_speed(
-        Curve(forced.free_end, 0, MOTION[kind].quantity, limit),
+        forced.free_end,
+        0,
+        MOTION[kind].quantity,
+        assessment.limits.get(f"{kind}_amplitude"),
         assessment.verdict.ranges_to_bar,
-        free_end_title(run.engine_file.engine.name, kind),
     )
 
 
-def _stress(run: EngineVibration) -> Figure:
+def _stress(run: EngineVibration) -> Curves:
     """Show the crankshaft's element that is stressed most."""
     forced, assessment = run.forced_torsional, run.assessment
     assert forced is not None
     assert assessment is not None
     assert forced.stress is not None
-    worst = forced.stress.largest_place
     return amplitudes_over_speed(
-        Curve(forced.stress, worst, "stress", assessment.limits.get("crankshaft_stress")),
+        forced.stress,
+        forced.stress.largest_place,
+        "stress",
+        assessment.limits.get("crankshaft_stress"),
         assessment.verdict.ranges_to_bar,
-        f"{stress_title(run.engine_file.engine.name)}, {forced.stress.names[worst]}",
+    )
+
+
+def _stress_title(run: EngineVibration) -> str:
+    assert run.forced_torsional is not None
+    stress = run.forced_torsional.stress
+    assert stress is not None
+    return _title(f"nominal torsional stress, {stress.names[stress.largest_place]}")(run)
+
+
+def amplitudes_over_speed(
+    series: OrderSeries,
+    place: int,
+    quantity: Quantity,
+    limit: VibrationLimit | None,
+    barred: Sequence[tuple[float, float]],
+) -> Curves:
+    """Describe a place's amplitudes over the speed, with their limit as far as it is stated.
+
+    Parameters
+    ----------
+    series : OrderSeries
+    place : int
+        In the series, from 0.
+    quantity : {"twist", "displacement", "torque", "force", "stress"}
+    limit : VibrationLimit or None
+    barred : sequence of pairs of floats
+        Ranges of speed [rad/s].
+    """
+    limits, passing = {}, {}
+    if limit is not None:
+        limits["limit"] = limit.continuous.at(series.speeds)
+        if limit.passing is not None:
+            values = limit.passing.at(series.speeds)
+            if np.isfinite(values).any():
+                passing["limit while passing"] = values
+    shown = quantity_display(quantity, "SI")
+    return series.over_speed(place, shown, limits=limits, passing=passing, barred=barred)
+
+
+def _axial_split(run: EngineVibration) -> Curves:
+    assert run.comparison is not None
+    assert run.comparison.coupled is not None
+    return axial_split(run.comparison.coupled)
+
+
+def axial_split(response: CoupledResponse) -> Curves:
+    """Describe the axial amplitude of the free end, all orders together, by what excites it."""
+    split = response.split("section 0 uz")
+    return split_curves(
+        response.speeds,
+        (split.both_sum, split.tangential_sum, split.radial_sum),
+        in_unit(AXIAL.si).factor,
+        f"axial amplitude of the free end [{AXIAL.unit}]",
     )
 
 
@@ -98,12 +159,6 @@ def _modes(run: EngineVibration) -> tuple[ShaftModes, float]:
     """Modes of the whole crankshaft, and the crank radius."""
     assert run.whole is not None
     return run.whole.modes, run.engine_file.throw.crank_radius
-
-
-def _coupled(run: EngineVibration) -> CoupledResponse:
-    assert run.comparison is not None
-    assert run.comparison.coupled is not None
-    return run.comparison.coupled
 
 
 def _has(run: EngineVibration) -> list[str]:
@@ -123,12 +178,12 @@ VIBRATION: Plots[EngineVibration] = Plots(
     (
         *_of_kind("axial"),
         *_of_kind("torsional"),
-        Plot(
+        plot_of_curves(
             "torsional_stress",
             "Nominal torsional stress over the speed",
             "Nominal torsional stress in the element that is stressed most, with its limit.",
-            plot_stress,
             _stress,
+            _stress_title,
             needs="forced",
         ),
         Plot(
@@ -136,20 +191,16 @@ VIBRATION: Plots[EngineVibration] = Plots(
             "Modes of the whole crankshaft along its length",
             "Axial, torsional and lateral motion along the shaft in the first modes.",
             lambda path, run: plot_shaft_modes(path, *_modes(run)),
-            lambda run: shaft_modes(
-                *_modes(run), f"{run.engine_file.engine.name}, modes of the whole crankshaft"
-            ),
+            lambda run: shaft_modes(*_modes(run), _title("modes of the whole crankshaft")(run)),
             needs="whole",
         ),
-        Plot(
+        plot_of_curves(
             "axial_split",
             "Axial amplitude of the free end by tangential and radial forces",
             "Axial vibration of the free end under tangential forces alone, which act through torsion, "
             "under radial forces alone, and under both.",
-            lambda path, run: plot_axial_split(path, _coupled(run)),
-            lambda run: axial_split(
-                _coupled(run), f"{run.engine_file.engine.name}, whole crankshaft"
-            ),
+            _axial_split,
+            _title("whole crankshaft"),
             needs="coupled",
         ),
     ),

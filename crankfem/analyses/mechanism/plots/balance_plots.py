@@ -1,89 +1,22 @@
 """Pictures of balance: hodographs of forces and moments, and the pistons' accelerations by order."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from crankbase.drawing.diagram_style import COLORS, figure
-from crankbase.errors import InputError
 from crankfem.analyses.titles import add_title
-from dynamics.balance.balance import Balance, unbalanced
+from dynamics.balance.balance import Balance
 from dynamics.balance.hinged_rods import hinged_rod_effects
-from dynamics.balance.hodograph import Hodograph
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.orders import acceleration_orders, checked_cylinder, piston_acceleration
 from dynamics.plots.hodographs import (
     DASHES,
     FORCE_LABELS,
-    MOMENT_LABELS,
     POINTS,
     draw_hodographs,
 )
-
-
-@dataclass(frozen=True)
-class HodographPanel:
-    """One diagram of hodographs.
-
-    Parameters
-    ----------
-    title : str
-    across, up : str
-        Labels of its axes.
-    curves : mapping of str to Hodograph
-        By name [N or N m]; none leaves the panel empty, with `empty` in the middle.
-    engine : EngineLayout, optional
-        Whose cylinder axes are drawn as thin lines.
-    empty : str, optional
-    """
-
-    title: str
-    across: str
-    up: str
-    curves: Mapping[str, Hodograph]
-    engine: EngineLayout | None = None
-    empty: str = "balanced"
-
-
-def plot_hodographs(path: Path, panels: Sequence[HodographPanel], title: str = "") -> None:
-    """Plot hodographs as SVG, seen from the free end: y up, x to the left, the shaft clockwise.
-
-    Parameters
-    ----------
-    path : Path
-    panels : sequence of HodographPanel
-        Side by side, each to its own scale.
-    title : str, optional
-        Above all of them.
-
-    Raises
-    ------
-    InputError
-        If there is no panel.
-
-    Notes
-    -----
-    A dot marks each vector at shaft angle zero, an arrowhead the way that it goes.
-    """
-    if not panels:
-        raise InputError(
-            "panels: given none; allowed are one or more, because a picture shows some."
-        )
-    with figure(path, len(panels), width=4.6 * len(panels), height=5.6) as made:
-        for axes, panel in zip(np.atleast_1d(made), panels, strict=True):
-            _draw_panel(axes, panel)
-        add_title(made, title)
-
-
-def _draw_panel(axes: Any, panel: HodographPanel) -> None:
-    cylinders = () if panel.engine is None else panel.engine.cylinders
-    banks = [cylinder.bank_angle for cylinder in cylinders]
-    labels = (panel.across, panel.up)
-    draw_hodographs(axes, panel.curves, labels, banks=banks, empty=panel.empty)
-    axes.set_title(panel.title)
 
 
 def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
@@ -97,17 +30,10 @@ def plot_balance(path: Path, found: Balance, *, title: str = "") -> None:
     title : str, optional
         Above both panels.
     """
-    forces, moments = unbalanced(found, "force"), unbalanced(found, "moment")
-    empty = "balanced: orders " + ", ".join(str(row.order) for row in found.rows)
-    about = f"its moment about z = {found.about:.4g} m"
-    plot_hodographs(
-        path,
-        [
-            HodographPanel("inertia force", *FORCE_LABELS, forces, found.engine, empty),
-            HodographPanel(about, *MOMENT_LABELS, moments, empty=empty),
-        ],
-        title,
-    )
+    with figure(path, 2, width=9.2, height=5.6) as (left, right):
+        found.plot(left, show="force")
+        found.plot(right, show="moment")
+        add_title((left, right), title)
 
 
 def plot_hinged_rods(
@@ -136,10 +62,12 @@ def plot_hinged_rods(
         As `hinged_rod_effects`.
     """
     effects = hinged_rod_effects(engine, speed, orders, cylinders)
-    panels = []
-    for effect in effects:
-        panels.append(HodographPanel(f"order {effect.order}", *FORCE_LABELS, effect.curves, engine))
-    plot_hodographs(path, panels, title)
+    banks = [cylinder.bank_angle for cylinder in engine.cylinders]
+    with figure(path, len(effects), width=4.6 * len(effects), height=5.6) as panels:
+        for axes, effect in zip(np.atleast_1d(panels), effects, strict=True):
+            draw_hodographs(axes, effect.curves, FORCE_LABELS, banks=banks)
+            axes.set_title(f"order {effect.order}")
+        add_title(panels, title)
 
 
 def plot_accelerations(

@@ -4,9 +4,12 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+from crankbase.checks.arrays import FloatArray
 from crankbase.drawing.diagram_style import figure
 from crankfem.analyses.titles import add_title
 from dynamics.harmonics import Harmonics
+from dynamics.plots.bars import draw_harmonics
+from dynamics.plots.sampled_torque import draw_samples
 from dynamics.plots.stars import KIND_COLORS, STAR_STEP, draw_star, finish_stars
 from dynamics.torque.star import Star, same_stars, star_diagram
 from dynamics.torque.torque import EngineTorque
@@ -64,3 +67,12 @@ def plot_stars(path: Path, stars: Sequence[Star], *, title: str = "") -> None:
             draw_star(axes, group[0], words, (STAR_STEP * column, -1.15 * STAR_STEP * row))
         finish_stars(axes, rows, columns)
         add_title(axes, f"Stars of the orders, all cylinders alike\n{title}".strip())
+
+
+def plot_torque(path: Path, samples: FloatArray, found: Harmonics) -> None:
+    """Plot torque samples with the sum of all harmonics, and the amplitudes by order."""
+    with figure(path, 2, width=8.6, height=3.4) as (left, right):
+        draw_samples(left, samples, found)
+        draw_harmonics(
+            right, found.orders, {"amplitude": found.amplitude}, r"amplitude $M_k$ [N m]"
+        )

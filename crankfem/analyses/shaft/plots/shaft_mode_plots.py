@@ -1,4 +1,4 @@
-"""Pictures of a whole crankshaft's modes and of its coupled vibration."""
+"""Pictures of a whole crankshaft's modes."""
 
 from pathlib import Path
 from typing import Any
@@ -7,7 +7,6 @@ import numpy as np
 
 from crankbase.drawing.diagram_style import figure
 from crankbase.errors import InputError
-from dynamics.crankshaft.coupled_response import CoupledResponse
 from dynamics.crankshaft.shaft_modes import ShaftModes
 from dynamics.plots.mode_shapes import draw_shaft_shape
 
@@ -55,26 +54,6 @@ def plot_shaft_modes(
         first.set_ylabel("relative displacement")
         handles, names = first.get_legend_handles_labels()
         first.figure.legend(handles, names, fontsize=8, loc="outside lower center", ncols=4)
-
-
-def plot_axial_split(path: Path, response: CoupledResponse) -> None:
-    """Plot the free end's axial amplitude by tangential forces, by radial forces and by both.
-
-    Parameters
-    ----------
-    path : Path
-        Ends in .svg.
-    response : CoupledResponse
-
-    Raises
-    ------
-    InputError
-        If the path does not end in .svg or has no folder.
-    """
-    with figure(path, height=3.8) as axes:
-        response.plot(axes)
-        axes.set_ylabel("axial amplitude of the free end [µm]")
-        axes.set_title("half the range over the working cycle, all orders together", fontsize=9)
 
 
 def _pad_title(axes: Any, label: str) -> None:

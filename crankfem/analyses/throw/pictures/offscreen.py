@@ -9,9 +9,6 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from crankbase.calls import RESULT, CallProcess, Limits, ProcessLostError
 from crankbase.errors import MissingLibraryError, RenderError
 from crankbase.processes import start_child
@@ -100,20 +97,3 @@ def render_failure(reason: str, said: str = "") -> MissingLibraryError | RenderE
     last = next((line.strip() for line in reversed(said.splitlines()) if line.strip()), "")
     saying = f", saying: {last.rstrip('.')}" if last else ""
     return RenderError(f"{UNRENDERED}: {reason}{saying}.")
-
-
-def triangle_mesh(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> Any:
-    """Make pyvista's mesh of triangles (t, 3)."""
-    import pyvista
-
-    return pyvista.PolyData(points, np.insert(triangles, 0, 3, axis=1).ravel())
-
-
-def make_plotter(size: tuple[int, int], **options: Any) -> Any:
-    """Make a plotter of so many pixels with a white background."""
-    import pyvista
-
-    plotter = pyvista.Plotter(off_screen=True, window_size=size, **options)
-    plotter.set_background("white")
-    plotter.enable_anti_aliasing("ssaa")
-    return plotter

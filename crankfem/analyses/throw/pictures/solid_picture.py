@@ -1,6 +1,5 @@
 """Pictures of a throw's or a crankshaft's solid, seen from the side with the free end to the left."""
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +9,8 @@ from numpy.typing import NDArray
 from crankbase.errors import InputError
 from crankbase.outputs import copy_file
 from crankbase.processes import scratch_folder
-from crankfem.analyses.throw.pictures.offscreen import (
-    OffscreenProcess,
-    make_plotter,
-    triangle_mesh,
-)
+from crankfem.analyses.throw.pictures.offscreen import OffscreenProcess
+from crankfem.analyses.throw.pictures.scene import Scene
 from crankfem.analyses.throw.pictures.solid_surface import (
     BORES,
     ENDS,
@@ -37,25 +33,15 @@ COLORS[[MACHINED, ENDS]] = (208, 215, 222)
 COLORS[FILLETS] = (196, 203, 211)
 COLORS[FORGED] = (186, 195, 204)
 COLORS[BORES] = (140, 150, 160)
-LINE_COLOR, LINE_WIDTH = "#2a3644", 2.5
-SHARP = 30.0  # an angle between faces that makes an edge [deg]
 # From the picture's middle to the eye.
 THROW_VIEW, SHAFT_VIEW = (-1.0, 0.45, -0.6), (-1.0, 0.35, -0.45)
 THROW_PIXELS, SHAFT_PIXELS = 1200, 2400  # along the longer side
-MARGIN = 0.02  # of the longer side
-# Directions from which light falls, seen by the eye (right, up, towards it), and how much.
-LIGHTS = (((-0.5, 0.9, 1.0), 0.6), ((0.8, 0.2, 0.6), 0.2), ((0.0, 0.0, 1.0), 0.3))
 SHADING: dict[str, Any] = {
-    "smooth_shading": True,
-    "split_sharp_edges": True,
-    "feature_angle": SHARP,
     "ambient": 0.36,
     "diffuse": 0.85,
     "specular": 0.18,
     "specular_power": 25.0,
 }
-# Lines are moved towards the eye by this share of the solid's size, so that no face covers them.
-LIFT = 0.003
 
 
 def picture_throw(throw: Throw, path: str | Path) -> Path:
@@ -149,49 +135,11 @@ def render(surface: SolidSurface, view: Array, pixels: int, folder: Path) -> Non
         Where the file `PICTURE` is written.
     """
     import pyvista
+    from matplotlib.image import imsave
 
-    towards, right, up = _axes(view)
-    seen = surface.points @ np.column_stack([right, up])
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    longer = float((high - low).max())
-    extent = high - low + 2.0 * MARGIN * longer
-    width, height = np.ceil(pixels * extent / extent.max()).astype(int).tolist()
-    picture = make_plotter((width, height), lighting="none")
-    for place, intensity in LIGHTS:
-        picture.add_light(
-            pyvista.Light(position=place, light_type="camera light", intensity=intensity)
-        )
-    solid = triangle_mesh(surface.points, surface.triangles)
+    scene = Scene(surface.points, view, pixels)
+    solid = pyvista.PolyData(surface.points, np.insert(surface.triangles, 0, 3, axis=1).ravel())
     solid.cell_data["color"] = COLORS[surface.kinds]
-    solid = solid.clean(tolerance=1e-6 * longer, absolute=True)
-    picture.add_mesh(solid, scalars="color", rgb=True, **SHADING)
-    _add_lines(picture, solid, LIFT * longer * towards)
-
-    middle = 0.5 * (low + high) @ np.array([right, up])
-    camera = picture.camera
-    camera.focal_point, camera.position, camera.up = middle, middle + 10.0 * longer * towards, up
-    camera.parallel_projection, camera.parallel_scale = True, 0.5 * float(extent[1])
-    picture.renderer.reset_camera_clipping_range()
-    picture.screenshot(folder / PICTURE)
-    picture.close()
-
-
-def _add_lines(picture: Any, solid: Any, lift: Array) -> None:
-    """Draw the silhouette and the sharp edges, moved by `lift`."""
-    style = {"color": LINE_COLOR, "line_width": LINE_WIDTH}
-    lines = [picture.add_silhouette(solid, **style)]
-    edges = solid.extract_feature_edges(
-        feature_angle=SHARP, boundary_edges=False, non_manifold_edges=False, manifold_edges=False
-    )
-    if edges.n_cells:
-        lines.append(picture.add_mesh(edges, lighting=False, **style))
-    for line in lines:
-        line.position = lift
-
-
-def _axes(view: Array) -> tuple[Array, Array, Array]:
-    """Unit vectors towards the eye, to its right, and up."""
-    towards = view / math.sqrt(float(view @ view))
-    right = np.cross((0.0, 1.0, 0.0), towards)
-    right /= np.linalg.norm(right)
-    return towards, right, np.cross(towards, right)
+    solid = solid.clean(tolerance=1e-6 * scene.longer, absolute=True)
+    scene.add(solid, scalars="color", rgb=True, **SHADING)
+    imsave(folder / PICTURE, scene.render())

@@ -6,18 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.fields import images
+from crankfem.analyses.throw.pictures.surface import outside_corners, outside_facets, whole_points
+from fem.unit_loads import whole_facets, whole_nodes
 from geometry.crankshaft import Crankshaft
-from geometry.facets import six_node_triangles
-from geometry.mesh import ThrowMesh
 from geometry.mesher import Throw, mesh_isolated
 from geometry.solid import (
     BORE,
     COUNTERWEIGHT,
-    CRANK_PLANE,
     FILLET,
     LEFT_END,
-    MIDDLE_PLANE,
     RIGHT_END,
     WEB,
 )
@@ -87,22 +84,18 @@ def throw_surface(throw: Throw, fineness: int) -> SolidSurface:
         If the throw cannot be meshed.
     """
     mesh = mesh_isolated(throw, SIZE_FACTOR)
-    corners, numbers = zip(*_outside(mesh), strict=True)
-    sides = six_node_triangles(mesh, np.concatenate(corners))
+    whole = whole_nodes(mesh)
+    facets = whole_facets(whole, outside_facets(mesh))
+    kinds = [
+        np.full(len(corners), KINDS.get(name, MACHINED))
+        for name, corners in outside_corners(mesh).items()
+    ]
     weights, pieces = _subdivision(fineness)
-    triangles = (np.arange(len(sides))[:, None, None] * len(weights) + pieces).reshape(-1, 3)
-    kinds = np.repeat(np.concatenate(numbers), len(pieces))
-    # Without symmetry classes there are no displacements: only the nodes are mirrored.
-    copies = images(mesh, (), np.zeros(12))
-    return _joined(
-        [
-            SolidSurface(
-                np.einsum("pi,tix->tpx", weights, copy.points[sides]).reshape(-1, 3),
-                triangles[:, ::-1] if copy.inside_out else triangles,
-                kinds,
-            )
-            for copy in copies
-        ]
+    starts = len(weights) * np.arange(len(facets))
+    return SolidSurface(
+        np.einsum("pi,tix->tpx", weights, whole_points(mesh, whole)[facets]).reshape(-1, 3),
+        (starts[:, None, None] + pieces).reshape(-1, 3),
+        np.tile(np.repeat(np.concatenate(kinds), len(pieces)), len(whole.images)),
     )
 
 
@@ -129,15 +122,6 @@ def shaft_surface(shaft: Crankshaft, fineness: int) -> SolidSurface:
     ]
     throws = _joined(row).without_ends(shaft.starts[1:-1].tolist())
     return _joined([throws, *(_cylinder(*given) for given in shaft.end_cylinders)])
-
-
-def _outside(mesh: ThrowMesh) -> list[tuple[Numbers, Numbers]]:
-    """Corners and kinds of the facets of all surfaces that are no cuts."""
-    return [
-        (corners, np.full(len(corners), KINDS.get(name, MACHINED)))
-        for name, corners in mesh.surfaces.items()
-        if name not in (CRANK_PLANE, MIDDLE_PLANE)
-    ]
 
 
 def _subdivision(count: int) -> tuple[Array, Numbers]:

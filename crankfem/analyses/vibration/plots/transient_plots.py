@@ -11,6 +11,8 @@ from crankbase.checks.arrays import finite_vector
 from crankbase.drawing.diagram_style import figure
 from crankbase.errors import InputError
 from crankfem.analyses.titles import add_title
+from crankfem.analyses.vibration.run import EngineVibration
+from crankfem.analyses.vibration.run_up import RunUp
 from dynamics.plots.over_time import draw_speed
 from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.transient.curve_selection import Moving
@@ -64,6 +66,20 @@ def plot_transient(
         top.tick_params(labelbottom=False)
         draw_speed(bottom, run.time, run.shaft_speed)
         add_title((top, bottom), title)
+
+
+def picture_run_up(path: Path, run: EngineVibration, found: RunUp) -> None:
+    """Draw the torque in the most loaded spring, beside its amplitude at constant speeds."""
+    forced = run.forced_torsional
+    assert forced is not None
+    elastic = forced.loads.elastic
+    plot_transient(
+        path,
+        found.motion,
+        found.worst,
+        steady=(elastic.speeds, elastic.synthesis.amplitude[:, found.worst]),
+        title=f"{run.engine_file.engine.name}, run-up in {found.duration:g} s",
+    )
 
 
 def plot_transient_over_speed(
