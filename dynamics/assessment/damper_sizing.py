@@ -1,11 +1,11 @@
 """Dampers sized by optimization: the smallest one that keeps a chosen limit at all speeds."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray, positive_number, positive_vector
+from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.errors import InputError
 from crankbase.units.quantity import format_quantity
 from dynamics.assessment.damper_search import (
@@ -17,11 +17,10 @@ from dynamics.assessment.damper_search import (
     smallest_sufficient,
     without_close_sizes,
 )
-from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, usage
+from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit, positive_range, usage
 from dynamics.assessment.sized_damper import Damper, SizedDamper
 from dynamics.chains.chain import Chain
 from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
-from dynamics.chains.editing import find_node
 
 Result = Callable[[Chain], AmplitudeCurve]
 Range = float | tuple[float, float]
@@ -90,8 +89,8 @@ def size_viscous_damper(
     def make(size: float, settings: FloatArray) -> Damper:
         return ViscousDamper(size, float(settings[0]) * per_size * size, hub_inertia)
 
-    rings = _Rings(_Case(chain, find_node(chain, node), result, limit, make), ranges)
-    return rings.sized(sizes, ("damping",))
+    rings = _Sizing(chain, node, result, limit, make, ranges)
+    return rings.sized("ring inertia", "kg m^2", sizes, RING_SCAN, ("damping",))
 
 
 def size_rubber_damper(
@@ -143,8 +142,8 @@ def size_rubber_damper(
         frequency, loss = settings.tolist()
         return RubberDamper(size, size * frequency**2, loss, hub_inertia=hub_inertia)
 
-    case = _Case(chain, find_node(chain, node), result, limit, make)
-    return _Rings(case, lambda _: [tunings, losses]).sized(sizes, ("tuning", "loss factor"))
+    rings = _Sizing(chain, node, result, limit, make, lambda _: [tunings, losses])
+    return rings.sized("ring inertia", "kg m^2", sizes, RING_SCAN, ("tuning", "loss factor"))
 
 
 def size_axial_damper(
@@ -184,40 +183,50 @@ def size_axial_damper(
     Too much damping holds the shaft like a spring and leaves it without any: the damping of least
     vibration is found first, then the least one below it that keeps the limit.
     """
-    low, high = _checked_range("damping", damping, "N s/m")
+    sizes = _checked_range("damping", damping, "N s/m")
 
     def make(size: float, _: FloatArray) -> Damper:
         return AxialDamper(size, stiffness, mass)
 
-    case = _Case(chain, find_node(chain, node), result, limit, make)
-    nothing = np.empty(0)
-    tried = search_sizes(
-        lambda size, _: TrialSize(size, nothing, case.used(size, nothing)), low, high, AXIAL_SCAN
-    )
-    remark = range_end_remark("damping", smallest_sufficient(tried).size, low, high)
-    return case.collected(tried, remark, "N s/m", "damping")
+    dampers = _Sizing(chain, node, result, limit, make, lambda _: [])
+    return dampers.sized("damping", "N s/m", sizes, AXIAL_SCAN, ())
 
 
 @dataclass(frozen=True, eq=False)
-class _Case:
-    """What is to be damped, and how a damper is made from its size and settings."""
+class _Sizing:
+    """What is to be damped, how a damper is made, and ranges of settings, which may depend on its size."""
 
     chain: Chain
-    node: int
+    node: int | str
     result: Result
     limit: VibrationLimit
     make: Callable[[float, FloatArray], Damper]
+    ranges: Callable[[float], Ranges]
 
     def used(self, size: float, settings: FloatArray) -> float:
         """Largest share of the permitted amplitude with a damper; inf if unbounded."""
         found = self.result(self.make(size, settings).attached(self.chain, self.node))
         return float(np.max(usage(self.limit, found)))
 
-    def collected(
-        self, tried: Sequence[TrialSize], remark: str, unit: str, what: str
+    def optimized(self, size: float, nearest: TrialSize | None) -> TrialSize:
+        """Optimize the settings of a damper of one size, if it has some."""
+        ranges = self.ranges(size)
+        if not ranges:
+            return TrialSize(size, np.empty(0), self.used(size, np.empty(0)))
+        last = None if nearest is None else nearest.settings
+        settings, used = minimize_usage(lambda values: self.used(size, values), ranges, last)
+        return TrialSize(size, settings, used)
+
+    def sized(
+        self, what: str, unit: str, sizes: tuple[float, float], scan: int, settings: tuple[str, ...]
     ) -> SizedDamper:
-        """Put the result together."""
+        """Find the smallest damper whose best settings keep the limit; `what` names its size."""
+        tried = search_sizes(self.optimized, *sizes, scan)
         best = smallest_sufficient(tried)
+        found = zip(settings, best.settings.tolist(), self.ranges(best.size), strict=True)
+        remark = range_end_remark(what, best.size, *sizes) + "".join(
+            range_end_remark(name, value, *ends) for name, value, ends in found
+        )
         damper = self.make(best.size, best.settings)
         chain = damper.attached(self.chain, self.node)
         curve, without = self.result(chain), self.result(self.chain)
@@ -251,34 +260,6 @@ class _Case:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class _Rings:
-    """Dampers with a ring: a size, and settings within ranges that may depend on it."""
-
-    case: _Case
-    ranges: Callable[[float], Ranges]
-
-    def optimize_settings(self, size: float, nearest: TrialSize | None) -> TrialSize:
-        """Optimize the settings for a ring."""
-        last = None if nearest is None else nearest.settings
-        settings, used = minimize_usage(
-            lambda values: self.case.used(size, values), self.ranges(size), last
-        )
-        return TrialSize(size, settings, used)
-
-    def sized(self, sizes: tuple[float, float], names: tuple[str, ...]) -> SizedDamper:
-        """Find the smallest ring whose best settings keep the limit."""
-        tried = search_sizes(self.optimize_settings, *sizes, RING_SCAN)
-        best = smallest_sufficient(tried)
-        remark = range_end_remark("ring inertia", best.size, *sizes) + "".join(
-            range_end_remark(name, value, *ends)
-            for name, value, ends in zip(
-                names, best.settings.tolist(), self.ranges(best.size), strict=True
-            )
-        )
-        return self.case.collected(tried, remark, "kg m^2", "ring inertia")
-
-
 def _share(used: float) -> str:
     return f"{100.0 * used:.4g} %" if np.isfinite(used) else "all and more (unbounded vibration)"
 
@@ -296,13 +277,9 @@ def _first_frequency(chain: Chain) -> float:
 
 def _checked_range(name: str, given: Range, unit: str) -> tuple[float, float]:
     """Return the ends of a range; a single value is both."""
+    of = "it is that of a damper"
     if not isinstance(given, tuple):
-        value = positive_number(name, given, unit, "it is that of a damper")
+        value = positive_number(name, given, unit, of)
         return value, value
-    ends = positive_vector(name, given, unit, "it is that of a damper")
-    if ends.size != 2 or not ends[0] <= ends[1]:
-        raise InputError(
-            f"{name}: given ({', '.join(f'{end:g}' for end in ends)}) {unit}; allowed are the least "
-            "and then the largest value, because the search runs between them."
-        )
-    return float(ends[0]), float(ends[1])
+    allowed = "the least and then the largest value, because the search runs between them"
+    return positive_range(name, given, unit, of, allowed)

@@ -1,11 +1,14 @@
 """Limits of torsional stress that can be picked: those of classification rules, with their source."""
 
 import math
-from typing import Literal
+from collections.abc import Callable
+from functools import partial
+from typing import Literal, get_args
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, positive_number
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from dynamics.assessment.limits import LimitCurve, VibrationLimit, checked_rated_speed
 
@@ -86,11 +89,7 @@ def propulsion_shaft_limit(
     strength = positive_number("tensile_strength", tensile_strength, "Pa", "it is that of a steel")
     size = positive_number("diameter", diameter, "m", "it is that of a shaft")
     rated = checked_rated_speed(rated_speed)
-    if feature not in SHAFT_FEATURES:
-        raise InputError(
-            f"feature: given {feature!r}; allowed are {', '.join(SHAFT_FEATURES)}, because the rule "
-            "gives a factor for these."
-        )
+    check_choice("feature", feature, SHAFT_FEATURES, "the rule gives a factor for these")
     if strength < LOWEST_STRENGTH:
         raise InputError(
             f"tensile_strength: given {strength / 1e6:g} MPa; allowed is 400 MPa or more, because "
@@ -232,11 +231,7 @@ def generator_set_limit(
         As `crankshaft_limit`, and if the part is another.
     """
     rated = checked_rated_speed(rated_speed)
-    if part not in ("crankshaft", "generator shaft"):
-        raise InputError(
-            f"part: given {part!r}; allowed are crankshaft and generator shaft, because the rule "
-            "limits these."
-        )
+    check_choice("part", part, ("crankshaft", "generator shaft"), "the rule limits these")
     even = _has_limits_of_engines_in_line(strokes, kind, firing_interval_deg)
     kept, passed = crankshaft_material_factors(tensile_strength, yield_strength, alloy=alloy)
     own, quick = (31e6, 118e6) if part == "generator shaft" else (21e6 if even else 16e6, 90e6)
@@ -253,8 +248,7 @@ def generator_set_limit(
 def _has_limits_of_engines_in_line(strokes: int, kind: str, interval: float | None) -> bool:
     if strokes not in (2, 4):
         raise InputError(f"strokes: given {strokes}; allowed are 2 and 4.")
-    if kind not in ("in line", "V"):
-        raise InputError(f"kind: given {kind!r}; allowed are in line and V.")
+    check_choice("kind", kind, get_args(Kind), "the rule knows these")
     return strokes == 4 and (kind == "in line" or interval in (45.0, 60.0))
 
 
@@ -290,3 +284,10 @@ def crankshaft_material_factors(
         )
     kept = 1.0 + 2.0 / 3.0 * (max(strength, BASE_STRENGTH) / BASE_STRENGTH - 1.0)
     return kept, max(limit, BASE_YIELD) / BASE_YIELD
+
+
+CRANKSHAFT_RULES: dict[str, Callable[..., VibrationLimit]] = {
+    "KR main engine": crankshaft_limit,
+    "KR generator set": partial(generator_set_limit, part="crankshaft"),
+}
+"""Rules for crankshafts by name; called with what `crankshaft_limit` is, by the same names."""

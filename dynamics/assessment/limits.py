@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,19 +13,10 @@ from crankbase.checks.arrays import (
     positive_vector,
     read_only,
 )
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from crankbase.units.quantity import format_quantity
-from dynamics.plots.quantities import Quantity, quantity_display
-from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.running_limits import within
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 Values = Callable[[FloatArray], FloatArray]
 
@@ -234,53 +224,6 @@ class AmplitudeCurve:
         """Largest value."""
         return float(np.max(self.values))
 
-    def plot(self, axes: "Axes | None" = None, *, quantity: Quantity | None = None) -> "Axes":
-        """Draw the amplitude over the speed.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-            The curve has gaps where the vibration is unbounded.
-
-        Raises
-        ------
-        InputError
-            If the quantity is unknown.
-        """
-        drawn = quantity_display(quantity, "SI")
-        axes = new_axes(axes)
-        draw_named_curves(axes, self.speeds, {self.name: drawn.factor * self.values}, drawn.label)
-        write_title(axes, self.name)
-        return axes
-
-    def to_pandas(self, quantity: Quantity | None = None) -> "DataFrame":
-        """Return speeds and amplitudes.
-
-        Parameters
-        ----------
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
-        unit = quantity_display(quantity, "SI").unit
-        return table({"speed": (self.speeds, "rad/s"), "amplitude": (self.values, unit)})
-
 
 def usage(limit: VibrationLimit, curve: AmplitudeCurve) -> FloatArray:
     """Return how much of the permitted amplitude is used at each speed, (S,).
@@ -365,15 +308,35 @@ def checked_running_range(running_range: tuple[float, float]) -> tuple[float, fl
     InputError
         If they are not two speeds above zero, the lowest first.
     """
-    ends = positive_vector(
-        "running_range", running_range, "rad/s", "it is that of a turning engine"
+    allowed = (
+        "the lowest and then the highest running speed, because limits and margins refer to both"
     )
-    if ends.size != 2 or not ends[0] <= ends[1]:
-        raise InputError(
-            f"running_range: given ({', '.join(f'{end:g}' for end in ends)}) rad/s; allowed are the "
-            "lowest and then the highest running speed, because limits and margins refer to both."
-        )
-    return float(ends[0]), float(ends[1])
+    of = "it is that of a turning engine"
+    return positive_range("running_range", running_range, "rad/s", of, allowed)
+
+
+def positive_range(
+    field: str, ends: ArrayLike, unit: str, of: str, allowed: str
+) -> tuple[float, float]:
+    """Return the ends of a range of what is above zero; they may be one.
+
+    Parameters
+    ----------
+    field : str
+    ends : array_like of shape (2,)
+    unit, of, allowed : str
+        Their unit, why they are above zero, what the two are and why.
+
+    Raises
+    ------
+    InputError
+        If they are not two such numbers, or the first is the larger.
+    """
+    found = positive_vector(field, ends, unit, of)
+    if found.size != 2 or not found[0] <= found[1]:
+        shown = ", ".join(f"{end:g}" for end in found)
+        raise InputError(f"{field}: given ({shown}) {unit}; allowed are {allowed}.")
+    return float(found[0]), float(found[1])
 
 
 def shown_range(low: float, high: float) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crankbase.checks.arrays import FloatArray, positive_number
+from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from dynamics.assessment.limits import AmplitudeCurve
 from dynamics.chains.chain import Chain
@@ -102,14 +103,11 @@ def element_load(
     size = positive_number("section", section, "m^3 or m^2", "stress is load over section")
 
     def curve(chain: Chain) -> AmplitudeCurve:
-        if not 0 <= element < len(chain.elements):
-            raise InputError(
-                f"element: given {element}; allowed are the whole numbers 0 to "
-                f"{len(chain.elements) - 1}, because the chain has {len(chain.elements)} elements."
-            )
+        count = len(chain.elements)
+        place = whole_within("element", element, 0, count - 1, f"the chain has {count} elements")
         response = _response(chain, excitation, magnifier)
-        loads = element_loads(response).elastic.values[:, :, element] / size
-        return _curve(response, loads, chain.elements[element])
+        loads = element_loads(response).elastic.values[:, :, place] / size
+        return _curve(response, loads, chain.elements[place])
 
     return curve
 

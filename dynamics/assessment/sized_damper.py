@@ -1,26 +1,23 @@
 """What an optimization of a damper found."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import BLUE, RED, new_axes, with_gaps
 from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from dynamics.assessment.limits import AmplitudeCurve, VibrationLimit
 from dynamics.chains.chain import Chain
-from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
+from dynamics.chains.dampers import AxialDamper, TorsionalDamper
 from dynamics.plots.quantities import in_unit
 from dynamics.plots.speed_curves import draw_named_curves
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
-
-Damper = ViscousDamper | RubberDamper | AxialDamper
+Damper = TorsionalDamper | AxialDamper
 
 
 @summarized("damper", "used", "used_without", "reached", "sizes")
@@ -63,8 +60,8 @@ class SizedDamper:
     sentence: str
 
     def plot(
-        self, axes: "Axes | None" = None, *, show: Literal["amplitude", "sizes"] = "amplitude"
-    ) -> "Axes":
+        self, axes: Axes | None = None, *, show: Literal["amplitude", "sizes"] = "amplitude"
+    ) -> Axes:
         """Draw the amplitude with and without the damper, or what dampers of each size can reach.
 
         Parameters
@@ -110,7 +107,7 @@ class SizedDamper:
         legend_inside(axes)
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return a row for each size: the least share of the permitted amplitude found.
 
         Returns

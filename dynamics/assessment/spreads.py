@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, positive_vector
+from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import is_whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
@@ -78,10 +79,7 @@ class Spread:
     name: str = ""
 
     def __post_init__(self) -> None:
-        if self.kind not in (*FIELDS, ALL_DAMPING):
-            raise InputError(
-                f"kind: given {self.kind!r}; allowed are {', '.join((*FIELDS, ALL_DAMPING))}."
-            )
+        check_choice("kind", self.kind, (*FIELDS, ALL_DAMPING), "chains have these")
         if self.kind == ALL_DAMPING and self.places is not None:
             raise InputError(
                 f"places: given {self.places} for all damping; allowed are none, because it is that "
@@ -118,27 +116,6 @@ class Spread:
         """
         return cls(kind, 1.0 - share, 1.0 + share, places, name)
 
-    @classmethod
-    def of_values(
-        cls,
-        kind: Kind,
-        nominal: float,
-        values: ArrayLike,
-        places: tuple[int | str, ...] | None = None,
-        name: str = "",
-    ) -> "Spread":
-        """Make a spread that covers other values beside the nominal one, as those of formulas.
-
-        Raises
-        ------
-        InputError
-            If a value is not above zero.
-        """
-        others = positive_vector("values", np.append(values, nominal), "", "they are sizes")
-        return cls(
-            kind, float(np.min(others)) / nominal, float(np.max(others)) / nominal, places, name
-        )
-
 
 def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) -> Chain:
     """Return a chain with its values multiplied by factors.
@@ -156,7 +133,6 @@ def scaled_chain(chain: Chain, spreads: Sequence[Spread], factors: ArrayLike) ->
         If a place does not exist, or a factor is not above zero.
     """
     given = positive_vector("factors", factors, "", "it is a factor on a positive value")
-    _check_count(spreads, given[np.newaxis])
     scales = scale_factors(chain, spreads, given[np.newaxis])
     changed = {
         name: getattr(chain, name) * scale[0]
@@ -174,7 +150,10 @@ def scale_factors(
     chain: Chain, spreads: Sequence[Spread], factors: FloatArray
 ) -> dict[str, FloatArray]:
     """Return for each field of the chain the scale factors of its values, (N, size) each."""
-    _check_count(spreads, factors)
+    if factors.shape[1] != len(spreads):
+        raise InputError(
+            f"factors: given {factors.shape[1]} for {len(spreads)} spreads; allowed is one for each."
+        )
     fields = (*dict.fromkeys(field for field, _ in FIELDS.values()),)
     scales = {field: np.ones((len(factors), len(getattr(chain, field)))) for field in fields}
     for spread, column in zip(spreads, factors.T, strict=True):
@@ -185,13 +164,6 @@ def scale_factors(
         field, power = FIELDS[spread.kind]
         scales[field][:, spread_indices(chain, spread)] *= column[:, np.newaxis] ** power
     return scales
-
-
-def _check_count(spreads: Sequence[Spread], factors: FloatArray) -> None:
-    if factors.shape[1] != len(spreads):
-        raise InputError(
-            f"factors: given {factors.shape[1]} for {len(spreads)} spreads; allowed is one for each."
-        )
 
 
 def spread_indices(chain: Chain, spread: Spread) -> list[int]:

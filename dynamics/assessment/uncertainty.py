@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,15 +12,10 @@ from crankbase.checks.scalars import whole_number, whole_within
 from crankbase.drawing.diagram_style import BLUE, GRAY, RED, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
 from dynamics.assessment.spreads import FIELDS, Spread, scale_factors, scaled_chain, spread_indices
 from dynamics.chains.chain import Chain
-from dynamics.plots.coordinates import name_axis, number_axis
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 STIFF = ("stiffness", "ground")
 HEAVY = ("inertia", "distributed_inertia")
@@ -68,12 +62,12 @@ class Samples:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         place: int = 0,
         *,
         label: str = "result [SI]",
         bins: int = 20,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw how often one result lies where, with the nominal one and the middle 90 percent.
 
         Parameters
@@ -124,39 +118,6 @@ class Samples:
         legend_inside(axes)
         return axes
 
-    def to_xarray(self, unit: str = "SI") -> "Dataset":
-        """Return factors over sample and spread, and results over sample and place.
-
-        Parameters
-        ----------
-        unit : str, optional
-            Of the results.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
-        extra = self.values.shape[1:]
-        places = tuple(["place", *(f"place_{n}" for n in range(2, len(extra) + 1))][: len(extra)])
-        names = [spread.name or spread.kind for spread in self.spreads]
-        return grid(
-            {
-                "factors": (("sample", "spread"), self.factors, "1", "factor on the nominal value"),
-                "values": (("sample", *places), self.values, unit, "result"),
-                "nominal": (places, self.nominal, unit, "result with all factors 1"),
-            },
-            {
-                "sample": number_axis(len(self.values), "sample"),
-                "spread": name_axis(names, "what is uncertain"),
-            },
-        )
-
 
 def sampled_factors(
     spreads: Sequence[Spread], samples: int = DEFAULT_SAMPLES, seed: int = DEFAULT_SEED
@@ -188,7 +149,7 @@ def sampled_factors(
         )
     count = whole_number("samples", samples, 2, "a range has two ends")
     drawn = qmc.LatinHypercube(len(spreads), rng=np.random.default_rng(seed)).random(count)
-    low, high = _log_ends(spreads)
+    low, high = np.log([[spread.low, spread.high] for spread in spreads]).T
     return np.asarray(np.exp(low + drawn * (high - low)))
 
 
@@ -391,8 +352,3 @@ def _softens(spread: Spread) -> bool:
     """Tell whether a larger factor lowers the frequencies."""
     field, power = FIELDS.get(spread.kind, ("", 0))
     return (field in STIFF and power < 0) or field in HEAVY
-
-
-def _log_ends(spreads: Sequence[Spread]) -> tuple[FloatArray, FloatArray]:
-    ends = np.log(np.array([[spread.low, spread.high] for spread in spreads]))
-    return ends[:, 0], ends[:, 1]

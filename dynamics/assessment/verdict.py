@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from crankbase.drawing.curves import ORDER_COLORS
 from crankbase.drawing.diagram_style import BLUE, GRAY, ORANGE, RED, new_axes, with_gaps
 from crankbase.drawing.legends import legend_below, legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row, table, table_of
 from crankbase.units.quantity import format_quantity
@@ -30,10 +31,6 @@ from dynamics.assessment.limits import (
 from dynamics.plots.quantities import SPEED_LABEL, in_unit
 from dynamics.plots.speed_curves import draw_barred, set_speed_axis
 from dynamics.running_limits import at_most, within
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 # Checks that a diagram of the verdict draws: those of which most is used.
 WORST_DRAWN = 5
@@ -111,7 +108,7 @@ class LimitCheck:
             )
         return f"{self.limit.name}, {self.curve.name}: {found} ({source})."
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the amplitude over the speed with what is permitted, and a dot at the worst speed.
 
         Parameters
@@ -146,7 +143,7 @@ class LimitCheck:
         legend_inside(axes)
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return a row for each speed: amplitude, what is permitted (inf if nothing is stated), its use.
 
         Returns
@@ -235,7 +232,7 @@ class Verdict:
         ranges = ", ".join(one.shown for one in self.barred)
         return f"Barred range needed, {ranges}: {worst.sentence}"
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw which share of each limit is used over the speed, with ranges that may be barred shaded.
 
         Parameters
@@ -282,7 +279,7 @@ class Verdict:
         legend_below(axes, 1)
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return one row for each check, the worst use first.
 
         Returns

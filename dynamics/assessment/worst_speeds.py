@@ -3,10 +3,9 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from crankbase.checks.arrays import FloatArray, positive_vector
-from crankbase.errors import InputError
+from crankbase.checks.arrays import FloatArray
 
 # Maxima that reach this share of a curve's largest value are refined: on a grid that refines resonances
 # another may read 0.2 % less than it is, and turn out to be the largest.
@@ -17,19 +16,16 @@ CLOSER, ROUNDS = 4, 3
 Uses = Callable[[FloatArray], FloatArray]
 
 
-def refined_maxima(
-    uses_at: Uses, speeds: ArrayLike, uses: ArrayLike, least: float = np.inf
-) -> FloatArray:
+def refined_maxima(uses_at: Uses, speeds: FloatArray, least: float = np.inf) -> FloatArray:
     """Find the speeds of the largest values of curves, closer than the speeds calculated.
 
     Parameters
     ----------
     uses_at : callable
-        Speeds (S,) [rad/s] to the values (C, S) of the curves, calculated there.
-    speeds : array_like of shape (S,)
-        Calculated already, ascending [rad/s].
-    uses : array_like of shape (C, S)
-        Values there, such as the used share of limits; inf where unbounded.
+        Speeds (S,) [rad/s] to the values (C, S) of the curves, such as the used share of limits; none
+        below zero, inf where unbounded.
+    speeds : ndarray of shape (S,)
+        Ascending [rad/s].
     least : float, optional
         In each range in which a curve is above this, its first and last maximum are refined too.
 
@@ -38,11 +34,6 @@ def refined_maxima(
     ndarray of shape (m,)
         Ascending speeds between those given at which a curve has a maximum [rad/s].
 
-    Raises
-    ------
-    InputError
-        If shapes do not fit, speeds do not ascend, or a value is negative.
-
     Notes
     -----
     Each maximum lies between the neighbors of the largest value calculated. Values are calculated at
@@ -50,26 +41,14 @@ def refined_maxima(
     they are 64 times closer. On a grid that steps by an eighth of the half bandwidth near resonances,
     the speed is then known to 1/512 of it, and the value, as a peak is round, to 1e-6 of it.
     """
-    places = positive_vector("speeds", speeds, "rad/s", "a limit holds for a turning shaft")
-    values = np.atleast_2d(np.array(uses, dtype=np.float64))
-    ascending = bool(np.all(np.diff(places) > 0.0))
-    if values.ndim != 2 or values.shape[1] != places.size or not ascending:
-        raise InputError(
-            f"uses: given an array of shape {values.shape} for {places.size} speeds; allowed is a value of "
-            "each curve at each of ascending speeds, because maxima are looked for between them."
-        )
-    if np.any(np.isnan(values)) or np.any(values < 0.0):
-        raise InputError(
-            "uses: given a value that is negative or no number; allowed are zero and more, inf if "
-            "unbounded, because shares of a limit are used."
-        )
+    values = uses_at(speeds)
     curves, tops = _maxima(values, least)
     if not curves.size:
         return np.empty(0)
     none = np.full(curves.size, -1.0)
-    best = places[tops]
-    left = places[np.maximum(tops - 1, 0)]
-    right = places[np.minimum(tops + 1, places.size - 1)]
+    best = speeds[tops]
+    left = speeds[np.maximum(tops - 1, 0)]
+    right = speeds[np.minimum(tops + 1, speeds.size - 1)]
     reached = values[curves, tops]
     steps = np.arange(1, 2 * CLOSER) / (2.0 * CLOSER)
     for _ in range(ROUNDS):

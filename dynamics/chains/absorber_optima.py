@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 
 from crankbase.checks.arrays import positive_number
-from crankbase.checks.scalars import whole_number
+from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
@@ -170,12 +170,7 @@ def main_inertia(chain: Chain, node: str | int, mode: int = 1) -> tuple[float, f
     """
     place, modes = find_node(chain, node), chain.modes()
     count = modes.angular_frequencies.size - modes.rigid
-    number = whole_number("mode", mode, 1, "elastic modes are counted from 1")
-    if number > count:
-        raise InputError(
-            f"mode: given {number}; allowed are 1 to {count}, because the chain has {count} elastic "
-            "modes."
-        )
+    number = whole_within("mode", mode, 1, count, f"the chain has {count} elastic modes")
     column = modes.rigid + number - 1
     motion = float(modes.shapes[place, column])
     if abs(motion) < STANDS_STILL:

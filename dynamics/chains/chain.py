@@ -15,7 +15,14 @@ from crankbase.checks.arrays import (
 )
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from dynamics.chains.chain_modes import Modes, assemble_modes, elastic_modes, scaled
+from dynamics.chains.chain_modes import (
+    Modes,
+    eigen_residual,
+    elastic_modes,
+    pair_zero_crossings,
+    row_zero_crossings,
+    scaled,
+)
 from dynamics.chains.connections import (
     Dashpot,
     Gear,
@@ -186,6 +193,11 @@ class Chain:
         """Return of shape (e, n) what each element is twisted (lengthened) per motion of each node."""
         return _differences(self.connections, self.inertia.size)
 
+    def dashpot_elongations(self) -> FloatArray:
+        """Return the matrix (d, n) from displacements of the nodes to elongations of the dashpots."""
+        pairs = [(dashpot.left, dashpot.right) for dashpot in self.dashpots]
+        return _differences(pairs, self.inertia.size)
+
     def mass_matrix(self) -> FloatArray:
         """Return the inertia matrix M of the nodes, shape (n, n) [kg m^2 or kg]."""
         matrix = np.diag(self.inertia)
@@ -208,8 +220,7 @@ class Chain:
 
     def damping_matrix(self) -> FloatArray:
         """Return the viscous damping matrix of the nodes, shape (n, n) [N m s/rad or N s/m]."""
-        pairs = [(dashpot.left, dashpot.right) for dashpot in self.dashpots]
-        rows = _differences(pairs, self.inertia.size)
+        rows = self.dashpot_elongations()
         sizes = np.array([dashpot.damping for dashpot in self.dashpots])
         between = rows.T @ (sizes[:, np.newaxis] * rows)
         return between + self._of_elements_and_ground(self.damping, self.ground_damping)
@@ -255,24 +266,34 @@ class Chain:
         shapes = expand @ reduced
         if self.is_row and not self.gears and not np.any(self.distributed_inertia):
             shapes = self._with_accurate_tails(shapes, frequencies)
-        found = assemble_modes(
-            np.concatenate((np.zeros(rigid.shape[1]), frequencies)),
-            scaled(np.column_stack((rigid, shapes))),
-            (*names, *(f"mode {number + 1}" for number in range(count))),
-            mass,
-            stiffness,
-            rows,
-            self.connections,
-            self.is_row,
-            expand,
-            self.names,
-        )
-        if not found.residual <= RESIDUAL_LIMIT:
+        shapes = scaled(np.column_stack((rigid, shapes)))
+        frequencies = np.concatenate((np.zeros(rigid.shape[1]), frequencies))
+        residual = eigen_residual(frequencies, shapes, mass, stiffness, expand)
+        if not residual <= RESIDUAL_LIMIT:
             raise np.linalg.LinAlgError(
-                f"the modes of the chain leave a residual of {found.residual:.1e} of the largest "
+                f"the modes of the chain leave a residual of {residual:.1e} of the largest "
                 f"eigenvalue, above {RESIDUAL_LIMIT:.0e}"
             )
-        return found
+        inertia_forces = mass @ shapes
+        modal_inertia = np.sum(shapes * inertia_forces, axis=0)
+        # A rigid body strains nothing; only round-off is there.
+        energies = (rows @ shapes) ** 2 * (frequencies > 0.0)
+        crossings = row_zero_crossings if self.is_row else pair_zero_crossings
+        return Modes(
+            angular_frequencies=read_only(frequencies),
+            shapes=read_only(shapes),
+            rigid=rigid.shape[1],
+            node_positions=tuple(crossings(shape, self.connections) for shape in shapes.T),
+            residual=residual,
+            names=(*names, *(f"mode {number + 1}" for number in range(count))),
+            modal_inertia=read_only(modal_inertia),
+            kinetic_shares=read_only(shapes * inertia_forces / modal_inertia),
+            strain_shares=read_only(
+                energies / np.where(frequencies > 0.0, energies.sum(axis=0), 1.0)
+            ),
+            node_names=self.names,
+            connections=self.connections,
+        )
 
     def _with_accurate_tails(self, shapes: FloatArray, frequencies: FloatArray) -> FloatArray:
         """Return the modes, one per column, right down to their far ends."""

@@ -2,23 +2,18 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray, read_only
+from crankbase.checks.arrays import FloatArray
 from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
+from crankbase.library_types import Axes, DataFrame, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid, table
 from dynamics.plots.coordinates import name_axis
 from dynamics.plots.mode_shapes import draw_chain_shapes, shape_labels
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
-    from xarray import Dataset
 
 # A displacement below this share of both next to it is zero.
 ZERO_DISPLACEMENT = 1e-11
@@ -98,7 +93,7 @@ class Modes:
         ]
         return (*joined, *(f"{name} - ground" for name in self.node_names))
 
-    def plot(self, axes: "Axes | None" = None, *, count: int = 3) -> "Axes":
+    def plot(self, axes: Axes | None = None, *, count: int = 3) -> Axes:
         """Draw the shapes of the first elastic modes over the nodes.
 
         Parameters
@@ -133,7 +128,7 @@ class Modes:
         write_title(axes, "Mode shapes")
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return one row for each mode: name, frequency, number of nodes, modal inertia.
 
         Returns
@@ -156,7 +151,7 @@ class Modes:
             }
         )
 
-    def to_xarray(self) -> "Dataset":
+    def to_xarray(self) -> Dataset:
         """Return shapes and energy shares over mode, node and spring, with the frequencies.
 
         Returns
@@ -169,18 +164,13 @@ class Modes:
         MissingLibraryError
             If xarray is not installed.
         """
-        over = ("node", "mode")
+        over, of_springs = ("node", "mode"), ("spring", "mode")
         return grid(
             {
                 "frequency": (("mode",), self.frequencies, "Hz", "natural frequency"),
                 "shapes": (over, self.shapes, "1", "relative displacement"),
                 "kinetic_shares": (over, self.kinetic_shares, "1", "share of kinetic energy"),
-                "strain_shares": (
-                    ("spring", "mode"),
-                    self.strain_shares,
-                    "1",
-                    "share of strain energy",
-                ),
+                "strain_shares": (of_springs, self.strain_shares, "1", "share of strain energy"),
                 "modal_inertia": (("mode",), self.modal_inertia, "kg m^2 or kg", "modal inertia"),
             },
             {
@@ -234,59 +224,7 @@ def scaled(shapes: FloatArray) -> FloatArray:
     return np.asarray(shapes * (signs / largest))
 
 
-def assemble_modes(
-    angular_frequencies: FloatArray,
-    shapes: FloatArray,
-    names: tuple[str, ...],
-    mass: FloatArray,
-    stiffness: FloatArray,
-    rows: FloatArray,
-    pairs: tuple[tuple[int, int], ...],
-    is_row: bool,
-    expand: FloatArray,
-    node_names: tuple[str, ...],
-) -> Modes:
-    """Assemble modes with what follows from their shapes.
-
-    Parameters
-    ----------
-    angular_frequencies, shapes, names
-        (q,), (n, q) scaled, (q,).
-    mass, stiffness : ndarray of shape (n, n)
-        Of the nodes.
-    rows : ndarray of shape (e + n, n)
-        Root of stiffness times elongation of each element, then of each connection to ground.
-    pairs : tuple of e pairs of int
-    is_row : bool
-        Whether the elements join neighbors one after the other.
-    expand : ndarray of shape (n, q)
-        Motion of the nodes per motion of the unknowns that gears leave.
-    node_names : tuple of n str
-    """
-    inertia_forces = mass @ shapes
-    modal_inertia = np.sum(shapes * inertia_forces, axis=0)
-    energies = (rows @ shapes) ** 2
-    rigid = int(np.count_nonzero(angular_frequencies == 0.0))
-    energies[:, :rigid] = 0.0
-    strain = np.sum(energies, axis=0)
-    strain[:rigid] = 1.0
-    positions = _row_zero_crossings if is_row else _pair_zero_crossings
-    return Modes(
-        angular_frequencies=read_only(np.array(angular_frequencies)),
-        shapes=read_only(shapes),
-        rigid=rigid,
-        node_positions=tuple(positions(shape, pairs) for shape in shapes.T),
-        residual=_residual(angular_frequencies, shapes, mass, stiffness, expand),
-        names=names,
-        modal_inertia=read_only(modal_inertia),
-        kinetic_shares=read_only(shapes * inertia_forces / modal_inertia),
-        strain_shares=read_only(energies / strain),
-        node_names=node_names,
-        connections=pairs,
-    )
-
-
-def _residual(
+def eigen_residual(
     frequencies: FloatArray,
     shapes: FloatArray,
     mass: FloatArray,
@@ -303,7 +241,7 @@ def _residual(
     return float(np.max(np.linalg.norm(force / root, axis=0) / sizes) / highest)
 
 
-def _row_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) -> tuple[float, ...]:
+def row_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) -> tuple[float, ...]:
     """Return where a mode shape crosses zero in a row, in element indices, by interpolation.
 
     A displacement of zero at a node, between neighbors that move, counts once, at that node. One
@@ -323,9 +261,7 @@ def _row_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) -
     return tuple(positions)
 
 
-def _pair_zero_crossings(
-    shape: FloatArray, pairs: tuple[tuple[int, int], ...]
-) -> tuple[float, ...]:
+def pair_zero_crossings(shape: FloatArray, pairs: tuple[tuple[int, int], ...]) -> tuple[float, ...]:
     """Return where a mode shape crosses zero inside the elements of a branched chain."""
     return tuple(
         float(number + shape[left] / (shape[left] - shape[right]))

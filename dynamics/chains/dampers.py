@@ -1,6 +1,7 @@
 """Dampers: viscous and tuned rubber ones against torsion, and one against axial vibration."""
 
 from dataclasses import dataclass
+from typing import get_args
 
 from crankbase.checks.arrays import nonnegative_number, positive_number
 from crankbase.errors import InputError
@@ -169,10 +170,10 @@ def check_torsional(damper: TorsionalDamper) -> None:
     ------
     InputError
     """
-    if not isinstance(damper, ViscousDamper | RubberDamper):
+    if not isinstance(damper, TorsionalDamper):
+        names = " and ".join(f"a {kind.__name__}" for kind in get_args(TorsionalDamper))
         raise InputError(
-            f"damper: given {damper!r}; allowed are a ViscousDamper and a RubberDamper, because the "
-            "chain is torsional."
+            f"damper: given {damper!r}; allowed are {names}, because the chain is torsional."
         )
 
 

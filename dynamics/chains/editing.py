@@ -9,9 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Protocol
 
-import numpy as np
-
-from crankbase.checks.arrays import nonnegative_number
+from crankbase.checks.arrays import FloatArray, nonnegative_number
 from crankbase.errors import InputError
 from dynamics.chains.chain import Chain
 from dynamics.chains.connections import Dashpot, Gear
@@ -102,7 +100,8 @@ def add_node(
     for field, value in zip(AT_NODES, (inertia, 0.0, 0.0), strict=True):
         values[field].append(value)
     values["names"].append(name)
-    _link(values, at, len(chain.names), stiffness, damping, ratio, loss_factor, distributed_inertia)
+    element = (stiffness, damping, loss_factor, distributed_inertia)
+    _link(values, at, len(chain.names), element, ratio)
     return Chain(**values)
 
 
@@ -171,7 +170,7 @@ def join_chains(
     ]
     values["names"] += names
     if not merged:
-        _link(values, left, places[right], stiffness, damping, ratio, loss_factor, 0.0)
+        _link(values, left, places[right], (stiffness, damping, loss_factor, 0.0), ratio)
     return Chain(**values)
 
 
@@ -194,7 +193,7 @@ def with_element(
     """
     values = _values_of(chain)
     ends = find_node(chain, left, "left"), find_node(chain, right, "right")
-    _link(values, *ends, stiffness, damping, None, loss_factor, distributed_inertia)
+    _link(values, *ends, (stiffness, damping, loss_factor, distributed_inertia), None)
     return Chain(**values)
 
 
@@ -231,7 +230,7 @@ def with_inertia(chain: Chain, node: str | int, added: float) -> Chain:
         If the node is unknown, or what is added is negative.
     """
     value = nonnegative_number("added", added, "", "it adds to the node's own inertia")
-    return replace(chain, inertia=_added_at(chain, node, chain.inertia.tolist(), value))
+    return replace(chain, inertia=_added_at(chain, node, chain.inertia, value))
 
 
 def with_ground(
@@ -247,11 +246,9 @@ def with_ground(
     why = "a support does not push a node away"
     spring = nonnegative_number("stiffness", stiffness, "", why)
     dashpot = nonnegative_number("damping", damping, "", why)
-    return replace(
-        chain,
-        ground=_added_at(chain, node, chain.ground.tolist(), spring),
-        ground_damping=_added_at(chain, node, chain.ground_damping.tolist(), dashpot),
-    )
+    ground = _added_at(chain, node, chain.ground, spring)
+    ground_damping = _added_at(chain, node, chain.ground_damping, dashpot)
+    return replace(chain, ground=ground, ground_damping=ground_damping)
 
 
 def with_damper(chain: Chain, node: str | int, damper: Attachable) -> Chain:
@@ -305,38 +302,32 @@ def _link(
     values: dict[str, Any],
     left: int,
     right: int,
-    stiffness: float | None,
-    damping: float,
+    element: tuple[float | None, float, float, float],
     ratio: float | None,
-    loss_factor: float,
-    distributed_inertia: float,
 ) -> None:
-    """Add what joins two nodes to the values of a chain."""
+    """Add what joins two nodes to the values of a chain; an element's are those of `OF_ELEMENTS`."""
     if ratio is not None:
-        given = {"stiffness": stiffness or 0.0, "damping": damping, "loss_factor": loss_factor}
-        given["distributed_inertia"] = distributed_inertia
-        for field, value in given.items():
+        for field, value in zip(OF_ELEMENTS, element, strict=True):
             if value:
                 raise InputError(
                     f"{field}: given {value:g} beside a ratio; allowed is one of the two, because "
                     "a gear is rigid."
                 )
         values["gears"].append(Gear(left, right, ratio))
-    elif stiffness is None:
-        if loss_factor or distributed_inertia:
+    elif element[0] is None:
+        if any(element[2:]):
             raise InputError(
                 "stiffness: given none beside a loss factor or an inertia; allowed are finite "
                 "numbers of more than zero, because both belong to an elastic element."
             )
-        values["dashpots"].append(Dashpot(left, right, damping))
+        values["dashpots"].append(Dashpot(left, right, element[1]))
     else:
-        own = (stiffness, damping, loss_factor, distributed_inertia)
-        for field, value in zip(OF_ELEMENTS, own, strict=True):
+        for field, value in zip(OF_ELEMENTS, element, strict=True):
             values[field].append(value)
         values["connections"].append((left, right))
 
 
-def _added_at(chain: Chain, node: str | int, values: list[float], added: float) -> np.ndarray:
-    place = find_node(chain, node)
-    values[place] += added
-    return np.array(values)
+def _added_at(chain: Chain, node: str | int, values: FloatArray, added: float) -> FloatArray:
+    changed = values.copy()
+    changed[find_node(chain, node)] += added
+    return changed

@@ -7,9 +7,10 @@ where the force spreads; a cone of one to two in place of a step is a usual reme
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol
+from typing import Literal, Protocol, get_args
 
 from crankbase.checks.arrays import SMALLEST, nonnegative_number, positive_number
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 
 Motion = Literal["torsional", "axial"]
@@ -117,11 +118,8 @@ class ShaftCone:
         left = positive_number("shaft.left_diameter", self.left_diameter, "m", why)
         right = positive_number("shaft.right_diameter", self.right_diameter, "m", why)
         bore = nonnegative_number("shaft.bore", self.bore, "m", "it is a diameter, or none")
-        if self.bore_shape not in ("cylindrical", "proportional"):
-            raise InputError(
-                f"shaft.bore_shape: given {self.bore_shape!r}; allowed are cylindrical and proportional, "
-                "because closed forms exist for these; others are near to cones in a row."
-            )
+        near = "closed forms exist for these; others are near to cones in a row"
+        check_choice("shaft.bore_shape", self.bore_shape, get_args(BoreShape), near)
         wall = left if self.bore_shape == "proportional" else min(left, right)
         if bore >= wall:
             raise InputError(

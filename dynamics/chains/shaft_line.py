@@ -4,7 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+import numpy as np
+
 from crankbase.checks.arrays import nonnegative_number
+from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
@@ -90,7 +93,7 @@ class ShaftLine:
         InputError
             If the kind is unknown, or a coupling lacks its stiffness.
         """
-        _check_kind(kind)
+        check_choice("kind", kind, get_args(Motion), "a chain is one of them")
         return sum(_compliance(piece, kind) for piece in self.pieces)
 
     def chain(
@@ -126,12 +129,8 @@ class ShaftLine:
             If a choice is unknown, a coupling lacks its stiffness, or a joint between two couplings
             has no inertia.
         """
-        _check_kind(kind)
-        if inertia not in get_args(Spreading):
-            raise InputError(
-                f"inertia: given {inertia!r}; allowed are consistent and lumped, because these are the "
-                "ways to spread it."
-            )
+        check_choice("kind", kind, get_args(Motion), "a chain is one of them")
+        check_choice("inertia", inertia, get_args(Spreading), "these are the ways to spread it")
         count = whole_number("parts", parts, 1, "a piece is at least one element")
         loss = nonnegative_number("loss_factor", loss_factor, "", "damping takes energy away")
         row = _Row()
@@ -156,10 +155,8 @@ class _Row:
     def __init__(self) -> None:
         self.inertia, self.ground_damping = [0.0], [0.0]
         self.names: list[list[str]] = [[]]
-        self.stiffness: list[float] = []
-        self.damping: list[float] = []
-        self.loss_factor: list[float] = []
-        self.spread: list[float] = []
+        # Of each element: stiffness, damping, loss factor, inertia spread along it.
+        self.elements: list[tuple[float, float, float, float]] = []
 
     def add_shaft(self, part: ShaftCone, kind: Motion, loss: float, *, lumped: bool) -> None:
         own = part.polar_inertia if kind == "torsional" else part.mass
@@ -181,13 +178,14 @@ class _Row:
             self.ground_damping[-1] += piece.damping if kind == "torsional" else piece.axial_damping
 
     def chain(self, name: str) -> Chain:
+        stiffness, damping, loss_factor, spread = np.array(self.elements).reshape(-1, 4).T
         return Chain(
             self.inertia,
-            self.stiffness,
-            damping=self.damping,
-            loss_factor=self.loss_factor,
+            stiffness,
+            damping=damping,
+            loss_factor=loss_factor,
             ground_damping=self.ground_damping,
-            distributed_inertia=self.spread,
+            distributed_inertia=spread,
             names=[
                 ", ".join(own) if own else f"{name} {number}"
                 for number, own in enumerate(self.names)
@@ -197,10 +195,7 @@ class _Row:
     def _element(
         self, stiffness: float, damping: float, loss: float, spread: float, right: float
     ) -> None:
-        self.stiffness.append(stiffness)
-        self.damping.append(damping)
-        self.loss_factor.append(loss)
-        self.spread.append(spread)
+        self.elements.append((stiffness, damping, loss, spread))
         self.inertia.append(right)
         self.ground_damping.append(0.0)
         self.names.append([])
@@ -210,10 +205,3 @@ def _compliance(piece: Piece, kind: Motion) -> float:
     if isinstance(piece, ShaftCone):
         return piece.torsional_compliance if kind == "torsional" else piece.axial_compliance
     return 1.0 / piece.stiffness(kind) if isinstance(piece, Coupling) else 0.0
-
-
-def _check_kind(kind: str) -> None:
-    if kind not in get_args(Motion):
-        raise InputError(
-            f"kind: given {kind!r}; allowed are torsional and axial, because a chain is one of them."
-        )

@@ -14,7 +14,7 @@ from crankbase.checks.arrays import (
     one_for_each,
     positive_number,
 )
-from crankbase.errors import InputError
+from crankbase.checks.choices import check_choice
 from dynamics.cycle import even_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.engine.motions import cylinder_motion
@@ -113,11 +113,8 @@ def throw_inertias(
     Exactly, a cylinder adds m_p |x_p'|^2 + m |x_c'|^2 + J beta'^2, primes being derivatives by the
     shaft angle: piston, rod's center, rod's turning.
     """
-    if reciprocating not in get_args(Reciprocating):
-        raise InputError(
-            f"reciprocating: given {reciprocating!r}; allowed are half and mean, because these are the "
-            "constants that stand for the inertia of pistons."
-        )
+    why = "these are the constants that stand for the inertia of pistons"
+    check_choice("reciprocating", reciprocating, get_args(Reciprocating), why)
     groups = throws_along_shaft(engine) if throws is None else checked_throws(engine, throws)
     solids = one_for_each(
         "solid_inertias",
@@ -172,10 +169,10 @@ def _half_shares(engine: EngineLayout) -> list[float]:
 
 def _means(engine: EngineLayout) -> list[float]:
     angles = even_angles(2.0 * np.pi, MEAN_ANGLES)
-    means = []
-    for number, cylinder in enumerate(engine.cylinders, start=1):
-        means.append(float(np.mean(cylinder_inertia(engine, number, cylinder.rod, angles))))
-    return means
+    return [
+        float(np.mean(cylinder_inertia(engine, number, cylinder.rod, angles)))
+        for number, cylinder in enumerate(engine.cylinders, start=1)
+    ]
 
 
 def _masses(field: str, masses: ArrayLike) -> FloatArray:

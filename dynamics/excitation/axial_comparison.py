@@ -1,7 +1,6 @@
 """Axial forces of throws by their own c beside those with the neighbors' pin forces."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,19 +10,14 @@ from crankbase.checks.scalars import whole_number, whole_within
 from crankbase.drawing.diagram_style import COLORS, new_axes
 from crankbase.drawing.legends import legend_inside, write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.excitation.chain_excitation import axial_throw_forces
 from dynamics.excitation.cylinders import CylinderForces
-from dynamics.plots.coordinates import number_axis, orders_and_speeds
 from dynamics.plots.quantities import KILO
 from dynamics.plots.speed_curves import main_orders_of, set_speed_axis
 from dynamics.response.order_excitation import checked_speed_index
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 
 @summarized("orders", "speeds [rad/s]", "alone [N]", "in_shaft [N]")
@@ -66,16 +60,11 @@ class AxialForceComparison:
 
         Zero where no throw has a force of this order.
         """
-        return _relative(self.alone - self.in_shaft, self.in_shaft)
-
-    @property
-    def modal_difference(self) -> FloatArray:
-        """Difference of the amplitudes of modal forces, as a share of that in the shaft (K, S, q).
-
-        Positive where the throws alone give more; zero where both are none.
-        """
-        own, shaft = np.abs(self.modal_alone), np.abs(self.modal_in_shaft)
-        return _divided(own - shaft, shaft)
+        apart, most = (
+            np.max(np.abs(found), axis=2) for found in (self.alone - self.in_shaft, self.in_shaft)
+        )
+        share: FloatArray = np.divide(apart, most, out=np.zeros_like(most), where=most > 0.0)
+        return share
 
     def columns(self, speed_index: int) -> dict[str, FloatArray]:
         """Return a table over the orders at one of the speeds, units in the names, each (K,).
@@ -98,7 +87,7 @@ class AxialForceComparison:
     def _modal(self, pressing: ComplexArray) -> ComplexArray:
         return np.asarray(pressing @ np.diff(self.shapes, axis=1).T)
 
-    def plot(self, axes: "Axes | None" = None, throw: int = 1, *, main_orders: int = 3) -> "Axes":
+    def plot(self, axes: Axes | None = None, throw: int = 1, *, main_orders: int = 3) -> Axes:
         """Draw the axial force of a throw by its main orders over the speed, found both ways.
 
         Parameters
@@ -137,40 +126,6 @@ class AxialForceComparison:
         write_title(axes, f"Axial force of throw {throw}")
         legend_inside(axes)
         return axes
-
-    def to_xarray(self) -> "Dataset":
-        """Return complex forces over order, speed and throw, and their work on the mode shapes.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
-        over, modal = ("order", "speed", "throw"), ("order", "speed", "mode")
-        return grid(
-            {
-                "alone": (over, self.alone, "N", "axial force of the throw alone"),
-                "in_shaft": (over, self.in_shaft, "N", "axial force in the shaft"),
-                "modal_alone": (modal, self.modal_alone, "N", "modal force, throws alone"),
-                "modal_in_shaft": (modal, self.modal_in_shaft, "N", "modal force in the shaft"),
-                "difference": (
-                    ("order", "speed"),
-                    self.difference,
-                    "1",
-                    "largest difference over the throws, as a share",
-                ),
-            },
-            {
-                **orders_and_speeds(self.orders, self.speeds),
-                "throw": number_axis(self.alone.shape[2], "throw, from the free end"),
-                "mode": number_axis(len(self.shapes), "mode"),
-            },
-        )
 
 
 def compare_axial_forces(
@@ -223,16 +178,3 @@ def compare_axial_forces(
             "has a displacement at each section."
         )
     return AxialForceComparison(forces.orders, forces.speeds, alone, in_shaft, modes)
-
-
-def _relative(difference: ComplexArray, whole: ComplexArray) -> FloatArray:
-    most = np.max(np.abs(whole), axis=2)
-    apart = np.max(np.abs(difference), axis=2)
-    return _divided(apart, most)
-
-
-def _divided(part: FloatArray, whole: FloatArray) -> FloatArray:
-    """Return part / whole, zero where there is no whole."""
-    share: FloatArray = np.zeros_like(whole)
-    np.divide(part, whole, out=share, where=whole > 0.0)
-    return share

@@ -1,6 +1,7 @@
 """A pressure map calculated by the cycle model, from peak or mean pressure at points."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +14,9 @@ from dynamics.excitation.pressure_map import PressureMap, pressure_map
 from dynamics.gas.cycle_values import GasCycle
 from dynamics.gas.cylinder_volume import Position
 from dynamics.gas.gas_cycle import Solved, gas_cycle
+
+# What a cycle has of its own, and its solution is not told.
+OF_CYCLE = ("intake_pressure", "exhaust_pressure")
 
 
 def pressure_map_from_cycles(
@@ -62,25 +66,28 @@ def pressure_map_from_cycles(
     """
     running, loaded = finite_vector("speeds", speeds), finite_vector("loads", loads)
     shape = (running.size, loaded.size)
-    peaks = _at_points("peak_pressure", peak_pressure, shape)
-    means = _at_points("mean_effective_pressure", mean_effective_pressure, shape)
-    intakes = _at_points("intake_pressure", intake_pressure, shape)
-    exhausts = _at_points("exhaust_pressure", exhaust_pressure, shape)
+    given = {
+        "peak_pressure": peak_pressure,
+        "mean_effective_pressure": mean_effective_pressure,
+        "intake_pressure": intake_pressure,
+        "exhaust_pressure": exhaust_pressure,
+    }
+    known = {
+        name: _at_points(name, values, shape)
+        for name, values in given.items()
+        if values is not None
+    }
     points = []
     for place in np.ndindex(*shape):
         speed, load = float(running[place[0]]), float(loaded[place[1]])
+        wanted = {name: float(values[place]) for name, values in known.items()}
+        own: dict[str, Any] = {name: wanted.pop(name) for name in OF_CYCLE if name in wanted}
         try:
-            own = cycle
-            if intakes is not None:
-                own = replace(own, intake_pressure=float(intakes[place]))
-            if exhausts is not None:
-                own = replace(own, exhaust_pressure=float(exhausts[place]))
             found = gas_cycle(
-                own,
+                replace(cycle, **own),
                 position,
                 area,
-                peak_pressure=None if peaks is None else float(peaks[place]),
-                mean_effective_pressure=None if means is None else float(means[place]),
+                **wanted,
                 solve_for=solve_for,
                 samples=samples,
             )
@@ -92,9 +99,7 @@ def pressure_map_from_cycles(
     return pressure_map(points, method=method)
 
 
-def _at_points(field: str, values: ArrayLike | None, shape: tuple[int, int]) -> FloatArray | None:
-    if values is None:
-        return None
+def _at_points(field: str, values: ArrayLike, shape: tuple[int, int]) -> FloatArray:
     given = finite_array(field, values)
     try:
         return np.asarray(np.broadcast_to(given, shape))

@@ -23,7 +23,13 @@ from dynamics.cycle import even_angles
 from dynamics.engine.forces import MechanismForces, mechanism_forces, over_angles
 from dynamics.engine.layout import EngineLayout
 from dynamics.excitation.engine_load import Load
-from dynamics.excitation.gas_sources import GasSource, Pressures, Weights, gas_sources
+from dynamics.excitation.gas_sources import (
+    GasSource,
+    Pressures,
+    Weights,
+    constant_weight,
+    gas_sources,
+)
 from dynamics.excitation.sampled_phasors import order_indices, phasors_of_samples, requested_orders
 from dynamics.gas.pressure import ATMOSPHERE
 from dynamics.mechanism.rod_model_names import RodModelName
@@ -171,18 +177,20 @@ def cylinder_harmonics(
     angles = even_angles(engine.cycle, count)
     kept = np.concatenate(([0], places))
     cylinders = len(engine.cylinders)
-    gas: tuple[ComplexArray, ...] = (np.zeros((0, kept.size, 2), dtype=np.complex128),) * cylinders
-    weights: tuple[Weights, ...] = (_none,) * cylinders
+    none = np.zeros((kept.size, cylinders, 2), dtype=np.complex128)
+    gas = [none[np.newaxis, :, 0]] * cylinders
     sources: tuple[GasSource, ...] = ()
     if pressure is not None:
         sources = gas_sources(engine, pressure, misfire, motored)
-        _check_resolved(asked, engine.strokes, sources)
+        known = [source.samples for source in sources if source.samples is not None]
+        if known:
+            order_indices(asked, engine.strokes, min(known), "the pressure diagrams")
         per_force = _pin_forces(mechanism_forces(engine, angles, 0.0, 1.0, model=model))
-        gas = tuple(
-            _gas_phasors(engine, place, source, angles, per_force[place], under)[:, kept]
-            for place, source in enumerate(sources)
-        )
-        weights = tuple(source.weights for source in sources)
+        for place, (source, cylinder) in enumerate(zip(sources, engine.cylinders, strict=True)):
+            since_firing = angles - engine.firing[place]
+            above = np.array([diagram.at(since_firing) - under for diagram in source.diagrams])
+            forces = cylinder.area * above[:, np.newaxis] * per_force[place]
+            gas[place] = phasors_of_samples(forces)[..., kept].swapaxes(1, 2)
     elif misfire:
         raise InputError(
             "misfire: given without a pressure; allowed is none, because an engine without gas forces "
@@ -192,11 +200,9 @@ def cylinder_harmonics(
         orders=read_only(asked),
         crank_radius=engine.crank_radius,
         throws=throw_of_each(engine, throws),
-        gas=gas,
-        weights=weights,
-        inertia=_inertia_phasors(engine, asked, model)
-        if inertia
-        else np.zeros((kept.size, cylinders, 2), dtype=np.complex128),
+        gas=tuple(gas),
+        weights=tuple(own.weights for own in sources) or (constant_weight,) * cylinders,
+        inertia=_inertia_phasors(engine, asked, model) if inertia else none,
         takes_load=any(source.takes_load for source in sources),
         one_diagram=_one_diagram([own.at_all_speeds for own in sources]),
         remarks=tuple(dict.fromkeys(text for source in sources for text in source.remarks)),
@@ -224,28 +230,9 @@ def throw_of_each(engine: EngineLayout, throws: Sequence[int] | None) -> tuple[i
     return tuple(found[number] for number in range(1, len(engine.cylinders) + 1))
 
 
-def _none(speeds: FloatArray, _load: Load | None) -> FloatArray:
-    return np.zeros((speeds.size, 0))
-
-
 def _pin_forces(forces: MechanismForces) -> FloatArray:
     """Return T and Z of each cylinder (c, 2, m)."""
     return np.stack((forces.tangential, forces.radial), axis=1)
-
-
-def _gas_phasors(
-    engine: EngineLayout,
-    place: int,
-    source: GasSource,
-    angles: FloatArray,
-    per_force: FloatArray,
-    under: float,
-) -> ComplexArray:
-    """Return mean and phasors of T and Z for each diagram of a cylinder (D, orders, 2)."""
-    since_firing = angles - engine.firing[place]
-    above = np.array([diagram.at(since_firing) - under for diagram in source.diagrams])
-    forces = engine.cylinders[place].area * above[:, np.newaxis] * per_force
-    return np.asarray(phasors_of_samples(forces).swapaxes(1, 2))
 
 
 def _inertia_phasors(engine: EngineLayout, orders: FloatArray, model: RodModelName) -> ComplexArray:
@@ -259,9 +246,3 @@ def _inertia_phasors(engine: EngineLayout, orders: FloatArray, model: RodModelNa
     found[0] = forces[..., 0]
     found[1 + whole] = np.moveaxis(forces[..., orders[whole].astype(np.int64)], -1, 0)
     return found
-
-
-def _check_resolved(orders: FloatArray, strokes: int, sources: Sequence[GasSource]) -> None:
-    known = [source.samples for source in sources if source.samples is not None]
-    if known:
-        order_indices(orders, strokes, min(known), "the pressure diagrams")

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +17,7 @@ from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number, whole_within
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.engine.layout import EngineLayout
@@ -33,10 +34,6 @@ from dynamics.plots.quantities import KILO
 from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis
 from dynamics.response.order_excitation import at_angles, checked_speed_index, checked_speeds
 from dynamics.torque.cycle_samples import DEFAULT_SAMPLES
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 
 @summarized("orders", "speeds [rad/s]", "tangential [N]", "radial [N]", "power [W]", "remarks")
@@ -128,12 +125,12 @@ class CylinderForces:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         cylinder: int = 1,
         *,
         show: Literal["tangential", "radial"] = "tangential",
         main_orders: int = MAIN_ORDERS,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the amplitudes of T or Z of a cylinder's main orders over the speed.
 
         Parameters
@@ -160,8 +157,8 @@ class CylinderForces:
         check_choice("show", show, ("tangential", "radial"), "these are the forces on a crankpin")
         most = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")
         phasors = self.tangential if show == "tangential" else self.radial
-        axes = new_axes(axes)
         sizes = KILO * np.abs(phasors[:, :, cylinder - 1])
+        axes = new_axes(axes)
         draw_orders(axes, self.speeds, self.orders, sizes, most)
         set_speed_axis(axes, self.speeds)
         axes.set_ylim(bottom=0.0)
@@ -170,7 +167,7 @@ class CylinderForces:
         legend_inside(axes)
         return axes
 
-    def to_xarray(self) -> "Dataset":
+    def to_xarray(self) -> Dataset:
         """Return complex T and Z over order, speed and cylinder, and their means.
 
         Returns

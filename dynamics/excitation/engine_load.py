@@ -12,6 +12,7 @@ from crankbase.checks.arrays import (
     nonnegative_number,
     positive_number,
 )
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.units.units import RPM
 
@@ -48,11 +49,8 @@ def propeller_load(
     """
     rated = positive_number("rated_speed", rated_speed, "rad/s", "the rated engine turns")
     most = nonnegative_number("rated_load", rated_load, "", "the engine drives")
-    if measure not in PROPELLER_EXPONENTS:
-        raise InputError(
-            f'measure: given {measure!r}; allowed are "torque" and "power", because a propeller '
-            "takes the square or the cube of its speed of them."
-        )
+    why = "a propeller takes the square or the cube of its speed of them"
+    check_choice("measure", measure, PROPELLER_EXPONENTS, why)
     exponent = PROPELLER_EXPONENTS[measure]
 
     def load(speeds: FloatArray) -> FloatArray:

@@ -119,10 +119,10 @@ def _one_for_each(field: str, pressure: Pressures, engine: EngineLayout) -> list
 def _source(pressure: AnyPressure) -> GasSource:
     if isinstance(pressure, PressureMap):
         return GasSource(pressure.diagrams, pressure.weights, True, False)
-    return GasSource((pressure,), _constant_weight, False, True)
+    return GasSource((pressure,), constant_weight, False, True)
 
 
-def _constant_weight(speeds: FloatArray, _load: Load | None) -> FloatArray:
+def constant_weight(speeds: FloatArray, _load: Load | None) -> FloatArray:
     """Return the constant weight of a diagram that serves every speed."""
     return np.ones((speeds.size, 1))
 

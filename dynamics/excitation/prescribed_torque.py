@@ -7,7 +7,6 @@ from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import (
     ComplexArray,
-    FloatArray,
     finite_vector,
     positive_number,
     read_only,
@@ -15,7 +14,7 @@ from crankbase.checks.arrays import (
 from crankbase.errors import InputError
 from dynamics.cycle import order_step
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
-from dynamics.excitation.engine_load import Load
+from dynamics.excitation.gas_sources import constant_weight
 from dynamics.excitation.sampled_phasors import order_indices, requested_orders
 from dynamics.harmonics import Harmonics
 
@@ -84,13 +83,9 @@ def torque_harmonics(
         crank_radius=radius,
         throws=at_throws,
         gas=tuple(gas),
-        weights=(_constant_weight,) * firing.size,
+        weights=(constant_weight,) * firing.size,
         inertia=np.zeros((asked.size + 1, firing.size, 2), dtype=np.complex128),
         takes_load=False,
         one_diagram="torque diagram",
         remarks=(),
     )
-
-
-def _constant_weight(speeds: FloatArray, _load: Load | None) -> FloatArray:
-    return np.ones((speeds.size, 1))

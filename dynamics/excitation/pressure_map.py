@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,11 +16,12 @@ from crankbase.checks.arrays import (
     read_only,
     turning_speeds,
 )
+from crankbase.checks.choices import check_choice
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import legend_below, write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.cycle import even_angles
 from dynamics.excitation.engine_load import Load, load_at, per_minute
@@ -34,13 +35,8 @@ from dynamics.excitation.grid_weights import (
 from dynamics.excitation.sampled_phasors import order_indices, phasors_of_samples
 from dynamics.gas.pressure import GasPressure, gas_pressure
 from dynamics.plots.angle_curves import FROM_FIRING, draw_over_angle
-from dynamics.plots.coordinates import speed_axis
 from dynamics.plots.quantities import MEGA
 from dynamics.response.order_excitation import checked_speeds
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 # Lightest color that a curve has, of a scale from dark (0) to nearly white (1); columns of the legend.
 LIGHTEST, LEGEND_COLUMNS = 0.85, 4
@@ -130,12 +126,12 @@ class PressureMap:
         """
         asked = np.atleast_1d(turning_speeds("speeds", speeds))
         along = axis_weights("speed", self.speeds, asked, self.method)
+        if self.loads is None and load is not None:
+            raise InputError(
+                "load: given for a pressure map with one diagram at each speed; allowed is none, "
+                "because the speed says the load there."
+            )
         if self.loads is None or (self.loads.size == 1 and load is None):
-            if self.loads is None and load is not None:
-                raise InputError(
-                    "load: given for a pressure map with one diagram at each speed; allowed is none, "
-                    "because the speed says the load there."
-                )
             return self._positive(along, asked)
         if load is None:
             raise InputError(
@@ -216,8 +212,8 @@ class PressureMap:
         return np.array([diagram.at(angles) for diagram in self.diagrams])
 
     def plot(
-        self, axes: "Axes | None" = None, *, speed: float | None = None, load: float | None = None
-    ) -> "Axes":
+        self, axes: Axes | None = None, *, speed: float | None = None, load: float | None = None
+    ) -> Axes:
         """Draw the map's diagrams over the crank angle at one load, or the one at a speed and load.
 
         Parameters
@@ -255,15 +251,9 @@ class PressureMap:
 
         # From dark to light by speed, which a few colors in turn would not tell.
         shades = np.linspace(0.0, LIGHTEST, len(curves))
-        axes = new_axes(axes)
-        draw_over_angle(
-            axes,
-            self._angles(),
-            curves,
-            "absolute pressure [MPa]",
-            angle_label=FROM_FIRING,
-            colors=list(colormaps["viridis"](shades)),
-        )
+        colors = list(colormaps["viridis"](shades))
+        axes, label = new_axes(axes), "absolute pressure [MPa]"
+        draw_over_angle(axes, self._angles(), curves, label, angle_label=FROM_FIRING, colors=colors)
         axes.set_ylim(bottom=0.0)
         at_load = "" if self.loads is None else f" at load {self.loads[place]:g}"
         write_title(axes, f"Gas pressure{at_load}")
@@ -284,38 +274,6 @@ class PressureMap:
                 "diagrams at all speeds are drawn."
             )
         return int(near[0])
-
-    def to_xarray(self) -> "Dataset":
-        """Return ``pressure`` over speed, load (if the map has several for each) and crank angle.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
-        angles = self._angles()
-        coordinates = {
-            "speed": speed_axis(self.speeds),
-            "crank_angle": (angles, "rad", "crank angle from the firing top dead center"),
-        }
-        over: tuple[str, ...] = ("speed", "crank_angle")
-        shape = [len(self.speeds), len(angles)]
-        if self.loads is not None:
-            over = ("speed", "load", "crank_angle")
-            shape.insert(1, len(self.loads))
-            coordinates["load"] = (self.loads, "1", "load, in the measure of the map")
-        words = "absolute pressure"
-        found: dict[str, tuple[tuple[str, ...], FloatArray, str, str]] = {
-            "pressure": (over, self._sampled.reshape(shape), "Pa", words)
-        }
-        if self.load_of_speed is not None:
-            found["load_of_speed"] = (("speed",), self.load_of_speed, "1", "load at the speed")
-        return grid(found, coordinates)
 
 
 def pressure_map(
@@ -351,11 +309,7 @@ def pressure_map(
     ]
     if not given:
         raise InputError("points: given none; allowed are one or more, because a map has diagrams.")
-    if method not in ("cubic", "linear"):
-        raise InputError(
-            f'method: given {method!r}; allowed are "cubic" and "linear", because these are the '
-            "ways between the diagrams."
-        )
+    check_choice("method", method, get_args(Method), "these are the ways between the diagrams")
     strokes = {diagram.strokes for _, _, diagram in given}
     if len(strokes) > 1:
         raise InputError(

@@ -15,6 +15,7 @@ from crankbase.checks.arrays import (
     positive_number,
     turning_speeds,
 )
+from crankbase.checks.choices import check_choice
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
@@ -159,11 +160,7 @@ def propeller_excitation(
     """
     place = node_index("propeller node", node, chain.inertia.size)
     running = checked_speeds(speeds)
-    if kind not in ("torsional", "axial"):
-        raise InputError(
-            f'kind: given {kind!r}; allowed are "torsional" and "axial", because a propeller has torque '
-            "and thrust."
-        )
+    check_choice("kind", kind, ("torsional", "axial"), "a propeller has torque and thrust")
     turning = _own_ratio(chain, place) if ratio is None else float(finite_array("ratio", ratio))
     if turning == 0.0:
         raise InputError(

@@ -1,7 +1,6 @@
 """The Campbell diagram of a system: natural frequencies, order lines, and resonances on them."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
@@ -9,11 +8,9 @@ from crankbase.checks.arrays import checked_range, nonnegative_vector, positive_
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes
 from dynamics.plots.campbell import draw_campbell
 from dynamics.response.resonance import Resonance
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 def campbell_diagram(
@@ -21,8 +18,8 @@ def campbell_diagram(
     orders: ArrayLike,
     speed_range: tuple[float, float],
     found: Sequence[Resonance] = (),
-    axes: "Axes | None" = None,
-) -> "Axes":
+    axes: Axes | None = None,
+) -> Axes:
     """Draw natural frequencies and order lines over speed, with a dot at each resonance.
 
     Parameters

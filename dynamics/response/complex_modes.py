@@ -17,7 +17,7 @@ from dynamics.response.damping import DampedChain
 from dynamics.response.forced import ForcedResponse, chain_and_system
 from dynamics.response.harmonic import UNBOUNDED_WITHIN, DampedModes
 from dynamics.response.linear_system import LinearSystem
-from dynamics.response.loads import dashpot_names, dashpot_rows
+from dynamics.response.loads import dashpot_names
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -229,7 +229,7 @@ def _locked_frequencies(chain: Chain | None, system: LinearSystem) -> FloatArray
     """Return the natural frequencies with rigid dashpots [Hz]; None without them."""
     if chain is None or not chain.dashpots:
         return None
-    free = null_space(dashpot_rows(chain) @ system.expand)
+    free = null_space(chain.dashpot_elongations() @ system.expand)
     rows = chain.spring_rows() @ system.expand @ free
     mass = free.T @ system.mass @ free
     frequencies, _ = elastic_modes(rows, mass, int(np.linalg.matrix_rank(rows)))
@@ -265,7 +265,7 @@ def _sources(
         elements = chain.damping + chain.stiffness * chain.loss_factor / w
         parts += [
             elements * np.abs(nodes @ chain.elongations().T) ** 2,
-            sizes * np.abs(nodes @ dashpot_rows(chain).T) ** 2,
+            sizes * np.abs(nodes @ chain.dashpot_elongations().T) ** 2,
             chain.ground_damping * np.abs(nodes) ** 2,
         ]
         names = (

@@ -140,7 +140,6 @@ def damped(
     }
     named = [name for name, value in given.items() if value is not None]
     own = bool(np.any(chain.damping_matrix()) or np.any(chain.loss_matrix()))
-    check_one_of(magnifier, modal_damping)
     if undamped and (named or own):
         what = ", ".join(named) or "damping of the chain itself"
         raise InputError(
@@ -178,14 +177,12 @@ def damped(
         loss_factor=chain.loss_factor + losses + inverse,
         ground_damping=ground,
     )
-    system = chain_system(whole)
+    system = chain_system(whole).with_added_damping(magnifier, modal_damping)
     if modal_damping is not None:
-        system = system.with_modal_damping(modal_damping)
         said.append(
             f"modal damping, up to {_largest(np.asarray(modal_damping)):g} of critical: {source}"
         )
     if magnifier is not None:
-        system = system.with_magnifier(magnifier)
         said.append(f"magnifier {magnifier:g} of every elastic mode: {source}")
     if not (named or own or undamped):
         system = system.with_magnifier(DEFAULT_MAGNIFIER)
@@ -196,21 +193,6 @@ def damped(
     if undamped:
         said.append("no damping, on purpose")
     return DampedChain(whole, system, tuple(said))
-
-
-def check_one_of(magnifier: float | None, modal_damping: ArrayLike | None) -> None:
-    """Refuse magnifier and modal damping together.
-
-    Raises
-    ------
-    InputError
-        If both are given.
-    """
-    if magnifier is not None and modal_damping is not None:
-        raise InputError(
-            f"magnifier: given {magnifier!r} together with modal_damping; allowed is one of both, "
-            "because they say the same thing in two ways."
-        )
 
 
 def of_elements(

@@ -1,31 +1,26 @@
 """Forced vibration of a chain, or of any linear system, by orders over a range of speeds."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
 from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, quantity_display
-from dynamics.plots.speed_curves import MAIN_ORDERS
-from dynamics.response.damping import DampedChain, check_one_of
+from dynamics.response.damping import DampedChain
 from dynamics.response.harmonic import Method, harmonic_response
 from dynamics.response.linear_system import LinearSystem, chain_system
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.response.series import OrderSeries, plot_series
+from dynamics.response.series import DrawnBeside, OrderSeries
 from dynamics.response.synthesis import Synthesis
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 
 @summarized("orders", "speeds [rad/s]", "amplitude", "names", "method")
@@ -104,15 +99,13 @@ class ForcedResponse:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         node: int | str = 0,
         *,
         quantity: Quantity | None = None,
         elastic: bool = True,
-        limits: Mapping[str, ArrayLike] | None = None,
-        barred: Sequence[tuple[float, float]] = (),
-        main_orders: int = MAIN_ORDERS,
-    ) -> "Axes":
+        **drawn: Unpack[DrawnBeside],
+    ) -> Axes:
         """Draw one node's main orders, their synthesis and their plain sum over the speed.
 
         Parameters
@@ -125,12 +118,8 @@ class ForcedResponse:
             What the values are, for the unit of the axis; SI if it is not told.
         elastic : bool, optional
             Whether motion of the rigid body, which strains nothing, is left out.
-        limits : mapping of str to float or array_like of shape (S,), optional
-            Limits by name, in SI, constant or over the speeds; inf where none is stated.
-        barred : sequence of pairs of floats, optional
-            Ranges of speed [rad/s], shaded.
-        main_orders : int, optional
-            How many orders, those with the largest peaks, get a line of their own.
+        **drawn
+            As `DrawnBeside` says: limits, barred, main_orders.
 
         Returns
         -------
@@ -142,18 +131,10 @@ class ForcedResponse:
         InputError
             If the node or the quantity is unknown, or a limit, range or number is no such.
         """
-        return plot_series(
-            axes,
-            self.elastic if elastic else self.nodes,
-            node,
-            quantity_display(quantity, "rad or m"),
-            limits=limits,
-            barred=barred,
-            main_orders=main_orders,
-            field="node",
-        )
+        series = self.elastic if elastic else self.nodes
+        return series.draw(axes, node, quantity_display(quantity, "rad or m"), "node", **drawn)
 
-    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
+    def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``motion``, ``elastic`` and ``unbounded`` over order, speed and node.
 
         Parameters
@@ -224,11 +205,7 @@ def forced_response(
         or one of them is out of range.
     """
     chain, system = chain_and_system(chain_or_system)
-    check_one_of(magnifier, modal_damping)
-    if magnifier is not None:
-        system = system.with_magnifier(magnifier)
-    if modal_damping is not None:
-        system = system.with_modal_damping(modal_damping)
+    system = system.with_added_damping(magnifier, modal_damping)
     nodes = len(system.expand)
     if excitation.forces.shape[2] != nodes:
         raise InputError(
@@ -260,7 +237,7 @@ def forced_response(
 def chain_and_system(
     given: Chain | LinearSystem | DampedChain,
 ) -> tuple[Chain | None, LinearSystem]:
-    """Return the chain, if it is one, and its linear system."""
+    """Return the chain, if there is one, and the system to be calculated with."""
     if isinstance(given, LinearSystem):
         return None, given
     if isinstance(given, DampedChain):

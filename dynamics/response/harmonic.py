@@ -2,17 +2,16 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crankbase.checks.arrays import ComplexArray, FloatArray, positive_vector
-from crankbase.errors import InputError
+from crankbase.checks.arrays import ComplexArray, FloatArray
+from crankbase.checks.choices import check_choice
 from dynamics.response.linear_system import LinearSystem
 
 Method = Literal["modal", "direct"]
-METHODS = ("modal", "direct")
 # A mode whose eigenvalue has a real part below this share of its size has no damping.
 UNDAMPED = 1e-12
 # An undamped mode answers without bounds within this share of its frequency.
@@ -69,12 +68,12 @@ def harmonic_response(
 
     Returns
     -------
-    HarmonicAnswer
+    HarmonicResponse
 
     Raises
     ------
     InputError
-        If a frequency is not above zero, or the method is unknown.
+        If the method is unknown.
 
     Notes
     -----
@@ -85,18 +84,8 @@ def harmonic_response(
     does not come up. Eigenvalues of A with H hold for the positive frequencies at which they are
     used. Modes that damping does not reach are answered one by one.
     """
-    frequencies = positive_vector(
-        "angular_frequencies", angular_frequencies, "rad/s", "the motion repeats"
-    )
-    if method not in METHODS:
-        raise InputError(f"method: given {method!r}; allowed are {' and '.join(METHODS)}.")
-    if forces.shape != (frequencies.size, len(system.mass)):
-        raise InputError(
-            f"forces: given an array of shape {forces.shape}; allowed is "
-            f"{(frequencies.size, len(system.mass))}, because every unknown has a force at each "
-            "frequency."
-        )
-    modal = DampedModes.of(system)
+    check_choice("method", method, get_args(Method), "these are the ways to solve the equations")
+    frequencies, modal = angular_frequencies, DampedModes.of(system)
     singular, unbounded = modal.undamped_resonance(frequencies, forces)
     if np.any(unbounded):
         forces = np.where(unbounded[:, np.newaxis], 0.0, forces)

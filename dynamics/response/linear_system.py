@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import eigh, qr
 
 from crankbase.checks.arrays import FloatArray, one_for_each, positive_number
+from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.chains.chain_modes import elastic_modes
@@ -69,6 +70,25 @@ class LinearSystem:
         hysteretic = np.sum(shapes * (self.loss @ shapes), axis=0)
         ratios = 0.5 * (viscous + hysteretic / natural) / natural
         return np.asarray(np.maximum(ratios, 0.0))  # round-off of what is not damped
+
+    def with_added_damping(
+        self, magnifier: float | None, modal_damping: ArrayLike | None
+    ) -> "LinearSystem":
+        """Add to the elastic modes the damping of a magnifier, that of each mode, or none.
+
+        Raises
+        ------
+        InputError
+            If both are given, or one is out of range.
+        """
+        if magnifier is not None and modal_damping is not None:
+            raise InputError(
+                f"magnifier: given {magnifier!r} together with modal_damping; allowed is one of both, "
+                "because they say the same thing in two ways."
+            )
+        if magnifier is not None:
+            return self.with_magnifier(magnifier)
+        return self if modal_damping is None else self.with_modal_damping(modal_damping)
 
     def with_modal_damping(self, ratios: ArrayLike) -> "LinearSystem":
         """Return the system with viscous damping added, mode by mode.

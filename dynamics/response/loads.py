@@ -1,8 +1,8 @@
 """Vibratory torque or force in each element, and the nominal stress from it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,19 +15,13 @@ from crankbase.checks.arrays import (
 )
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
+from crankbase.library_types import Axes
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name
-from dynamics.plots.coordinates import infinite_where_unbounded, name_axis, orders_and_speeds
 from dynamics.plots.quantities import Quantity, quantity_display
-from dynamics.plots.speed_curves import MAIN_ORDERS
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.series import OrderSeries, plot_series
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
+from dynamics.response.series import DrawnBeside, OrderSeries
 
 
 @summarized("elastic.orders", "elastic.speeds [rad/s]", "elastic.names")
@@ -61,15 +55,13 @@ class ElementLoads:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         element: int | str = 0,
         *,
         quantity: Quantity | None = None,
         part: Literal["elastic", "elements", "ground", "dashpots"] = "elastic",
-        limits: Mapping[str, ArrayLike] | None = None,
-        barred: Sequence[tuple[float, float]] = (),
-        main_orders: int = MAIN_ORDERS,
-    ) -> "Axes":
+        **drawn: Unpack[DrawnBeside],
+    ) -> Axes:
         """Draw one element's main orders, their synthesis and their plain sum over the speed.
 
         Parameters
@@ -82,12 +74,8 @@ class ElementLoads:
             What the values are, for the unit of the axis; SI if it is not told.
         part : {"elastic", "elements", "ground", "dashpots"}, optional
             Which of the four series.
-        limits : mapping of str to float or array_like of shape (S,), optional
-            Limits by name, in SI, constant or over the speeds; inf where none is stated.
-        barred : sequence of pairs of floats, optional
-            Ranges of speed [rad/s], shaded.
-        main_orders : int, optional
-            How many orders, those with the largest peaks, get a line of their own.
+        **drawn
+            As `DrawnBeside` says: limits, barred, main_orders.
 
         Returns
         -------
@@ -99,66 +87,12 @@ class ElementLoads:
             If element, quantity or part is unknown, or a limit, range or number is no such.
         """
         check_choice("part", part, PARTS, "one series is drawn")
-        return plot_series(
-            axes,
-            getattr(self, part),
-            element,
-            quantity_display(quantity, "N m or N", "alternating load"),
-            limits=limits,
-            barred=barred,
-            main_orders=main_orders,
-            field="element",
-        )
-
-    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
-        """Return the complex loads of elements, nodes to ground and dashpots, with ``unbounded``.
-
-        Parameters
-        ----------
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-            Loads are infinite where the vibration is unbounded.
-        """
-        unit = quantity_display(quantity, "N m or N").unit
-        found = {
-            part: (
-                ("order", "speed", over),
-                infinite_where_unbounded(getattr(self, part).values, self.elements.unbounded),
-                unit,
-                words,
-            )
-            for part, (over, words) in PARTS.items()
-        }
-        first = self.elements
-        unbounded = (("order", "speed"), first.unbounded, "1", "no steady vibration")
-        return grid(
-            {**found, "unbounded": unbounded},
-            {
-                **orders_and_speeds(first.orders, first.speeds),
-                "element": name_axis(first.names, "element"),
-                "node": name_axis(self.ground.names, "node"),
-                "dashpot": name_axis(self.dashpots.names, "dashpot"),
-            },
-        )
+        shown = quantity_display(quantity, "N m or N", "alternating load")
+        series: OrderSeries = getattr(self, part)
+        return series.draw(axes, element, shown, "element", **drawn)
 
 
-# The place that each part has in a grid, and its name in words.
-PARTS = {
-    "elastic": ("element", "load that strains the element"),
-    "elements": ("element", "load that the element passes on"),
-    "ground": ("node", "load passed on to ground"),
-    "dashpots": ("dashpot", "load that the dashpot passes on"),
-}
+PARTS = ("elastic", "elements", "ground", "dashpots")
 
 
 def element_loads(response: ForcedResponse) -> ElementLoads:
@@ -172,7 +106,7 @@ def element_loads(response: ForcedResponse) -> ElementLoads:
     chain = chain_of(response)
     w = response.angular_frequencies[:, :, np.newaxis]
     twist = response.motion @ chain.elongations().T
-    relative = response.motion @ dashpot_rows(chain).T
+    relative = response.motion @ chain.dashpot_elongations().T
     sizes = np.array([dashpot.damping for dashpot in chain.dashpots])
 
     def series(values: ComplexArray, names: tuple[str, ...]) -> OrderSeries:
@@ -207,8 +141,7 @@ def section_modulus(
     InputError
         If a diameter is not above zero, a bore not from zero to below it, or the kind is unknown.
     """
-    if kind not in ("torsional", "axial"):
-        raise InputError(f"kind: given {kind!r}; allowed are torsional and axial.")
+    check_choice("kind", kind, ("torsional", "axial"), "a shaft is strained by torque or force")
     outer, inner = finite_array("diameter", diameter), finite_array("bore", bore)
     if np.any(outer <= 0.0):
         raise InputError(
@@ -291,14 +224,6 @@ def chain_of(response: ForcedResponse) -> Chain:
             "matrices do not tell of elements."
         )
     return response.chain
-
-
-def dashpot_rows(chain: Chain) -> FloatArray:
-    """Return of shape (d, n) the relative motion of each dashpot per motion of each node."""
-    rows = np.zeros((len(chain.dashpots), chain.inertia.size))
-    for row, dashpot in zip(rows, chain.dashpots, strict=True):
-        row[dashpot.left], row[dashpot.right] = -1.0, 1.0
-    return rows
 
 
 def dashpot_names(chain: Chain) -> tuple[str, ...]:

@@ -1,7 +1,6 @@
 """Exciting forces by orders over a range of speeds."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,22 +14,15 @@ from crankbase.checks.arrays import (
     positive_vector,
     read_only,
 )
-from crankbase.checks.scalars import whole_number, whole_within
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import legend_inside, write_title
+from crankbase.checks.scalars import whole_within
 from crankbase.errors import InputError
+from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.harmonics import Harmonics
-from dynamics.indices import node_index
 from dynamics.plots.coordinates import orders_and_speeds
 from dynamics.plots.quantities import Quantity, quantity_display
-from dynamics.plots.speed_curves import MAIN_ORDERS, draw_orders, set_speed_axis
 from dynamics.response.over_speed import OverSpeed
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 # Room for the round-off of a speed at the end of a range.
 ROOM = 1e-12
@@ -141,73 +133,7 @@ class OrderExcitation:
             )
         return OverSpeed.of(self.speeds, self.forces).at(order_index, np.clip(speeds, low, high))
 
-    def __add__(self, other: "OrderExcitation") -> "OrderExcitation":
-        """Return both excitations acting together.
-
-        Raises
-        ------
-        InputError
-            If orders, speeds or the number of nodes differ.
-        """
-        if not isinstance(other, OrderExcitation):
-            return NotImplemented
-        same = (
-            np.array_equal(self.orders, other.orders)
-            and np.array_equal(self.speeds, other.speeds)
-            and self.forces.shape == other.forces.shape
-        )
-        if not same:
-            raise InputError(
-                f"excitation: given two of shapes {self.forces.shape} and {other.forces.shape}; "
-                "allowed are two with the same orders, speeds and nodes, because they are added one "
-                "by one."
-            )
-        return OrderExcitation(self.orders, self.speeds, self.forces + other.forces)
-
-    def plot(
-        self,
-        axes: "Axes | None" = None,
-        node: int = 0,
-        *,
-        quantity: Quantity | None = None,
-        main_orders: int = MAIN_ORDERS,
-    ) -> "Axes":
-        """Draw the amplitudes of one node's main orders over the speed.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
-        node : int, optional
-            From 0.
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
-        main_orders : int, optional
-            How many orders, those with the largest peaks.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            If there is no such node or quantity, or the number of orders is not 1 or more.
-        """
-        place = node_index("node", node, self.forces.shape[2])
-        drawn = quantity_display(quantity, "N m or N", "alternating load")
-        count = whole_number("main_orders", main_orders, 1, "a diagram shows some orders")
-        axes = new_axes(axes)
-        sizes = drawn.factor * np.abs(self.forces[:, :, place])
-        draw_orders(axes, self.speeds, self.orders, sizes, count)
-        set_speed_axis(axes, self.speeds)
-        axes.set_ylim(bottom=0.0)
-        axes.set_ylabel(drawn.label)
-        write_title(axes, f"Excitation of node {place}")
-        legend_inside(axes)
-        return axes
-
-    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
+    def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``forces`` over order, speed and node.
 
         Parameters
@@ -283,7 +209,7 @@ def checked_orders(orders: ArrayLike) -> FloatArray:
         If they are not.
     """
     values = positive_vector("orders", orders, "", "they count cycles per crankshaft revolution")
-    _ascending("orders", values, "", "each order counts once")
+    check_ascending("orders", values, "", "each order counts once")
     return values
 
 
@@ -296,7 +222,7 @@ def checked_speeds(speeds: ArrayLike) -> FloatArray:
         If they are not.
     """
     values = positive_vector("speeds", speeds, "rad/s", "an order of a shaft at rest is no motion")
-    _ascending("speeds", values, " rad/s", "a speed range runs from the lowest to the highest")
+    check_ascending("speeds", values, " rad/s", "a speed range runs from the lowest to the highest")
     return values
 
 
@@ -312,7 +238,13 @@ def checked_speed_index(speed_index: int, speeds: FloatArray) -> int:
     return whole_within("speed_index", speed_index, 0, speeds.size - 1, reason)
 
 
-def _ascending(field: str, values: FloatArray, unit: str, why: str) -> None:
+def check_ascending(field: str, values: FloatArray, unit: str, why: str) -> None:
+    """Refuse values that do not ascend, or are none.
+
+    Raises
+    ------
+    InputError
+    """
     if values.size == 0:
         raise InputError(f"{field}: given no values; allowed are one or more, because {why}.")
     falling = np.flatnonzero(np.diff(values) <= 0.0)

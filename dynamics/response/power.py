@@ -1,7 +1,6 @@
 """Where the power that excites a vibration goes: heat in each element and damper."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,18 +8,15 @@ from numpy.typing import NDArray
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
+from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.plots.coordinates import name_axis, orders_and_speeds
 from dynamics.plots.quantities import KILO
 from dynamics.plots.speed_curves import draw_named_curves
 from dynamics.response.forced import ForcedResponse
-from dynamics.response.loads import dashpot_names, dashpot_rows
+from dynamics.response.loads import dashpot_names
 from dynamics.response.series import with_unbounded
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 # Heat below this share of the apparent power is lost in the round-off of that.
 NO_HEAT = 1e-10
@@ -89,7 +85,7 @@ class PowerBalance:
         whole = np.where(heat > NO_HEAT * apparent, heat, apparent)
         return float(np.max(left / np.where(whole > 0.0, whole, 1.0), initial=0.0))
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw what comes in and where it goes over the speed, all orders together.
 
         Parameters
@@ -117,7 +113,7 @@ class PowerBalance:
         write_title(axes, "Power of vibration, all orders together")
         return axes
 
-    def to_xarray(self) -> "Dataset":
+    def to_xarray(self) -> Dataset:
         """Return all powers over order, speed and place.
 
         Returns
@@ -173,7 +169,7 @@ def power_balance(response: ForcedResponse) -> PowerBalance:
         hysteretic = 0.5 * w[:, :, np.newaxis] * chain.stiffness * chain.loss_factor
         elements = (square * chain.damping + hysteretic) * twist
         sizes = np.array([dashpot.damping for dashpot in chain.dashpots])
-        dashpots = square * sizes * np.abs(motion @ dashpot_rows(chain).T) ** 2
+        dashpots = square * sizes * np.abs(motion @ chain.dashpot_elongations().T) ** 2
         ground = square * chain.ground_damping * np.abs(motion) ** 2
         names = (chain.elements, dashpot_names(chain))
         expand = chain.expansion()

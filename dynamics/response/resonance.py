@@ -167,6 +167,7 @@ def resonances(
     estimates[worked & damped] = (equilibrium * np.where(damped, magnifiers, 0.0))[worked & damped]
     _, together = _summed(forces)
     largest = float(np.max(amplitudes))
+    severities = np.where(answer.unbounded, 1.0, amplitudes / (largest or 1.0))
     return tuple(
         Resonance(
             mode=own.mode + 1,
@@ -178,7 +179,7 @@ def resonances(
             magnifier=float(magnifiers[row]),
             estimate=float(estimates[row]),
             share=float(share[row]),
-            severity=_severity(float(amplitudes[row]), largest, bool(answer.unbounded[row])),
+            severity=float(severities[row]),
             kind="major" if together[row] >= IN_PHASE else "minor",
             unbounded=bool(answer.unbounded[row]),
         )
@@ -191,9 +192,3 @@ def _summed(phasors: ComplexArray) -> tuple[FloatArray, FloatArray]:
     sums, sizes = np.abs(phasors.sum(axis=1)), np.abs(phasors).sum(axis=1)
     share: NDArray[np.float64] = np.divide(sums, sizes, out=np.zeros(sums.size), where=sizes > 0.0)
     return sums, share
-
-
-def _severity(amplitude: float, largest: float, unbounded: bool) -> float:
-    if unbounded:
-        return 1.0
-    return amplitude / largest if largest > 0.0 else 0.0

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,7 @@ from crankbase.drawing.curves import Curves
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, Dataset
 from crankbase.summaries import summarized
 from crankbase.tables.frames import grid
 from dynamics.indices import index_of_name
@@ -24,9 +25,23 @@ from dynamics.response.drawn_limits import checked_barred, checked_limits
 from dynamics.response.order_excitation import at_angles, checked_speed_index
 from dynamics.response.synthesis import Synthesis, synthesis
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
+
+class DrawnBeside(TypedDict, total=False):
+    """What a diagram over the speed shows beside the synthesis of the orders.
+
+    Parameters
+    ----------
+    limits : mapping of str to float or array_like of shape (S,), optional
+        Limits by name, in SI, constant or over the speeds; inf where none is stated.
+    barred : sequence of pairs of floats, optional
+        Ranges of speed [rad/s], shaded.
+    main_orders : int, optional
+        How many orders, those with the largest peaks, get a line of their own.
+    """
+
+    limits: Mapping[str, ArrayLike] | None
+    barred: Sequence[tuple[float, float]]
+    main_orders: int
 
 
 @summarized("orders", "speeds [rad/s]", "amplitude", "names")
@@ -101,14 +116,12 @@ class OrderSeries:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         place: int | str = 0,
         *,
         quantity: Quantity | None = None,
-        limits: Mapping[str, ArrayLike] | None = None,
-        barred: Sequence[tuple[float, float]] = (),
-        main_orders: int = MAIN_ORDERS,
-    ) -> "Axes":
+        **drawn: Unpack[DrawnBeside],
+    ) -> Axes:
         """Draw one place's main orders, their synthesis and their plain sum over the speed.
 
         Parameters
@@ -119,12 +132,8 @@ class OrderSeries:
             Which one, by number from 0 or name.
         quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
             What the values are, for the unit of the axis; SI if it is not told.
-        limits : mapping of str to float or array_like of shape (S,), optional
-            Limits by name, in SI, constant or over the speeds; inf where none is stated.
-        barred : sequence of pairs of floats, optional
-            Ranges of speed [rad/s], shaded.
-        main_orders : int, optional
-            How many orders, those with the largest peaks, get a line of their own.
+        **drawn
+            As `DrawnBeside` says: limits, barred, main_orders.
 
         Returns
         -------
@@ -136,10 +145,29 @@ class OrderSeries:
         InputError
             If the place or the quantity is unknown, or a limit, range or number is no such.
         """
-        drawn = quantity_display(quantity, "SI")
-        return plot_series(
-            axes, self, place, drawn, limits=limits, barred=barred, main_orders=main_orders
+        return self.draw(axes, place, quantity_display(quantity, "SI"), **drawn)
+
+    def draw(
+        self,
+        axes: Axes | None,
+        place: int | str,
+        quantity: QuantityDisplay,
+        field: str = "place",
+        **drawn: Unpack[DrawnBeside],
+    ) -> Axes:
+        """Draw one place as `plot` does, with its quantity's unit; `field` names the place."""
+        number = index_of_name(
+            field, place, self.names, "the series", "one curve is that of one place"
         )
+        limits = checked_limits(drawn.get("limits"), len(self.speeds))
+        ranges = checked_barred(drawn.get("barred", ()))
+        why = "so many orders get a line of their own"
+        count = whole_number("main_orders", drawn.get("main_orders", MAIN_ORDERS), 0, why)
+        axes = new_axes(axes, height=4.4)
+        curves = self.over_speed(number, quantity, limits=limits, barred=ranges, main_orders=count)
+        draw_over_speed(axes, curves)
+        write_title(axes, self.names[number], 10)
+        return axes
 
     def over_speed(self, place: int, quantity: QuantityDisplay, **more: Any) -> Curves:
         """Describe what `plot` draws of a place, from 0; further arguments as for `over_speed`."""
@@ -155,7 +183,7 @@ class OrderSeries:
             **more,
         )
 
-    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
+    def to_xarray(self, quantity: Quantity | None = None) -> Dataset:
         """Return complex ``values`` and ``unbounded`` over order, speed and place.
 
         Parameters
@@ -190,33 +218,6 @@ class OrderSeries:
                 "place": name_axis(self.names, "place"),
             },
         )
-
-
-def plot_series(
-    axes: "Axes | None",
-    series: OrderSeries,
-    place: int | str,
-    quantity: QuantityDisplay,
-    *,
-    limits: Mapping[str, ArrayLike] | None = None,
-    barred: Sequence[tuple[float, float]] = (),
-    main_orders: int = MAIN_ORDERS,
-    field: str = "place",
-) -> "Axes":
-    """Draw one place of a series over the speed, as `OrderSeries.plot` does; `field` names the place."""
-    number = index_of_name(
-        field, place, series.names, "the series", "one curve is that of one place"
-    )
-    drawn_limits = checked_limits(limits, len(series.speeds))
-    ranges = checked_barred(barred)
-    count = whole_number("main_orders", main_orders, 0, "so many orders get a line of their own")
-    axes = new_axes(axes, height=4.4)
-    curves = series.over_speed(
-        number, quantity, limits=drawn_limits, barred=ranges, main_orders=count
-    )
-    draw_over_speed(axes, curves)
-    write_title(axes, series.names[number], 10)
-    return axes
 
 
 def with_unbounded(values: FloatArray, unbounded: NDArray[np.bool_]) -> FloatArray:

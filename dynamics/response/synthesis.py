@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd, lcm
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +10,6 @@ from numpy.typing import NDArray
 from crankbase.checks.arrays import ComplexArray, FloatArray
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
-from dynamics.plots.coordinates import speed_axis
-from dynamics.plots.quantities import Quantity, quantity_display
-
-if TYPE_CHECKING:
-    from xarray import Dataset
 
 # Largest denominator of an order: 1/2 in a four-stroke engine, teeth of a gear behind it.
 LARGEST_DENOMINATOR = 1000
@@ -62,45 +55,6 @@ class Synthesis:
     plain_sum: FloatArray
     unbounded: NDArray[np.bool_]
     period: float
-
-    def to_xarray(self, quantity: Quantity | None = None) -> "Dataset":
-        """Return amplitude, extremes and plain sum over speed and place.
-
-        Parameters
-        ----------
-        quantity : {"twist", "displacement", "torque", "force", "stress"}, optional
-            What the values are, for the unit of the axis; SI if it is not told.
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        MissingLibraryError
-            If xarray is not installed.
-        """
-        unit = quantity_display(quantity, "SI").unit
-        extra = self.amplitude.shape[1:]
-        places = ["place", *(f"place_{number}" for number in range(2, len(extra) + 1))]
-        dimensions = ("speed", *places[: len(extra)])
-        return grid(
-            {
-                "amplitude": (dimensions, self.amplitude, unit, "half of the range over the cycle"),
-                "highest": (dimensions, self.highest, unit, "highest value over the cycle"),
-                "lowest": (dimensions, self.lowest, unit, "lowest value over the cycle"),
-                "plain_sum": (dimensions, self.plain_sum, unit, "sum of the orders' amplitudes"),
-                "unbounded": (("speed",), self.unbounded, "1", "no steady vibration"),
-            },
-            {
-                "speed": speed_axis(self.speeds),
-                **{
-                    name: (np.arange(size), "1", "number from 0")
-                    for name, size in zip(places, extra, strict=False)
-                },
-            },
-        )
 
 
 def synthesis(
@@ -246,15 +200,13 @@ def _peaks(
     angle = start.copy()
     waves = phasors[:, row]
     found = samples[row, column].copy()
-    for _ in range(NEWTON_STEPS):
+    for _ in range(NEWTON_STEPS + 1):
         terms = waves * np.exp(1j * np.outer(multiples, angle))
         found = np.maximum(found, terms.real.sum(axis=0))
         slope = -(multiples @ terms.imag)
         bend = -(multiples.astype(np.float64) ** 2 @ terms.real)
         move = np.divide(slope, -bend, out=np.zeros_like(slope), where=bend < 0.0)
         angle = np.clip(angle + move, start - step, start + step)
-    terms = waves * np.exp(1j * np.outer(multiples, angle))
-    found = np.maximum(found, terms.real.sum(axis=0))
     highest, angles = top.copy(), step * np.argmax(samples, axis=1)
     rising = np.argsort(found)  # so that the highest of each sum is the one that stays
     highest[row[rising]], angles[row[rising]] = found[rising], angle[rising]

@@ -1,12 +1,15 @@
 """Which node or element of a run a diagram shows, and in which unit."""
 
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 from crankbase.checks.arrays import FloatArray
 from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
+from crankbase.library_types import Dataset
+from crankbase.tables.frames import grid
 from dynamics.chains.chain import Chain
 from dynamics.indices import index_of_name
+from dynamics.plots.coordinates import Coordinate, name_axis
 from dynamics.plots.quantities import MOVING, SI_UNITS
 
 Moving: TypeAlias = Literal["torque", "force", "twist", "displacement"]
@@ -108,3 +111,45 @@ def units_of(quantity: Moving | None) -> tuple[str, str]:
     if quantity in ("torque", "twist"):
         return SI_UNITS["twist"], SI_UNITS["torque"]
     return SI_UNITS["displacement"], SI_UNITS["force"]
+
+
+def motion_grid(
+    chain: Chain | None,
+    over: dict[str, Coordinate],
+    motion: FloatArray,
+    torque: FloatArray,
+    quantity: Moving | None,
+    words: str = "motion",
+    **more: Any,
+) -> Dataset:
+    """Return motions (m, n) and torques (m, e) as arrays over node or element and one axis more.
+
+    Parameters
+    ----------
+    chain : Chain or None
+    over : dict
+        Name and coordinate of the axis of the rows.
+    motion, torque : ndarray
+    quantity : str or None
+        As for `units_of`.
+    words : str, optional
+        What the motion is.
+    **more
+        Other arrays of the dataset, as `grid` takes them.
+
+    Raises
+    ------
+    InputError
+        If there is no such quantity.
+    """
+    (axis,) = over
+    moved, loaded = units_of(quantity)
+    nodes, elements = axis_names(chain, motion.shape[1], torque.shape[1])
+    return grid(
+        {
+            **more,
+            "motion": ((axis, "node"), motion, moved, words),
+            "torque": ((axis, "element"), torque, loaded, "load of the spring"),
+        },
+        {**over, "node": name_axis(nodes, "node"), "element": name_axis(elements, "element")},
+    )

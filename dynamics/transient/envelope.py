@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -12,19 +12,14 @@ from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
 from crankbase.units.units import RPM
 from dynamics.indices import node_index
 from dynamics.plots.angle_curves import draw_over_time
-from dynamics.plots.coordinates import time_axis
 from dynamics.plots.quantities import MOVING
 from dynamics.plots.speed_curves import draw_named_curves
-from dynamics.transient.curve_selection import OF_ELEMENTS, Moving, units_of
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
+from dynamics.transient.curve_selection import OF_ELEMENTS, Moving
 
 
 @summarized("turns", "time [s]", "speed [rad/s]", "motion", "torque")
@@ -54,12 +49,12 @@ class Envelope:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         place: int = 0,
         *,
         quantity: Moving = "torque",
         over: Literal["speed", "time"] = "speed",
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the amplitude of one element or node over the speed or the time.
 
         Parameters
@@ -98,42 +93,6 @@ class Envelope:
             axes.set_ylim(bottom=0.0)
         write_title(axes, f"{'element' if of_element else 'node'} {index}, {name}")
         return axes
-
-    def to_xarray(self, quantity: Moving | None = None) -> "Dataset":
-        """Return speed and amplitudes over time, node and element.
-
-        Parameters
-        ----------
-        quantity : {"torque", "force", "twist", "displacement"}, optional
-            What the values are: torque or twist of a torsional chain, force or displacement of an axial
-            one. A chain does not say which it is: without it units are "rad or m" and "N m or N".
-
-        Returns
-        -------
-        xarray.Dataset
-            Units in the ``attrs["units"]`` of each array and coordinate.
-
-        Raises
-        ------
-        InputError
-            If the quantity is none of these.
-        MissingLibraryError
-            If xarray is not installed.
-        """
-        moved, loaded = units_of(quantity)
-        nodes, elements = np.arange(self.motion.shape[1]), np.arange(self.torque.shape[1])
-        return grid(
-            {
-                "speed": (("time",), self.speed, "rad/s", "shaft speed"),
-                "motion": (("time", "node"), self.motion, moved, "amplitude of the node"),
-                "torque": (("time", "element"), self.torque, loaded, "amplitude of the element"),
-            },
-            {
-                "time": time_axis(self.time),
-                "node": (nodes, "1", "number of the node, from 0"),
-                "element": (elements, "1", "number of the element, from 0"),
-            },
-        )
 
 
 def envelope_over(

@@ -3,13 +3,14 @@
 import contextlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal, Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray, positive_number
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
+from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
 from dynamics.response.linear_system import LinearSystem
@@ -28,10 +29,7 @@ from dynamics.transient.propagator import PLACES, Propagator, StateSpace
 from dynamics.transient.shaft_run import ShaftRun
 from dynamics.transient.speed_curve import SpeedCurve
 from dynamics.transient.steady import spring_torques, steady_from
-from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
-
-if TYPE_CHECKING:
-    from xarray import Dataset
+from dynamics.transient.viscous import ViscousDamping, ViscousSystem, viscous_system
 
 # Steps between two reports of progress.
 STRETCH = 2000
@@ -112,7 +110,7 @@ class TransientMotion(ShaftRun):
         """
         return self._envelope(self.motion + self.rigid_motion if rigid else self.motion, turns)
 
-    def to_xarray(self, quantity: Moving | None = None) -> "Dataset":
+    def to_xarray(self, quantity: Moving | None = None) -> Dataset:
         """Return speed, angle, motions and torques over time, node and element.
 
         Parameters
@@ -146,12 +144,9 @@ def transient_motion(
     changes: Sequence[tuple[float, OrderExcitation]] = (),
     loads: Sequence[LoadStep] = (),
     start: Literal["steady", "rest"] = "steady",
-    loss_as: LossAs = "viscous",
-    loss_frequency: float | None = None,
-    magnifier: float | None = None,
-    modal_damping: ArrayLike | None = None,
     step: float | None = None,
     progress: Callable[[float], None] | None = None,
+    **damping: Unpack[ViscousDamping],
 ) -> TransientMotion:
     """Follow the vibration through time while the shaft turns at a given, changing speed.
 
@@ -169,13 +164,13 @@ def transient_motion(
         Torques or forces that come in addition. The speed is given: it does not answer to them.
     start : {"steady", "rest"}
         Whether the motion begins as that at the first speed, kept forever, or from no motion.
-    loss_as, loss_frequency, magnifier, modal_damping
-        As for `viscous_system`.
     step : float, optional
         Longest step, which is also that of the results [s]; by default each covers half a radian of
         the highest order at the highest speed.
     progress : callable, optional
         Told the share that is done, between 0 and 1, every 2000 steps.
+    **damping
+        loss_as, loss_frequency, magnifier, modal_damping, as for `viscous_system`.
 
     Returns
     -------
@@ -194,18 +189,9 @@ def transient_motion(
     Gauss points; changes, points of the speed curve and loads' beginnings and ends lie between
     steps. How stiff the chain is does not bound the step.
     """
-    system = viscous_system(
-        chain_or_system,
-        loss_as=loss_as,
-        loss_frequency=loss_frequency,
-        magnifier=magnifier,
-        modal_damping=modal_damping,
-    )
+    system = viscous_system(chain_or_system, **damping)
     space = StateSpace.of(system.system)
-    if start not in ("steady", "rest"):
-        raise InputError(
-            f"start: given {start!r}; allowed are 'steady' and 'rest', because these starts are known."
-        )
+    check_choice("start", start, ("steady", "rest"), "these starts are known")
     acting = AppliedForces.of(speed, excitation, changes, loads, space.inputs)
     orders = acting.orders
     fastest = float(speed.speeds.max())
@@ -215,7 +201,12 @@ def transient_motion(
         given = positive_number("step", step, "s", "time runs forward")
         longest = checked_step(given, orders, fastest)
     pieces = time_segments(acting, longest)
-    _check_size(sum(piece.steps for piece in pieces), len(space.matrix) + 3 * len(space.inputs))
+    count, each = sum(piece.steps for piece in pieces), len(space.matrix) + 3 * len(space.inputs)
+    if count * each > MOST_NUMBERS:
+        raise InputError(
+            f"speed: given a curve that takes {count} steps; allowed are {int(MOST_NUMBERS / each)}, "
+            "because the results of all steps are kept in memory."
+        )
     state = np.zeros(len(space.matrix))
     if start == "steady":
         state = _steady_start(system, excitation, speed)
@@ -283,14 +274,6 @@ def _step_blocks(pieces: Sequence[TimeSegment]) -> Iterator[tuple[float, FloatAr
         for first in range(0, piece.steps, STRETCH):
             numbers = np.arange(first, min(first + STRETCH, piece.steps))
             yield piece.step, np.asarray(piece.start + piece.step * numbers)
-
-
-def _check_size(count: int, each: int) -> None:
-    if count * each > MOST_NUMBERS:
-        raise InputError(
-            f"speed: given a curve that takes {count} steps; allowed are {int(MOST_NUMBERS / each)}, "
-            "because the results of all steps are kept in memory."
-        )
 
 
 def _steady_start(

@@ -1,20 +1,16 @@
 """What all runs of a shaft through time show alike."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.tables.frames import grid
-from dynamics.plots.coordinates import name_axis, time_axis
+from crankbase.library_types import Axes, Dataset
+from dynamics.plots.coordinates import time_axis
 from dynamics.plots.over_time import RunCurve, plot_run
-from dynamics.transient.curve_selection import Moving, axis_names, select_curve, units_of
+from dynamics.transient.curve_selection import Moving, motion_grid, select_curve
 from dynamics.transient.envelope import Envelope, envelope_over
 from dynamics.transient.viscous import ViscousSystem
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 
 class ShaftRun:
@@ -49,13 +45,13 @@ class ShaftRun:
 
     def plot(
         self,
-        axes: "Axes | None" = None,
+        axes: Axes | None = None,
         place: int | str = 0,
         *,
         quantity: Moving = "torque",
         steady: tuple[ArrayLike, ArrayLike] | None = None,
         turns: int | None = None,
-    ) -> "Axes":
+    ) -> Axes:
         """Draw the extremes of one element or node over the time, and its amplitude.
 
         Parameters
@@ -95,21 +91,16 @@ class ShaftRun:
         )
         return plot_run(axes, self.time, self.shaft_speed, curve, steady)
 
-    def _grid(self, quantity: Moving | None, **more: Any) -> "Dataset":
+    def _grid(self, quantity: Moving | None, **more: Any) -> Dataset:
         """Return what all runs have and `more`, over time, node and element."""
-        moved, loaded = units_of(quantity)
-        nodes, elements = axis_names(self.system.chain, self.motion.shape[1], self.torque.shape[1])
-        return grid(
-            {
-                "shaft_speed": (("time",), self.shaft_speed, "rad/s", "shaft speed"),
-                "shaft_angle": (("time",), self.shaft_angle, "rad", "shaft angle"),
-                "motion": (("time", "node"), self.motion, moved, "motion beside even turning"),
-                **more,
-                "torque": (("time", "element"), self.torque, loaded, "load of the spring"),
-            },
-            {
-                "time": time_axis(self.time),
-                "node": name_axis(nodes, "node"),
-                "element": name_axis(elements, "element"),
-            },
+        return motion_grid(
+            self.system.chain,
+            {"time": time_axis(self.time)},
+            self.motion,
+            self.torque,
+            quantity,
+            "motion beside even turning",
+            shaft_speed=(("time",), self.shaft_speed, "rad/s", "shaft speed"),
+            shaft_angle=(("time",), self.shaft_angle, "rad", "shaft angle"),
+            **more,
         )

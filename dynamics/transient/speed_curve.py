@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,15 +18,12 @@ from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes
 from crankbase.summaries import summarized
-from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from dynamics.plots.angle_curves import draw_over_time
 from dynamics.plots.quantities import SPEED_LABEL
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
+from dynamics.response.order_excitation import check_ascending
 
 
 @summarized("times [s]", "speeds [rad/s]", "duration [s]")
@@ -68,13 +64,7 @@ class SpeedCurve:
                 f"times: given {times.size} for {speeds.size} speeds; allowed are two or more, one for "
                 "each speed, because the curve runs from point to point."
             )
-        back = np.flatnonzero(np.diff(times) <= 0.0)
-        if back.size:
-            place = int(back[0]) + 1
-            raise InputError(
-                f"times[{place}]: given {times[place]:g} s after {times[place - 1]:g} s; allowed are "
-                "ascending times, because time does not run back."
-            )
+        check_ascending("times", times, " s", "time does not run back")
         object.__setattr__(self, "times", read_only(times))
         object.__setattr__(self, "speeds", read_only(speeds))
         object.__setattr__(
@@ -220,7 +210,7 @@ class SpeedCurve:
             )
         return times
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the speed over the time.
 
         Parameters
@@ -236,24 +226,3 @@ class SpeedCurve:
         draw_over_time(axes, self.times, {"speed": RPM * self.speeds}, SPEED_LABEL)
         write_title(axes, "Speed over time")
         return axes
-
-    def to_pandas(self) -> "DataFrame":
-        """Return times, speeds and shaft angles at the values given.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
-        return table(
-            {
-                "time": (self.times, "s"),
-                "speed": (self.speeds, "rad/s"),
-                "shaft_angle": (self._angles, "rad"),
-            }
-        )

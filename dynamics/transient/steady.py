@@ -2,32 +2,20 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import (
-    ComplexArray,
-    FloatArray,
-    finite_array,
-    positive_number,
-)
+from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
-from crankbase.errors import InputError
+from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
-from crankbase.units.quantity import format_quantity
 from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
-from dynamics.plots.angle_curves import draw_over_angle
-from dynamics.plots.coordinates import angle_axis, name_axis
 from dynamics.response.linear_system import LinearSystem
 from dynamics.response.order_excitation import OrderExcitation
-from dynamics.transient.curve_selection import Moving, axis_names, select_curve, units_of
-from dynamics.transient.envelope import half_peak_to_peak
+from dynamics.transient.curve_selection import Moving
+from dynamics.transient.cycle_motion import CycleMotion
 from dynamics.transient.order_forces import (
     USUAL_REACH,
     OrderForces,
@@ -35,24 +23,18 @@ from dynamics.transient.order_forces import (
     cycle_turns,
 )
 from dynamics.transient.propagator import PLACES, Propagator, StateSpace
-from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
+from dynamics.transient.viscous import ViscousDamping, ViscousSystem, viscous_system
 
 # An undamped mode that comes round within this share of a whole number of its periods, while forces
-# go on driving it there, answers without bounds; as in `harmonic_answer`.
+# go on driving it there, answers without bounds; as in `harmonic_response`.
 UNBOUNDED_WITHIN = 1e-9
-# Samples between samples among which extremes over a cycle are looked for.
-FINER = 4
 # What drives such a mode is nothing below this share of the largest change over a cycle.
 NO_DRIVE = 1e-9
 
 
 @summarized("speed [rad/s]", "turns", "amplitude", "torque_amplitude", "unbounded", "note")
 @dataclass(frozen=True, eq=False)
-class SteadyMotion:
+class SteadyMotion(CycleMotion):
     """Vibration that repeats every cycle at a constant speed.
 
     Parameters
@@ -93,66 +75,7 @@ class SteadyMotion:
         """Time from shaft angle zero [s], shape (m,)."""
         return self.shaft_angle / self.speed
 
-    @property
-    def amplitude(self) -> FloatArray:
-        """Half of the way between the extremes of each node [rad or m], (n,); inf if unbounded."""
-        return self._half_way(self.motion)
-
-    @property
-    def torque_amplitude(self) -> FloatArray:
-        """Half of the way between the extremes of each element [N m or N], (e,)."""
-        return self._half_way(self.torque)
-
-    def phasors(self, orders: ArrayLike) -> ComplexArray:
-        """Return X_k of the motion Re sum X_k exp(i k phi), shape (K, n).
-
-        Raises
-        ------
-        InputError
-            If an order does not repeat with the cycle, or the samples cannot show it.
-        """
-        return phasors_over_cycle(orders, self.shaft_angle, self.motion, self.turns)
-
-    def _half_way(self, values: FloatArray) -> FloatArray:
-        if self.unbounded:
-            return np.full(values.shape[1], np.inf)
-        return half_peak_to_peak_over_cycle(values)
-
-    def plot(
-        self, axes: "Axes | None" = None, place: int | str = 0, *, quantity: Moving = "torque"
-    ) -> "Axes":
-        """Draw one element or node over the shaft angle of the cycle.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
-        place : int or str, optional
-            Element, or node for "twist" and "displacement", by number from 0 or name.
-        quantity : {"torque", "force", "twist", "displacement"}, optional
-            Torque or force in the spring of an element, or twist or displacement of a node.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            If it is not the motion of a chain, or there is no such place or quantity, or it is unbounded.
-        """
-        if self.unbounded:
-            raise InputError(
-                f"speed: given {format_quantity(self.speed, 'rad/s', 5)}; allowed are speeds with a steady "
-                "vibration, because this one grows without bounds."
-            )
-        picked = select_curve(self.system.chain, quantity, place, self.motion, self.torque)
-        axes = new_axes(axes)
-        draw_over_angle(axes, self.shaft_angle, {picked.name: picked.values}, picked.label)
-        write_title(axes, f"{picked.name}, {format_quantity(self.speed, 'rad/s', 5)}")
-        return axes
-
-    def to_xarray(self, quantity: Moving | None = None) -> "Dataset":
+    def to_xarray(self, quantity: Moving | None = None) -> Dataset:
         """Return motions and torques over shaft angle, node and element.
 
         Parameters
@@ -173,50 +96,15 @@ class SteadyMotion:
         MissingLibraryError
             If xarray is not installed.
         """
-        moved, loaded = units_of(quantity)
-        nodes, elements = axis_names(self.system.chain, self.motion.shape[1], self.torque.shape[1])
-        return grid(
-            {
-                "motion": (("shaft_angle", "node"), self.motion, moved, "motion"),
-                "torque": (("shaft_angle", "element"), self.torque, loaded, "load of the spring"),
-            },
-            {
-                "shaft_angle": angle_axis(self.shaft_angle),
-                "node": name_axis(nodes, "node"),
-                "element": name_axis(elements, "element"),
-            },
-        )
+        return self._grid(quantity)
 
+    def _chain_and_speed(self) -> tuple[Chain | None, float]:
+        return self.system.chain, self.speed
 
-def phasors_over_cycle(
-    orders: ArrayLike, angles: FloatArray, values: FloatArray, turns: int
-) -> ComplexArray:
-    """Return Y_k (K, n) of what repeats after turns, mean + Re sum Y_k exp(i k phi), at even angles.
-
-    Raises
-    ------
-    InputError
-        If an order is not above zero, does not repeat with the cycle, or the samples cannot show it.
-    """
-    given = np.atleast_1d(finite_array("orders", orders))
-    cycles = given * turns
-    whole = np.round(cycles)
-    count = angles.size
-    if np.any((np.abs(cycles - whole) > 1e-9 * whole) | (whole < 1) | (2.0 * whole >= count)):
-        raise InputError(
-            f"orders: given {given.tolist()}; allowed are multiples of {1.0 / turns:g} above zero and "
-            f"below {0.5 * count / turns:g}, because the cycle has {turns} turns and {count} samples."
-        )
-    return np.asarray(np.exp(-1j * np.outer(given, angles)) @ values * (2.0 / count))
-
-
-def half_peak_to_peak_over_cycle(values: FloatArray) -> FloatArray:
-    """Return half of the peak-to-peak value over a cycle, (k,), from its samples (m, k)."""
-    count = len(values)
-    spectrum = np.fft.rfft(values, axis=0)
-    finer = np.fft.irfft(spectrum, FINER * count, axis=0) * FINER
-    # One more sample on each side, so that the extremes have neighbors.
-    return half_peak_to_peak(np.vstack((finer[-1:], finer, finer[:1])))
+    def _half_way(self, values: FloatArray) -> FloatArray:
+        if self.unbounded:
+            return np.full(values.shape[1], np.inf)
+        return super()._half_way(values)
 
 
 def steady_motion(
@@ -224,11 +112,8 @@ def steady_motion(
     excitation: OrderExcitation,
     speed: float,
     *,
-    loss_as: LossAs = "viscous",
-    loss_frequency: float | None = None,
-    magnifier: float | None = None,
-    modal_damping: ArrayLike | None = None,
     steps: int | None = None,
+    **damping: Unpack[ViscousDamping],
 ) -> SteadyMotion:
     """Find the steady motion at a speed by integrating over one cycle.
 
@@ -239,10 +124,10 @@ def steady_motion(
         Between its speeds forces are interpolated as by `OrderExcitation.at_speeds`.
     speed : float
         Within those of the excitation [rad/s].
-    loss_as, loss_frequency, magnifier, modal_damping
-        As for `viscous_system`.
     steps : int, optional
         Per cycle, even; by default so many that each covers half a radian of the highest order.
+    **damping
+        loss_as, loss_frequency, magnifier, modal_damping, as for `viscous_system`.
 
     Returns
     -------
@@ -262,13 +147,7 @@ def steady_motion(
     over the cycle is taken off.
     """
     at_speed = positive_number("speed", speed, "rad/s", "the shaft turns forward")
-    system = viscous_system(
-        chain_or_system,
-        loss_as=loss_as,
-        loss_frequency=loss_frequency,
-        magnifier=magnifier,
-        modal_damping=modal_damping,
-    )
+    system = viscous_system(chain_or_system, **damping)
     return steady_from(system, excitation, at_speed, 0.0, steps)[0]
 
 

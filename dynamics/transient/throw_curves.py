@@ -1,7 +1,7 @@
 """Inertia of rods and pistons, and torque of gas, of each throw as functions of its own angle."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -72,27 +72,7 @@ class ThrowCurves:
 
     def with_constant_inertia(self) -> "ThrowCurves":
         """Return the same with the inertia at its mean."""
-        return ThrowCurves(
-            self.orders,
-            self.inertia_mean,
-            np.zeros_like(self.inertia),
-            self.torque_mean,
-            self.torque,
-        )
-
-    def with_torque(
-        self, mean: FloatArray, orders: FloatArray, phasors: ComplexArray
-    ) -> "ThrowCurves":
-        """Return the same inertia with another torque: mean (t,), orders (K,), phasors (K, t)."""
-        kept = np.flatnonzero(np.any(self.inertia != 0.0, axis=0))
-        both = np.union1d(self.orders[kept], orders)
-        return ThrowCurves(
-            both,
-            self.inertia_mean,
-            _placed(self.inertia[:, kept], self.orders[kept], both),
-            np.array(mean),
-            _placed(np.asarray(phasors).T, orders, both),
-        )
+        return replace(self, inertia=np.zeros_like(self.inertia))
 
 
 def throw_inertia_curves(
@@ -131,19 +111,20 @@ def throw_curves(
     found = throw_inertia_curves(engine, forces.throws, model)
     largest = np.max(np.abs(found.coefficients) / found.mean[:, np.newaxis], axis=0, initial=0.0)
     kept = np.flatnonzero(largest > NEGLIGIBLE)
-    bare = ThrowCurves(
-        orders=np.asarray(kept + 1.0),
-        inertia_mean=found.mean,
-        inertia=found.coefficients[:, kept],
-        torque_mean=np.zeros(found.mean.size),
-        torque=np.zeros((found.mean.size, kept.size), dtype=np.complex128),
-    )
     throws = found.mean.size
     mean, phasors = np.zeros(throws), np.zeros((forces.orders.size, throws), dtype=np.complex128)
     for cylinder, throw in enumerate(forces.throws):
         mean[throw] += forces.crank_radius * forces.mean_tangential[speed_index, cylinder]
         phasors[:, throw] += forces.torque[:, speed_index, cylinder]
-    return bare.with_torque(mean, forces.orders, phasors)
+    of_inertia = np.asarray(kept + 1.0, dtype=np.float64)
+    orders = np.union1d(of_inertia, forces.orders)
+    return ThrowCurves(
+        orders,
+        found.mean,
+        _placed(found.coefficients[:, kept], of_inertia, orders),
+        mean,
+        _placed(phasors.T, forces.orders, orders),
+    )
 
 
 def _placed(values: ComplexArray, orders: FloatArray, among: FloatArray) -> ComplexArray:

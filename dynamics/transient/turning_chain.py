@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +17,7 @@ from dynamics.indices import node_index
 from dynamics.mechanism.rod_model_names import RodModelName
 from dynamics.response.order_excitation import checked_speed_index
 from dynamics.transient.throw_curves import ThrowCurves, throw_curves
-from dynamics.transient.viscous import LossAs, ViscousSystem, viscous_system
+from dynamics.transient.viscous import ViscousDamping, ViscousSystem, viscous_system
 
 # Ratios of speeds count as one within this; damping against even turning as none.
 EVEN = 1e-9
@@ -159,10 +160,7 @@ def turning_chain(
     speed_index: int = 0,
     load_node: int | None = None,
     model: RodModelName = "rigid",
-    loss_as: LossAs = "viscous",
-    loss_frequency: float | None = None,
-    magnifier: float | None = None,
-    modal_damping: ArrayLike | None = None,
+    **damping: Unpack[ViscousDamping],
 ) -> TurningChain:
     """Put the variable inertia of rods and pistons, and the gas, on the throws of a torsional chain.
 
@@ -182,9 +180,9 @@ def turning_chain(
         Where the load brakes, from 0; by default the last node.
     model : str, optional
         Of the rods, one of `ROD_MODELS`.
-    loss_as, loss_frequency, magnifier, modal_damping
-        As for `viscous_system`. Absolute damping of the chain acts on the vibration only: its
-        dampers turn with the mean speed.
+    **damping
+        loss_as, loss_frequency, magnifier, modal_damping, as for `viscous_system`. Absolute damping
+        of the chain acts on the vibration only: its dampers turn with the mean speed.
 
     Returns
     -------
@@ -223,18 +221,9 @@ def turning_chain(
     place = checked_speed_index(speed_index, gas.speeds)
     last = chain.inertia.size - 1
     node = last if load_node is None else node_index("load_node", load_node, last + 1)
-    system = viscous_system(
-        chain,
-        loss_as=loss_as,
-        loss_frequency=loss_frequency,
-        magnifier=magnifier,
-        modal_damping=modal_damping,
-    )
+    curves = throw_curves(engine, gas, place, model)
     return assemble_turning_chain(
-        system,
-        throw_curves(engine, gas, place, model),
-        np.array(engine_chain.throw_nodes),
-        node,
+        viscous_system(chain, **damping), curves, engine_chain.throw_nodes, node
     )
 
 

@@ -2,35 +2,21 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from crankbase.checks.arrays import ComplexArray, FloatArray, positive_number
+from crankbase.checks.arrays import FloatArray, positive_number
 from crankbase.checks.scalars import whole_number
-from crankbase.drawing.diagram_style import new_axes
-from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
-from crankbase.tables.frames import grid
-from crankbase.units.quantity import format_quantity
+from dynamics.chains.chain import Chain
 from dynamics.cycle import even_angles
-from dynamics.plots.angle_curves import draw_over_angle
-from dynamics.plots.coordinates import angle_axis, name_axis
-from dynamics.transient.curve_selection import Moving, axis_names, select_curve, units_of
+from dynamics.transient.cycle_motion import CycleMotion
 from dynamics.transient.order_forces import cycle_turns
-from dynamics.transient.steady import (
-    half_peak_to_peak_over_cycle,
-    phasors_over_cycle,
-    spring_torques,
-)
+from dynamics.transient.steady import spring_torques
 from dynamics.transient.turning_chain import TurningChain
 from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from xarray import Dataset
 
 # The cycle closes to this share of the sizes of motion, after so many trials at most.
 CLOSED = 1e-7
@@ -45,7 +31,7 @@ NO_CHANGE = 1e-9
     "mean_speed [rad/s]", "turns", "load [N m]", "torque", "energy_error", "closing_error", "note"
 )
 @dataclass(frozen=True, eq=False)
-class TurningCycle:
+class TurningCycle(CycleMotion):
     """One cycle of steady running.
 
     Parameters
@@ -92,57 +78,10 @@ class TurningCycle:
     chain: TurningChain
     note: str
 
-    @property
-    def amplitude(self) -> FloatArray:
-        """Half of the way between the extremes of each node [rad], (n,)."""
-        return half_peak_to_peak_over_cycle(self.motion)
+    def _chain_and_speed(self) -> tuple[Chain | None, float]:
+        return self.chain.system.chain, self.mean_speed
 
-    @property
-    def torque_amplitude(self) -> FloatArray:
-        """Half of the way between the extremes of each element [N m], (e,)."""
-        return half_peak_to_peak_over_cycle(self.torque)
-
-    def torque_phasors(self, orders: ArrayLike) -> ComplexArray:
-        """Return those of the elements' torque by orders, shape (K, e) [N m]."""
-        return self._phasors(orders, self.torque)
-
-    def phasors(self, orders: ArrayLike) -> ComplexArray:
-        """Return X_k of the motion, mean + Re sum X_k exp(i k phi), shape (K, n)."""
-        return self._phasors(orders, self.motion)
-
-    def _phasors(self, orders: ArrayLike, values: FloatArray) -> ComplexArray:
-        return phasors_over_cycle(orders, self.shaft_angle, values, self.turns)
-
-    def plot(
-        self, axes: "Axes | None" = None, place: int | str = 0, *, quantity: Moving = "torque"
-    ) -> "Axes":
-        """Draw one element or node over the shaft angle of the cycle.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
-        place : int or str, optional
-            Element, or node for "twist" and "displacement", by number from 0 or name.
-        quantity : {"torque", "force", "twist", "displacement"}, optional
-            Torque or force in the spring of an element, or twist or displacement of a node.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-
-        Raises
-        ------
-        InputError
-            If it is not the motion of a chain, or there is no such place or quantity.
-        """
-        picked = select_curve(self.chain.system.chain, quantity, place, self.motion, self.torque)
-        axes = new_axes(axes)
-        draw_over_angle(axes, self.shaft_angle, {picked.name: picked.values}, picked.label)
-        write_title(axes, f"{picked.name}, {format_quantity(self.mean_speed, 'rad/s', 5)}")
-        return axes
-
-    def to_xarray(self) -> "Dataset":
+    def to_xarray(self) -> Dataset:
         """Return motions and torques over shaft angle, node and element.
 
         Returns
@@ -155,22 +94,8 @@ class TurningCycle:
         MissingLibraryError
             If xarray is not installed.
         """
-        moved, loaded = units_of("twist")
-        nodes, elements = axis_names(
-            self.chain.system.chain, self.motion.shape[1], self.torque.shape[1]
-        )
-        return grid(
-            {
-                "motion": (("shaft_angle", "node"), self.motion, moved, "motion"),
-                "speed": (("shaft_angle", "node"), self.speed, "rad/s", "speed of the node"),
-                "torque": (("shaft_angle", "element"), self.torque, loaded, "load of the spring"),
-            },
-            {
-                "shaft_angle": angle_axis(self.shaft_angle),
-                "node": name_axis(nodes, "node"),
-                "element": name_axis(elements, "element"),
-            },
-        )
+        speed = (("shaft_angle", "node"), self.speed, "rad/s", "speed of the node")
+        return self._grid("twist", speed=speed)
 
 
 def steady_cycle(

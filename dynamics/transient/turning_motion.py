@@ -3,16 +3,15 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray
-from crankbase.errors import InputError
+from crankbase.checks.choices import check_choice
 from dynamics.transient.turning_chain import TurningChain
 
 IntegrationMethod = Literal["DOP853", "Radau"]
-METHODS = ("DOP853", "Radau")
 # Relative tolerance of the integration; absolute ones are this share of the sizes of the states.
 TOLERANCE = 1e-9
 WORKS = 3
@@ -123,8 +122,5 @@ def check_method(method: str) -> None:
     ------
     InputError
     """
-    if method not in METHODS:
-        raise InputError(
-            f"method: given {method!r}; allowed are {' and '.join(METHODS)}, because the equations are "
-            "smooth and may be stiff."
-        )
+    why = "the equations are smooth and may be stiff"
+    check_choice("method", method, get_args(IntegrationMethod), why)

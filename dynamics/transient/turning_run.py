@@ -4,13 +4,13 @@ import contextlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, finite_array, positive_number
 from crankbase.checks.scalars import whole_number
 from crankbase.errors import InputError
+from crankbase.library_types import Dataset
 from crankbase.summaries import summarized
 from dynamics.running_limits import MOST_TURNS, run_time, too_many_turns
 from dynamics.transient.order_forces import cycle_turns
@@ -19,9 +19,6 @@ from dynamics.transient.steady import spring_torques
 from dynamics.transient.turning_chain import TurningChain
 from dynamics.transient.turning_motion import WORKS, IntegrationMethod, TurningState, check_method
 from dynamics.transient.viscous import ViscousSystem
-
-if TYPE_CHECKING:
-    from xarray import Dataset
 
 # The shaft stops where its speed has fallen to this share within about a turn.
 STOPPED = 1e-3
@@ -83,7 +80,7 @@ class TurningRun(ShaftRun):
         done = self.gas_work + self.load_work + self.damping_work
         return float(np.max(np.abs(energy - energy[0] - done)) / np.max(energy))
 
-    def to_xarray(self) -> "Dataset":
+    def to_xarray(self) -> Dataset:
         """Return speed, angle, motions, torques, energies and works over time, node and element.
 
         Returns
@@ -176,6 +173,8 @@ def turn_under_gas(
                 if progress is not None:
                     progress(min(time / end, 1.0))
         finished = not stopped
+    how = "The shaft all but stops" if stopped else "Interrupted"
+    reached = float(done[-1][0][-1])
     orders = np.unique(np.concatenate([own.curves.orders for _, own in in_turn]))
     return _assembled(
         in_turn,
@@ -183,7 +182,7 @@ def turn_under_gas(
         np.concatenate([states for _, states in done]),
         cycle_turns(orders) if orders.size else 1,
         finished,
-        "" if finished else _ended(stopped, float(done[-1][0][-1]), end),
+        "" if finished else f"{how} at {reached:.6g} s of {end:.6g} s.",
     )
 
 
@@ -258,11 +257,6 @@ def _assembled(
         system=chain.system,
         notes=tuple(text for text in (chain.system.note, note) if text),
     )
-
-
-def _ended(stopped: bool, reached: float, end: float) -> str:
-    how = "The shaft all but stops" if stopped else "Interrupted"
-    return f"{how} at {reached:.6g} s of {end:.6g} s."
 
 
 def _checked_load(load: Load | float) -> Callable[[FloatArray, float], FloatArray]:

@@ -1,19 +1,29 @@
 """A system with viscous damping in place of loss factors, which have no meaning over time."""
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, TypedDict, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from crankbase.checks.arrays import positive_number
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.chains.chain import Chain
-from dynamics.response.linear_system import LinearSystem, chain_system
+from dynamics.response.forced import chain_and_system
+from dynamics.response.linear_system import LinearSystem
 
 LossAs = Literal["viscous", "modal"]
-LOSS_AS = ("viscous", "modal")
+
+
+class ViscousDamping(TypedDict, total=False):
+    """What `viscous_system` is told of damping, which see."""
+
+    loss_as: LossAs
+    loss_frequency: float | None
+    magnifier: float | None
+    modal_damping: ArrayLike | None
 
 
 @summarized("system.natural", "note")
@@ -78,20 +88,9 @@ def viscous_system(
     elsewhere. The mode of natural frequency w_r and shape x_r has the loss factor
     x_r' H x_r / (w_r^2 x_r' M x_r).
     """
-    chain = chain_or_system if isinstance(chain_or_system, Chain) else None
-    system = (
-        chain_system(chain_or_system) if isinstance(chain_or_system, Chain) else chain_or_system
-    )
-    if loss_as not in LOSS_AS:
-        raise InputError(
-            f"loss_as: given {loss_as!r}; allowed are {' and '.join(LOSS_AS)}, because these are the ways "
-            "to put viscous damping in the place of loss factors."
-        )
-    if magnifier is not None and modal_damping is not None:
-        raise InputError(
-            f"magnifier: given {magnifier!r} together with modal_damping; allowed is one of both, "
-            "because they say the same thing in two ways."
-        )
+    chain, system = chain_and_system(chain_or_system)
+    why = "these are the ways to put viscous damping in the place of loss factors"
+    check_choice("loss_as", loss_as, get_args(LossAs), why)
     frequency = None
     if loss_frequency is not None:
         frequency = positive_number(
@@ -103,11 +102,7 @@ def viscous_system(
                 "because there each mode takes its own frequency."
             )
     replaced, note = _without_loss(system, loss_as, frequency)
-    if magnifier is not None:
-        replaced = replaced.with_magnifier(magnifier)
-    if modal_damping is not None:
-        replaced = replaced.with_modal_damping(modal_damping)
-    return ViscousSystem(replaced, chain, note)
+    return ViscousSystem(replaced.with_added_damping(magnifier, modal_damping), chain, note)
 
 
 def _without_loss(

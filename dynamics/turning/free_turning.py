@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +19,7 @@ from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
@@ -30,10 +31,6 @@ from dynamics.plots.quantities import KILO
 from dynamics.running_limits import MOST_TURNS, run_time, too_many_turns
 from dynamics.turning.piston_gas import Gas
 from dynamics.turning.shaft_moments import Resistance, ShaftMoments, shaft_moments
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 # Of the integration, relative; absolute ones are this share of a radian, start speed and energy.
 TOLERANCE = 1e-11
@@ -110,8 +107,8 @@ class FreeTurning:
         return worst / largest if largest > 0.0 else 0.0
 
     def plot(
-        self, axes: "Axes | None" = None, *, show: Literal["speed", "moment", "work"] = "speed"
-    ) -> "Axes":
+        self, axes: Axes | None = None, *, show: Literal["speed", "moment", "work"] = "speed"
+    ) -> Axes:
         """Draw the speed over the time, or the moments or works of all causes.
 
         Parameters
@@ -141,7 +138,7 @@ class FreeTurning:
         write_title(axes, "What drives and brakes the shaft")
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return a row for each time: angle, speed, energy, moments and works.
 
         Returns
@@ -267,7 +264,9 @@ def _integrated(
     pistons' directions held: no step passes over a jump, and none is hidden from the error control.
     """
     time, state = 0.0, np.array([*start, *[0.0] * len(SHARES)])
-    scales = _scales(moments, start)
+    speed = max(start[1], 1.0)
+    energy = 0.5 * moments.inertia(start[0]) * speed**2
+    scales = np.array([1.0, speed, *[energy] * len(SHARES)])
     last = start[0] + 2.0 * math.pi * MOST_TURNS
     ends = moments.stroke_ends() if moments.gas.turns_at_ends else np.zeros(0)
     kept = [state[:, np.newaxis][:, : int(told[0] == 0.0)]]
@@ -275,9 +274,8 @@ def _integrated(
         angle = float(state[0])
         limit = _next_end(ends, angle)
         middle = angle + 0.5 * (min(limit, angle + 2.0 * math.pi) - angle)
-        found = _stroke(
-            moments, moments.directions(middle), (time, end), state, limit, last, scales
-        )
+        ways = moments.directions(middle)
+        found = _stroke(moments, ways, (time, end), state, limit, last, scales)
         reached = float(found.t[-1])
         # Closed at the end: the next stroke begins after it.
         asked = told[(told > time) & (told <= reached)]
@@ -293,12 +291,6 @@ def _integrated(
             return np.column_stack(kept), None
         time, state = reached, np.array(found.y_events[1][0])
         state[0] = limit
-
-
-def _scales(moments: ShaftMoments, start: tuple[float, float]) -> FloatArray:
-    speed = max(start[1], 1.0)
-    energy = 0.5 * moments.inertia(start[0]) * speed**2
-    return np.array([1.0, speed, *[energy] * len(SHARES)])
 
 
 def _next_end(ends: FloatArray, angle: float) -> float:
@@ -370,10 +362,7 @@ def _assembled(
     found = [moments.at(*place) for place in zip(angle.tolist(), speed.tolist(), strict=True)]
     shares = np.array([each for each, _, _ in found]).T
     inertia, inertia_slope = np.array([rest for _, *rest in found]).T
-    accounts = [
-        WorkShare(read_only(moment), read_only(work))
-        for moment, work in zip(shares, works, strict=True)
-    ]
+    accounts = [WorkShare(read_only(m), read_only(w)) for m, w in zip(shares, works, strict=True)]
     acceleration = (shares.sum(axis=0) - 0.5 * inertia_slope * speed**2) / inertia
     return FreeTurning(
         time=read_only(time),

@@ -25,10 +25,7 @@ def checked_moment(field: str, given: float, speed: float, angle: float) -> floa
     InputError
         If it is not a finite number.
     """
-    try:
-        moment = float(given)
-    except (TypeError, ValueError, OverflowError):
-        moment = math.nan
+    moment = _number(given)
     if not math.isfinite(moment):
         raise InputError(
             f"{field}: given a moment of {quoted(given)} N m at {speed:.6g} rad/s and a shaft angle of "
@@ -46,10 +43,7 @@ def checked_inertia(given: float, angle: float, least: float = 0.0) -> float:
     InputError
         If it is not a finite number above `least`.
     """
-    try:
-        inertia = float(given)
-    except (TypeError, ValueError, OverflowError):
-        inertia = math.nan
+    inertia = _number(given)
     if not least < inertia < math.inf:
         raise InputError(
             f"inertia: given {quoted(given)} kg m^2 at a shaft angle of {math.degrees(angle):.6g} deg; "
@@ -57,3 +51,11 @@ def checked_inertia(given: float, angle: float, least: float = 0.0) -> float:
             "that follows from the moments."
         )
     return inertia
+
+
+def _number(given: float) -> float:
+    """Return what a function of the user gave as a float, not a number if it is none."""
+    try:
+        return float(given)
+    except (TypeError, ValueError, OverflowError):
+        return math.nan

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,16 +16,13 @@ from crankbase.checks.scalars import whole_number
 from crankbase.drawing.diagram_style import new_axes
 from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
+from crankbase.library_types import Axes, DataFrame
 from crankbase.summaries import summarized
 from crankbase.tables.frames import table
 from crankbase.units.units import RPM
 from dynamics.plots.angle_curves import draw_over_angle
 from dynamics.running_limits import turns_followed
 from dynamics.turning.function_checks import checked_inertia, checked_moment
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 # Inertia [kg m^2] at an angle [rad].
 Inertia = Callable[[float], float]
@@ -90,7 +86,7 @@ class SpeedOverAngle:
         """Coefficient of speed fluctuation: (highest - lowest speed) / mean speed."""
         return float((self.speed.max() - self.speed.min()) / self.mean_speed)
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
+    def plot(self, axes: Axes | None = None) -> Axes:
         """Draw the speed over the shaft angle.
 
         Parameters
@@ -109,7 +105,7 @@ class SpeedOverAngle:
         write_title(axes, "Speed over the shaft angle")
         return axes
 
-    def to_pandas(self) -> "DataFrame":
+    def to_pandas(self) -> DataFrame:
         """Return a row for each angle: speed, time, kinetic energy.
 
         Returns

@@ -2,13 +2,11 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crankbase.checks.arrays import FloatArray, finite_array, positive_number
 from crankbase.checks.scalars import whole_number
-from crankbase.drawing.legends import write_title
 from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from dynamics.cycle import even_angles
@@ -22,10 +20,6 @@ from dynamics.turning.speed_over_angle import (
     speed_over_angle,
 )
 from dynamics.turning.steady_energy import LEAST_ENERGY, energy_for_mean_speed
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from pandas import DataFrame
 
 # Results per turn while a steady speed is sought.
 SEARCH_SAMPLES = 360
@@ -55,37 +49,6 @@ class SteadyTurning:
 
     load: float
     turning: SpeedOverAngle
-
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
-        """Draw the speed over the shaft angle of one period.
-
-        Parameters
-        ----------
-        axes : matplotlib.axes.Axes, optional
-            Where to draw; those of a new figure if not given.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-        """
-        axes = self.turning.plot(axes)
-        write_title(axes, f"Steady turning under a load of {self.load:.4g} N m")
-        return axes
-
-    def to_pandas(self) -> "DataFrame":
-        """Return a row for each angle: speed, time, kinetic energy.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Units of the columns in ``attrs["units"]``.
-
-        Raises
-        ------
-        MissingLibraryError
-            If pandas is not installed.
-        """
-        return self.turning.to_pandas()
 
 
 def steady_turning(

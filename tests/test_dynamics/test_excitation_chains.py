@@ -121,7 +121,7 @@ def test_comparison_shows_what_neighbors_do():
     assert table["mode_1_in_shaft_N"] == close(np.abs(found.modal_in_shaft[:, 1, 0]))
     scaled = compare_axial_forces(FORCES, E_THROWS, own, influence, own_compliances=2 * E_THROWS)
     assert scaled.alone == close(0.5 * found.alone)
-    assert scaled.modal_difference.shape == (12, 2, 0)
+    assert scaled.modal_alone.shape == (12, 2, 0)
 
 
 def test_torsion_lengthens_throws_as_the_tangential_forces_do_when_the_shaft_is_stiff():

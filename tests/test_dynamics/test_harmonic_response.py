@@ -134,15 +134,7 @@ def test_damping_at_a_node_of_the_mode_leaves_it_unbounded():
     assert answer.unbounded.tolist() == [True, False]
 
 
-@pytest.mark.parametrize(
-    ("frequencies", "forces", "method", "words"),
-    [
-        ([0.0], np.ones((1, 2)), "modal", "angular_frequencies.*given 0"),
-        ([1.0], np.ones((1, 3)), "modal", "forces: given an array of shape"),
-        ([1.0], np.ones((1, 2)), "guess", "method: given 'guess'"),
-    ],
-)
-def test_refused(frequencies, forces, method, words):
+def test_an_unknown_method_is_refused():
     system = chain_system(Chain([1.0, 1.0], [2e4]))
-    with pytest.raises(InputError, match=words):
-        harmonic_response(system, np.array(frequencies), forces.astype(complex), method)
+    with pytest.raises(InputError, match="method: given 'guess'"):
+        harmonic_response(system, np.array([1.0]), np.ones((1, 2), complex), "guess")

@@ -130,7 +130,7 @@ def test_strong_steel_enters_the_shaft_rule_up_to_its_cap_and_the_limit_says_so(
         ),
         (
             lambda: generator_set_limit(100.0, part="pump"),
-            "part: given 'pump'; allowed are crankshaft and generator shaft",
+            "part: given 'pump'; allowed are crankshaft, generator shaft",
         ),
         (lambda: BarredRangeRule(10.0).bounds(20.0), "allowed is less than twice the rated speed"),
     ],

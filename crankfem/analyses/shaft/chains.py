@@ -7,7 +7,7 @@ from crankbase.errors import InputError
 from crankfem.files.engine.engine_file import EngineFile
 from crankfem.files.engine.mechanism_file import layout_of
 from dynamics.chains.attachments import DrivenMachine
-from dynamics.chains.dampers import AxialDamper, RubberDamper, TorsionalDamper, ViscousDamper
+from dynamics.chains.dampers import TorsionalDamper
 from dynamics.chains.engine_chains import EngineChain, Kind, axial_chain, torsional_chain
 from dynamics.chains.throw_inertias import throw_inertias
 from dynamics.response.damping import DampedChain, damped
@@ -37,7 +37,7 @@ def engine_axial_chain(
         engine_file.flywheel.mass,
         thrust.bearing,
         thrust.stiffness,
-        damper=None if damper is None else AxialDamper(damper.damping, damper.stiffness),
+        damper=None if damper is None else damper.damper(),
         shaft_line=engine_file.shaft_lines.get("axial"),
     )
 
@@ -115,12 +115,7 @@ def torsional_damper(engine_file: EngineFile) -> TorsionalDamper | None:
             "torsional_damper: given without the section [free_end]; allowed are both, because the hub "
             "of the damper is part of the free end's inertia."
         )
-    if given.kind == "viscous":
-        assert given.damping is not None  # the section has been checked
-        return ViscousDamper(given.ring_inertia, given.damping)
-    assert given.stiffness is not None
-    assert given.loss_factor is not None
-    return RubberDamper(given.ring_inertia, given.stiffness, given.loss_factor)
+    return given.damper()
 
 
 def magnifier_of(engine_file: EngineFile, kind: Kind) -> tuple[float | None, str]:

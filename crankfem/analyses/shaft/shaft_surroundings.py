@@ -1,5 +1,7 @@
 """What stands around the throws of a whole crankshaft, as an engine file tells."""
 
+from dataclasses import asdict
+
 import numpy as np
 
 from crankbase.units.quantity import format_quantity
@@ -125,9 +127,9 @@ def _ring(engine_file: EngineFile) -> TorsionalRing | None:
     given = engine_file.torsional_damper
     if given is None:
         return None
-    return TorsionalRing(
-        given.ring_inertia, given.stiffness or 0.0, given.damping or 0.0, given.loss_factor or 0.0
-    )
+    made = asdict(given.damper())
+    data = [made.get(name, 0.0) for name in ("stiffness", "damping", "loss_factor")]
+    return TorsionalRing(made["ring_inertia"], *data)
 
 
 def _machine(engine_file: EngineFile) -> TorsionalRing | None:

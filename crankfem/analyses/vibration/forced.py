@@ -304,10 +304,7 @@ def _worst_speeds(
 ) -> FloatArray:
     """Speeds at which most of the limits is used, and where free ends move most, closer than the grid."""
     return refined_maxima(
-        lambda some: _limit_usage(engine_file, responses(some)),
-        speeds,
-        _limit_usage(engine_file, responses(speeds)),
-        least=1.0,
+        lambda some: _limit_usage(engine_file, responses(some)), speeds, least=1.0
     )
 
 

@@ -8,19 +8,17 @@ from crankbase.checks.arrays import positive_number
 from crankbase.errors import InputError
 from crankfem.files.chain.chain_sections import (
     AxialChainSection,
-    AxialDamperPart,
     AxialDashpot,
     AxialElement,
     AxialNode,
     TorsionalChainSection,
-    TorsionalDamperPart,
     TorsionalDashpot,
     TorsionalElement,
     TorsionalNode,
 )
+from crankfem.files.sections.damper_sections import AxialDamperPart, TorsionalDamperPart
 from dynamics.chains.chain import Chain
 from dynamics.chains.connections import Dashpot, Gear
-from dynamics.chains.dampers import AxialDamper, RubberDamper, ViscousDamper
 from dynamics.chains.editing import with_damper
 from dynamics.chains.shaft_elements import ShaftCone, shaft_cylinder, shaft_flange
 from fem.material import Material
@@ -69,7 +67,6 @@ def chain_of(section: Section, material: Material) -> Chain:
     nodes = _nodes(section)
     given = tuple(nodes)
     dashpots: Sequence[TorsionalDashpot | AxialDashpot] = section.dashpots
-    dampers: Sequence[TorsionalDamperPart | AxialDamperPart] = section.dampers
     inner: dict[str | None, list[str]] = {}
     rows: list[_Row] = []
     for number, element in enumerate(_elements(section, len(given))):
@@ -115,14 +112,10 @@ def chain_of(section: Section, material: Material) -> Chain:
         ],
         names=order,
     )
-    for k, damper in enumerate(dampers):
-        _known(f"chain.dampers[{k}].node", damper.node, given, number_of)
-        made: Any
-        if not isinstance(damper, TorsionalDamperPart):
-            made = AxialDamper(damper.damping, damper.stiffness, damper.mass)
-        else:
-            made = _torsional_damper(k, damper)
-        chain = with_damper(chain, damper.node, made)
+    dampers: Sequence[TorsionalDamperPart | AxialDamperPart] = section.dampers
+    for k, part in enumerate(dampers):
+        _known(f"chain.dampers[{k}].node", part.node, given, number_of)
+        chain = with_damper(chain, part.node, part.damper(f"chain.dampers[{k}]"))
     return chain
 
 
@@ -308,27 +301,3 @@ def _shaft(
         spread = piece.polar_inertia if torsional else piece.mass
         rows.append(_Row(left, right, 1.0 / compliance, 0.0, element.loss_factor, spread))
     return rows
-
-
-def _torsional_damper(number: int, part: TorsionalDamperPart) -> ViscousDamper | RubberDamper:
-    if part.type == "rubber":
-        if part.stiffness is None:
-            raise InputError(
-                f"chain.dampers[{number}].stiffness: missing; allowed are numbers above 0 N m/rad, because "
-                "rubber joins the ring to the shaft."
-            )
-        return RubberDamper(
-            part.ring_inertia,
-            part.stiffness,
-            part.loss_factor,
-            part.damping,
-            part.hub_inertia,
-            part.name,
-        )
-    for name in ("stiffness", "loss_factor"):
-        if getattr(part, name):
-            raise InputError(
-                f"chain.dampers[{number}].{name}: given for a viscous damper; allowed is a rubber one, "
-                "because oil alone joins the ring to the shaft."
-            )
-    return ViscousDamper(part.ring_inertia, part.damping, part.hub_inertia, part.name)

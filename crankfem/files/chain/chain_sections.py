@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field
 
 from crankbase.model import InputModel, part_field, quantity_field
+from crankfem.files.sections.damper_sections import AxialDamperPart, TorsionalDamperPart
 
 Numbers = float | tuple[float, ...]
 
@@ -149,32 +150,6 @@ class AxialDashpot(InputModel):
 
     nodes: tuple[str, str] = Field(description="names of the two nodes")
     damping: float = _quantity("force per relative speed", AXIAL_UNITS, "damping", ...)
-
-
-class TorsionalDamperPart(InputModel):
-    """A torsional damper."""
-
-    type: Literal["viscous", "rubber"] = Field(description="viscous, or rubber")
-    node: str = Field(description="name of the node that it sits on")
-    name: str = Field(
-        "damper ring", description="of the ring's node", json_schema_extra={"feature": True}
-    )
-    ring_inertia: float = _quantity("inertia of the ring", TORSIONAL_UNITS, "inertia", ...)
-    hub_inertia: float = _quantity("inertia of hub or housing", TORSIONAL_UNITS, "inertia")
-    damping: float = _quantity("viscous damping", TORSIONAL_UNITS, "damping")
-    stiffness: float | None = _quantity(
-        "dynamic stiffness of the rubber", TORSIONAL_UNITS, "stiffness", None
-    )
-    loss_factor: float = _loss_factor()
-
-
-class AxialDamperPart(InputModel):
-    """A damper against axial vibration."""
-
-    node: str = Field(description="name of the node that it sits on")
-    damping: float = _quantity("force per speed", AXIAL_UNITS, "damping", ...)
-    stiffness: float = _quantity("stiffness of oil and housing", AXIAL_UNITS, "stiffness")
-    mass: float = _quantity("mass of the collar", AXIAL_UNITS, "inertia")
 
 
 class _ChainSection(InputModel):

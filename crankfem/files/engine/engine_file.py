@@ -40,6 +40,7 @@ from crankfem.files.sections.crank_throws import (
     throw_names,
     throws_along_shaft,
 )
+from crankfem.files.sections.damper_sections import AxialDamperSection, TorsionalDamperSection
 from crankfem.files.sections.engine_sections import (
     Engine,
     Flywheel,
@@ -54,12 +55,10 @@ from crankfem.files.sections.excitation_sections import GasMap, Misfire, Propell
 from crankfem.files.sections.limits_sections import LimitsInput, RangesInput
 from crankfem.files.sections.mechanism_sections import Gas, HingedRods, Piston, Rod
 from crankfem.files.sections.vibration_sections import (
-    AxialDamper,
     Bearings,
     Damping,
     Driven,
     ShaftLineFiles,
-    TorsionalDamper,
 )
 from crankfem.files.study.study_file import study_plan
 from dynamics.chains.chain import Chain
@@ -115,8 +114,8 @@ gas_map, misfire, propeller_forces, limits, ranges, torque_table, two_mass, stud
     vibration: VibrationSettings
     free_end: FreeEnd | None
     damping: Damping | None
-    torsional_damper: TorsionalDamper | None
-    axial_damper: AxialDamper | None
+    torsional_damper: TorsionalDamperSection | None
+    axial_damper: AxialDamperSection | None
     driven: Driven | None
     bearings: Bearings | None
     shaft_lines: dict[str, Chain]
@@ -315,8 +314,8 @@ def load_engine(path: str | Path | TomlFile) -> EngineFile:
         vibration=vibration,
         free_end=content.model("free_end", FreeEnd),
         damping=content.model("damping", Damping),
-        torsional_damper=content.model("torsional_damper", TorsionalDamper),
-        axial_damper=content.model("axial_damper", AxialDamper),
+        torsional_damper=content.model("torsional_damper", TorsionalDamperSection),
+        axial_damper=content.model("axial_damper", AxialDamperSection),
         driven=content.model("driven", Driven),
         bearings=content.model("bearings", Bearings),
         shaft_lines=_shaft_lines(content),

@@ -12,6 +12,7 @@ from crankbase.model import InputModel, field_extra, part_kind
 from crankbase.units.quantity import format_quantity
 from crankbase.units.units import DISPLAY_UNITS
 from crankfem.files.sections import (
+    damper_sections,
     engine_sections,
     excitation_sections,
     limits_sections,
@@ -39,8 +40,8 @@ SECTIONS: tuple[tuple[type[InputModel], str], ...] = (
     (engine_sections.FreeEnd, "optional"),
     (engine_sections.ThrustBearing, "required for run and vibration"),
     (vibration_sections.Damping, "optional"),
-    (vibration_sections.TorsionalDamper, "optional"),
-    (vibration_sections.AxialDamper, "optional"),
+    (damper_sections.TorsionalDamperSection, "optional"),
+    (damper_sections.AxialDamperSection, "optional"),
     (vibration_sections.Driven, "optional"),
     (vibration_sections.Bearings, "optional"),
     (vibration_sections.ShaftLineFiles, "optional"),

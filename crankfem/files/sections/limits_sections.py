@@ -2,27 +2,23 @@
 
 import math
 from collections.abc import Mapping
-from functools import partial
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
+from crankbase.checks.choices import check_choice
 from crankbase.errors import InputError
 from crankbase.model import InputModel, part_field, quantity_field
 from dynamics.assessment.barred_ranges import BarredRangeRule
 from dynamics.assessment.limit_rules import (
+    CRANKSHAFT_RULES,
     SHAFT_FEATURES,
-    crankshaft_limit,
-    crankshaft_material_factors,
-    generator_set_limit,
     propulsion_shaft_limit,
 )
 from dynamics.assessment.limit_rules import Kind as EngineKind
 from dynamics.assessment.limits import VibrationLimit, given_limit
 from dynamics.assessment.spreads import Kind, Spread
 
-MAIN_ENGINE, GENERATOR_SET = "KR main engine", "KR generator set"
-CRANKSHAFT_RULES = ("", MAIN_ENGINE, GENERATOR_SET)
 # What each value given in [limits] applies to: quantity, place and SI unit.
 GIVEN = {
     "crankshaft_stress": ("torsional stress", "crankshaft", "Pa"),
@@ -63,11 +59,8 @@ class ShaftLimitInput(InputModel):
 
     @model_validator(mode="after")
     def _known(self) -> Self:
-        if self.feature not in SHAFT_FEATURES:
-            raise InputError(
-                f"limits.shafts.feature: given {self.feature!r}; allowed are "
-                f"{', '.join(SHAFT_FEATURES)}, because the rule gives a factor for these."
-            )
+        why = "the rule gives a factor for these"
+        check_choice("limits.shafts.feature", self.feature, SHAFT_FEATURES, why)
         return self
 
     def limit(self, rated_speed: float) -> VibrationLimit:
@@ -146,7 +139,7 @@ class LimitsInput(InputModel):
     crankshaft_rule: str = Field(
         "",
         description="rule to pick the crankshaft's limit from where the maker gives none: "
-        f"{MAIN_ENGINE} or {GENERATOR_SET}",
+        f"{' or '.join(CRANKSHAFT_RULES)}",
     )
     tensile_strength: float | None = quantity_field(
         "specified minimum tensile strength of the crankshaft, for the rule",
@@ -184,11 +177,9 @@ class LimitsInput(InputModel):
                     f"limits.shafts[{place}].element: given {element!r} a second time; allowed is each "
                     "element once, because it has one limit."
                 )
-        if self.crankshaft_rule not in CRANKSHAFT_RULES:
-            raise InputError(
-                f"limits.crankshaft_rule: given {self.crankshaft_rule!r}; allowed are "
-                f"{MAIN_ENGINE} and {GENERATOR_SET}."
-            )
+        if self.crankshaft_rule:
+            why = "their formulas are known"
+            check_choice("limits.crankshaft_rule", self.crankshaft_rule, CRANKSHAFT_RULES, why)
         if self.crankshaft_rule and self.crankshaft_stress is not None:
             raise InputError(
                 f"limits.crankshaft_rule: given {self.crankshaft_rule!r} beside crankshaft_stress; "
@@ -199,11 +190,9 @@ class LimitsInput(InputModel):
                 f"limits.crankshaft_rule: given {self.crankshaft_rule!r} without tensile_strength "
                 "and yield_strength; allowed is the rule with both, because it depends on them."
             )
-        if self.crankshaft_rule and self.tensile_strength and self.yield_strength:
-            try:  # before anything is computed
-                crankshaft_material_factors(
-                    self.tensile_strength, self.yield_strength, alloy=self.alloy
-                )
+        if self.crankshaft_rule:
+            try:  # before anything is computed, at any speed and of any engine
+                self._crankshaft_limit(1.0, strokes=4)
             except InputError as error:
                 raise InputError(f"limits.{error}") from None
         for name in GIVEN:
@@ -257,22 +246,21 @@ class LimitsInput(InputModel):
                 assumed=assumed,
             )
         if self.crankshaft_rule:
-            assert self.tensile_strength is not None  # the two have been made sure of
-            assert self.yield_strength is not None
-            main = self.crankshaft_rule == MAIN_ENGINE
-            pick = crankshaft_limit if main else partial(generator_set_limit, part="crankshaft")
-            found["crankshaft_stress"] = pick(
-                rated_speed,
-                strokes=strokes,
-                kind=kind,
-                firing_interval_deg=firing_interval_deg,
-                tensile_strength=self.tensile_strength,
-                yield_strength=self.yield_strength,
-                alloy=self.alloy,
+            found["crankshaft_stress"] = self._crankshaft_limit(
+                rated_speed, strokes=strokes, kind=kind, firing_interval_deg=firing_interval_deg
             )
         for shaft in self.shafts:
             found[f"shaft: {shaft.element}"] = shaft.limit(rated_speed)
         return found
+
+    def _crankshaft_limit(self, rated_speed: float, **engine: Any) -> VibrationLimit:
+        return CRANKSHAFT_RULES[self.crankshaft_rule](
+            rated_speed,
+            tensile_strength=self.tensile_strength,
+            yield_strength=self.yield_strength,
+            alloy=self.alloy,
+            **engine,
+        )
 
     def barred_rule(self, rated_speed: float) -> BarredRangeRule:
         """Return how far about critical speeds running is barred, and up to where [rad/s]."""

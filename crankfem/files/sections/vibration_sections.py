@@ -1,6 +1,6 @@
 """The sections of engine files that vibration needs beyond cranks and flywheel, declared once."""
 
-from typing import ClassVar, Literal, Self
+from typing import ClassVar, Self
 
 from pydantic import Field, model_validator
 
@@ -46,63 +46,6 @@ class Damping(InputModel):
     def damps_torsion(self) -> bool:
         """Whether cylinders or throws have damping of their own."""
         return bool(self.cylinder_damping or self.loss_factor)
-
-
-class TorsionalDamper(InputModel):
-    """Torsional damper at the free end: a ring in oil, or a ring on rubber."""
-
-    section: ClassVar[str] = "torsional_damper"
-
-    kind: Literal["viscous", "rubber"] = Field(description="viscous or rubber")
-    ring_inertia: float = quantity_field("inertia of the ring", "kg m^2", minimum=1e-6, maximum=1e6)
-    damping: float | None = quantity_field(
-        "torque per relative speed of ring and hub, of kind viscous",
-        "N m s/rad",
-        minimum=1e-6,
-        maximum=1e8,
-        default=None,
-    )
-    stiffness: float | None = quantity_field(
-        "torsional stiffness of the rubber, of kind rubber",
-        "N m/rad",
-        minimum=1e-3,
-        maximum=1e10,
-        default=None,
-    )
-    loss_factor: float | None = quantity_field(
-        "loss factor of the rubber, of kind rubber",
-        "",
-        minimum=0.0,
-        maximum=2.0,
-        default=None,
-    )
-
-    @model_validator(mode="after")
-    def _has_its_data(self) -> Self:
-        needed = {"viscous": ("damping",), "rubber": ("stiffness", "loss_factor")}
-        for kind, names in needed.items():
-            for name in names:
-                given = getattr(self, name) is not None
-                if given != (kind == self.kind):
-                    raise InputError(
-                        f"torsional_damper.{name}: {'given' if given else 'not given'} with kind "
-                        f"{self.kind}; allowed are damping for viscous, stiffness and loss_factor for "
-                        "rubber, because these are their data."
-                    )
-        return self
-
-
-class AxialDamper(InputModel):
-    """Axial damper at the free end: a piston on the shaft in oil."""
-
-    section: ClassVar[str] = "axial_damper"
-
-    damping: float = quantity_field(
-        "force per speed of the free end", "N s/m", minimum=1.0, maximum=1e10
-    )
-    stiffness: float = quantity_field(
-        "stiffness of its oil to ground", "N/m", minimum=0.0, maximum=1e12, default=0.0
-    )
 
 
 class Driven(InputModel):

@@ -1,0 +1,10 @@
+"""Types of the libraries that are loaded when something is asked of them: axes, tables and grids."""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes as Axes
+    from pandas import DataFrame as DataFrame
+    from xarray import Dataset as Dataset
+else:
+    Axes = DataFrame = Dataset = Any
