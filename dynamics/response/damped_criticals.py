@@ -42,14 +42,14 @@ class DampedCritical:
     mode : int
         Number of the elastic mode that makes most of the amplitude there, 1 the lowest; 0 where
         that is a motion so damped that it creeps.
-    speed : float or None
-        Where the amplitude has its maximum [rad/s]; None where it has none near this mode's
+    speed : float
+        Where the amplitude has its maximum [rad/s]; nan where it has none near this mode's
         frequencies: too much damping, or forces that cancel on the mode.
-    amplitude : float or None
-        Of this order there, all modes together; inf where nothing damps.
+    amplitude : float
+        Of this order there, all modes together; inf where nothing damps, nan without a maximum.
     place : str
         Element or node that has it; empty without a maximum.
-    mode_share : float or None
+    mode_share : float
         Part of the amplitude that this mode makes; others may work against it.
     in_band : bool
         Whether the peak lies where the mode's magnifier is half of its largest or more. Elsewhere the
@@ -60,8 +60,8 @@ class DampedCritical:
         Share of critical damping of the mode; nan where it creeps.
     undamped_speed : float
         Where the order meets the frequency without damping, the ring of a viscous damper free [rad/s].
-    locked_speed : float or None
-        The same with that ring locked to its housing [rad/s].
+    locked_speed : float
+        The same with that ring locked to its housing [rad/s]; nan where there is none.
     severity : float
         Amplitude over the largest bounded one of all; 1 for an unbounded one, 0 without a maximum.
     kind : {"major", "minor"}
@@ -72,15 +72,15 @@ class DampedCritical:
 
     order: float
     mode: int
-    speed: float | None
-    amplitude: float | None
+    speed: float
+    amplitude: float
     place: str
-    mode_share: float | None
+    mode_share: float
     in_band: bool
     mode_frequency: float
     damping_ratio: float
     undamped_speed: float
-    locked_speed: float | None
+    locked_speed: float
     severity: float
     kind: Literal["major", "minor"] = "minor"
     in_running_range: bool = True
@@ -88,19 +88,23 @@ class DampedCritical:
     @property
     def unbounded(self) -> bool:
         """Whether nothing damps it."""
-        return self.amplitude is not None and bool(np.isinf(self.amplitude))
+        return bool(np.isinf(self.amplitude))
+
+    @property
+    def has_peak(self) -> bool:
+        """Whether the order has a maximum there."""
+        return not np.isnan(self.speed)
 
     @property
     def frequency(self) -> float:
         """Frequency of the order at the peak [Hz]; that of the mode without a peak."""
-        if self.speed is None:
-            return self.mode_frequency
-        return self.order * self.speed / (2.0 * np.pi)
+        peak = self.order * self.speed / (2.0 * np.pi)
+        return peak if self.has_peak else self.mode_frequency
 
     @property
-    def speed_rpm(self) -> float | None:
+    def speed_rpm(self) -> float:
         """Speed of the crankshaft [1/min]."""
-        return None if self.speed is None else self.speed * RPM
+        return self.speed * RPM
 
     @property
     def sentence(self) -> str:
@@ -108,34 +112,30 @@ class DampedCritical:
         if not self.mode:
             return f"Order {self.order:g}: peak at {self.speed_rpm:.4g} 1/min, of no mode's own."
         beside = f"{self.undamped_speed * RPM:.4g} 1/min undamped"
-        if self.locked_speed is not None:
+        if not np.isnan(self.locked_speed):
             beside = (
                 f"{self.undamped_speed * RPM:.4g} 1/min with the damper's ring free, "
                 f"{self.locked_speed * RPM:.4g} 1/min with it locked"
             )
-        found = "no peak" if self.speed is None else f"peak at {self.speed * RPM:.4g} 1/min"
-        if self.speed is not None and not self.in_band:
+        found = f"peak at {self.speed_rpm:.4g} 1/min" if self.has_peak else "no peak"
+        if self.has_peak and not self.in_band:
             found += ", where its forces are largest"
         return f"Order {self.order:g}, mode {self.mode}: {found} ({beside})."
 
     def row(self) -> Row:
         """Return what a table of critical speeds shows, each value with its unit; see `table_of`."""
-
-        def number(value: float | None) -> float:
-            return float("nan") if value is None else value
-
         return {
             "order": (self.order, "1"),
             "mode": (self.mode, "1"),
-            "speed": (number(self.speed), "rad/s"),
-            "amplitude": (number(self.amplitude), "SI"),
+            "speed": (self.speed, "rad/s"),
+            "amplitude": (self.amplitude, "SI"),
             "place": (self.place, ""),
-            "mode_share": (number(self.mode_share), "1"),
+            "mode_share": (self.mode_share, "1"),
             "in_band": (self.in_band, ""),
             "mode_frequency": (self.mode_frequency, "Hz"),
             "damping_ratio": (self.damping_ratio, "1"),
             "undamped_speed": (self.undamped_speed, "rad/s"),
-            "locked_speed": (number(self.locked_speed), "rad/s"),
+            "locked_speed": (self.locked_speed, "rad/s"),
             "severity": (self.severity, "1"),
             "kind": (self.kind, ""),
             "in_running_range": (self.in_running_range, ""),
@@ -205,7 +205,7 @@ def damped_criticals(
         for number in range(1, modes.undamped.size + 1):
             if (order, number) not in met and _meets(modes, order, number, ends):
                 found.append(_critical(modes, order, number, names))
-    return tuple(sorted(found, key=lambda own: (own.order, own.mode, own.speed or 0.0)))
+    return tuple(sorted(found, key=lambda own: (own.order, own.mode, own.speed)))
 
 
 class _Peak(NamedTuple):
@@ -377,23 +377,32 @@ def _critical(
     worst: float = 0.0,
 ) -> DampedCritical:
     """Describe a peak, or that a mode has none, with the frequencies of the mode."""
-    places = np.flatnonzero(modes.numbers == number)
     none = float("nan")
+    peak = peak or _Peak(order, none, none, -1, number, none, in_band=False)
+    places = np.flatnonzero(modes.numbers == number)
 
-    def met(frequencies: FloatArray) -> float:
-        return 2.0 * np.pi * float(frequencies[number - 1]) / order if number else none
+    def met(frequencies: FloatArray | None) -> float:
+        if frequencies is None or not number:
+            return none
+        return 2.0 * np.pi * float(frequencies[number - 1]) / order
 
     return DampedCritical(
         order=order,
         mode=number,
-        speed=None if peak is None else peak.speed,
-        amplitude=None if peak is None else peak.amplitude,
-        place="" if peak is None else names[peak.row],
-        mode_share=None if peak is None else peak.share,
-        in_band=peak is not None and peak.in_band,
+        speed=peak.speed,
+        amplitude=peak.amplitude,
+        place="" if peak.row < 0 else names[peak.row],
+        mode_share=peak.share,
+        in_band=peak.in_band,
         mode_frequency=float(modes.frequencies[places[0]]) if places.size else none,
         damping_ratio=float(modes.damping_ratios[places[0]]) if places.size else none,
         undamped_speed=met(modes.undamped),
-        locked_speed=None if modes.locked is None else met(modes.locked),
-        severity=0.0 if peak is None else min(peak.amplitude / worst, 1.0) if worst else 1.0,
+        locked_speed=met(modes.locked),
+        severity=_severity(peak.amplitude, worst),
     )
+
+
+def _severity(amplitude: float, worst: float) -> float:
+    if np.isnan(amplitude):
+        return 0.0
+    return min(amplitude / worst, 1.0) if worst > 0.0 else 1.0

@@ -246,7 +246,8 @@ def peak_cause(
         Of the response's system, where they are known.
     driven : tuple of OrderExcitation and PeakCause, optional
         The part of the excitation that another vibration brings, as torques do in a shaft that
-        lengthens when it is twisted, and the cause of that vibration at the same speed.
+        lengthens when it is twisted, at the same speeds and at some of the orders, and the cause of
+        that vibration at the same speed.
 
     Returns
     -------
@@ -296,7 +297,9 @@ def peak_cause(
     magnifiers, largest = modes.magnifiers(w), modes.largest_magnifiers
     brought = np.zeros(w.size)
     if driven is not None:
-        other = driven[0].forces[:, index] @ response.system.expand
+        own = np.isin(series.orders, driven[0].orders)
+        other = np.zeros(forces.shape, dtype=np.complex128)
+        other[own] = driven[0].forces[:, index] @ response.system.expand
         through = np.sum(modes.contributions(w, other, rows), axis=1, keepdims=True)
         brought = (through / size * np.conj(whole / size)).real[:, 0]
     parts = []

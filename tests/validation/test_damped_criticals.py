@@ -90,11 +90,7 @@ def searched(amplitude):
 
 def peaks_of_order(criticals, order):
     """Speed and amplitude of the peaks of one order, ascending speed."""
-    own = [
-        (one.speed, one.amplitude)
-        for one in criticals
-        if one.order == order and one.speed is not None
-    ]
+    own = [(one.speed, one.amplitude) for one in criticals if one.order == order and one.has_peak]
     return np.array(sorted(own)).reshape(-1, 2)
 
 

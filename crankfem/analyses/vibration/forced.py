@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -39,10 +40,12 @@ from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.plots.quantities import Quantity
+from dynamics.response.complex_modes import ComplexModes, complex_modes
+from dynamics.response.damped_criticals import DampedCritical, damped_criticals
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.loads import ElementLoads, alternating_stress, element_loads, section_modulus
+from dynamics.response.order_excitation import OrderExcitation
 from dynamics.response.power import PowerBalance, power_balance
-from dynamics.response.resonance import Resonance, resonances
 from dynamics.response.series import OrderSeries
 from fem.shaft import ShaftCompliances
 from geometry.throw import CrankThrow
@@ -77,9 +80,12 @@ class ForcedVibration:
     stress : OrderSeries or None
         Nominal torsional stress of the crankshaft's elements [Pa]; None in the axial direction.
     power : PowerBalance
-    resonances : tuple of Resonance
-        At all speeds judged, with the amplitude of the free end, ascending speed: the running range,
-        and above it as far as a limit holds.
+    resonances : tuple of DampedCritical
+        Where each order by itself makes the free end move most, with all damping, ascending speed, at
+        all speeds judged: the running range, and above it as far as a limit holds. Those at which an
+        order meets a mode but makes no peak have no speed and come last.
+    by_torque : OrderExcitation or None
+        Of axial vibration, the part of its excitation that torques in the shaft bring.
     axial_forces : AxialForceComparison or None
         Exciting force of each throw by its own coefficient and by the assembled shaft.
     running_range, judged_range : tuple of two floats
@@ -96,10 +102,29 @@ class ForcedVibration:
     loads: ElementLoads
     stress: OrderSeries | None
     power: PowerBalance
-    resonances: tuple[Resonance, ...]
+    resonances: tuple[DampedCritical, ...]
+    by_torque: OrderExcitation | None
     axial_forces: AxialForceComparison | None
     running_range: tuple[float, float]
     judged_range: tuple[float, float]
+
+    @cached_property
+    def modes(self) -> ComplexModes:
+        """The damped modes of the chain."""
+        return complex_modes(self.response)
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Damped natural frequencies [Hz] by the number of the mode; undamped where one only creeps."""
+        found = self.modes.undamped.copy()
+        numbered = self.modes.numbers > 0
+        found[self.modes.numbers[numbered] - 1] = self.modes.frequencies[numbered]
+        return found
+
+    @property
+    def peaks(self) -> tuple[DampedCritical, ...]:
+        """The resonances that have a speed."""
+        return tuple(one for one in self.resonances if one.has_peak)
 
     @property
     def free_end(self) -> OrderSeries:
@@ -173,6 +198,8 @@ class ForcedVibration:
 
     def to_pandas(self) -> Any:
         """Return a table of the resonances at the speeds judged, with the free end's amplitude.
+
+        A resonance without a peak has no speed (nan).
 
         Returns
         -------
@@ -255,7 +282,7 @@ def forced_vibrations(
         twisted = forced_response(
             chains[1], with_propeller(engine_file, cranks, torque_excitation(forces, cranks))
         )
-        pressed, remarks = excitation_along_shaft(
+        pressed, by_torque, remarks = excitation_along_shaft(
             engine_file, forces, pulled, shaft, cranks, twisted
         )
         lengthened = forced_response(chains[0], with_propeller(engine_file, pulled.chain, pressed))
@@ -272,6 +299,7 @@ def forced_vibrations(
                 stress=None,
                 power=power_balance(response),
                 resonances=(),
+                by_torque=by_torque if chain.kind == "axial" else None,
                 axial_forces=None,
                 running_range=(engine.lowest_speed, engine.highest_speed),
                 judged_range=(ends[0], min(ends[-1], float(speeds[-1]))),
@@ -323,18 +351,26 @@ def _limit_usage(engine_file: EngineFile, answers: Answers) -> FloatArray:
     return np.array([*used, *kept, *moved])
 
 
-def _resonances(engine_file: EngineFile, forced: ForcedVibration) -> tuple[Resonance, ...]:
+def _resonances(engine_file: EngineFile, forced: ForcedVibration) -> tuple[DampedCritical, ...]:
     """Resonances at all speeds judged; major are those of orders in which all cylinders fire in phase."""
     response = forced.response
     major = major_orders(response.orders, engine_file.engine.firing_angles)
-    return tuple(
+    found = damped_criticals(response, node=0, speed_range=forced.judged_range, modes=forced.modes)
+    told = [
         replace(
             one,
             kind="major" if np.any(np.isclose(major, one.order)) else "minor",
-            in_running_range=one.speed <= forced.running_range[1],
+            in_running_range=_place(one) <= forced.running_range[1],
         )
-        for one in resonances(response, 0, speed_range=forced.judged_range)
-    )
+        for one in found
+        if one.in_band or not one.has_peak
+    ]
+    return tuple(sorted(told, key=lambda one: (not one.has_peak, _place(one))))
+
+
+def _place(critical: DampedCritical) -> float:
+    """Speed of a peak; without one that at which the order meets the mode undamped [rad/s]."""
+    return critical.speed if critical.has_peak else critical.undamped_speed
 
 
 def nominal_section_modulus(throw: CrankThrow) -> float:
