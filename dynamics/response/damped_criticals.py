@@ -12,13 +12,11 @@ from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.units import RPM
-from dynamics.indices import index_of_name
 from dynamics.response.complex_modes import ComplexModes, complex_modes
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.harmonic import harmonic_response
-from dynamics.response.linear_system import LinearSystem
-from dynamics.response.loads import chain_of
 from dynamics.response.over_speed import OverSpeed
+from dynamics.response.place_rows import load_rows, motion_row
 from dynamics.response.speed_grid import refined_speeds
 from dynamics.running_limits import within
 
@@ -186,7 +184,12 @@ def damped_criticals(
     of the amplitude in phase with it (`ComplexModes.contributions`). It counts as that mode's own if it
     is `in_band`.
     """
-    rows, names = _looked_at(response, elements, node)
+    if node is not None and elements is not None:
+        raise InputError(
+            f"node: given {node!r} together with elements; allowed is one of both, because peaks are those "
+            "of loads or of a motion."
+        )
+    rows, names = load_rows(response, elements) if node is None else motion_row(response, node)
     modes = complex_modes(response) if modes is None else modes
     ends = _checked_ends(response, speed_range)
     forces = OverSpeed.of(response.speeds, response.excitation.forces)
@@ -218,34 +221,6 @@ class _Peak(NamedTuple):
     number: int
     share: float
     in_band: bool
-
-
-def _looked_at(
-    response: ForcedResponse, elements: Sequence[int | str] | None, node: int | str | None
-) -> tuple[FloatArray, tuple[str, ...]]:
-    """Return rows (p, q), amplitudes per motion of the unknowns, and the names of their places."""
-    system = response.system
-    if node is not None:
-        if elements is not None:
-            raise InputError(
-                f"node: given {node!r} together with elements; allowed is one of both, because peaks are "
-                "those of loads or of a motion."
-            )
-        why = "an amplitude is that of a node"
-        place = index_of_name("node", node, response.names, "nodes", why)
-        return elastic_row(system, system.expand[place])[np.newaxis], (response.names[place],)
-    chain = chain_of(response)
-    why = "a load is that of an element"
-    chosen = range(len(chain.elements)) if elements is None else elements
-    places = [index_of_name("elements", one, chain.elements, "elements", why) for one in chosen]
-    rows = (chain.stiffness[:, np.newaxis] * chain.elongations() @ system.expand)[places]
-    return rows, tuple(chain.elements[place] for place in places)
-
-
-def elastic_row(system: LinearSystem, row: FloatArray) -> FloatArray:
-    """Return a combination of unknowns (q,) without what the motion of the rigid body gives to it."""
-    rigid = system.shapes[:, : system.rigid.shape[1]]
-    return np.asarray(row - system.mass @ rigid @ (rigid.T @ row))
 
 
 def _checked_ends(

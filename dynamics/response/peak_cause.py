@@ -5,16 +5,15 @@ from typing import Literal
 
 import numpy as np
 
-from crankbase.checks.arrays import FloatArray
-from crankbase.errors import InputError
 from crankbase.summaries import summarized
 from crankbase.tables.frames import Row
 from crankbase.units.quantity import format_quantity
 from dynamics.indices import index_of_name
 from dynamics.response.complex_modes import ComplexModes, complex_modes
-from dynamics.response.damped_criticals import BAND, elastic_row
+from dynamics.response.damped_criticals import BAND
 from dynamics.response.forced import ForcedResponse
 from dynamics.response.order_excitation import OrderExcitation, checked_speed_index
+from dynamics.response.place_rows import named_row
 from dynamics.response.series import OrderSeries
 from dynamics.response.synthesis import extreme_angles
 
@@ -279,7 +278,7 @@ def peak_cause(
     """
     number = index_of_name("place", place, series.names, "the series", "a peak is that of a place")
     index = checked_speed_index(speed_index, series.speeds)
-    row = _row_of(response, series.names[number])
+    row = named_row(response, series.names[number])
     modes = complex_modes(response) if modes is None else modes
     speed = float(series.speeds[index])
     phasors = series.values[:, index, number]
@@ -344,19 +343,6 @@ def _state(magnifier: float, largest: float, detuning: float) -> State:
     if magnifier >= BAND * largest:
         return "at resonance"
     return "near resonance" if abs(detuning) <= NEAR_RESONANCE else "forced"
-
-
-def _row_of(response: ForcedResponse, name: str) -> FloatArray:
-    """Return what an element or node of this name does per motion of the unknowns, (q,)."""
-    system, chain = response.system, response.chain
-    if chain is not None and name in chain.elements:
-        return np.asarray(chain.elongations()[chain.elements.index(name)] @ system.expand)
-    if name in response.names:
-        return elastic_row(system, system.expand[response.names.index(name)])
-    raise InputError(
-        f"place: given {name!r}; allowed are elements and nodes of the response, because modes tell how "
-        "these move."
-    )
 
 
 def _mode(part: OrderPart) -> str:

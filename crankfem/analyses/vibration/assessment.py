@@ -235,7 +235,9 @@ def _uncertainty(
         lowest=low[rigid:],
         nominal=chain.modes().frequencies[rigid:],
         highest=high[rigid:],
-        critical=critical_ranges(chain, spreads, orders, running, within=margin),
+        critical=critical_ranges(
+            chain, spreads, orders, running, within=margin, damped=forced.damped_shift
+        ),
         amplitudes=amplitudes,
     )
 

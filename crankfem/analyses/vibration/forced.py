@@ -29,19 +29,19 @@ from crankfem.analyses.vibration.engine_excitation import (
 )
 from crankfem.analyses.vibration.engine_limits import assessment_end_speeds, limit_findings
 from crankfem.analyses.vibration.modes import Vibration
+from crankfem.analyses.vibration.resonances import resonances_of
 from crankfem.files.engine.engine_file import EngineFile
 from dynamics.assessment.barred_ranges import limit_end_speed
 from dynamics.assessment.limits import usage
 from dynamics.assessment.worst_speeds import refined_maxima
 from dynamics.chains.engine_chains import EngineChain
-from dynamics.critical import major_orders
 from dynamics.excitation.axial_comparison import AxialForceComparison
 from dynamics.excitation.chain_excitation import torque_excitation
 from dynamics.excitation.cylinder_harmonics import CylinderHarmonics
 from dynamics.excitation.cylinders import CylinderForces
 from dynamics.plots.quantities import Quantity
 from dynamics.response.complex_modes import ComplexModes, complex_modes
-from dynamics.response.damped_criticals import DampedCritical, damped_criticals
+from dynamics.response.damped_criticals import DampedCritical
 from dynamics.response.forced import ForcedResponse, forced_response
 from dynamics.response.loads import ElementLoads, alternating_stress, element_loads, section_modulus
 from dynamics.response.order_excitation import OrderExcitation
@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 
 Forced = Literal["amplitude", "load", "stress", "power", "axial forces"]
 # Unit that a resonance tells, which does not know whether it is an axial one.
-EITHER = "rad or m"
+EITHER = "SI"
 FORCED: tuple[Forced, ...] = ("amplitude", "load", "stress", "power", "axial forces")
 
 
@@ -120,6 +120,16 @@ class ForcedVibration:
         numbered = self.modes.numbers > 0
         found[self.modes.numbers[numbered] - 1] = self.modes.frequencies[numbered]
         return found
+
+    def damped_shift(self, mode: int, order: float) -> float:
+        """Return the critical speed of an order and a mode with damping over that without.
+
+        Beyond the speeds judged it is the ratio of the mode's frequencies.
+        """
+        for one in self.resonances:
+            if (one.mode, one.order) == (mode, order):
+                return one.speed / one.undamped_speed
+        return float(self.frequencies[mode - 1] / self.modes.undamped[mode - 1])
 
     @property
     def peaks(self) -> tuple[DampedCritical, ...]:
@@ -322,8 +332,8 @@ def forced_vibrations(
     )
     lengthened, twisted = responses(merged_speeds(speeds, worst))
     return (
-        replace(lengthened, resonances=_resonances(engine_file, lengthened)),
-        replace(twisted, resonances=_resonances(engine_file, twisted)),
+        replace(lengthened, resonances=resonances_of(engine_file, lengthened)),
+        replace(twisted, resonances=resonances_of(engine_file, twisted)),
     )
 
 
@@ -349,28 +359,6 @@ def _limit_usage(engine_file: EngineFile, answers: Answers) -> FloatArray:
     kept = [np.where(speeds >= engine.lowest_speed, own, 0.0) for own in used]
     moved = [own.free_end.synthesis.amplitude[:, 0] for own in answers]
     return np.array([*used, *kept, *moved])
-
-
-def _resonances(engine_file: EngineFile, forced: ForcedVibration) -> tuple[DampedCritical, ...]:
-    """Resonances at all speeds judged; major are those of orders in which all cylinders fire in phase."""
-    response = forced.response
-    major = major_orders(response.orders, engine_file.engine.firing_angles)
-    found = damped_criticals(response, node=0, speed_range=forced.judged_range, modes=forced.modes)
-    told = [
-        replace(
-            one,
-            kind="major" if np.any(np.isclose(major, one.order)) else "minor",
-            in_running_range=_place(one) <= forced.running_range[1],
-        )
-        for one in found
-        if one.in_band or not one.has_peak
-    ]
-    return tuple(sorted(told, key=lambda one: (not one.has_peak, _place(one))))
-
-
-def _place(critical: DampedCritical) -> float:
-    """Speed of a peak; without one that at which the order meets the mode undamped [rad/s]."""
-    return critical.speed if critical.has_peak else critical.undamped_speed
 
 
 def nominal_section_modulus(throw: CrankThrow) -> float:

@@ -47,7 +47,7 @@ def mode_table(record: Record) -> Table:
 def critical_table(record: Record) -> Table:
     """Return the critical speeds of one kind; marked are those at which the cylinders act together."""
     return Table(
-        f"{record['kind'].capitalize()} critical speeds in the running range",
+        f"{record['kind'].capitalize()} critical speeds in the running range, without damping",
         [
             SPEED,
             Column("order", digits=None),
