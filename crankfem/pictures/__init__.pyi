@@ -3,14 +3,10 @@
 from crankfem.analyses.mechanism.plots.balance_plots import plot_accelerations as plot_accelerations
 from crankfem.analyses.mechanism.plots.balance_plots import plot_balance as plot_balance
 from crankfem.analyses.mechanism.plots.balance_plots import plot_hinged_rods as plot_hinged_rods
-from crankfem.analyses.mechanism.plots.load_plots import (
-    plot_developed_loads as plot_developed_loads,
-)
 from crankfem.analyses.mechanism.plots.load_plots import plot_polar_loads as plot_polar_loads
 from crankfem.analyses.throw.pictures.solid_picture import picture_shaft as picture_shaft
 from crankfem.analyses.throw.pictures.solid_picture import picture_throw as picture_throw
 from crankfem.analyses.throw.pictures.stress_picture import picture_stresses as picture_stresses
-from crankfem.analyses.vibration.plots.response_plots import plot_over_speed as plot_over_speed
 from crankfem.analyses.vibration.plots.response_plots import (
     plot_response_campbell as plot_response_campbell,
 )

@@ -108,7 +108,7 @@ def without_study(results):
 
 def with_unbounded_vibration(results):
     for forced in results["vibration"]["forced"].values():
-        forced["resonances"][0] |= {"amplitude": None, "estimate": None, "unbounded": True}
+        forced["resonances"][0] |= {"amplitude": None, "unbounded": True}
         forced["loads"][0]["peak"] = None
     results["vibration"]["assessment"]["checks"][0] |= {"value": None, "used": None}
     return results
@@ -532,15 +532,15 @@ AS_STORED = [
     ),
     (
         "response",
-        "times magnifier speed [1/min] order mode section 0 [µm] by magnifier kind 383.8 12 1 116.0",
+        "speed [1/min] order mode section 0 [µm] undamped damping [%] kind 384.0 12 1 116.1 383.8 1.25",
     ),
     (
         "response",
-        "484.8 9.5 1 33.04 33.29 minor 511.8 9 1 340.8 342.7 major Magnifier",
+        "485.4 9.5 1 33.17 484.8 1.25 minor 512.1 9 1 341.2 511.8 1.25 major Magnifier",
     ),
     (
         "response",
-        "mode free end [mrad] by magnifier kind 434.9 12 1 1.417 1.417 major",
+        "mode free end [mrad] undamped damping [%] kind 434.8 12 1 1.417 434.9 1.25 major",
     ),
     (
         "response",
@@ -607,7 +607,7 @@ CHANGED = [
         "torsional stress of crankshaftcylinder 4 - cylinder 5, 498 1/min 2449 MPa 21.21 MPa 11545 %",
     ),
     ("limits", "5 to 95 % of 200 samples lie from 341 µm to 512 µm."),
-    ("response", "383.8 12 1 unbounded unbounded major"),
+    ("response", "384.0 12 1 unbounded 383.8 1.25 major"),
     ("checks", "7 of 11 checks that are judged hold."),
 ]
 

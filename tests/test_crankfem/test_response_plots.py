@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from crankbase.drawing.diagram_style import figure
 from crankbase.errors import InputError
-from crankfem.analyses.vibration.plots.response_plots import plot_over_speed, plot_response_campbell
+from crankfem.analyses.vibration.plots.response_plots import plot_response_campbell
 from dynamics.chains.chain import Chain
 from dynamics.response.damping import damped
 from dynamics.response.forced import forced_response
@@ -35,14 +36,14 @@ def test_diagrams_are_made_and_the_same_each_time(tmp_path):
                 resonances(found),
                 title="x",
             )
-            plot_over_speed(
-                curves,
-                found.elastic,
-                "pulley",
-                "twist",
-                limits={"limit": 1e-4, "rule": [1e-4, 2e-4, 3e-4]},
-                barred=[(95.0, 105.0)],
-            )
+            with figure(curves) as axes:
+                found.elastic.plot(
+                    axes,
+                    "pulley",
+                    quantity="twist",
+                    limits={"limit": 1e-4, "rule": [1e-4, 2e-4, 3e-4]},
+                    barred=[(95.0, 105.0)],
+                )
             made.append(campbell.read_bytes() + curves.read_bytes())
         assert made[0] == made[1]
         assert b"nan" not in made[0].lower().replace(b"nance", b"")
@@ -59,6 +60,6 @@ def test_diagrams_are_made_and_the_same_each_time(tmp_path):
 )
 def test_refused(tmp_path, place, quantity, words):
     with pytest.raises(InputError, match=words):
-        plot_over_speed(tmp_path / "x.svg", response().nodes, place, quantity)
+        response().nodes.plot(None, place, quantity=quantity)
     with pytest.raises(InputError, match="path: given"):
-        plot_over_speed(tmp_path / "x.png", response().nodes, 0, "twist")
+        plot_response_campbell(tmp_path / "x.png", [10.0], [1.0], (1.0, 2.0), [])

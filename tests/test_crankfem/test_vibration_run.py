@@ -222,7 +222,7 @@ def test_resonances_are_listed_at_all_speeds_judged(run):
     assert f"order {nearest.order:g}, at the resonance of torsional mode 1, makes" in worst.sentence
     assert "forced without resonance, make" in worst.sentence
     assert 0.1 < worst.cause.share("at resonance") < 0.5 < worst.cause.share("forced")
-    assert f", near {worst.near}" in run.assessment.verdict.sentence
+    assert worst.sentence in run.assessment.verdict.sentence
     axes = run.assessment.plot()
     assert axes.get_xlim()[1] == close(end * 30.0 / math.pi)
     assert "highest running speed" in [line.get_label() for line in axes.lines]

@@ -122,17 +122,13 @@ def spread_of_engines(
     return tuple(found)
 
 
-def formula_spreads(
-    spreads: Sequence[EngineSpread], kind: str, valid_only: bool = False
-) -> dict[str, FormulaSpread]:
+def formula_spreads(spreads: Sequence[EngineSpread], kind: str) -> dict[str, FormulaSpread]:
     """Least, geometric mean and greatest of each formula's ratios over the engines.
 
     Parameters
     ----------
     spreads : sequence of EngineSpread
     kind : {"axial", "torsional"}
-    valid_only : bool
-        Leave out the engines to which a formula does not apply.
 
     Returns
     -------
@@ -146,9 +142,7 @@ def formula_spreads(
         ratios = [
             ratio.value
             for spread in spreads
-            if (ratio := spread.ratios[kind].get(name)) is not None
-            and ratio.value > 0.0
-            and (ratio.valid or not valid_only)
+            if (ratio := spread.ratios[kind].get(name)) is not None and ratio.value > 0.0
         ]
         if ratios:
             mean = math.exp(sum(math.log(ratio) for ratio in ratios) / len(ratios))

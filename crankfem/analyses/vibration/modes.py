@@ -300,7 +300,7 @@ def torsional_vibration(
     wanted = engine_file.vibration.torsional_source
 
     def weights(named: EngineChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
-        return torsional_weights(named, shape)[list(engine_file.throws)]
+        return shape[list(named.throw_nodes)][list(engine_file.throws)]
 
     return _vibration(engine_file, "torsional", wanted, sources, chain, weights)
 
@@ -377,11 +377,6 @@ def axial_weights(forces: NDArray[np.float64], shape: NDArray[np.float64]) -> ND
         Displacements of the main-journal middles.
     """
     return forces.T @ np.diff(shape)
-
-
-def torsional_weights(chain: EngineChain, shape: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Work of a unit torque at each throw on a torsional mode shape: its twist there."""
-    return shape[list(chain.throw_nodes)]
 
 
 def _phase_sum(weights: NDArray[np.float64], order: float, firing: Sequence[float]) -> float:

@@ -14,7 +14,7 @@ from crankfem.analyses.throw.pictures.scene import eye_at
 from crankfem.analyses.throw.pictures.stress_picture import COLORS, STRESS_SHOWN, load_title
 from crankfem.analyses.throw.pictures.surface import stressed_surface, stretched_surface
 from crankfem.report.interactive.mesh_decimation import decimate_triangles
-from crankfem.report.interactive.rounding import rounded
+from crankfem.report.interactive.rounding import rounded, shortest
 from crankfem.report.interactive.style import (
     Figure,
     Part,
@@ -330,15 +330,8 @@ def _lines(
 def _coordinates(points: Array, size: float) -> Part:
     """Return x, y and z to a ten thousandth of the size's power of ten [mm]."""
     decimals = 4 - math.floor(math.log10(size))
-    return _xyz(
-        [
-            [
-                None if math.isnan(value) else int(value) if value.is_integer() else value
-                for value in row
-            ]
-            for row in np.round(points.T, max(0, decimals)).tolist()
-        ]
-    )
+    rows = np.round(points.T, max(0, decimals)).tolist()
+    return _xyz([[shortest(value) for value in row] for row in rows])
 
 
 def _xyz(values: Sequence[object]) -> Part:

@@ -1,4 +1,4 @@
-"""Load diagrams of crankpins and main bearings: the polar and the developed one."""
+"""Polar load diagrams of crankpins and main bearings."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,7 +7,7 @@ from crankbase.drawing.diagram_style import figure
 from crankbase.drawing.legends import plain_text
 from crankbase.errors import InputError
 from dynamics.engine.loads import LoadDiagram
-from dynamics.plots.load_diagrams import Frame, check_polar, draw_developed_loads, draw_polar_loads
+from dynamics.plots.load_diagrams import Frame, check_polar, draw_polar_loads
 
 
 def plot_polar_loads(
@@ -42,48 +42,6 @@ def plot_polar_loads(
     InputError
         If there is no diagram, or labels, frame or step do not fit.
     """
-    loads = _named(diagrams, labels)
-    check_polar(frame, mark_step_deg)
-    with figure(path, width=6.4, height=6.4) as axes:
-        draw_polar_loads(axes, loads, frame, mark_step_deg)
-        if title:
-            axes.set_title(plain_text(title))
-
-
-def plot_developed_loads(
-    path: Path,
-    diagrams: Sequence[LoadDiagram],
-    *,
-    labels: Sequence[str] | None = None,
-    title: str = "",
-) -> None:
-    """Plot the size of a bearing's force over the shaft angle, with mean and maximum, as SVG.
-
-    Parameters
-    ----------
-    path : Path
-    diagrams : sequence of LoadDiagram
-    labels : sequence of str, optional
-        For the legend; the diagrams' names otherwise.
-    title : str, optional
-
-    Raises
-    ------
-    InputError
-        If there is no diagram, or not one label for each.
-    """
-    loads = _named(diagrams, labels)
-    with figure(path) as axes:
-        draw_developed_loads(axes, loads)
-        if title:
-            axes.set_title(plain_text(title))
-        # Below the axes: the curve fills them.
-        axes.figure.legend(fontsize=8, loc="outside lower center")
-
-
-def _named(
-    diagrams: Sequence[LoadDiagram], labels: Sequence[str] | None
-) -> list[tuple[str, LoadDiagram]]:
     if not diagrams:
         raise InputError(
             "diagrams: given none; allowed are one or more, because a picture shows something."
@@ -94,4 +52,9 @@ def _named(
             f"labels: given {len(names)} for {len(diagrams)} diagrams; allowed is one for each, because "
             "every curve has its name."
         )
-    return list(zip(names, diagrams, strict=True))
+    loads = list(zip(names, diagrams, strict=True))
+    check_polar(frame, mark_step_deg)
+    with figure(path, width=6.4, height=6.4) as axes:
+        draw_polar_loads(axes, loads, frame, mark_step_deg)
+        if title:
+            axes.set_title(plain_text(title))

@@ -1,6 +1,6 @@
-"""Diagrams of forced vibration: Campbell diagram, and amplitudes, loads, stresses over speed."""
+"""The Campbell diagram of any chain, as a file."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from numpy.typing import ArrayLike
@@ -9,9 +9,6 @@ from crankbase.checks.arrays import finite_array
 from crankbase.drawing.diagram_style import figure
 from crankfem.analyses.titles import add_title
 from dynamics.plots.campbell import Meeting, draw_campbell
-from dynamics.plots.quantities import Quantity
-from dynamics.plots.speed_curves import MAIN_ORDERS
-from dynamics.response.series import OrderSeries
 
 
 def plot_response_campbell(
@@ -47,52 +44,4 @@ def plot_response_campbell(
     natural, lines = finite_array("frequencies", frequencies), finite_array("orders", orders)
     with figure(path, height=4.8) as axes:
         draw_campbell(axes, natural, lines, speed_range, found)
-        add_title(axes, title)
-
-
-def plot_over_speed(
-    path: Path,
-    series: OrderSeries,
-    place: int | str,
-    quantity: Quantity,
-    *,
-    limits: Mapping[str, ArrayLike] | None = None,
-    barred: Sequence[tuple[float, float]] = (),
-    main_orders: int = MAIN_ORDERS,
-    title: str = "",
-) -> None:
-    """Plot one place's main orders, synthesis and plain sum over speed.
-
-    Parameters
-    ----------
-    path : Path
-        SVG file.
-    series : OrderSeries
-        Motion of nodes, loads or stresses of elements, at two speeds or more.
-    place : int or str
-        Which of them, by number from 0 or name.
-    quantity : {"twist", "displacement", "torque", "force", "stress"}
-        What the values are: it names the axis and gives the unit.
-    limits : mapping of str to float or array_like of shape (S,), optional
-        Limits by name, in SI, constant or over the speeds; inf where none is stated.
-    barred : sequence of pairs of floats, optional
-        Barred ranges of speed [rad/s], shaded.
-    main_orders : int, optional
-        How many orders, those with the largest peaks, get a line of their own.
-    title : str, optional
-
-    Raises
-    ------
-    InputError
-        If the place or the quantity is unknown, or the path no SVG file in a folder that is there.
-    """
-    with figure(path, height=4.4) as axes:
-        series.plot(
-            axes,
-            place,
-            quantity=quantity,
-            limits=limits,
-            barred=barred,
-            main_orders=main_orders,
-        )
         add_title(axes, title)
