@@ -24,7 +24,6 @@ from dynamics.response.linear_system import (
     chain_system,
 )
 
-ByPlace = ArrayLike | Mapping[int, float]
 UNIT = "N m s/rad (torsional) or N s/m (axial)"
 PASSIVE = "it is that of a passive element"
 
@@ -127,8 +126,6 @@ def damped(
         If a value is out of range, lengths do not fit, magnifier and modal damping are both given,
         or undamped goes with any damping.
     """
-    absolute, relative = _none_if_empty(absolute), _none_if_empty(relative)
-    loss_factor, element_magnifier = _none_if_empty(loss_factor), _none_if_empty(element_magnifier)
     given = {
         "magnifier": magnifier,
         "modal_damping": modal_damping,
@@ -138,7 +135,11 @@ def damped(
         "element_magnifier": element_magnifier,
         "engine_magnifier": engine_magnifier,
     }
-    named = [name for name, value in given.items() if value is not None]
+    named = [
+        name
+        for name, value in given.items()
+        if value is not None and not (isinstance(value, Mapping) and not value)
+    ]
     own = bool(np.any(chain.damping_matrix()) or np.any(chain.loss_matrix()))
     if undamped and (named or own):
         what = ", ".join(named) or "damping of the chain itself"
@@ -154,12 +155,12 @@ def damped(
     ground = chain.ground_damping + at_nodes
     losses = of_elements("loss_factor", loss_factor, chain, unit="")
     inverse = _inverse_magnifiers(element_magnifier, chain)
-    if absolute is not None:
-        said.append(f"absolute damping at nodes, up to {_largest(at_nodes):g} {UNIT}: {source}")
-    if relative is not None:
-        said.append(f"relative damping of elements, up to {_largest(between):g} {UNIT}: {source}")
-    if loss_factor is not None:
-        said.append(f"loss factor of elements, up to {_largest(losses):g}: {source}")
+    by_place = {
+        "absolute": f"absolute damping at nodes, up to {_largest(at_nodes):g} {UNIT}",
+        "relative": f"relative damping of elements, up to {_largest(between):g} {UNIT}",
+        "loss_factor": f"loss factor of elements, up to {_largest(losses):g}",
+    }
+    said += [f"{text}: {source}" for name, text in by_place.items() if name in named]
     if np.any(inverse):
         said.append(
             f"magnifier of elements, least {1.0 / np.max(inverse):g} (loss factor 1/magnifier): "
@@ -221,11 +222,6 @@ def of_elements(
             full[place] = nonnegative_vector(name, [value], unit, PASSIVE)[0]
         return full
     return one_for_each(field, values, count, "elements", unit, PASSIVE)
-
-
-def _none_if_empty(values: ByPlace | None) -> ByPlace | None:
-    """Return values, or None for a mapping that names nothing."""
-    return None if isinstance(values, Mapping) and not values else values
 
 
 def _largest(values: FloatArray) -> float:

@@ -153,18 +153,21 @@ class OrderSeries:
         place: int | str,
         quantity: QuantityDisplay,
         field: str = "place",
-        **drawn: Unpack[DrawnBeside],
+        *,
+        limits: Mapping[str, ArrayLike] | None = None,
+        barred: Sequence[tuple[float, float]] = (),
+        main_orders: int = MAIN_ORDERS,
     ) -> Axes:
         """Draw one place as `plot` does, with its quantity's unit; `field` names the place."""
         number = index_of_name(
             field, place, self.names, "the series", "one curve is that of one place"
         )
-        limits = checked_limits(drawn.get("limits"), len(self.speeds))
-        ranges = checked_barred(drawn.get("barred", ()))
+        stated = checked_limits(limits, len(self.speeds))
+        ranges = checked_barred(barred)
         why = "so many orders get a line of their own"
-        count = whole_number("main_orders", drawn.get("main_orders", MAIN_ORDERS), 0, why)
+        count = whole_number("main_orders", main_orders, 0, why)
         axes = new_axes(axes, height=4.4)
-        curves = self.over_speed(number, quantity, limits=limits, barred=ranges, main_orders=count)
+        curves = self.over_speed(number, quantity, limits=stated, barred=ranges, main_orders=count)
         draw_over_speed(axes, curves)
         write_title(axes, self.names[number], 10)
         return axes

@@ -173,8 +173,8 @@ def test_the_first_screen_says_what_matters(results, page):
         "76.8 Hz",
         "87.0 Hz",
         "whole crankshaft in its bearings: 81.1 Hz",
-        "511.8 9 (major) 341 µm",
-        "434.9 12 (major) 1.42 mrad",
+        "512.1 9 (major) 341 µm",
+        "434.8 12 (major) 1.42 mrad",
     ):
         assert shown in first
 
@@ -456,13 +456,13 @@ AS_STORED = [
     ("verdict", "crankshaft in its bearings: 81.1 Hz"),
     (
         "verdict",
-        "axial 511.8 9 (major) 341 µm axial 383.8 12 (major) 116 µm axial 438.6 10.5 58.3 µm",
+        "axial 512.1 9 (major) 341 µm axial 384.0 12 (major) 116 µm axial 439.1 10.5 58.5 µm",
     ),
     (
         "verdict",
-        "by that order alone vibration speed [1/min] order amplitude axial 511.8 9 (major)",
+        "by that order alone vibration speed [1/min] order amplitude axial 512.1 9 (major)",
     ),
-    ("verdict", "torsional 434.9 12 (major) 1.42 mrad torsional 497.0 10.5 1.01 mrad"),
+    ("verdict", "torsional 434.8 12 (major) 1.42 mrad torsional 496.9 10.5 1.01 mrad"),
     ("verdict", "cylinder 4 - cylinder 5, 498 1/min 24.48 MPa 21.21 MPa 115 %"),
     ("inputs", "Crank radius R 170 mm Main journal diameter 220 mm Crankpin diameter 180 mm"),
     (
