@@ -652,7 +652,7 @@ def changed(results):
         "percentile_95": 512e-6,
     }
     strongest = vibration["forced"]["axial"]["resonances"]
-    next(one for one in strongest if one["order"] == 12.0).update(amplitude=None, estimate=None)
+    next(one for one in strongest if one["order"] == 12.0).update(amplitude=None, unbounded=True)
     checks = {one["name"]: one for one in results["checks"]}
     checks["Error of the axial compliance"]["met"] = False
     checks["Error of the fillet stresses"]["met"] = False
