@@ -1,12 +1,12 @@
 """What makes a peak: the part of each order in it, and whether a resonance makes that order large."""
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from crankbase.summaries import summarized
-from crankbase.tables.frames import Row
+from crankbase.tables.frames import Row, table_of
 from crankbase.units.quantity import format_quantity
 from dynamics.indices import index_of_name
 from dynamics.response.complex_modes import ComplexModes, complex_modes
@@ -16,6 +16,9 @@ from dynamics.response.order_excitation import OrderExcitation, checked_speed_in
 from dynamics.response.place_rows import named_row
 from dynamics.response.series import OrderSeries
 from dynamics.response.synthesis import extreme_angles
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 # A mode makes an order's amplitude if it gives more than half of it.
 DOMINATES = 0.5
@@ -156,6 +159,21 @@ class PeakCause:
             texts.append(f"all others {_verb(rest, many=True)} {self._quantity(abs(rest))}")
         return "; ".join(texts)
 
+    def to_pandas(self) -> "DataFrame":
+        """Return a table with a row for each order.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Units are in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        MissingLibraryError
+            If pandas is not installed.
+        """
+        return table_of(self.parts)
+
     def _together(self) -> list[Orders]:
         """Return the orders that are told together: those of one resonance, and all that are forced."""
         found: dict[tuple[str, str], list[OrderPart]] = {}
@@ -172,7 +190,10 @@ class PeakCause:
         main = [place for place, one in enumerate(parts) if abs(one.contribution) >= least]
         if not main:
             return ()
-        gaps = 1 + np.flatnonzero(np.diff(main) > 1 + BRIDGED)
+        # Orders that are told elsewhere end a run too.
+        along = [self.parts.index(parts[place]) for place in main]
+        apart = np.diff(along)
+        gaps = 1 + np.flatnonzero((apart > 1 + BRIDGED) | (apart > np.diff(main)))
         runs: list[Orders] = []
         for run in np.split(np.array(main), gaps):
             if len(run) >= RUN:
@@ -200,7 +221,7 @@ class PeakCause:
             f"{self._quantity(abs(total))} ({100.0 * abs(total) / self.amplitude:.0f} %)"
         )
         most = max(parts, key=lambda one: one.contribution)
-        if many and most.contribution >= 0.5 * total > 0.0:
+        if many and 0.5 * total <= most.contribution <= total:
             text += f", {self._quantity(most.contribution)} of it by order {most.order:g}"
         return text
 

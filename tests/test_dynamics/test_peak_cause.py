@@ -79,6 +79,13 @@ def test_small_orders_are_told_together():
     assert "9" not in found.sentence.partition(":")[2].split(",")[0]
 
 
+def test_runs_end_at_orders_that_are_told_elsewhere():
+    amplitudes = {1.0: 100.0, 2.0: 100.0, 3.0: 100.0, 4.0: 30.0, 5.0: 300.0, 6.0: 600.0, 7.0: 900.0}
+    found = cause(amplitudes, NATURAL / 4.0)
+    assert found.parts[3].state == "at resonance"
+    assert found.reasons.startswith("orders 2, 3 and 5 to 7, forced without resonance, make")
+
+
 def test_forces_that_another_vibration_brings():
     speed = NATURAL / 6.0
     torsional = cause({1.0: 100.0, 6.0: 10.0}, speed)
