@@ -396,10 +396,6 @@ CASES = {
         lambda o: {"954.9 1/min": over_cycle(o.diagrams[1].angles, 1e-6 * o.diagrams[1].pressure)},
     ),
     "PressureMap, at": (pressures, {"speed": 100.0, "load": 0.75}, 1, 0, None),
-    "PeakCause": (
-        lambda: peak_cause(response(), response().nodes, 0, 0),
-        lambda o: {"contribution": ([one.contribution for one in o.parts], "SI")},
-    ),
     "Harmonics": (
         lambda: harmonics([0.0, 1.0, 0.0, -1.0, 2.0, 0.0], 4),
         {"unit": "N m", "highest_order": 1.0},
@@ -832,6 +828,10 @@ def test_tables_refuse_wrong_options():
 # Of each table: the object, and some columns with their values and units.
 TABLES = {
     "Modes": (modes, lambda o: {"frequency": (o.frequencies, "Hz")}),
+    "PeakCause": (
+        lambda: peak_cause(response(), response().nodes, 0, 0),
+        lambda o: {"contribution": ([one.contribution for one in o.parts], "SI")},
+    ),
     "ComplexModes": (
         lambda: complex_modes(response()),
         lambda o: {"frequency": (o.frequencies, "Hz"), "damping_ratio": (o.damping_ratios, "1")},
